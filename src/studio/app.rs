@@ -274,11 +274,15 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
         creation.egui_ctx.set_zoom_factor(scale);
         Ok(Box::new(window))
     });
-    let opened = eframe::run_native(text("window-title"), options, create);
-    opened.map_err(|error| match error {
+    eframe::run_native(text("window-title"), options, create).map_err(window_error)
+}
+
+/// Returns the reason why a window was not opened.
+pub(super) fn window_error(error: eframe::Error) -> StudioError {
+    match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => StudioError::NoDesktop,
         eframe::Error::Glutin(error) => StudioError::NoOpenGl(error.to_string()),
         eframe::Error::NoGlutinConfigs(_, error) => StudioError::NoOpenGl(error.to_string()),
         error => StudioError::NoOpenGl(error.to_string()),
-    })
+    }
 }

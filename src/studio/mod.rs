@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`history`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`], [`settings`]. Only `app` and
-//! the files of `panels` name egui.
+//! [`glove_editor`], [`guide`], [`history`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
+//! [`settings`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -34,6 +34,7 @@ pub mod history;
 mod joint_names;
 pub mod latency;
 pub mod model;
+pub mod overlay;
 pub mod pace;
 mod panels;
 pub mod picture;
@@ -53,3 +54,4 @@ pub mod typing;
 
 pub use self::app::{StudioApp, open_window};
 pub use self::error::StudioError;
+pub use self::overlay::window::{Overlay, open_overlay};

@@ -11,7 +11,7 @@ use super::texts::Language;
 const SCALES: (f32, f32) = (0.5, 3.0);
 
 /// Lowest opacity of the overlay: below, it cannot be found.
-const MIN_OPACITY: f32 = 0.1;
+pub const MIN_OPACITY: f32 = 0.1;
 
 /// Volume of the clicks before it is chosen.
 const DEFAULT_VOLUME: f32 = 0.5;

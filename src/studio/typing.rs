@@ -28,7 +28,8 @@ impl Typing {
         }
     }
 
-    fn with_output(names: &str, state: PipelineState) -> Self {
+    /// Returns the effect of a session with these outputs in this state.
+    pub fn with_output(names: &str, state: PipelineState) -> Self {
         if !output::has_effect(names) {
             return Self::Nowhere;
         }

@@ -46,6 +46,8 @@ pub struct CanvasScene<'a> {
     pub preview: &'a Preview,
     /// Radius of an arc or cylinder, in millimetres.
     pub radius: Option<f32>,
+    /// A grid is drawn below the items.
+    pub has_grid: bool,
 }
 
 /// The pen of a picture.
@@ -64,7 +66,9 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
         size,
         colors,
     };
-    pen.add_grid();
+    if scene.has_grid {
+        pen.add_grid();
+    }
     if let Some(radius) = scene.radius {
         pen.add_bend(scene.items, radius);
     }
@@ -329,6 +333,7 @@ mod tests {
             fingertips: &[],
             preview: &Preview::default(),
             radius: None,
+            has_grid: true,
         };
         draw(&scene, viewport, SIZE, &SceneColors::LIGHT)
     }
@@ -368,6 +373,7 @@ mod tests {
             fingertips: &[],
             preview: &preview,
             radius: Some(320.0),
+            has_grid: true,
         };
         let picture = draw(&scene, &viewport, SIZE, &SceneColors::DARK);
         let label = picture.labels.iter().find(|label| label.text == "A");

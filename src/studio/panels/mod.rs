@@ -32,6 +32,7 @@ use crate::layout::Fit;
 use crate::session::LayoutTrial;
 
 pub use self::fonts::fonts;
+pub use self::space::{color32, paint};
 
 /// The state of the session, and commands to it, for a panel.
 pub struct PanelContext<'a> {

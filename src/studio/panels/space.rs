@@ -124,7 +124,7 @@ fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
 }
 
 /// Paints a picture on a background.
-pub(super) fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
+pub fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
     painter.rect_filled(area, 0.0, color32(background));
     painter.add(mesh(&picture.below, area));
     painter.add(label_mesh(painter, area, &picture.labels));
@@ -191,6 +191,7 @@ fn on_screen(position: Vec2, area: Rect) -> Pos2 {
     area.min + egui::vec2(position.x, position.y)
 }
 
-fn color32(Color([red, green, blue, opacity]): Color) -> Color32 {
+/// Converts a colour for egui.
+pub fn color32(Color([red, green, blue, opacity]): Color) -> Color32 {
     Color32::from_rgba_unmultiplied(red, green, blue, opacity)
 }

@@ -386,3 +386,11 @@ editor-row = Row
 editor-option = Option
 editor-target = Target
 editor-chord = Chord
+
+## Overlay
+
+overlay-title = Ademán overlay
+overlay-opacity = Opacity
+overlay-place = Move this window to the place of the overlay, then close it.
+overlay-opaque = the overlay is small and opaque, as no compositor runs on this desktop; start one, such as picom, for a transparent one
+overlay-window-only = the overlay is an ordinary window, as this desktop lets no window stay above the others: choose that in its window menu, or install Xwayland

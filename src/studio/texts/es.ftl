@@ -386,3 +386,11 @@ editor-row = Fila
 editor-option = Opción
 editor-target = Objetivo
 editor-chord = Acorde
+
+## Superposición
+
+overlay-title = Superposición de Ademán
+overlay-opacity = Opacidad
+overlay-place = Lleve esta ventana al lugar de la superposición y ciérrela.
+overlay-opaque = la superposición es pequeña y opaca, porque en este escritorio no hay un compositor; inicie uno, por ejemplo picom, para que sea transparente
+overlay-window-only = la superposición es una ventana corriente, porque este escritorio no deja ninguna ventana por encima de las demás: elíjalo en el menú de la ventana, o instale Xwayland

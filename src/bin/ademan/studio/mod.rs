@@ -23,7 +23,7 @@ use crate::source_value::{self, SourceValue};
 /// Watch a hand, its boards and its sensors in a window
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600'\n  ademan studio --recording session.mcap\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600'\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it
@@ -37,6 +37,12 @@ pub struct Args {
     /// Recording to show in place of a session: forwards, backwards and step by step
     #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup"], add = complete::recording())]
     recording: Option<PathBuf>,
+    /// Show the boards and fingertips over other programs, above all windows; clicks pass through
+    #[arg(long, conflicts_with = "recording")]
+    overlay: bool,
+    /// Move the overlay and choose its opacity, typing into no program; both are kept
+    #[arg(long, requires = "overlay")]
+    place: bool,
     /// Run as root with an output that types
     #[arg(long)]
     allow_root: bool,

@@ -10,6 +10,8 @@ pub fn open(args: Args) -> Result<(), Failure> {
         source: _,
         layout: _,
         recording: _,
+        overlay: _,
+        place: _,
         allow_root: _,
     } = args;
     Err(Failure::wrong_use(

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
-use ademan::session::SessionOptions;
+use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
-use ademan::studio::{StudioApp, StudioError, open_window};
+use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
 use ademan::{advice, doctor, output};
 
 use super::{Args, source};
@@ -28,6 +28,8 @@ pub fn open(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let is_root_allowed = args.allow_root;
+    let is_overlay = args.overlay;
+    let is_placed = args.place;
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
@@ -43,16 +45,9 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let session = session::start(setup, options)?;
     session.wait_until_started();
     texts::set_language(language());
-    let shown = panics::contain(|| {
-        let app = StudioApp::new(&session)?;
-        let mut app = match player {
-            Some(player) => app.with_player(player),
-            None => app.with_sound(&session),
-        };
-        if let Some(path) = SettingsFile::default_path() {
-            app = app.with_settings(path);
-        }
-        open_window(app, signals::is_stop_requested)
+    let shown = panics::contain(|| match is_overlay {
+        true => show_overlay(&session, is_placed),
+        false => show_window(&session, player),
     });
     match shown {
         Some(Ok(())) => _ = session.commands().send(Command::Stop),
@@ -65,6 +60,30 @@ pub fn open(args: Args) -> Result<(), Failure> {
         None => complain!("the window has failed; the session goes on, and Ctrl-C ends it"),
     }
     stats::report(session.join()?)
+}
+
+fn show_window(session: &SessionHandle, player: Option<Player>) -> Result<(), StudioError> {
+    let app = StudioApp::new(session)?;
+    let mut app = match player {
+        Some(player) => app.with_player(player),
+        None => app.with_sound(session),
+    };
+    if let Some(path) = SettingsFile::default_path() {
+        app = app.with_settings(path);
+    }
+    open_window(app, signals::is_stop_requested)
+}
+
+fn show_overlay(session: &SessionHandle, is_placed: bool) -> Result<(), StudioError> {
+    let mut overlay = Overlay::new(session, is_placed)?;
+    let path = SettingsFile::default_path();
+    if let Some(error) = path.and_then(|path| overlay.restore(path)) {
+        complain!("{error}");
+    }
+    if let Some(limitation) = overlay.limitation() {
+        say!("{limitation}");
+    }
+    open_overlay(overlay, signals::is_stop_requested)
 }
 
 /// Returns the language of messages, as the environment names it.
@@ -107,6 +126,9 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
     };
     setup.source = args.source.or(setup.source);
     setup.layout = args.layout.unwrap_or(setup.layout);
+    if args.place {
+        setup.output = NO_OUTPUT.into();
+    }
     setup.use_token_roles()?;
     let setup = setup.load_files()?;
     if setup.setup.source.is_none() {

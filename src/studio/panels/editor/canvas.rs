@@ -239,6 +239,7 @@ fn paint(
         fingertips: &fingertips,
         preview: &panel.preview,
         radius: panel.dragged_radius.or(panel.items.radius),
+        has_grid: true,
     };
     let size = Vec2::new(area.width(), area.height());
     let picture = draw::draw(&scene, viewport, size, &colors);
