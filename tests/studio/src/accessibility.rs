@@ -1,6 +1,5 @@
 //! Screen readers and the keyboard: names and roles, the list of keys, the tour, and the language.
 
-use std::collections::HashSet;
 use std::fs;
 
 use ademan::studio::texts::{self, Language, text};
@@ -45,16 +44,65 @@ fn f1_shows_the_keys_and_escape_hides_them() {
     assert!(!window.has(text("keys-next-panel")));
 }
 
+/// Returns the name of the widget that has the focus.
+fn focused(window: &StudioWindow) -> String {
+    let root = window.harness.root();
+    let nodes = root.children_recursive();
+    let mut nodes = nodes.filter(|node| node.is_focused());
+    let label = nodes.next().and_then(|node| node.accesskit_node().label());
+    label.unwrap_or_default()
+}
+
 #[test]
-fn f6_moves_the_focus_from_panel_to_panel() {
+fn f6_moves_the_focus_from_panel_to_panel_and_shift_f6_back() {
     let mut window = Opening::default().open();
-    let focused = |window: &StudioWindow| window.harness.ctx.memory(|memory| memory.focused());
-    let mut seen = HashSet::new();
-    for _ in 0..4 {
+    let panels = [
+        "panel-toolbar",
+        "panel-sensors",
+        "panel-scope",
+        "panel-space",
+    ];
+    let names = panels.map(|key| format!("{}: {}", text("panel-word"), text(key)));
+    for name in names.iter().chain(&names[..1]) {
         window.press_key(egui::Key::F6);
-        seen.extend(focused(&window));
+        assert_eq!(focused(&window), *name);
     }
-    assert_eq!(seen.len(), 4, "toolbar, sensors, scope, 3D view");
+    for name in names.iter().rev() {
+        window
+            .harness
+            .key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::F6);
+        window.draw(3);
+        assert_eq!(focused(&window), *name);
+    }
+}
+
+#[test]
+fn the_first_step_of_the_tour_is_as_reviewed() {
+    let opening = Opening {
+        size: [1000.0, 700.0],
+        ..Opening::default()
+    };
+    let mut window = opening.open();
+    window.show_space_only();
+    window.click(text("menu-help"));
+    window.click(text("help-tour"));
+    let panel = window.panel(text("panel-space"));
+    picture::compare(&mut window, "studio-tour", panel);
+}
+
+#[test]
+fn the_tour_goes_back_and_is_left_with_escape() {
+    let mut window = Opening::default().open();
+    window.click(text("menu-help"));
+    window.click(text("help-tour"));
+    window.press_key(egui::Key::Enter);
+    assert!(window.has(text("tour-pause-words")));
+    window.press_key(egui::Key::Tab);
+    assert_eq!(focused(&window), text("tour-back"));
+    window.press_key(egui::Key::Space);
+    assert!(window.has(text("tour-view-words")));
+    window.press_key(egui::Key::Escape);
+    assert!(!window.has(text("tour-view-words")));
 }
 
 #[test]

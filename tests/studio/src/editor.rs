@@ -4,7 +4,6 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use ademan::document::Document;
 use ademan::layout::Layout;
 use ademan::studio::model::StudioModel;
 use ademan::studio::texts::text;
@@ -41,10 +40,6 @@ impl Drop for EditedFile {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.0);
     }
-}
-
-fn shipped(name: &str) -> String {
-    Document::shipped(name).expect("a shipped layout").text
 }
 
 /// Returns the middle of the canvas: the point that a layout with one key shows it at.
@@ -139,8 +134,9 @@ fn an_edit_is_tried_in_the_session_before_it_is_saved() {
 
 #[test]
 fn an_arc_is_unrolled_and_its_keys_are_shown() {
-    let file = EditedFile::new("arc.ron", &shipped("qwerty-arc"));
-    let mut window = file.open();
+    let mut window = Opening::on_layout("qwerty-arc").open();
+    window.click(text("workspace-layout"));
+    window.draw(3);
     assert!(window.has(text("editor-no-problems")));
     let center = canvas(&window).center();
     drag(
@@ -148,7 +144,8 @@ fn an_arc_is_unrolled_and_its_keys_are_shown() {
         center + egui::vec2(0.0, -10.0),
         egui::Vec2::ZERO,
     );
-    picture::draw(&mut window, "editor");
+    let panel = window.workspace();
+    picture::compare(&mut window, "studio-editor", panel);
 }
 
 #[test]

@@ -40,7 +40,9 @@ fn the_camera_moves_by_keys_while_the_3d_view_has_the_focus() {
     window.press_key(Key::Plus);
     let nearer = camera(&mut window);
     assert!(nearer.distance < turned.distance, "{nearer:?}");
-    window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::ArrowUp);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::SHIFT, Key::ArrowUp);
     window.draw(3);
     let moved = camera(&mut window);
     assert!(moved.target != nearer.target, "{moved:?}");
@@ -50,12 +52,7 @@ fn the_camera_moves_by_keys_while_the_3d_view_has_the_focus() {
 #[test]
 fn f6_reaches_the_bar_of_a_recording_and_its_keys_act_there() {
     let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../recordings");
-    let opening = Opening {
-        recording: Some(recordings.join("hc11.mcap")),
-        readings: 1,
-        ..Opening::default()
-    };
-    let mut window = opening.open();
+    let mut window = Opening::default().open_recording(&recordings.join("hc11.mcap"));
     focus(&mut window, "panel-recording");
     window.press_key(Key::Home);
     let first = window.model().stats.accepted;

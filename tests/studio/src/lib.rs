@@ -7,11 +7,17 @@
 #![cfg(test)]
 
 mod accessibility;
+mod calibration;
 mod editor;
 mod keyboard;
 mod layouts;
 mod picture;
 mod played_hand;
+mod posing_hand;
+mod recording;
+mod scope;
+mod sensors;
+mod settings;
 mod space;
 mod toolbar;
 mod window;

@@ -50,16 +50,31 @@ pub fn draw(window: &mut StudioWindow, name: &str) -> Option<RgbaImage> {
     Some(picture)
 }
 
-/// Draws the window and compares it with the reviewed picture `docs/pictures/NAME.png`, or replaces that if `UPDATE_SNAPSHOTS`
-/// is set.
-pub fn compare(window: &mut StudioWindow, name: &str) {
+/// Draws the window and compares a panel with the reviewed picture `docs/pictures/NAME.png`, or replaces that if
+/// `UPDATE_SNAPSHOTS` is set. The area of the panel is in points.
+pub fn compare(window: &mut StudioWindow, name: &str, panel: egui::Rect) {
+    compare_except(window, name, panel, &[]);
+}
+
+/// Does what [`compare`] does, but accepts any content of some areas, such as a measured time.
+pub fn compare_except(
+    window: &mut StudioWindow,
+    name: &str,
+    panel: egui::Rect,
+    excepted: &[egui::Rect],
+) {
     let Some(picture) = draw(window, name) else {
         return;
     };
-    let picture = fewer_colors(&picture);
+    let mut picture = fewer_colors(&crop(&picture, panel));
+    let path = folder(PICTURES).join(name).with_extension("png");
     if is_update() {
-        save(&picture, &folder(PICTURES).join(name).with_extension("png"));
+        save(&picture, &path);
         return;
+    }
+    for area in excepted {
+        let area = area.translate(-panel.min.to_vec2());
+        copy_area(&path, area, &mut picture);
     }
     let options = SnapshotOptions::new()
         .threshold(THRESHOLD)
@@ -67,6 +82,30 @@ pub fn compare(window: &mut StudioWindow, name: &str) {
         .output_path(folder(PICTURES));
     if let Err(error) = try_image_snapshot_options(&picture, name, &options) {
         panic!("{error}");
+    }
+}
+
+/// Returns an area of a picture of a window. A point is a pixel.
+pub fn crop(picture: &RgbaImage, area: egui::Rect) -> RgbaImage {
+    let (min, size) = (area.min.max(egui::Pos2::ZERO), area.size());
+    let part = image::imageops::crop_imm(
+        picture,
+        min.x as u32,
+        min.y as u32,
+        size.x as u32,
+        size.y as u32,
+    );
+    part.to_image()
+}
+
+/// Copies an area of a picture in a file to the same place of another one of the same size.
+fn copy_area(path: &Path, area: egui::Rect, picture: &mut RgbaImage) {
+    let reviewed = image::open(path).map(image::DynamicImage::into_rgba8);
+    if let Ok(reviewed) = reviewed
+        && reviewed.dimensions() == picture.dimensions()
+    {
+        let (x, y) = (area.min.x.max(0.0) as i64, area.min.y.max(0.0) as i64);
+        image::imageops::replace(picture, &crop(&reviewed, area), x, y);
     }
 }
 

@@ -1,6 +1,8 @@
-//! A simulated hand that stops at a fixed reading, so that every run shows the same picture.
+//! A simulated hand that stops at a fixed reading, so that every run shows the same picture, and goes on when a test says so.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -17,12 +19,15 @@ const IDLE: Duration = Duration::from_millis(5);
 /// A hand that keeps still after a number of readings.
 pub struct PlayedHand {
     hand: SimulatedTypist,
-    left: usize,
+    sent: usize,
+    /// Number of readings after which it keeps still.
+    limit: Arc<AtomicUsize>,
+    has_ended: bool,
 }
 
 impl PlayedHand {
-    /// Returns the hand that plays the script of the layout, or else types a text on it.
-    pub fn new(setup: &LoadedSetup, readings: usize) -> Result<Self, SetupError> {
+    /// Returns the hand that plays the script of the layout, or else types a text on it, up to a number of readings.
+    pub fn new(setup: &LoadedSetup, limit: Arc<AtomicUsize>) -> Result<Self, SetupError> {
         let format = Hc11Format::default();
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let script = root.join(format!("examples/scripts/{}.txt", setup.setup.layout));
@@ -38,28 +43,30 @@ impl PlayedHand {
         };
         Ok(Self {
             hand,
-            left: readings,
+            sent: 0,
+            limit,
+            has_ended: false,
         })
     }
 }
 
 impl Source for PlayedHand {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.left == 0 {
+        if self.has_ended || self.sent >= self.limit.load(Ordering::Relaxed) {
             thread::sleep(IDLE);
             return Ok(SourceEvent::Idle);
         }
         let event = self.hand.next()?;
         match event {
-            SourceEvent::Reading(_) => self.left -= 1,
+            SourceEvent::Reading(_) => self.sent += 1,
             // The session, and with it the picture, stays as it is.
-            SourceEvent::End => self.left = 0,
+            SourceEvent::End => {
+                self.has_ended = true;
+                return Ok(SourceEvent::Idle);
+            }
             _ => {}
         }
-        Ok(match event {
-            SourceEvent::End => SourceEvent::Idle,
-            event => event,
-        })
+        Ok(event)
     }
 
     fn name(&self) -> &str {

@@ -3,7 +3,7 @@
 use ademan::studio::texts::text;
 
 use crate::picture;
-use crate::window::Opening;
+use crate::window::{Opening, StudioWindow};
 
 #[test]
 fn a_click_on_pause_pauses_the_session_and_another_resumes_it() {
@@ -17,6 +17,51 @@ fn a_click_on_pause_pauses_the_session_and_another_resumes_it() {
     window.wait_for("a running session", |model| {
         model.view.state.paused_by.is_none()
     });
+}
+
+#[test]
+fn a_pause_releases_what_is_down_and_sends_nothing() {
+    let opening = Opening {
+        readings: 100,
+        ..Opening::default()
+    };
+    let mut window = opening.open();
+    let last = |window: &StudioWindow| window.model().history.events().last().copied();
+    let is_down = |window: &StudioWindow| last(window).is_some_and(|event| event.is_press);
+    while !is_down(&window) {
+        window.play(1);
+    }
+    let pressed = last(&window).expect("a press");
+    window.click(text("button-pause"));
+    window.draw_until("a release", |window| !is_down(window));
+    assert_eq!(last(&window).expect("a release").key, pressed.key);
+    assert!(window.has(text("typing-suppressed")) || window.has(text("typing-nowhere")));
+    let count = |window: &StudioWindow| window.model().history.events().count();
+    let before = count(&window);
+    window.play(60);
+    assert_eq!(count(&window), before, "nothing is sent in a pause");
+    window.click(text("button-resume"));
+    for _ in 0..40 {
+        window.play(10);
+        if count(&window) > before {
+            return;
+        }
+    }
+    panic!("the hand types again after the pause");
+}
+
+#[test]
+fn toolbar_and_status_line_are_as_reviewed() {
+    let mut window = Opening::default().open();
+    let (frame, workspace) = (window.harness.ctx.content_rect(), window.workspace());
+    let status = frame.with_min_y(workspace.max.y + 8.0);
+    picture::compare(&mut window, "studio-status", status);
+    window.click(text("button-pause"));
+    window.draw_until("a paused session", |window| {
+        window.has(text("button-resume"))
+    });
+    let toolbar = frame.with_max_y(workspace.min.y);
+    picture::compare(&mut window, "studio-toolbar", toolbar);
 }
 
 #[test]

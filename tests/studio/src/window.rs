@@ -1,18 +1,21 @@
 //! Studio in a window without a display, and a person who operates it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use ademan::capture::Source;
 use ademan::session::{Session, SessionHandle, SessionOptions};
-use ademan::setup::{OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::studio::StudioApp;
 use ademan::studio::model::StudioModel;
 use ademan::studio::playback::{Player, Recording};
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, Node};
 
 use crate::played_hand::PlayedHand;
 
@@ -21,6 +24,9 @@ const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Time between two pictures while a test waits.
 const PICTURE_PERIOD: Duration = Duration::from_millis(10);
+
+/// Height of the status line, in points.
+const STATUS_HEIGHT: f32 = 34.0;
 
 /// The content of a window when it opens.
 pub struct Opening {
@@ -36,8 +42,6 @@ pub struct Opening {
     pub size: [f32; 2],
     /// The file of the settings. Without one nothing is remembered.
     pub settings: Option<PathBuf>,
-    /// A recording that is shown in place of the hand.
-    pub recording: Option<PathBuf>,
 }
 
 impl Default for Opening {
@@ -52,7 +56,6 @@ impl Default for Opening {
             theme: egui::Theme::Dark,
             size: [1280.0, 800.0],
             settings: None,
-            recording: None,
         }
     }
 }
@@ -68,23 +71,55 @@ impl Opening {
 
     /// Starts the session and opens the window. Waits until the hand keeps still.
     pub fn open(self) -> StudioWindow {
-        let setup = self.setup.load_files().expect("the files of the setup");
-        let hand = PlayedHand::new(&setup, self.readings).expect("a hand for the layout");
+        let setup = self.loaded_setup();
+        let limit = Arc::new(AtomicUsize::new(self.readings));
+        let hand = PlayedHand::new(&setup, Arc::clone(&limit)).expect("a hand for the layout");
+        let readings = self.readings;
+        let mut window = self.open_with(Box::new(hand), |app| app);
+        window.limit = limit;
+        window.wait_for_readings(readings);
+        // The camera was placed when the first pose arrived, which is another one in each run.
+        window.press_key(egui::Key::Num1);
+        window
+    }
+
+    /// Opens the window on a recording, and waits until that is loaded. It does not play.
+    pub fn open_recording(self, path: &Path) -> StudioWindow {
+        let setup = self.loaded_setup();
+        let hand = PlayedHand::new(&setup, Arc::default()).expect("a hand for the layout");
+        let recording = Recording::open(path, None).expect("a recording");
+        let player = Player::open(recording).expect("a thread");
+        let mut window = self.open_with(Box::new(hand), |app| app.with_player(player));
+        window.click(text("recording-first"));
+        let is_loaded = |window: &StudioWindow| window.is_enabled(text("recording-export"));
+        window.draw_until("a loaded recording", is_loaded);
+        window.press_key(egui::Key::Num1);
+        window
+    }
+
+    fn loaded_setup(&self) -> LoadedSetup {
+        let setup = self.setup.clone();
+        setup.load_files().expect("the files of the setup")
+    }
+
+    /// Starts the session with a source, and opens the window.
+    pub fn open_with(
+        self,
+        source: Box<dyn Source>,
+        prepare: impl FnOnce(StudioApp) -> StudioApp,
+    ) -> StudioWindow {
+        let setup = self.loaded_setup();
         let options = SessionOptions {
-            source: Some(Box::new(hand)),
+            source: Some(source),
             lossless_snapshots: true,
             speed: self.speed,
             ..SessionOptions::default()
         };
         let session = Session::start(setup, options).expect("the session starts");
         session.wait_until_started();
-        let mut app = StudioApp::new(&session).expect("the session runs");
+        let mut app = prepare(StudioApp::new(&session).expect("the session runs"));
         if let Some(path) = self.settings {
             app = app.with_settings(path);
-        }
-        if let Some(path) = self.recording {
-            let recording = Recording::open(&path, None).expect("a recording");
-            app = app.with_player(Player::open(recording).expect("a thread"));
         }
         let builder = Harness::builder()
             .with_size(self.size)
@@ -92,14 +127,11 @@ impl Opening {
             .with_render_cursor(false)
             .with_context_setup(StudioApp::prepare)
             .wgpu();
-        let mut window = StudioWindow {
+        StudioWindow {
             harness: builder.build_ui_state(show, app),
+            limit: Arc::default(),
             _session: session,
-        };
-        window.wait_for_still_hand(self.readings);
-        // The camera was placed when the first pose arrived, which is another one in each run.
-        window.press_key(egui::Key::Num1);
-        window
+        }
     }
 }
 
@@ -116,6 +148,8 @@ fn show(ui: &mut egui::Ui, app: &mut StudioApp) {
 pub struct StudioWindow {
     /// The window. Declared first: the session ends after it.
     pub harness: Harness<'static, StudioApp>,
+    /// Number of readings after which the hand keeps still.
+    limit: Arc<AtomicUsize>,
     _session: SessionHandle,
 }
 
@@ -155,9 +189,96 @@ impl StudioWindow {
         self.draw(3);
     }
 
+    /// Sets the number in the field or slider with this name, and draws what follows.
+    pub fn set_number(&mut self, role: Role, name: &str, number: f64) {
+        let field = self.harness.get_by_role_and_label(role, name);
+        field.set_value_accesskit(number);
+        self.draw(3);
+    }
+
+    /// Returns the number in the slider with this name.
+    pub fn number(&self, name: &str) -> f64 {
+        let slider = self.harness.get_by_role_and_label(Role::Slider, name);
+        let number = slider.accesskit_node().numeric_value();
+        number.expect("a slider has a number")
+    }
+
+    /// Replaces the words in the field with this name, and draws what follows.
+    pub fn enter(&mut self, name: &str, words: &str) {
+        let field = self.harness.get_by_role_and_label(Role::TextInput, name);
+        field.set_text_value_accesskit(words);
+        self.draw(3);
+    }
+
     /// Returns `true` if the window has a widget with this name.
     pub fn has(&self, name: &str) -> bool {
-        self.harness.query_by_label(name).is_some()
+        self.harness.query_all_by_label(name).next().is_some()
+    }
+
+    /// Returns `true` if the window has words that contain these.
+    pub fn has_words(&self, words: &str) -> bool {
+        let mut found = self.harness.query_all_by_label_contains(words);
+        found.next().is_some()
+    }
+
+    /// Returns `true` if the button with this name can be clicked.
+    pub fn is_enabled(&self, name: &str) -> bool {
+        let button = self.harness.get_by_role_and_label(Role::Button, name);
+        !button.accesskit_node().is_disabled()
+    }
+
+    /// Returns the area of the widget with this name.
+    pub fn rect_of(&self, name: &str) -> egui::Rect {
+        let mut found = self.harness.get_all_by_label(name);
+        found.next().expect("a widget").rect()
+    }
+
+    /// Clicks in an area, at a fraction of its width.
+    pub fn click_at(&mut self, area: egui::Rect, fraction: f32) {
+        let at = egui::pos2(area.min.x + area.width() * fraction, area.center().y);
+        self.harness.hover_at(at);
+        self.draw(2);
+        for pressed in [true, false] {
+            self.harness.event(egui::Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+            self.draw(2);
+        }
+    }
+
+    /// Returns the area of the panel with this name, with the space around its content.
+    pub fn panel(&self, name: &str) -> egui::Rect {
+        let name = format!("{}: {name}", text("panel-word"));
+        let area = self.harness.get_by_label(&name).rect().expand(6.0);
+        area.intersect(self.harness.ctx.content_rect())
+    }
+
+    /// Returns the area between the toolbar and the status line.
+    pub fn workspace(&self) -> egui::Rect {
+        let toolbar = self.rect_of(text("menu-view"));
+        let window = self.harness.ctx.content_rect();
+        egui::Rect::from_x_y_ranges(
+            window.x_range(),
+            toolbar.max.y + 7.0..=window.max.y - STATUS_HEIGHT,
+        )
+    }
+
+    /// Returns the words at the right of the button with this name.
+    pub fn words_beside(&self, button: &str) -> Vec<String> {
+        let area = self
+            .harness
+            .get_by_role_and_label(Role::Button, button)
+            .rect();
+        let is_beside = |node: &Node| {
+            let own = node.rect();
+            area.y_range().contains(own.center().y) && own.min.x >= area.max.x
+        };
+        let nodes = self.harness.query_all_by_role(Role::Label);
+        let nodes = nodes.filter(is_beside);
+        nodes.filter_map(|node| node.value()).collect()
     }
 
     /// Hides all panels beside the 3D view.
@@ -178,16 +299,27 @@ impl StudioWindow {
 
     /// Draws pictures until the state that the window shows is as `condition` says.
     pub fn wait_for(&mut self, what: &str, condition: impl Fn(&StudioModel) -> bool) {
+        self.draw_until(what, |window| condition(window.model()));
+    }
+
+    /// Draws pictures until the window is as `condition` says.
+    pub fn draw_until(&mut self, what: &str, condition: impl Fn(&Self) -> bool) {
         let deadline = Instant::now() + TIMEOUT;
-        while !condition(self.model()) {
+        while !condition(self) {
             assert!(Instant::now() < deadline, "timed out: {what}");
             thread::sleep(PICTURE_PERIOD);
             self.draw(1);
         }
     }
 
-    /// Waits until the window shows the last reading of the hand.
-    fn wait_for_still_hand(&mut self, readings: usize) {
+    /// Lets the hand move on by a number of readings, and waits until the window shows them.
+    pub fn play(&mut self, readings: usize) {
+        let before = self.limit.fetch_add(readings, Ordering::Relaxed);
+        self.wait_for_readings(before + readings);
+    }
+
+    /// Waits until the window shows a number of readings.
+    pub fn wait_for_readings(&mut self, readings: usize) {
         let readings = readings as u64;
         self.wait_for("the readings of the hand", |model| {
             let received = model.stats.accepted + model.stats.rejected.iter().sum::<u64>();

@@ -1,0 +1,128 @@
+//! The sensors: values of a channel that act at once, and the glove file.
+
+use std::fs;
+use std::path::PathBuf;
+
+use ademan::document::Document;
+use ademan::hand::Dof;
+use ademan::studio::texts::text;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use tempfile::TempDir;
+
+use crate::picture;
+use crate::window::{Opening, StudioWindow};
+
+/// Channel of the elbow in the glove that comes with the program, and its values there.
+const ELBOW: usize = 17;
+const ELBOW_VALUES: &str = "channel: 17, offset_counts: -31.0, full_scale_rad: 2.5,";
+const FULL_RANGE_RAD: f64 = 2.5;
+
+/// A window on a session with a glove file of its own.
+pub struct OwnGlove {
+    /// The window.
+    pub window: StudioWindow,
+    path: PathBuf,
+    _folder: TempDir,
+}
+
+impl OwnGlove {
+    fn open() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, shipped()).expect("the file can be written");
+        let mut opening = Opening::default();
+        opening.setup.glove = Some(path.display().to_string());
+        Self {
+            window: opening.open(),
+            path,
+            _folder: folder,
+        }
+    }
+
+    fn file(&self) -> String {
+        fs::read_to_string(&self.path).expect("the file can be read")
+    }
+}
+
+fn shipped() -> String {
+    Document::shipped("unam-hc11").expect("a glove").text
+}
+
+/// Returns the angle of the elbow in the session and its count, after a reading more.
+fn elbow(window: &mut StudioWindow) -> (f64, f64) {
+    window.play(1);
+    let model = window.model();
+    let mut rows = model.sensors.rows().iter();
+    let row = rows.find(|row| row.channel == ELBOW).expect("a channel");
+    let count = row.count.expect("a value");
+    let angle = model.angles.expect("angles").get(Dof::ElbowFlexion);
+    (angle.to_degrees(), f64::from(count))
+}
+
+fn expected(count: f64, zero: f64, full_range: f64) -> f64 {
+    ((count - zero) * full_range / 255.0).to_degrees()
+}
+
+/// Checks that the session has the angle of a calibration, but for the filter against spikes, and that the table shows it.
+fn check_elbow(window: &mut StudioWindow, zero: f64, full_range: f64) {
+    let (angle, count) = elbow(window);
+    let wanted = expected(count, zero, full_range);
+    assert!((angle - wanted).abs() < 0.5, "{angle} instead of {wanted}");
+    let shown = window.words_beside(text("joint-elbow"));
+    let wanted = [format!("{count}"), format!("{angle:.0}°")];
+    assert!(wanted.iter().all(|it| shown.contains(it)), "{shown:?}");
+}
+
+#[test]
+fn another_offset_and_gain_change_the_angle_at_once_and_are_saved_with_the_comments() {
+    let mut own = OwnGlove::open();
+    let window = &mut own.window;
+    // The angle is then that of the present count alone.
+    window.click(text("filter-off"));
+    window.click(text("joint-elbow"));
+    check_elbow(window, 31.0, FULL_RANGE_RAD);
+    window.set_number(Role::SpinButton, text("value-offset"), 40.0);
+    check_elbow(window, 40.0, FULL_RANGE_RAD);
+    window.set_number(Role::SpinButton, text("value-gain"), 180.0);
+    check_elbow(window, 40.0, std::f64::consts::PI);
+    window.click(text("glove-undo"));
+    check_elbow(window, 40.0, FULL_RANGE_RAD);
+    window.click(text("glove-undo"));
+    check_elbow(window, 31.0, FULL_RANGE_RAD);
+    window.click(text("glove-redo"));
+    check_elbow(window, 40.0, FULL_RANGE_RAD);
+    assert_eq!(own.file(), shipped(), "nothing is saved yet");
+
+    let window = &mut own.window;
+    window.click(text("glove-save"));
+    assert!(
+        window.has(text("button-replace")),
+        "the file is not its own"
+    );
+    window.click(text("button-replace"));
+    assert!(!window.is_enabled(text("glove-save")));
+    let saved = ELBOW_VALUES.replace("-31.0", "-40");
+    assert_eq!(own.file(), shipped().replace(ELBOW_VALUES, &saved));
+    let backup = fs::read_to_string(format!("{}.bak", own.path.display()));
+    assert_eq!(backup.expect("a copy"), shipped());
+}
+
+#[test]
+fn the_panel_is_as_reviewed() {
+    let mut window = Opening {
+        size: [1280.0, 1180.0],
+        // The latency that the picture shows is that of a hand in its own time.
+        speed: Some(1.0),
+        ..Opening::default()
+    }
+    .open();
+    window.click(text("joint-elbow"));
+    window.draw(2);
+    let panel = window.panel(text("panel-sensors"));
+    // Rate and latency differ in each run.
+    let source = window.harness.get_by_label(text("stats-rate")).rect();
+    let channels = window.harness.get_by_label(text("sensor-channels")).rect();
+    let figures = egui::Rect::from_x_y_ranges(panel.x_range(), source.min.y..=channels.min.y - 4.0);
+    picture::compare_except(&mut window, "studio-sensors", panel, &[figures]);
+}
