@@ -62,3 +62,55 @@ impl Waker {
         self.0.target.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+    use std::time::Duration;
+
+    use crossbeam_channel::bounded;
+
+    use super::*;
+
+    #[test]
+    fn the_queues_are_looked_into_only_after_a_wake_up() {
+        let waker = Waker::default();
+        let receive = || waker.receive(|| Some('a'));
+        assert_eq!(receive(), None);
+        waker.wake();
+        assert_eq!(receive(), Some('a'));
+    }
+
+    #[test]
+    fn a_message_behind_another_is_received_without_a_second_wake_up() {
+        let waker = Waker::default();
+        let mut queue = ['a', 'b'].into_iter();
+        waker.wake();
+        let mut receive = || waker.receive(|| queue.next());
+        assert_eq!([receive(), receive()], [Some('a'), Some('b')]);
+        assert_eq!(receive(), None);
+    }
+
+    #[test]
+    fn a_message_that_is_queued_during_a_look_is_not_missed() {
+        const MESSAGES: u32 = 20_000;
+        let (waker, (sender, queue)) = (Waker::default(), bounded(1));
+        let loop_waker = waker.clone();
+        let receiver = thread::spawn(move || {
+            let mut received = 0_u32;
+            while received < MESSAGES {
+                match loop_waker.receive(|| queue.try_recv().ok()) {
+                    Some(_) => received += 1,
+                    None => thread::yield_now(),
+                }
+            }
+        });
+        // Room for the next message means that the last one was received: a missed one would never be.
+        for number in 0..MESSAGES {
+            let sent = sender.send_timeout(number, Duration::from_secs(60));
+            sent.expect("no message is missed");
+            waker.wake();
+        }
+        receiver.join().unwrap();
+    }
+}
