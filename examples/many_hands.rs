@@ -1,15 +1,16 @@
 //! Many hands at once: the reach of a board for people with hands of different sizes.
 //!
-//! For each size of hand, 64 people move their index finger over the default board, and the touches of all of them are counted:
+//! For each size of hand, 64 people move their index finger over the default board, placed for their arm, and the presses of all
+//! of them are counted:
 //! `cargo run --release --example many_hands`
 
 use std::f32::consts::TAU;
 
 use ademan::batch::{HandBatch, LANES, LaneAngles};
 use ademan::contact::Phase;
-use ademan::hand::{Dof, Side};
-use ademan::kinematics::{ArmModel, BoneLengths, typing_angle};
-use ademan::setup::Setup;
+use ademan::hand::Dof;
+use ademan::kinematics::typing_angle;
+use ademan::setup::{ArmSetup, Setup};
 use ademan::time::Timestamp;
 
 /// People for each size of hand.
@@ -34,16 +35,21 @@ fn angles(block: usize, frame: usize) -> LaneAngles {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let setup = Setup::default().load_files()?;
     let threads = std::thread::available_parallelism()?.get();
     let times: Vec<_> = (1..=FRAMES as u64)
         .map(|frame| Timestamp(frame * 5_714))
         .collect();
-    for hand_mm in [165, 175, 185, 195, 205] {
-        let hand = f64::from(hand_mm) / 1000.0;
-        let bones = BoneLengths::from_hand_and_forearm(hand, 1.34 * hand)?;
-        let arm = ArmModel::anthropometric(Side::Right, &bones)?;
-        let mut people = HandBatch::new(&arm, &setup.layout.scene, PEOPLE)?;
+    for hand_mm in [165.0, 175.0, 185.0, 195.0, 205.0] {
+        // Loading places the board for the arm: in another place a hand of this size may meet no key.
+        let setup = Setup {
+            arm: ArmSetup::Measured {
+                hand_length_mm: hand_mm,
+                forearm_length_mm: 1.34 * hand_mm,
+            },
+            ..Setup::default()
+        };
+        let setup = setup.load_files()?;
+        let mut people = HandBatch::new(&setup.arm, &setup.layout.scene, PEOPLE)?;
         let angles: Vec<_> = (0..people.block_count())
             .flat_map(|block| (0..FRAMES).map(move |frame| angles(block, frame)))
             .collect();
