@@ -88,7 +88,8 @@ impl EventBuffer for VecDeque<CaptureEvent> {
 
 /// A bounded queue that drops the oldest readings of a live source.
 pub(super) struct EventQueue<B> {
-    buffer: B,
+    /// The queued events.
+    pub buffer: B,
     is_live: bool,
     dropped: u64,
 }
@@ -102,16 +103,6 @@ impl<B: EventBuffer> EventQueue<B> {
             is_live,
             dropped: 0,
         }
-    }
-
-    /// Returns the buffer.
-    pub fn buffer(&self) -> &B {
-        &self.buffer
-    }
-
-    /// Removes the oldest event.
-    pub fn pop(&mut self) -> Option<CaptureEvent> {
-        self.buffer.pop()
     }
 
     /// Queues an event. Returns it if the queue of a source that is not live is full.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{RecvTimeoutError, bounded};
 
 use super::event::{CaptureEvent, EventSource};
-use super::event_queue::{EventQueue, QUEUE_CAPACITY};
+use super::event_queue::{EventBuffer, EventQueue, QUEUE_CAPACITY};
 use super::wake_up::WakeUp;
 use super::{Source, SourceWait};
 
@@ -45,12 +45,12 @@ impl InPlaceCapture {
 
     /// Removes the oldest event. Only [`wait`](Self::wait) adds events.
     pub fn next_event(&mut self) -> Option<CaptureEvent> {
-        self.queue.pop()
+        self.queue.buffer.pop()
     }
 
     /// Returns `true` if there is an event.
     pub fn has_events(&self) -> bool {
-        !self.queue.buffer().is_empty()
+        !self.queue.buffer.is_empty()
     }
 
     /// Returns what ends a [`wait`](Self::wait) from any thread.

@@ -60,7 +60,7 @@ fn start(
     let (cancel, token) = cancel_token().map_err(|error| open_error(no_pipe(error)))?;
     source.set_cancel_token(&token);
     let queue = EventQueue::new(EventChannel::new(), is_live);
-    let events = queue.buffer().receiver().clone();
+    let events = queue.buffer.receiver().clone();
     let (end_of_thread, ended) = bounded(0);
     let mut sender = EventSender {
         queue,
@@ -164,7 +164,7 @@ impl EventSender {
     fn send(&mut self, event: CaptureEvent) {
         if let Some(event) = self.queue.push(event) {
             select! {
-                send(self.queue.buffer().sender(), event) -> _ => {}
+                send(self.queue.buffer.sender(), event) -> _ => {}
                 recv(self.cancel.channel()) -> _ => {}
             }
         }

@@ -145,9 +145,11 @@ mod tests {
         let mut activated = 0;
         loop {
             let report = session.reports.recv_timeout(TIMEOUT);
-            let LayoutReport::Activated(layout) = report.expect("the last save is activated")
-            else {
-                panic!("every version is valid");
+            let layout = match report.expect("the last save is activated") {
+                LayoutReport::Activated(layout) => layout,
+                // A file that is half written, where the machine suspends this test during a save.
+                LayoutReport::Invalid(_) => continue,
+                report => panic!("{report}"),
             };
             activated += 1;
             if layout.name == "99" {

@@ -13,6 +13,8 @@ mod space;
 mod status;
 mod toolbar;
 
+use std::path::PathBuf;
+
 use eframe::egui;
 
 use self::editor::EditorPanel;
@@ -28,6 +30,7 @@ use super::texts::text;
 use super::tour::Tour;
 use crate::command::Command;
 use crate::document::DocumentError;
+use crate::files;
 use crate::layout::Fit;
 use crate::session::LayoutTrial;
 
@@ -79,6 +82,8 @@ pub struct PanelState {
     workspace: Workspace,
     /// The layout editor, once its tab was opened, or the reason why it has no layout.
     editor: Option<Result<EditorPanel, String>>,
+    /// Folder with unsaved work of the editor. `None`: it is not kept.
+    unsaved_work: Option<PathBuf>,
     /// Panels beside the 3D view that are shown, by [`PanelKind`].
     shown: [bool; PanelKind::ALL.len()],
     camera: Camera,
@@ -129,6 +134,7 @@ impl Default for PanelState {
         Self {
             workspace: Workspace::default(),
             editor: None,
+            unsaved_work: None,
             shown: [true; PanelKind::ALL.len()],
             camera: Camera::default(),
             next_viewpoint: None,
@@ -148,8 +154,9 @@ impl Default for PanelState {
 }
 
 impl PanelState {
-    /// Takes the panels to where they were at the last start, and opens the tour at the first.
+    /// Takes the panels to where they were at the last start, and opens the tour at the first. From now on unsaved work is kept.
     pub fn restore(&mut self, settings: Settings) {
+        self.unsaved_work = files::state_folder().map(|folder| folder.join("editor"));
         for kind in PanelKind::ALL {
             let is_hidden = |hidden: &String| hidden == kind.key();
             self.shown[kind as usize] = !settings.hidden_panels.iter().any(is_hidden);
@@ -189,7 +196,11 @@ impl PanelState {
 
     /// Opens a layout in the editor, for the hands of a setup.
     pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
-        self.editor = Some(Ok(EditorPanel::open(name, fit)?));
+        self.editor = Some(Ok(EditorPanel::open(
+            name,
+            fit,
+            self.unsaved_work.as_deref(),
+        )?));
         Ok(())
     }
 
@@ -243,7 +254,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
 /// Draws the layout editor, and opens the layout of the session in it at the first time.
 fn show_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let used = &context.model.view.layout;
-    let open = || EditorPanel::open(&used.file, used.fit).map_err(|it| it.to_string());
+    let work = state.unsaved_work.as_deref();
+    let open = || EditorPanel::open(&used.file, used.fit, work).map_err(|it| it.to_string());
     match state.editor.get_or_insert_with(open) {
         Ok(editor) => editor::show(ui, editor, context),
         Err(error) => {

@@ -14,6 +14,7 @@ mod problems;
 mod shortcuts;
 
 use std::collections::HashSet;
+use std::path::Path;
 use std::time::Duration;
 
 use eframe::egui;
@@ -21,7 +22,6 @@ use parry3d::math::Vec2;
 
 use super::PanelContext;
 use crate::document::DocumentError;
-use crate::files;
 use crate::layout::Fit;
 use crate::studio::canvas::board::BoardItems;
 use crate::studio::canvas::gesture::{Gesture, Preview};
@@ -86,11 +86,10 @@ pub struct EditorPanel {
 }
 
 impl EditorPanel {
-    /// Opens a layout for the hands of a setup, and looks for unsaved work of an earlier run.
-    pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
+    /// Opens a layout for the hands of a setup, and looks for unsaved work of an earlier run in a folder.
+    pub fn open(name: &str, fit: Fit, work: Option<&Path>) -> Result<Self, DocumentError> {
         let mut editor = LayoutEditor::open(name, fit)?;
-        let folder = files::state_folder().map(|folder| folder.join("editor"));
-        let recovery = folder.map(|folder| editor.start_recovery(&folder));
+        let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);
         match recovery {
             Some(Ok(found)) => panel.found_work = found,
