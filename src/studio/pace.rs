@@ -11,8 +11,7 @@ const IDLE_PERIOD: Duration = Duration::from_millis(200);
 /// Time without changes after which a session counts as idle, in seconds. Until then plots and trails move on.
 const IDLE_AFTER: f64 = 1.0;
 
-/// Shortest pause as a multiple of the cost of a picture: without a graphics card the window takes less than one core, although
-/// the threads that draw work while the picture is shown, too.
+/// Shortest pause as a multiple of the cost of a picture. The cost lacks the threads of a software renderer.
 const REST: f32 = 1.5;
 
 /// Decides when the next picture is drawn.
