@@ -7,6 +7,7 @@ use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
 use super::error::StudioError;
+use super::graphics;
 use super::model::StudioModel;
 use super::pace::Pace;
 use super::panels::{self, PanelContext, PanelState};
@@ -266,7 +267,7 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
     };
     let window = Window {
         app,
-        pace: Pace::default(),
+        pace: Pace::new(graphics::has_card()),
         should_close,
     };
     let create: eframe::AppCreator = Box::new(|creation| {

@@ -29,6 +29,7 @@ pub mod editor;
 pub mod filter_trace;
 pub mod glove_editor;
 pub mod glove_file;
+mod graphics;
 pub mod guide;
 pub mod history;
 mod joint_names;

@@ -5,6 +5,9 @@ use std::time::Duration;
 /// Shortest time from one picture to the next: 60 per second.
 const PERIOD: Duration = Duration::from_micros(16_667);
 
+/// The same without a graphics card: 25 per second. The threads of a software renderer take more than a core for 40.
+const SOFTWARE_PERIOD: Duration = Duration::from_millis(40);
+
 /// Time from one picture to the next while nothing changes.
 const IDLE_PERIOD: Duration = Duration::from_millis(200);
 
@@ -15,13 +18,22 @@ const IDLE_AFTER: f64 = 1.0;
 const REST: f32 = 1.5;
 
 /// Decides when the next picture is drawn.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Pace {
+    period: Duration,
     /// Time of the last change, in seconds.
     changed_at: f64,
 }
 
 impl Pace {
+    /// Creates the pace of a window that a graphics card draws, or software.
+    pub const fn new(has_card: bool) -> Self {
+        Self {
+            period: if has_card { PERIOD } else { SOFTWARE_PERIOD },
+            changed_at: 0.0,
+        }
+    }
+
     /// Returns the pause after a picture that is drawn at `now`, in seconds; `cost` is the processor time of the one before.
     ///
     /// Input ends a pause.
@@ -32,7 +44,7 @@ impl Pace {
         if now - self.changed_at > IDLE_AFTER {
             return IDLE_PERIOD;
         }
-        PERIOD.saturating_sub(cost).max(cost.mul_f32(REST))
+        self.period.saturating_sub(cost).max(cost.mul_f32(REST))
     }
 }
 
@@ -44,18 +56,24 @@ mod tests {
 
     #[test]
     fn a_session_that_changes_has_sixty_pictures_per_second() {
-        let pause = Pace::default().pause(9.0, true, 3 * MS);
+        let pause = Pace::new(true).pause(9.0, true, 3 * MS);
         assert_eq!(pause + 3 * MS, PERIOD);
     }
 
     #[test]
+    fn a_window_without_a_graphics_card_has_fewer_pictures() {
+        let pause = Pace::new(false).pause(9.0, true, 3 * MS);
+        assert_eq!(pause + 3 * MS, SOFTWARE_PERIOD);
+    }
+
+    #[test]
     fn a_slow_machine_rests_most_of_the_time() {
-        assert_eq!(Pace::default().pause(9.0, true, 40 * MS), 60 * MS);
+        assert_eq!(Pace::new(true).pause(9.0, true, 40 * MS), 60 * MS);
     }
 
     #[test]
     fn an_idle_session_has_few_pictures_until_something_changes() {
-        let mut pace = Pace::default();
+        let mut pace = Pace::new(true);
         assert!(pace.pause(5.0, true, MS) < PERIOD);
         assert!(pace.pause(5.9, false, MS) < PERIOD);
         assert_eq!(pace.pause(6.1, false, MS), IDLE_PERIOD);

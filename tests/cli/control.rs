@@ -644,7 +644,9 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
         wait_until(|| {
             let (code, text, error) = ctl(&run, arguments);
             last = format!("{text}{error}");
-            assert!(code == 0 || last.contains("still"), "{last}");
+            // The finger leaves the key some readings after the key is up.
+            let is_moving = last.contains("still") || last.contains("a key is down");
+            assert!(code == 0 || is_moving, "{last}");
             code == 0
         });
         last
