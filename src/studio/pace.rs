@@ -5,7 +5,8 @@ use std::time::Duration;
 /// Shortest time from one picture to the next: 60 per second.
 const PERIOD: Duration = Duration::from_micros(16_667);
 
-/// The same without a graphics card: 25 per second. The threads of a software renderer take more than a core for 40.
+/// Shortest time from one picture to the next without a graphics card: 25 per second. The threads of a software renderer take
+/// more than a core for 40.
 const SOFTWARE_PERIOD: Duration = Duration::from_millis(40);
 
 /// Time from one picture to the next while nothing changes.
