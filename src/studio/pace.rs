@@ -15,8 +15,8 @@ const IDLE_PERIOD: Duration = Duration::from_millis(200);
 /// Time without changes after which a session counts as idle, in seconds. Until then plots and trails move on.
 const IDLE_AFTER: f64 = 1.0;
 
-/// Shortest pause as a multiple of the cost of a picture. The cost lacks the threads of a software renderer.
-const REST: f32 = 1.5;
+/// Shortest pause in percent of the cost of a picture. The cost lacks the threads of a software renderer.
+const REST_PERCENT: u32 = 150;
 
 /// Decides when the next picture is drawn.
 #[derive(Debug)]
@@ -45,7 +45,9 @@ impl Pace {
         if now - self.changed_at > IDLE_AFTER {
             return IDLE_PERIOD;
         }
-        self.period.saturating_sub(cost).max(cost.mul_f32(REST))
+        self.period
+            .saturating_sub(cost)
+            .max(cost * REST_PERCENT / 100)
     }
 }
 
