@@ -6,6 +6,7 @@ mod safety;
 mod sound;
 
 use std::collections::HashSet;
+use std::fs;
 use std::process::Command;
 
 use x11rb::connection::Connection;
@@ -72,4 +73,29 @@ fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
     );
     program.signal(&["TERM"]);
     assert!(program.wait_for_exit().success());
+}
+
+#[test]
+fn mesa_draws_in_the_thread_of_the_window_unless_the_environment_names_another_number() {
+    for (variable, threads) in [(None, 0), (Some("2"), 2)] {
+        let Some(server) = XServer::start() else {
+            return;
+        };
+        let mut command = studio(&server, &[]);
+        match variable {
+            Some(number) => command.env("LP_NUM_THREADS", number),
+            None => command.env_remove("LP_NUM_THREADS"),
+        };
+        let program = Program::from_command(command);
+        assert!(is_drawn(&server), "{:?}", program.stderr_lines());
+        assert_eq!(drawing_threads(program.id()), threads, "{variable:?}");
+    }
+}
+
+/// Returns the number of threads with which Mesa fills the pictures of a process.
+fn drawing_threads(process: u32) -> usize {
+    let threads = fs::read_dir(format!("/proc/{process}/task")).expect("it is running");
+    let name = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("comm"));
+    let names = threads.flatten().flat_map(name);
+    names.filter(|name| name.starts_with("llvmpipe-")).count()
 }

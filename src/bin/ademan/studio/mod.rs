@@ -1,6 +1,8 @@
 //! `ademan studio`: a session in a window.
 
 #[cfg(feature = "studio")]
+mod mesa;
+#[cfg(feature = "studio")]
 mod source;
 #[cfg(feature = "studio")]
 mod window;

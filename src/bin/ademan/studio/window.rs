@@ -13,7 +13,7 @@ use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
 use ademan::{advice, doctor, output};
 
-use super::{Args, source};
+use super::{Args, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
@@ -21,6 +21,7 @@ use crate::{panics, session, signals, stats, watchdog};
 const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
+    mesa::draw_in_one_thread();
     let mut options = SessionOptions {
         speed: Some(1.0),
         watch_layouts: true,
