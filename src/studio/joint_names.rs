@@ -1,25 +1,35 @@
-//! The names of joints in plain words.
+//! The names of joints and fingers in plain words.
 
 use super::texts::text;
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Side};
 
 /// Returns the name of a joint for a person, such as `Index, middle joint`.
 pub fn joint_name(dof: Dof) -> String {
     let part = text(part(dof));
     match dof.finger() {
-        Some(finger) => format!("{}, {part}", text(finger_key(finger))),
+        Some(finger) => format!("{}, {part}", finger_name(finger)),
         None => part.to_owned(),
     }
 }
 
-fn finger_key(finger: Finger) -> &'static str {
-    match finger {
+/// Returns the name of a finger for a person, such as `Index`.
+pub fn finger_name(finger: Finger) -> &'static str {
+    text(match finger {
         Finger::Thumb => "finger-thumb",
         Finger::Index => "finger-index",
         Finger::Middle => "finger-middle",
         Finger::Ring => "finger-ring",
         Finger::Little => "finger-little",
-    }
+    })
+}
+
+/// Returns the name of a finger for a person who sees both hands, such as `Index, left`.
+pub fn finger_of_side(side: Side, finger: Finger) -> String {
+    let side = text(match side {
+        Side::Left => "finger-of-left",
+        Side::Right => "finger-of-right",
+    });
+    format!("{}, {side}", finger_name(finger))
 }
 
 /// Returns the key of the part of the arm, or of the joint of the finger.

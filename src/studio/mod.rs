@@ -35,6 +35,7 @@ pub mod history;
 mod joint_names;
 pub mod latency;
 pub mod model;
+pub mod notices;
 pub mod overlay;
 pub mod pace;
 mod panels;

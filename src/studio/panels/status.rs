@@ -4,6 +4,7 @@ use eframe::egui::{self, Color32};
 
 use super::{PanelContext, PanelState};
 use crate::pipeline::PipelineState;
+use crate::studio::notices;
 use crate::studio::texts::text;
 use crate::studio::typing::Typing;
 
@@ -25,7 +26,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.separator();
         let message = match (&state.message, model.view.messages.last()) {
             (Some(error), _) => format!("! {error}"),
-            (None, Some(notice)) => notice.clone(),
+            (None, Some(notice)) => notices::translate(notice).to_owned(),
             (None, None) => String::new(),
         };
         ui.add(egui::Label::new(&message).truncate())

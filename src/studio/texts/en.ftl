@@ -114,6 +114,22 @@ typing-nowhere = Nothing is typed into other programs
 typing-suppressed = Paused: nothing is typed into other programs at present
 typing-into = Types into other programs: { $output }
 
+## Notices of the session
+
+notice-disarmed = Paused: hold the hand clear of all keys for a moment to arm
+notice-armed = Armed: touches are typed into other programs
+notice-armed-nowhere = Armed: nothing is typed into other programs
+notice-stalled = No readings: everything is released
+notice-paused = Paused: everything is released
+notice-paused-by-layout = Paused by a key or gesture of the layout, which also resumes: everything is released
+notice-paused-by-rate = Paused: more presses than a person makes (max_presses_per_second in the setup); everything is released
+notice-left-lost = The left hand is not tracked: what it held is released, and it touches nothing
+notice-right-lost = The right hand is not tracked: what it held is released, and it touches nothing
+notice-left-found = The left hand is tracked again
+notice-right-found = The right hand is tracked again
+notice-sensors-work = The sensors of all fingers work again
+notice-watchdog-lost = The watchdog exited or hangs: everything is released
+
 message-ended = The session has ended. Everything is released.
 
 ## Recording
@@ -156,6 +172,8 @@ finger-index = Index
 finger-middle = Middle
 finger-ring = Ring
 finger-little = Little
+finger-of-left = left
+finger-of-right = right
 joint-shoulder-z = Shoulder, first axis
 joint-shoulder-y = Shoulder, second axis
 joint-shoulder-x = Upper arm, turn
@@ -255,6 +273,7 @@ calibration-skip = Skip (S)
 calibration-quit = Quit (Q)
 calibration-repeat-hint = Take this pose again, or the one before during the countdown
 calibration-above = from above
+calibration-below = from below
 calibration-side = from the side
 calibration-score = Score { $score } of 100
 calibration-no-problem = No sensor has a problem.

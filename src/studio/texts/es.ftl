@@ -114,6 +114,22 @@ typing-nowhere = No se escribe nada en otros programas
 typing-suppressed = En pausa: por ahora no se escribe nada en otros programas
 typing-into = Escribe en otros programas: { $output }
 
+## Avisos de la sesión
+
+notice-disarmed = En pausa: mantenga la mano un momento lejos de todas las teclas para activar
+notice-armed = Activado: los toques se escriben en otros programas
+notice-armed-nowhere = Activado: no se escribe nada en otros programas
+notice-stalled = Sin lecturas: se ha soltado todo
+notice-paused = En pausa: se ha soltado todo
+notice-paused-by-layout = En pausa por una tecla o un gesto de la distribución, que también reanuda: se ha soltado todo
+notice-paused-by-rate = En pausa: más pulsaciones de las que hace una persona (max_presses_per_second en la configuración); se ha soltado todo
+notice-left-lost = No se ve la mano izquierda: se ha soltado lo que pulsaba y no toca nada
+notice-right-lost = No se ve la mano derecha: se ha soltado lo que pulsaba y no toca nada
+notice-left-found = Se vuelve a ver la mano izquierda
+notice-right-found = Se vuelve a ver la mano derecha
+notice-sensors-work = Los sensores de todos los dedos funcionan de nuevo
+notice-watchdog-lost = El proceso vigilante ha terminado o no responde: se ha soltado todo
+
 message-ended = La sesión ha terminado. No queda ninguna tecla pulsada.
 
 ## Grabación
@@ -156,6 +172,8 @@ finger-index = Índice
 finger-middle = Medio
 finger-ring = Anular
 finger-little = Meñique
+finger-of-left = izquierda
+finger-of-right = derecha
 joint-shoulder-z = Hombro, primer eje
 joint-shoulder-y = Hombro, segundo eje
 joint-shoulder-x = Brazo, giro
@@ -255,6 +273,7 @@ calibration-skip = Saltar (S)
 calibration-quit = Salir (Q)
 calibration-repeat-hint = Tomar esta pose otra vez, o la anterior durante la cuenta atrás
 calibration-above = desde arriba
+calibration-below = desde abajo
 calibration-side = de lado
 calibration-score = Puntuación { $score } de 100
 calibration-no-problem = Ningún sensor tiene problemas.

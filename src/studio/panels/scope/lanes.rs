@@ -6,6 +6,7 @@ use super::Rows;
 use super::canvas::{Canvas, LABEL_MARGIN};
 use crate::hand::{Dof, Finger, Side};
 use crate::studio::history::{History, Moment};
+use crate::studio::joint_names::{self, finger_of_side, joint_name};
 use crate::studio::texts::text;
 use crate::time::Timestamp;
 
@@ -63,7 +64,7 @@ pub fn values_at(
     for dof in shown(angles) {
         let degrees = moment.degrees[dof.index()];
         if !degrees.is_nan() {
-            lines.push(format!("{}: {degrees:.1}°", dof.name()));
+            lines.push(format!("{}: {degrees:.1}°", joint_name(dof)));
         }
     }
     if rows.heights {
@@ -74,7 +75,10 @@ pub fn values_at(
                     true => " ▬",
                     false => "",
                 };
-                lines.push(format!("{side} {finger}: {height:.1} mm{press}"));
+                lines.push(format!(
+                    "{}: {height:.1} mm{press}",
+                    finger_of_side(side, finger)
+                ));
             }
         }
     }
@@ -93,7 +97,7 @@ fn draw_angles(canvas: &Canvas, row: Rect, angles: &[bool; Dof::COUNT]) {
     canvas.draw_axis(row, range, "°");
     for (dof, color) in shown(angles).zip(canvas.colors.lines.into_iter().cycle()) {
         draw_line(canvas, row, range, color, values(dof));
-        legend.add(dof.name(), color);
+        legend.add(&joint_name(dof), color);
     }
 }
 
@@ -238,8 +242,8 @@ fn pressing_fingers(history: &History) -> Vec<(Side, Finger)> {
 /// Returns the name of a finger, with its side if both hands are known.
 fn finger_name(known: &[(Side, Finger)], side: Side, finger: Finger) -> String {
     match known.iter().any(|(other, _)| *other != side) {
-        true => format!("{side} {finger}"),
-        false => finger.name().to_owned(),
+        true => finger_of_side(side, finger),
+        false => joint_names::finger_name(finger).to_owned(),
     }
 }
 

@@ -10,6 +10,7 @@ use self::canvas::Canvas;
 use super::PanelContext;
 use crate::hand::Dof;
 use crate::studio::history::{History, SECONDS};
+use crate::studio::joint_names::joint_name;
 use crate::studio::plot::TimeWindow;
 use crate::studio::texts::text;
 
@@ -98,7 +99,7 @@ fn show_controls(ui: &mut egui::Ui, state: &mut ScopeState, history: &History) {
             let last = history.moments().next_back();
             for (dof, is_shown) in Dof::ALL.iter().zip(&mut state.angles) {
                 let is_known = last.is_none_or(|last| !last.degrees[dof.index()].is_nan());
-                let checkbox = egui::Checkbox::new(is_shown, dof.name());
+                let checkbox = egui::Checkbox::new(is_shown, joint_name(*dof));
                 ui.add_enabled(is_known, checkbox);
             }
         });
