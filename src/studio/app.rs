@@ -156,9 +156,13 @@ impl StudioApp {
         let Some(sound) = &mut self.sound else {
             return;
         };
+        let message = |sound: &Sound| sound.error().map(ToString::to_string);
+        let before = message(sound);
         sound.apply(self.panels.settings().sound);
-        if let Some(error) = sound.error() {
-            self.panels.message = Some(error.to_string());
+        match message(sound) {
+            now if now == before => {}
+            None if self.panels.message != before => {}
+            now => self.panels.message = now,
         }
     }
 

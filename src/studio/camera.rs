@@ -48,6 +48,8 @@ pub enum Viewpoint {
     Eye,
     /// Straight above.
     Above,
+    /// Straight below.
+    Below,
     /// At the right of the wearer.
     Side,
 }
@@ -69,6 +71,7 @@ impl Viewpoint {
         match self {
             Self::Eye => (0.0, 1.05),
             Self::Above => (0.0, FRAC_PI_2),
+            Self::Below => (0.0, -FRAC_PI_2),
             Self::Side => (FRAC_PI_2, 0.15),
         }
     }

@@ -34,6 +34,20 @@ impl PosePicture {
         })
     }
 
+    /// Returns the position from which the fingers are seen best: above, or below the fingers of a fist.
+    pub fn finger_viewpoint(&self) -> Viewpoint {
+        use Joint::{MiddlePhalanxProximal, MiddleTip, Wrist};
+        let joints = [Wrist, MiddlePhalanxProximal, MiddleTip];
+        match joints.map(|joint| self.pose.position(joint)) {
+            [Some(wrist), Some(knuckle), Some(tip)]
+                if wrist.distance(tip) < wrist.distance(knuckle) =>
+            {
+                Viewpoint::Below
+            }
+            _ => Viewpoint::Above,
+        }
+    }
+
     /// Draws the hand from a named position on a picture of this size.
     pub fn draw(&self, viewpoint: Viewpoint, size: Vec2, colors: &SceneColors) -> Picture {
         let mut camera = Camera::default();
@@ -69,7 +83,7 @@ mod tests {
         };
         let flat = draw(CalibrationPose::Flat, Viewpoint::Side);
         for &pose in CalibrationPose::GUIDED {
-            for viewpoint in [Viewpoint::Above, Viewpoint::Side] {
+            for viewpoint in [Viewpoint::Above, Viewpoint::Below, Viewpoint::Side] {
                 let triangles = draw(pose, viewpoint);
                 let is_inside =
                     |at: &Vec2| at.min_element() > 0.0 && at.x < size.x && at.y < size.y;
@@ -79,5 +93,14 @@ mod tests {
         }
         let fist = draw(CalibrationPose::Fist, Viewpoint::Side);
         assert_ne!(fist.vertices, flat.vertices);
+    }
+
+    #[test]
+    fn only_the_fingers_of_a_fist_are_seen_from_below() {
+        for &pose in CalibrationPose::GUIDED {
+            let picture = PosePicture::new(pose, Side::Left).unwrap();
+            let is_below = picture.finger_viewpoint() == Viewpoint::Below;
+            assert_eq!(is_below, pose == CalibrationPose::Fist, "{pose}");
+        }
     }
 }

@@ -81,17 +81,23 @@ pub(super) fn show(
     let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
     let picture = scene::draw(context.model, &state.camera, size, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
-    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
-    let font = FontId::proportional(12.0);
-    let color = ui.visuals().weak_text_color();
+    show_hint(ui, area, color32(colors.background));
+}
+
+/// Shows the movements of the mouse at the lower edge, with a background of their own over the hand.
+fn show_hint(ui: &egui::Ui, area: Rect, background: Color32) {
     let painter = ui.painter_at(area);
-    painter.text(
-        hint,
-        Align2::CENTER_BOTTOM,
-        text("hint-camera"),
-        font,
-        color,
+    let color = ui.visuals().text_color();
+    let font = FontId::proportional(12.0);
+    let hint = painter.layout_no_wrap(text("hint-camera").to_owned(), font, color);
+    let at = area.center_bottom() - egui::vec2(0.0, 8.0);
+    let place = Align2::CENTER_BOTTOM.anchor_size(at, hint.size());
+    painter.rect_filled(
+        place.expand2(egui::vec2(6.0, 2.0)),
+        4.0,
+        background.gamma_multiply(0.7),
     );
+    painter.galley(place.min, hint, color);
 }
 
 /// Returns the movements of the keys that were pressed.

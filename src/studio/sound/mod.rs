@@ -67,7 +67,8 @@ pub struct Sound {
     applied: Option<SoundSettings>,
     clicks: Sender<Click>,
     errors: Receiver<SoundError>,
-    is_reported: bool,
+    /// The first error since the clicks were turned on.
+    error: Option<SoundError>,
 }
 
 impl Sound {
@@ -91,28 +92,27 @@ impl Sound {
             applied: None,
             clicks,
             errors,
-            is_reported: false,
+            error: None,
         };
         Ok((sound, shown))
     }
 
     /// Applies the settings. A change that leaves the clicks on plays one, as a sample.
     pub fn apply(&mut self, settings: SoundSettings) {
+        let error = self.errors.try_recv().ok();
+        self.error = self.error.take().or(error).filter(|_| settings.is_on);
         if self.applied == Some(settings) {
             return;
         }
         self.volume.set(settings.level());
-        self.is_reported &= settings.is_on;
         if self.applied.replace(settings).is_some() && settings.level() > 0.0 {
             _ = self.clicks.try_send(Click::Key);
         }
     }
 
-    /// Returns the reason why clicks are not heard: once, until they are turned off and on again.
-    pub fn error(&mut self) -> Option<SoundError> {
-        let error = self.errors.try_recv().ok()?;
-        let is_repeated = std::mem::replace(&mut self.is_reported, true);
-        (!is_repeated).then_some(error)
+    /// Returns the reason why clicks are not heard, until they are turned off.
+    pub fn error(&self) -> Option<&SoundError> {
+        self.error.as_ref()
     }
 }
 
@@ -183,7 +183,7 @@ mod tests {
             applied: None,
             clicks,
             errors,
-            is_reported: false,
+            error: None,
         };
         (sound, queued, report)
     }
@@ -202,22 +202,21 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_server_is_reported_once_until_clicks_are_turned_on_again() {
+    fn a_missing_server_is_reported_until_the_clicks_are_turned_off() {
         let (mut sound, _queued, errors) = unplugged();
+        let error = |reason: &str| SoundError::NoServer(reason.into());
         sound.apply(settings(true));
-        let mut report = || {
-            errors
-                .try_send(SoundError::NoServer("gone".into()))
-                .expect("room");
-            sound.error().is_some()
-        };
-        assert_eq!([report(), report()], [true, false]);
+        assert_eq!(sound.error(), None);
+        for reason in ["gone", "still gone"] {
+            errors.try_send(error(reason)).expect("room");
+            sound.apply(settings(true));
+            assert_eq!(sound.error(), Some(&error("gone")));
+        }
+        errors.try_send(error("late")).expect("room");
         sound.apply(settings(false));
+        assert_eq!(sound.error(), None);
         sound.apply(settings(true));
-        errors
-            .try_send(SoundError::NoServer("gone".into()))
-            .expect("room");
-        assert!(sound.error().is_some());
+        assert_eq!(sound.error(), None);
     }
 
     #[test]

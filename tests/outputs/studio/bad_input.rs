@@ -91,3 +91,27 @@ fn a_layout_that_breaks_while_it_is_open_stays_active() {
     assert!(is_typing(&server), "the hand still types on the old layout");
     assert!(program.is_running(), "{:#?}", program.stderr_lines());
 }
+
+/// Keys under the hand, and one that no arm reaches.
+const FAR_KEY: &str = r#"Layout(name: "far", boards: [(
+    pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
+    keys: [
+        (code: "A", at_mm: (-12, 0), size_mm: Box(20, 20)),
+        (code: "S", at_mm: (12, 0), size_mm: Box(20, 20)),
+        (code: "D", at_mm: (0, 900), size_mm: Box(20, 20)),
+    ],
+)])"#;
+
+#[test]
+fn the_simulated_hand_leaves_out_a_key_beyond_its_reach() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("far.ron");
+    fs::write(&path, FAR_KEY).expect("space on the disk");
+    let name = path.display().to_string();
+    let program = Program::from_command(studio(&server, &["--layout", &name]));
+    program.wait_for_line("types only the keys within its reach", 1);
+    assert!(is_typing(&server), "{:#?}", program.stderr_lines());
+}

@@ -1,4 +1,4 @@
-//! The pictures of a pose: the hand from above and from the side.
+//! The pictures of a pose: the hand from above or below, and from the side.
 
 use eframe::egui::{self, Align2, FontId};
 use parry3d::math::Vec2;
@@ -10,7 +10,7 @@ use crate::studio::pose_picture::PosePicture;
 use crate::studio::scene::SceneColors;
 use crate::studio::texts::text;
 
-/// Shows a pose in an area of this size, from above in the left or upper half, and from the side in the other.
+/// Shows a pose in an area of this size, from above or below in the left or upper half, and from the side in the other.
 pub(super) fn show(
     ui: &mut egui::Ui,
     pose: CalibrationPose,
@@ -29,8 +29,13 @@ pub(super) fn show(
         true => area.split_left_right_at_fraction(0.5),
         false => area.split_top_bottom_at_fraction(0.5),
     };
+    let fingers = picture.finger_viewpoint();
+    let name = match fingers {
+        Viewpoint::Below => text("calibration-below"),
+        _ => text("calibration-above"),
+    };
     let views = [
-        (halves.0, Viewpoint::Above, text("calibration-above")),
+        (halves.0, fingers, name),
         (halves.1, Viewpoint::Side, text("calibration-side")),
     ];
     for (area, viewpoint, name) in views {

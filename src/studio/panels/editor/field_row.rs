@@ -6,6 +6,9 @@ use super::EditorPanel;
 use crate::studio::editor::{Edit, FieldSpec, FieldType, Part, quoted};
 use crate::studio::texts::text;
 
+/// Width of a text, in points.
+const TEXT_WIDTH: f32 = 150.0;
+
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &FieldSpec) {
     let first = parts[0];
     let is_row_key = matches!(first, Part::RowKey { .. });
@@ -99,8 +102,9 @@ fn show_text(
 ) {
     let written = panel.form.text.clone().filter(|(own, _)| *own == name);
     let mut content = written.map_or_else(|| value.clone(), |(_, content)| content);
-    let edit = egui::TextEdit::singleline(&mut content).desired_width(150.0);
-    let edit = ui.add(edit);
+    let edit = egui::TextEdit::singleline(&mut content);
+    // A grid gives a field the width that its column had before.
+    let edit = ui.add_sized([TEXT_WIDTH, ui.spacing().interact_size.y], edit);
     edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
     if edit.has_focus() {
         panel.form.text = Some((name, content));
