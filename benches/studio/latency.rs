@@ -1,7 +1,7 @@
 //! The time from the last byte of a packet to the call of the output, in one session whose window opens and closes.
 //!
 //! On a virtual machine the host may take the processors away for longer than anything that is measured here. Of the parts with
-//! a window, and of those without, only the half counts from which it took least.
+//! a window, and of those without, only the quarter counts from which it took least.
 
 use std::process::Command;
 use std::sync::{Arc, Mutex};
@@ -163,7 +163,7 @@ fn report(parts: [Vec<Part>; 2]) {
     let mut without = None;
     for (name, mut parts) in ["without a window", "with a window"].iter().zip(parts) {
         parts.sort_by_key(|part| part.stolen);
-        parts.truncate(parts.len().div_ceil(2));
+        parts.truncate(parts.len().div_ceil(4));
         let times = parts.iter().flat_map(|part| &part.times);
         let mut times: Vec<Duration> = times.copied().collect();
         times.sort_unstable();

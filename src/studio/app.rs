@@ -267,6 +267,8 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
     let options = eframe::NativeOptions {
         viewport,
         renderer: eframe::Renderer::Glow,
+        // It takes time for each pixel where Mesa draws in software, and hides steps of gradients that the window does not have.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
     let window = Window {
