@@ -5,8 +5,7 @@ use std::time::Duration;
 /// Shortest time from one picture to the next: 60 per second.
 const PERIOD: Duration = Duration::from_micros(16_667);
 
-/// Shortest time from one picture to the next without a graphics card: 25 per second. The threads of a software renderer take
-/// more than a core for 40.
+/// Shortest time from one picture to the next without a graphics card: 25 per second. Mesa takes more than a core for 40.
 const SOFTWARE_PERIOD: Duration = Duration::from_millis(40);
 
 /// Time from one picture to the next while nothing changes.
@@ -15,7 +14,7 @@ const IDLE_PERIOD: Duration = Duration::from_millis(200);
 /// Time without changes after which a session counts as idle, in seconds. Until then plots and trails move on.
 const IDLE_AFTER: f64 = 1.0;
 
-/// Shortest pause in percent of the cost of a picture. The cost lacks the threads of a software renderer.
+/// Shortest pause in percent of the cost of a picture. The cost lacks the time in which Mesa fills the picture.
 const REST_PERCENT: u32 = 150;
 
 /// Decides when the next picture is drawn.

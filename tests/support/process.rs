@@ -33,14 +33,17 @@ pub fn signal(signal: &str, process: u32) {
     assert!(status.success(), "no process {process}");
 }
 
+/// Returns what this file in `/proc` says of each thread of a process (Linux). Fails if there is no such process.
+pub fn of_threads(process: u32, file: &str) -> io::Result<Vec<String>> {
+    let threads = fs::read_dir(format!("/proc/{process}/task"))?.flatten();
+    let read = |thread: fs::DirEntry| fs::read_to_string(thread.path().join(file));
+    // A thread may end meanwhile.
+    Ok(threads.flat_map(read).collect())
+}
+
 /// Returns the ids of the child processes of a process (Linux).
 pub fn children(process: u32) -> Vec<u32> {
-    let threads = fs::read_dir(format!("/proc/{process}/task"));
-    let threads = threads.into_iter().flatten().flatten();
-    let children = |thread: fs::DirEntry| {
-        fs::read_to_string(thread.path().join("children")).unwrap_or_default()
-    };
-    let lists: String = threads.map(children).collect();
+    let lists = of_threads(process, "children").unwrap_or_default().concat();
     let ids = lists.split_whitespace();
     ids.filter_map(|id| id.parse().ok()).collect()
 }

@@ -1,24 +1,22 @@
 //! The priority of the threads that press and release keys.
 
-use std::fs;
-
 use serde_json::Value;
 
 use super::ends::Typing;
 use crate::support::binary::ademan;
+use crate::support::process::of_threads;
 
 /// Returns the names and nice values of the threads of a process.
 fn threads(process: u32) -> Vec<(String, i32)> {
-    let threads = fs::read_dir(format!("/proc/{process}/task")).expect("it runs");
-    let thread = |entry: fs::DirEntry| {
-        let stat = fs::read_to_string(entry.path().join("stat")).ok()?;
+    let threads = of_threads(process, "stat").expect("it runs");
+    let thread = |stat: &String| {
         // The name is in parentheses; nice is the 19th field, the 17th after it.
         let (start, rest) = stat.rsplit_once(") ")?;
         let (_, name) = start.split_once('(')?;
         let nice = rest.split(' ').nth(16)?.parse().ok()?;
         Some((name.to_owned(), nice))
     };
-    threads.flatten().filter_map(thread).collect()
+    threads.iter().filter_map(thread).collect()
 }
 
 /// Returns the nice value that the doctor reports, 0 for none.
