@@ -19,6 +19,7 @@ use super::sound::Sound;
 use super::texts::text;
 use crate::command::Command;
 use crate::document::DocumentError;
+use crate::priority;
 use crate::session::view::Viewer;
 use crate::session::{CommandSender, LayoutTrial, SessionHandle};
 use crate::snapshot::Snapshot;
@@ -159,10 +160,10 @@ impl StudioApp {
         let message = |sound: &Sound| sound.error().map(ToString::to_string);
         let before = message(sound);
         sound.apply(self.panels.settings().sound);
-        match message(sound) {
-            now if now == before => {}
-            None if self.panels.message != before => {}
-            now => self.panels.message = now,
+        let now = message(sound);
+        // A later message of something else stays.
+        if now != before && (now.is_some() || self.panels.message == before) {
+            self.panels.message = now;
         }
     }
 
@@ -264,13 +265,7 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
     if let Some(position) = place.and_then(|place| place.position) {
         viewport = viewport.with_position(position);
     }
-    let options = eframe::NativeOptions {
-        viewport,
-        renderer: eframe::Renderer::Glow,
-        // It takes time for each pixel where Mesa draws in software, and hides steps of gradients that the window does not have.
-        dithering: false,
-        ..eframe::NativeOptions::default()
-    };
+    let options = window_options(viewport);
     let window = Window {
         app,
         pace: Pace::new(graphics::has_card()),
@@ -281,11 +276,33 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
         creation.egui_ctx.set_zoom_factor(scale);
         Ok(Box::new(window))
     });
-    eframe::run_native(text("window-title"), options, create).map_err(window_error)
+    run_window(text("window-title"), options, create)
+}
+
+/// Shows a window until it is closed.
+pub(super) fn run_window(
+    title: &str,
+    options: eframe::NativeOptions,
+    create: eframe::AppCreator,
+) -> Result<(), StudioError> {
+    // Mesa fills a picture for longer than a press may wait.
+    priority::shorten_time_slice();
+    eframe::run_native(title, options, create).map_err(window_error)
+}
+
+/// Returns the options of every window of Studio.
+pub(super) fn window_options(viewport: egui::ViewportBuilder) -> eframe::NativeOptions {
+    eframe::NativeOptions {
+        viewport,
+        renderer: eframe::Renderer::Glow,
+        // It takes time for each pixel where Mesa draws in software, and hides steps of gradients that no window has.
+        dithering: false,
+        ..eframe::NativeOptions::default()
+    }
 }
 
 /// Returns the reason why a window was not opened.
-pub(super) fn window_error(error: eframe::Error) -> StudioError {
+fn window_error(error: eframe::Error) -> StudioError {
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => StudioError::NoDesktop,
         eframe::Error::Glutin(error) => StudioError::NoOpenGl(error.to_string()),

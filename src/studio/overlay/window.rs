@@ -12,7 +12,7 @@ use super::{CANDIDATES_HEIGHT, OverlayBoards, STATE_HEIGHT};
 use crate::session::SessionHandle;
 use crate::session::view::{View, Viewer};
 use crate::snapshot::Snapshot;
-use crate::studio::app::{StudioApp, window_error};
+use crate::studio::app::{StudioApp, run_window, window_options};
 use crate::studio::error::StudioError;
 use crate::studio::panels;
 use crate::studio::picture::Color;
@@ -281,10 +281,8 @@ pub fn open_overlay(overlay: Overlay, should_close: fn() -> bool) -> Result<(), 
         viewport = viewport.with_position(position);
     }
     let options = eframe::NativeOptions {
-        viewport,
-        renderer: eframe::Renderer::Glow,
         event_loop_builder: can_stay_above.then(desktop::prefer_x11).flatten(),
-        ..eframe::NativeOptions::default()
+        ..window_options(viewport)
     };
     let window = OverlayWindow {
         overlay,
@@ -294,5 +292,5 @@ pub fn open_overlay(overlay: Overlay, should_close: fn() -> bool) -> Result<(), 
         StudioApp::prepare(&creation.egui_ctx);
         Ok(Box::new(window))
     });
-    eframe::run_native(title, options, create).map_err(window_error)
+    run_window(title, options, create)
 }

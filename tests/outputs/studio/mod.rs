@@ -5,7 +5,7 @@ mod overlay;
 mod safety;
 mod sound;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::process::Command;
 
@@ -13,6 +13,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, ImageFormat};
 
 use crate::support::binary::ademan;
+use crate::support::process::of_threads;
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
 
@@ -92,10 +93,47 @@ fn mesa_draws_in_the_thread_of_the_window_unless_the_environment_names_another_n
     }
 }
 
+#[test]
+fn the_window_gives_way_to_other_threads_after_a_tenth_of_a_millisecond() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let program = Program::from_command(studio(&server, &[]));
+    assert!(is_drawn(&server), "{:?}", program.stderr_lines());
+    let slices = time_slices(program.id());
+    if slices.is_empty() || linux_version() < [6, 12] {
+        println!("SKIPPED: this kernel has no time slices of threads, or does not report them");
+        return;
+    }
+    assert_eq!(slices["ademan"], 100_000, "{slices:?}");
+    assert!(slices["session"] > 100_000, "{slices:?}");
+}
+
+/// Returns the first two numbers of the version of the kernel.
+fn linux_version() -> [u32; 2] {
+    let release = fs::read_to_string("/proc/sys/kernel/osrelease").expect("Linux");
+    let mut numbers = release.split('.').map(|number| number.parse().unwrap_or(0));
+    [(); 2].map(|()| numbers.next().unwrap_or(0))
+}
+
+/// Returns the time slices of the threads of a process in nanoseconds, by their names. Empty if the kernel does not report
+/// them.
+fn time_slices(process: u32) -> HashMap<String, u64> {
+    let threads = of_threads(process, "sched").unwrap_or_default();
+    let slice = |report: &String| {
+        // The first line has the name, the id and the number of threads.
+        let (name, _) = report.split_once(" (")?;
+        let mut lines = report.lines();
+        let line = lines.find(|line| line.starts_with("se.slice"))?;
+        let (_, slice) = line.split_once(':')?;
+        Some((name.to_owned(), slice.trim().parse().ok()?))
+    };
+    threads.iter().filter_map(slice).collect()
+}
+
 /// Returns the number of threads with which Mesa fills the pictures of a process.
 fn drawing_threads(process: u32) -> usize {
-    let threads = fs::read_dir(format!("/proc/{process}/task")).expect("it is running");
-    let name = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("comm"));
-    let names = threads.flatten().flat_map(name);
-    names.filter(|name| name.starts_with("llvmpipe-")).count()
+    let names = of_threads(process, "comm").expect("it is running");
+    let is_drawing = |name: &&String| name.starts_with("llvmpipe-");
+    names.iter().filter(is_drawing).count()
 }
