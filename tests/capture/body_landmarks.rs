@@ -9,6 +9,7 @@ use ademan::capture::{Sample, Source, SourceEvent, SourceUri, open};
 use ademan::hand::Side;
 
 use crate::support::body::taps;
+use crate::support::free_address::free_address;
 use crate::support::source::next_within;
 
 /// Longest wait on a busy machine.
@@ -56,11 +57,7 @@ fn a_tcp_server_delivers_landmarks_and_invalid_lines_keep_the_connection() {
 fn datagrams_deliver_landmarks_and_those_too_short_or_too_long_are_skipped() {
     let bodies = taps(&[Side::Right]);
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    // A port that was just free: the source reports an error if another program has taken it.
-    let address = {
-        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        probe.local_addr().expect("its address")
-    };
+    let address = free_address();
     let mut source = open(&uri(&format!("udp:{address}?protocol=body-landmarks"))).unwrap();
     let whole = encode(&bodies[3]);
     let too_long = format!("{}{}", " ".repeat(30_000), whole.trim_end());

@@ -1,7 +1,7 @@
 //! Lines over a WebSocket, and clients that are refused.
 
 use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
 use ademan::capture::protocol::joint_sets::{self, WEBXR};
@@ -11,16 +11,15 @@ use glam::DVec3;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
+use crate::support::free_address::free_address;
 use crate::support::source::next_within;
 
 /// Longest wait on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Opens a source at a port that was just free.
+/// Opens a source at a free port.
 fn source(options: &str) -> (Box<dyn Source>, SocketAddr) {
-    let probe = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let address = probe.local_addr().expect("its address");
-    drop(probe);
+    let address = free_address();
     let uri = format!("ws:{address}?protocol=webxr{options}");
     let uri = uri.parse().expect("a source URI");
     (open(&uri).expect("the port is free"), address)

@@ -1,7 +1,7 @@
 //! A simulated LucidGloves build that keeps the lines that it receives.
 
 use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -11,6 +11,7 @@ use ademan::hand::Finger;
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use serialport::{SerialPort, TTYPort};
 
+use crate::support::free_address::free_address;
 use crate::support::lucidgloves::curls;
 use crate::support::process::lock_spawning;
 use crate::support::run::TIMEOUT;
@@ -136,10 +137,7 @@ impl Glove {
 
     fn udp() -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        let program: SocketAddr = {
-            let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-            probe.local_addr().expect("its address")
-        };
+        let program = free_address();
         let (sender, feedback) = unbounded();
         let state = Arc::new(State::default());
         let receiver = socket.try_clone().expect("a descriptor");
