@@ -10,6 +10,7 @@ use parry3d::math::Pose;
 
 use super::board_poses;
 use super::state::{Fingertip, ViewCounts, ViewState};
+use crate::command::CommandOrigin;
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Axis, CursorPosition, EventKind, KeyCode};
@@ -52,6 +53,7 @@ pub(in crate::session) struct ViewPublisher {
     layout: Arc<Layout>,
     profile: usize,
     state: PipelineState,
+    paused_by: Option<CommandOrigin>,
     poses: [Option<HandPose>; Side::COUNT],
     keys: PressedKeys,
     recent: ArrayVec<EventKind, MAX_RECENT>,
@@ -86,6 +88,7 @@ impl ViewPublisher {
             layout,
             profile: 0,
             state: PipelineState::Starting,
+            paused_by: None,
             poses: [None; Side::COUNT],
             keys: PressedKeys::default(),
             recent: ArrayVec::new(),
@@ -100,7 +103,9 @@ impl ViewPublisher {
     /// Collects the changes of a step, and publishes a view if it is due. Does not wait.
     pub fn update(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
         let is_new_layout = self.update_layout(pipeline);
-        let is_new_state = mem::replace(&mut self.state, step.state) != step.state;
+        let mut is_new_state = mem::replace(&mut self.state, step.state) != step.state;
+        // A pause that ends changes the state with the next reading only.
+        is_new_state |= mem::replace(&mut self.paused_by, step.paused_by) != step.paused_by;
         let mut is_pressed = false;
         for event in step.events {
             is_pressed |= self.handle(event.kind);
@@ -268,6 +273,63 @@ impl Rate {
         if elapsed >= RATE_PERIOD {
             self.per_second = readings.saturating_sub(before) as f32 / elapsed.as_secs_f32();
             self.since = Some((now, readings));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+
+    use super::*;
+    use crate::capture::{CaptureError, Source, SourceEvent, SourceStats};
+    use crate::command::Command;
+    use crate::session::view::Viewer;
+    use crate::session::{Session, SessionOptions};
+    use crate::setup::Setup;
+
+    /// A source without readings.
+    struct SilentSource;
+
+    impl Source for SilentSource {
+        fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+            thread::sleep(Duration::from_millis(20));
+            Ok(SourceEvent::Idle)
+        }
+
+        fn name(&self) -> &str {
+            "silent"
+        }
+
+        fn stats(&self) -> SourceStats {
+            SourceStats::default()
+        }
+    }
+
+    /// Waits for a view of a session that is paused or not.
+    fn shows_pause(viewer: &Viewer, is_paused: bool) -> bool {
+        let next = || viewer.views().recv_timeout(Duration::from_secs(10)).ok();
+        std::iter::from_fn(next).any(|view| view.state.paused_by.is_some() == is_paused)
+    }
+
+    #[test]
+    fn the_end_of_a_pause_is_shown_without_another_reading() {
+        let setup = Setup {
+            output: "none".into(),
+            ..Setup::default()
+        };
+        let options = SessionOptions {
+            source: Some(Box::new(SilentSource)),
+            ..SessionOptions::default()
+        };
+        let session = Session::start(setup.load_files().unwrap(), options).unwrap();
+        session.wait_until_started();
+        let viewer = session.add_viewer();
+        for _ in 0..3 {
+            session.commands().send(Command::Pause).unwrap();
+            assert!(shows_pause(&viewer, true));
+            session.commands().send(Command::Resume).unwrap();
+            assert!(shows_pause(&viewer, false));
         }
     }
 }
