@@ -349,7 +349,7 @@ impl RecordedWatchdog {
         self.folder.path().join("messages")
     }
 
-    /// Returns the path of the file with its process id, which exists once it is ready.
+    /// Returns the path of the file with its process id, which has a line once it is ready.
     fn process_path(&self) -> PathBuf {
         format!("{}.process", self.path().display()).into()
     }
@@ -369,6 +369,7 @@ impl RecordedWatchdog {
     }
 
     fn kill(&self) {
+        wait_for("watchdog", || self.is_ready());
         let path = self.process_path();
         let process = fs::read_to_string(&path).unwrap();
         fs::remove_file(path).unwrap();
@@ -377,7 +378,8 @@ impl RecordedWatchdog {
     }
 
     fn is_ready(&self) -> bool {
-        self.process_path().exists()
+        // The shell creates the file before it writes.
+        fs::read_to_string(self.process_path()).is_ok_and(|text| text.ends_with('\n'))
     }
 }
 
