@@ -24,4 +24,5 @@ mod statistics;
 mod tcp;
 #[cfg(unix)]
 mod text_line;
+mod views;
 mod websocket;
