@@ -33,8 +33,8 @@ pub fn granted_nice() -> i32 {
     raised.unwrap_or_else(current_nice)
 }
 
-/// Makes the calling thread give way within 0.1 ms to one that wakes up on its processor. Its share of the processor stays
-/// the same. Has no effect before Linux 6.12, which has slices of threads (`sched_runtime` in `man 2 sched_setattr`).
+/// Makes the calling thread give way within 0.1 ms to another that wakes up on its processor. Its share of the processor
+/// stays the same. Linux ignores it before version 6.12 (`sched_runtime` in `man 2 sched_setattr`).
 #[expect(unsafe_code, reason = "no library has a safe form of this call")]
 pub fn shorten_time_slice() {
     let attributes = libc::sched_attr {

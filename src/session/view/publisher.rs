@@ -52,8 +52,8 @@ pub(in crate::session) struct ViewPublisher {
     names: SessionNames,
     layout: Arc<Layout>,
     profile: usize,
-    state: PipelineState,
-    paused_by: Option<CommandOrigin>,
+    /// The state of the last step and who paused. A pause that ends changes the state with the next reading only.
+    state: (PipelineState, Option<CommandOrigin>),
     poses: [Option<HandPose>; Side::COUNT],
     keys: PressedKeys,
     recent: ArrayVec<EventKind, MAX_RECENT>,
@@ -87,8 +87,7 @@ impl ViewPublisher {
             names,
             layout,
             profile: 0,
-            state: PipelineState::Starting,
-            paused_by: None,
+            state: (PipelineState::Starting, None),
             poses: [None; Side::COUNT],
             keys: PressedKeys::default(),
             recent: ArrayVec::new(),
@@ -103,9 +102,8 @@ impl ViewPublisher {
     /// Collects the changes of a step, and publishes a view if it is due. Does not wait.
     pub fn update(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
         let is_new_layout = self.update_layout(pipeline);
-        let mut is_new_state = mem::replace(&mut self.state, step.state) != step.state;
-        // A pause that ends changes the state with the next reading only.
-        is_new_state |= mem::replace(&mut self.paused_by, step.paused_by) != step.paused_by;
+        let state = (step.state, step.paused_by);
+        let is_new_state = mem::replace(&mut self.state, state) != state;
         let mut is_pressed = false;
         for event in step.events {
             is_pressed |= self.handle(event.kind);

@@ -369,7 +369,6 @@ impl RecordedWatchdog {
     }
 
     fn kill(&self) {
-        wait_for("watchdog", || self.is_ready());
         let path = self.process_path();
         let process = fs::read_to_string(&path).unwrap();
         fs::remove_file(path).unwrap();
