@@ -277,7 +277,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_the_source"),
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_a_device"),
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_the_observer"),
-        ("src/output/desktop/tests.rs", "a_panic_of_the_connection_releases_all_keys"),
+        ("src/output/desktop/tests/mod.rs", "a_panic_of_the_connection_releases_all_keys"),
         ("src/bin/ademan/panics.rs", "a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure"),
     ])),
     fault(48, "a panic while panicking, a poisoned lock", Tests(&[
@@ -323,8 +323,8 @@ pub const FAULTS: &[Fault] = &[
     fault(56, "the system accepts no more events", Tests(&[
         ("src/output/uinput/linux/tests.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
         ("src/output/uinput/linux/tests.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
-        ("src/output/desktop/tests.rs", "a_call_that_fails_three_times_is_repeated"),
-        ("src/output/desktop/tests.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
+        ("src/output/desktop/tests/mod.rs", "a_call_that_fails_three_times_is_repeated"),
+        ("src/output/desktop/tests/mod.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
         ("tests/outputs/x11/ends.rs", "a_dead_display_ends_the_run_with_an_error_at_the_next_key"),
         ("tests/outputs/x11/sink.rs", "a_dead_server_is_an_error"),
     ])),
@@ -334,8 +334,8 @@ pub const FAULTS: &[Fault] = &[
         ("src/output/socket/linux.rs", "a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced"),
     ])),
     fault(58, "the queue to the output is full", Tests(&[
-        ("src/output/desktop/tests.rs", "a_full_queue_drops_presses_but_no_release"),
-        ("src/output/desktop/tests.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
+        ("src/output/desktop/tests/mod.rs", "a_full_queue_drops_presses_but_no_release"),
+        ("src/output/desktop/tests/mod.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
     ])),
     fault(59, "a client of the joint-angle server stops reading", Tests(&[
         ("src/share/hub/tests.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
@@ -394,9 +394,12 @@ pub const FAULTS: &[Fault] = &[
     fault(68, "a pause, a stall or a lost watchdog while presses are queued", Tests(&[
         ("tests/outputs/x11/grabs.rs", "presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause"),
         ("tests/outputs/x11/grabs.rs", "presses_that_a_server_accepts_too_late_are_dropped_and_reported_once"),
-        ("src/output/desktop/tests.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
-        ("src/output/desktop/tests.rs", "a_press_that_has_waited_too_long_is_not_sent"),
-        ("src/output/desktop/tests.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),
+        ("src/output/desktop/tests/mod.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
+        ("src/output/desktop/tests/mod.rs", "a_press_that_has_waited_too_long_is_not_sent"),
+        ("src/output/desktop/tests/mod.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),
+        ("tests/outputs/x11/sink.rs", "a_press_that_a_server_has_not_read_in_time_is_revoked_while_it_hangs"),
+        ("tests/outputs/x11/sink.rs", "a_press_that_becomes_void_while_a_server_hangs_is_revoked_at_once"),
+        ("src/output/desktop/tests/direct.rs", "what_was_written_together_with_a_revoked_press_is_revoked_too"),
     ])),
     fault(69, "a system chord in any order, by any controls", Tests(&[
         ("src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),

@@ -143,9 +143,15 @@ impl XServer {
         ungrab.check().expect("the server answers");
     }
 
-    /// Stops the server; requests wait until it [continues](Self::thaw).
+    /// Stops the server and waits until it stands still; requests wait until it [continues](Self::thaw).
     pub fn freeze(&self) {
-        signal("STOP", self.process.0.id());
+        let process = self.process.0.id();
+        signal("STOP", process);
+        let is_stopped = || {
+            let stat = fs::read_to_string(format!("/proc/{process}/stat"));
+            stat.is_ok_and(|stat| stat.contains(") T "))
+        };
+        assert!(wait_for(is_stopped), "the server stops");
     }
 
     /// Continues the server.

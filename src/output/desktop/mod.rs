@@ -1,7 +1,9 @@
 //! The output `desktop`: keys, characters and a pointer on the desktop of the session.
 //!
-//! A connection to a display can block, so it has a thread of its own; the loop only puts requests into a queue. An X
-//! server keeps a key pressed after its client is gone. The thread therefore releases every key when its queue is
+//! A connection to a display can block, so it has a thread of its own; the loop puts requests into a queue. Where a press
+//! can be revoked, the loop writes keys itself (`direct_keys`), and the thread confirms them.
+//!
+//! An X server keeps a key pressed after its client is gone. The thread therefore releases every key when its queue is
 //! closed, be it by [`close`](Sink::close), by a drop or by a panic of the loop.
 
 use std::sync::Arc;
@@ -11,26 +13,28 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::pressed_key_file::PressedKeyFile;
 use super::watchdog::{WatchdogClient, WatchdogSettings};
 use super::{Backend, OpenRequest, OutputError, Sink};
 use crate::advice;
-use crate::device::pressed_keys::PressedKeys;
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
 use crate::priority;
 use crate::time::Timestamp;
 pub(super) use connect::connect;
+use direct_keys::{DirectAnswers, DirectKeys};
 use pending_motion::PendingMotion;
-use press_ticket::MAX_PRESS_AGE;
+use press_ticket::{MAX_PRESS_AGE, PressTicket};
 pub use wayland::SUPPORTS_WAYLAND;
 use worker::{Injector, Worker, WorkerRequest, WorkerStatus};
 
 mod connect;
+mod direct_keys;
 #[cfg_attr(
     target_os = "linux",
     allow(dead_code, reason = "compiled on Linux to be checked there")
 )]
 mod enigo_display;
+mod key_reporter;
 pub(super) mod pending_motion;
 mod press_ticket;
 mod system;
@@ -72,13 +76,22 @@ const CHECK_DELAY: Duration = Duration::from_millis(100);
 /// A sink that presses keys and buttons, types characters and moves the pointer on a desktop.
 ///
 /// While the queue is more than half full, presses and characters are dropped and
-/// [counted](Sink::dropped_presses), as are those that have been queued for more than 250 ms or that a
+/// [counted](Sink::dropped_presses), as are those that the display has not executed within 250 ms or that a
 /// [call](Sink::void_presses) made void. The release of a dropped press is ignored; no other release is. While the queue
 /// is three quarters full, motion is [coalesced](Sink::coalesced_motions): the last position counts, relative motion
 /// and scrolls are summed. Pending motion is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
 pub struct Desktop {
     requests: Option<Sender<WorkerRequest>>,
+    /// Number of requests to the thread.
+    requested: u64,
+    /// Number of requests to the thread up to the one that confirms the last press of the loop.
+    requested_with_direct_press: u64,
+    /// The thread has executed all requests but those to confirm what the loop has written.
+    is_thread_idle: bool,
+    /// The loop's own connection, if the display supports one.
+    direct_keys: Option<DirectKeys>,
+    opened_direct_keys: Receiver<DirectKeys>,
     accepted: PressedKeys,
     dropped_presses: u64,
     motion: PendingMotion,
@@ -125,6 +138,7 @@ impl Desktop {
         let (end, thread_ended) = bounded::<()>(0);
         let status = Arc::new(WorkerStatus::new(max_press_age));
         let worker_status = Arc::clone(&status);
+        let (direct_answers, opened_direct_keys) = DirectAnswers::new();
         let settings = watchdog.cloned();
         let thread = thread::Builder::new()
             .name("desktop output".into())
@@ -140,12 +154,9 @@ impl Desktop {
                     Ok(connected) => connected,
                     Err(reason) => return drop(connected.send(Err(reason))),
                 };
+                let worker = Worker::new(injector, watchdog, direct_answers, &worker_status);
                 if connected.send(Ok(())).is_ok() {
                     priority::raise_thread_priority();
-                    let key_file = watchdog.is_some().then(PressedKeyFile::create).flatten();
-                    let worker = Worker::new(injector, &worker_status)
-                        .with_watchdog(watchdog)
-                        .with_key_file(key_file);
                     worker.run(&queue, connect);
                 }
             })
@@ -162,6 +173,11 @@ impl Desktop {
         }
         Ok(Self {
             requests: Some(requests),
+            requested: 0,
+            requested_with_direct_press: 0,
+            is_thread_idle: false,
+            direct_keys: None,
+            opened_direct_keys,
             accepted: PressedKeys::default(),
             dropped_presses: 0,
             motion: PendingMotion::default(),
@@ -177,7 +193,9 @@ impl Desktop {
             return Ok(());
         }
         self.send_motion()?;
-        self.request(WorkerRequest::Press(key, self.status.tickets.issue()))
+        let ticket = self.status.tickets.issue();
+        let direct = self.write_directly(key, KeyDirection::Press, ticket);
+        self.request(direct.unwrap_or(WorkerRequest::Press(key, ticket)))
     }
 
     fn type_character(&mut self, character: char) -> Result<(), OutputError> {
@@ -201,7 +219,33 @@ impl Desktop {
             return Ok(());
         }
         let moved = self.send_motion();
-        self.request(WorkerRequest::Release(key)).and(moved)
+        let ticket = self.status.tickets.issue();
+        let direct = self.write_directly(key, KeyDirection::Release, ticket);
+        let release = direct.unwrap_or(WorkerRequest::Release(key));
+        self.request(release).and(moved)
+    }
+
+    /// Writes a key event to the display if nothing can arrive before it. Returns the request to confirm the event, or
+    /// `None` if it was not written.
+    fn write_directly(
+        &mut self,
+        key: KeyCode,
+        direction: KeyDirection,
+        ticket: PressTicket,
+    ) -> Option<WorkerRequest> {
+        if !self.is_thread_idle {
+            return None;
+        }
+        if let Ok(opened) = self.opened_direct_keys.try_recv() {
+            self.direct_keys = Some(opened);
+        }
+        let connection = self.direct_keys.as_mut()?.write(key, direction);
+        match (connection, direction) {
+            (None, _) => self.direct_keys = None,
+            (Some(_), KeyDirection::Press) => self.requested_with_direct_press = self.requested + 1,
+            (Some(_), KeyDirection::Release) => {}
+        }
+        connection.map(|number| WorkerRequest::Confirm(key, direction, number, ticket))
     }
 
     fn move_pointer(&mut self, event: EventKind) -> Result<(), OutputError> {
@@ -229,12 +273,17 @@ impl Desktop {
             .ok_or_else(|| send_error("it is closed"))
     }
 
-    fn request(&self, request: WorkerRequest) -> Result<(), OutputError> {
+    fn request(&mut self, request: WorkerRequest) -> Result<(), OutputError> {
         let Some(requests) = &self.requests else {
             return Err(send_error("it is closed"));
         };
+        // Only what the loop has written itself precedes what it writes next.
+        self.is_thread_idle &= matches!(request, WorkerRequest::Confirm(..));
         match requests.try_send(request) {
-            Ok(()) => Ok(()),
+            Ok(()) => {
+                self.requested += 1;
+                Ok(())
+            }
             Err(TrySendError::Full(_)) => Err(send_error("its queue is full")),
             Err(TrySendError::Disconnected(_)) => Err(send_error("its thread has ended")),
         }
@@ -257,6 +306,7 @@ impl Desktop {
 impl Sink for Desktop {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         self.status.loop_calls.fetch_add(1, Ordering::Relaxed);
+        self.is_thread_idle = self.status.executed.load(Ordering::Acquire) == self.requested;
         let mut result = Ok(());
         for event in events {
             let requested = match event.kind {
@@ -281,7 +331,11 @@ impl Sink for Desktop {
     fn close(&mut self) -> Result<(), OutputError> {
         self.requests = None;
         self.motion = PendingMotion::default();
-        if self.thread_ended.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+        let ended = self.thread_ended.recv_timeout(CLOSE_TIMEOUT);
+        // Closing the connection earlier would revoke what the thread has not confirmed.
+        self.direct_keys = None;
+        drop(self.opened_direct_keys.try_recv());
+        if ended == Err(RecvTimeoutError::Timeout) {
             return Err(send_error(
                 "it did not accept everything within 1 s; keys may still be pressed",
             ));
@@ -296,6 +350,10 @@ impl Sink for Desktop {
 
     fn void_presses(&mut self) {
         self.status.tickets.void();
+        if self.status.executed.load(Ordering::Acquire) < self.requested_with_direct_press {
+            // Closing the connection revokes what the display has not read.
+            self.direct_keys = None;
+        }
     }
 
     fn dropped_presses(&self) -> u64 {

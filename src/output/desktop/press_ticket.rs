@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::time::NO_DEADLINE;
+
 /// Longest time between the request of a press and its transmission. A display that responds takes less than a
 /// millisecond; after a longer time, the person no longer expects the press.
 pub const MAX_PRESS_AGE: Duration = Duration::from_millis(250);
@@ -36,6 +38,13 @@ impl PressTickets {
             generation: self.generation.load(Ordering::Acquire),
             queued_at: Instant::now(),
         }
+    }
+
+    /// Returns the time after which the press is too old.
+    pub fn deadline(&self, ticket: PressTicket) -> Instant {
+        // Tests have tickets that are valid for ever.
+        let deadline = ticket.queued_at.checked_add(self.max_age);
+        deadline.unwrap_or_else(|| ticket.queued_at + NO_DEADLINE)
     }
 
     /// Invalidates all tickets so far.

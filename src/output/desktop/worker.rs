@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, never, select};
 
+use super::direct_keys::{ConnectionNumber, DirectAnswers, DirectConnection};
+use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::press_ticket::{PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
-use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
 use crate::time::NO_DEADLINE;
@@ -40,6 +41,12 @@ pub trait Injector {
         Ok(None)
     }
 
+    /// Opens a connection on which the loop itself presses and releases keys, or returns `None` if the display cannot revoke
+    /// a press that is too late.
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        None
+    }
+
     /// Returns the handle with which the watchdog releases keys that this injector has pressed.
     fn release_target(&self) -> ReleaseTarget {
         ReleaseTarget::default()
@@ -63,6 +70,10 @@ impl Injector for Box<dyn Injector> {
         (**self).query_pressed(keys)
     }
 
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        (**self).open_direct_connection()
+    }
+
     fn release_target(&self) -> ReleaseTarget {
         (**self).release_target()
     }
@@ -75,6 +86,8 @@ pub enum WorkerRequest {
     Type(char, PressTicket),
     Release(KeyCode),
     Perform(StatelessAction),
+    /// The loop has written a key event to a connection of its own, whose answers the thread reads.
+    Confirm(KeyCode, KeyDirection, ConnectionNumber, PressTicket),
 }
 
 /// Longest time without a call from the loop while a key is pressed. After it the watchdog receives no heartbeats.
@@ -88,6 +101,8 @@ pub struct WorkerStatus {
     pub stuck_keys: OnceLock<String>,
     /// Number of calls from the loop, as a sign of life.
     pub loop_calls: AtomicU64,
+    /// Number of requests that the thread has executed.
+    pub executed: AtomicU64,
     /// The validity of queued presses.
     pub tickets: PressTickets,
     /// Number of presses and characters that were not sent because their tickets were void.
@@ -101,6 +116,7 @@ impl WorkerStatus {
             failure: OnceLock::new(),
             stuck_keys: OnceLock::new(),
             loop_calls: AtomicU64::new(0),
+            executed: AtomicU64::new(0),
             tickets: PressTickets::new(max_press_age),
             void_presses: AtomicU64::new(0),
         }
@@ -113,8 +129,8 @@ pub struct Worker<'a, C> {
     pressed: PressedKeys,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
-    /// The record for the case that this process and the watchdog are killed in the same instant.
-    key_file: Option<PressedKeyFile>,
+    reporter: KeyReporter,
+    direct: DirectAnswers,
     /// The watchdog did not accept a message, or has exited.
     is_watchdog_lost: bool,
     liveness: Liveness,
@@ -128,15 +144,23 @@ struct Liveness {
 }
 
 impl<'a, C: Injector> Worker<'a, C> {
-    /// Creates a worker with no key pressed and without a watchdog.
-    pub fn new(injector: C, status: &'a WorkerStatus) -> Self {
+    /// Creates a worker with no key pressed. Every press and release is reported to the watchdog.
+    pub fn new(
+        mut injector: C,
+        watchdog: Option<WatchdogClient>,
+        mut direct: DirectAnswers,
+        status: &'a WorkerStatus,
+    ) -> Self {
         let now = Instant::now();
+        let reporter = KeyReporter::new(watchdog.as_ref());
+        direct.open(|| injector.open_direct_connection(), &reporter);
         Self {
             injector,
             pressed: PressedKeys::default(),
             status,
-            watchdog: None,
-            key_file: None,
+            watchdog,
+            reporter,
+            direct,
             is_watchdog_lost: false,
             liveness: Liveness {
                 last_heartbeat: now,
@@ -144,18 +168,6 @@ impl<'a, C: Injector> Worker<'a, C> {
                 last_loop_call: now,
             },
         }
-    }
-
-    /// Sets the watchdog, to which every press and release is reported.
-    pub fn with_watchdog(mut self, watchdog: Option<WatchdogClient>) -> Self {
-        self.watchdog = watchdog;
-        self
-    }
-
-    /// Sets the file in which every pressed key is recorded.
-    pub fn with_key_file(mut self, key_file: Option<PressedKeyFile>) -> Self {
-        self.key_file = key_file;
-        self
     }
 
     /// Executes requests until the queue is closed, then releases every key.
@@ -172,9 +184,12 @@ impl<'a, C: Injector> Worker<'a, C> {
             select! {
                 recv(queue) -> request => match request {
                     // A panic in the display library must not keep keys pressed.
-                    Ok(request) => if catch_unwind(AssertUnwindSafe(|| self.execute(request))).is_err() {
-                        self.fail("the connection to the display panicked");
-                    },
+                    Ok(request) => {
+                        if catch_unwind(AssertUnwindSafe(|| self.execute(request))).is_err() {
+                            self.fail("the connection to the display panicked");
+                        }
+                        self.status.executed.fetch_add(1, Ordering::Release);
+                    }
                     Err(_) => break,
                 },
                 recv(watchdog_exited) -> _ => self.is_watchdog_lost = true,
@@ -202,9 +217,7 @@ impl<'a, C: Injector> Worker<'a, C> {
         let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
         if !stuck.is_empty() {
             let _ = self.status.stuck_keys.set(stuck.join(", "));
-            if let Some(file) = self.key_file.take() {
-                file.abandon();
-            }
+            self.reporter.abandon_file();
         }
     }
 
@@ -239,6 +252,8 @@ impl<'a, C: Injector> Worker<'a, C> {
     /// Releases every key and restarts the watchdog. Returns the channel that closes when the new one exits.
     fn restart_watchdog(&mut self) -> Receiver<()> {
         self.status.tickets.void();
+        // The loop reports its presses to the lost watchdog.
+        self.direct.close();
         self.release_all();
         // The lost watchdog did not accept the reports of these releases.
         self.is_watchdog_lost = false;
@@ -246,9 +261,16 @@ impl<'a, C: Injector> Worker<'a, C> {
             return never();
         };
         match watchdog.restart() {
-            Ok(()) => watchdog.exited().clone(),
+            Ok(()) => {
+                let exited = watchdog.exited().clone();
+                self.reporter.set_watchdog(self.watchdog.as_ref());
+                self.direct
+                    .open(|| self.injector.open_direct_connection(), &self.reporter);
+                exited
+            }
             Err(reason) => {
                 self.watchdog = None;
+                self.reporter.set_watchdog(None);
                 self.fail(&reason);
                 never()
             }
@@ -257,11 +279,7 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Reports a key to the watchdog. Returns `false` if it did not accept the report.
     fn report_key(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
-        if let Some(file) = &self.key_file {
-            file.record(key, direction);
-        }
-        let report = |watchdog: &WatchdogClient| watchdog.report_key(key, direction).is_ok();
-        let is_accepted = self.watchdog.as_ref().is_none_or(report);
+        let is_accepted = self.reporter.report(key, direction);
         self.is_watchdog_lost |= !is_accepted;
         is_accepted
     }
@@ -269,6 +287,10 @@ impl<'a, C: Injector> Worker<'a, C> {
     fn execute(&mut self, request: WorkerRequest) {
         match request {
             WorkerRequest::Release(key) => self.release(key),
+            WorkerRequest::Confirm(key, direction, connection, ticket) => {
+                let deadline = self.status.tickets.deadline(ticket);
+                self.confirm(key, direction, connection, deadline);
+            }
             _ if self.status.failure.get().is_some() => {}
             WorkerRequest::Press(key, ticket) => {
                 // The watchdog could not release a key that it does not know.
@@ -276,15 +298,50 @@ impl<'a, C: Injector> Worker<'a, C> {
                     // Added first: a press that failed may have arrived.
                     self.pressed.press(key);
                     self.inject(key, KeyDirection::Press);
+                    self.refresh_direct_connection();
                 }
             }
             WorkerRequest::Type(character, ticket) => {
                 if self.may_send(ticket) {
                     self.perform(StatelessAction::Character(character));
+                    // A change of the keymap is sent to every connection.
+                    self.refresh_direct_connection();
                 }
             }
             WorkerRequest::Perform(action) => self.perform(action),
         }
+    }
+
+    /// Waits until the display has executed a key event that the loop has written. If it does not, a press is revoked, and
+    /// the key released on the connection of this thread: the event may have arrived.
+    fn confirm(
+        &mut self,
+        key: KeyCode,
+        direction: KeyDirection,
+        connection: ConnectionNumber,
+        deadline: Instant,
+    ) {
+        let is_press = direction == KeyDirection::Press;
+        if is_press {
+            self.pressed.press(key);
+        }
+        let is_executed = self.direct.wait(connection, deadline);
+        if is_executed && !is_press {
+            self.pressed.release(key);
+            self.report_key(key, direction);
+        }
+        if !is_executed {
+            self.status
+                .void_presses
+                .fetch_add(is_press.into(), Ordering::Relaxed);
+            self.release(key);
+            self.refresh_direct_connection();
+        }
+    }
+
+    fn refresh_direct_connection(&mut self) {
+        let connect = || self.injector.open_direct_connection();
+        self.direct.refresh(connect, &self.reporter);
     }
 
     /// Returns `true` if a press may be sent, and counts it as dropped otherwise.

@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
@@ -27,6 +28,7 @@ const MAX_NAME: u64 = 4096;
 pub struct PressedKeyFile {
     file: File,
     path: PathBuf,
+    is_abandoned: AtomicBool,
 }
 
 impl PressedKeyFile {
@@ -50,7 +52,11 @@ impl PressedKeyFile {
         file.set_len(KEY_COUNT as u64)?;
         file.write_all_at(display.as_bytes(), KEY_COUNT as u64)?;
         fs::rename(unnamed, &path)?;
-        Ok(Self { file, path })
+        Ok(Self {
+            file,
+            path,
+            is_abandoned: AtomicBool::new(false),
+        })
     }
 
     /// Records a key: before a press and after a release. Writes one byte, which a reader sees entirely or not at all.
@@ -63,15 +69,17 @@ impl PressedKeyFile {
     }
 
     /// Leaves the file behind at the end: keys could not be released.
-    pub fn abandon(mut self) {
-        self.path = PathBuf::new();
+    pub fn abandon(&self) {
+        self.is_abandoned.store(true, Ordering::Relaxed);
     }
 }
 
 impl Drop for PressedKeyFile {
-    /// Removes the file: every key was released.
+    /// Removes the file: every key was released, unless it was abandoned.
     fn drop(&mut self) {
-        let _ = fs::remove_file(&self.path);
+        if !*self.is_abandoned.get_mut() {
+            let _ = fs::remove_file(&self.path);
+        }
     }
 }
 

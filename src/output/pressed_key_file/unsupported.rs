@@ -16,7 +16,7 @@ impl PressedKeyFile {
         match *self {}
     }
 
-    pub fn abandon(self) {
-        match self {}
+    pub fn abandon(&self) {
+        match *self {}
     }
 }

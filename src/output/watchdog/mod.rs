@@ -25,12 +25,13 @@ pub(crate) use linux::scope_name;
 #[cfg(target_os = "linux")]
 pub(super) use linux::{
     DeviceHandle, READY, ReleaseTarget, WatchdogClient, WatchdogLost, WatchdogMessage,
+    WatchdogReports,
 };
 
 #[cfg(not(target_os = "linux"))]
 mod unsupported;
 #[cfg(not(target_os = "linux"))]
-pub(super) use unsupported::{ReleaseTarget, WatchdogClient};
+pub(super) use unsupported::{ReleaseTarget, WatchdogClient, WatchdogReports};
 
 /// Interval of the heartbeats while a key is pressed.
 pub(super) const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(50);

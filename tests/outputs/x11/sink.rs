@@ -1,7 +1,9 @@
 //! The output `desktop` on an X server: keys, characters and a pointer, as other programs receive them.
 
 use std::thread;
+use std::time::Duration;
 
+use crate::support::key_log::{Action, Input, KeyLog};
 use crate::support::x11::{InputWindow, TerminalWindow, XServer, wait_for};
 use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
@@ -54,6 +56,13 @@ fn holding_two_keys(server: &XServer) -> Desktop {
     sink.send(&[down("ShiftLeft"), down("A")]).unwrap();
     assert!(server.wait_for_keys(&[38, 50]), "the keys are pressed");
     sink
+}
+
+/// Returns what was pressed, in order.
+fn pressed(log: &KeyLog) -> Vec<Input> {
+    let events = log.events().into_iter();
+    let presses = events.filter(|event| event.action == Action::Press);
+    presses.map(|event| event.input).collect()
 }
 
 #[test]
@@ -239,4 +248,79 @@ fn all_buttons_are_released_after_closing_and_after_a_drop() {
         assert_eq!(server.pressed_buttons(), NO_BUTTONS);
         assert_eq!(server.pressed_keys(), NO_KEYS);
     }
+}
+
+#[test]
+fn what_was_sent_before_closing_arrives() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let log = KeyLog::start(&server);
+    for round in 0..20 {
+        let mut sink = open(&server);
+        sink.send(&[down("A"), up("A"), down("B")]).unwrap();
+        sink.close().unwrap();
+        assert_eq!(sink.dropped_presses(), 0, "{round}");
+    }
+    assert!(wait_for(|| log.len() == 80), "{:?}", log.events());
+    assert_eq!(server.pressed_keys(), NO_KEYS);
+}
+
+#[test]
+fn a_press_that_a_server_has_not_read_in_time_is_revoked_while_it_hangs() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = open(&server);
+    let log = KeyLog::start(&server);
+    server.freeze();
+    sink.send(&[down("A")]).unwrap();
+    let is_revoked = wait_for(|| sink.dropped_presses() == 1);
+    server.thaw();
+    // Through the queue it would have waited for an answer of the server.
+    assert!(is_revoked, "the loop has not written the press");
+    sink.send(&[up("A"), down("B")]).unwrap();
+    assert!(server.wait_for_keys(&[56]), "B is pressed");
+    sink.close().unwrap();
+    assert!(server.wait_for_keys(&NO_KEYS), "B is released");
+    assert!(log.wait_for_press(0), "the log has B");
+    assert_eq!(pressed(&log), [Input::Key(56)]);
+}
+
+#[test]
+fn a_press_that_becomes_void_while_a_server_hangs_is_revoked_at_once() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = open(&server);
+    let log = KeyLog::start(&server);
+    server.freeze();
+    sink.send(&[down("A")]).unwrap();
+    sink.void_presses();
+    // The press is not too old yet.
+    server.thaw();
+    sink.send(&[up("A")]).unwrap();
+    assert!(wait_for(|| sink.dropped_presses() == 1));
+    sink.send(&[down("B"), up("B")]).unwrap();
+    sink.close().unwrap();
+    assert!(log.wait_for_press(0), "the log has B");
+    assert_eq!(pressed(&log), [Input::Key(56)]);
+}
+
+#[test]
+fn a_key_whose_release_waits_for_a_server_that_hangs_is_released() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    server.freeze();
+    sink.send(&[up("A")]).unwrap();
+    // Longer than a server may take to execute what the loop has written.
+    thread::sleep(Duration::from_millis(600));
+    server.thaw();
+    assert!(server.wait_for_keys(&[50]), "A is released");
+    sink.send(&[up("ShiftLeft")]).unwrap();
+    assert!(server.wait_for_keys(&NO_KEYS), "Shift is released");
+    sink.close().unwrap();
+    assert_eq!(sink.dropped_presses(), 0);
 }

@@ -39,7 +39,7 @@ pub struct WatchdogClient {
     settings: WatchdogSettings,
     target: ReleaseTarget,
     process: Child,
-    socket: UnixStream,
+    socket: Arc<UnixStream>,
     exited: Receiver<()>,
     started: Instant,
     is_replacement: bool,
@@ -48,8 +48,8 @@ pub struct WatchdogClient {
 }
 
 impl WatchdogClient {
-    /// Starts a watchdog and waits until it is ready to release keys on `target`. On a display, the calling thread must be
-    /// the one that presses keys until this is dropped.
+    /// Starts a watchdog and waits until it is ready to release keys on `target`. On a display, the calling thread must not
+    /// end before this is dropped: the watchdog releases keys when it does.
     pub fn start(settings: &WatchdogSettings, target: ReleaseTarget) -> Result<Self, String> {
         let (socket, watchdog_end) = UnixStream::pair().map_err(start_error)?;
         let process = Command::new(&settings.program)
@@ -63,7 +63,7 @@ impl WatchdogClient {
             target,
             process,
             exited: bounded(0).1,
-            socket,
+            socket: Arc::new(socket),
             started: Instant::now(),
             is_replacement: false,
             sent_heartbeats: 0,
@@ -83,6 +83,11 @@ impl WatchdogClient {
     /// Reports a key: before a press and after a release.
     pub fn report_key(&self, key: KeyCode, direction: KeyDirection) -> Result<(), WatchdogLost> {
         self.send(WatchdogMessage::from_key(key, direction))
+    }
+
+    /// Returns a way to report keys from another thread. It ends with this watchdog.
+    pub fn reports(&self) -> WatchdogReports {
+        WatchdogReports(Arc::clone(&self.socket))
     }
 
     /// Reports deflected axes: `true` before the first leaves its center, `false` after the last is centered.
@@ -133,11 +138,11 @@ impl WatchdogClient {
             .set_read_timeout(Some(START_TIMEOUT))
             .map_err(start_error)?;
         let mut first = [0];
-        match self.socket.read(&mut first) {
+        match (&*self.socket).read(&mut first) {
             Ok(1) if first[0] == READY => {}
             Ok(1) => {
                 let mut reason = first.to_vec();
-                let _ = (&self.socket).take(MAX_REASON).read_to_end(&mut reason);
+                let _ = (&*self.socket).take(MAX_REASON).read_to_end(&mut reason);
                 return Err(start_error(String::from_utf8_lossy(&reason)));
             }
             Ok(_) => return Err(start_error("it exited at once")),
@@ -146,12 +151,27 @@ impl WatchdogClient {
         self.socket.set_read_timeout(None).map_err(start_error)
     }
 
-    /// Sends a message without blocking: a watchdog that does not read is lost.
     fn send(&self, message: WatchdogMessage) -> Result<(), WatchdogLost> {
-        match send(&self.socket, &message.to_bytes(), SendFlags::DONTWAIT) {
-            Ok(WatchdogMessage::BYTES) => Ok(()),
-            _ => Err(WatchdogLost),
-        }
+        send_message(&self.socket, message)
+    }
+}
+
+/// The reports of keys to a watchdog.
+#[derive(Clone)]
+pub struct WatchdogReports(Arc<UnixStream>);
+
+impl WatchdogReports {
+    /// Reports a key: before a press and after a release.
+    pub fn report_key(&self, key: KeyCode, direction: KeyDirection) -> Result<(), WatchdogLost> {
+        send_message(&self.0, WatchdogMessage::from_key(key, direction))
+    }
+}
+
+/// Sends a message without blocking: a watchdog that does not read is lost.
+fn send_message(socket: &UnixStream, message: WatchdogMessage) -> Result<(), WatchdogLost> {
+    match send(socket, &message.to_bytes(), SendFlags::DONTWAIT) {
+        Ok(WatchdogMessage::BYTES) => Ok(()),
+        _ => Err(WatchdogLost),
     }
 }
 

@@ -4,7 +4,7 @@ mod client;
 mod message;
 mod release_target;
 
-pub use client::{WatchdogClient, WatchdogLost};
+pub use client::{WatchdogClient, WatchdogLost, WatchdogReports};
 pub use message::{READY, WatchdogMessage};
 pub use release_target::{DeviceHandle, ReleaseTarget};
 

@@ -50,8 +50,8 @@ impl ReleaseTarget {
     /// Returns a handle of the calling thread that is readable when the thread has ended (`PIDFD_THREAD`, Linux 6.9).
     ///
     /// A killed process closes its socket when the last of its threads has ended, for which those of normal priority wait
-    /// on a busy machine. The thread that presses keys has a high priority. `None` for devices, which other threads may
-    /// use, and on an older kernel.
+    /// on a busy machine. The thread of a display has a high priority, and what the loop presses is reported before. `None` for
+    /// devices, which other threads may use, and on an older kernel.
     pub fn thread_handle(&self) -> Option<OwnedFd> {
         // The flag has the value of another one, and no name in the library.
         let thread = PidfdFlags::from_bits_retain(OFlags::EXCL.bits());

@@ -4,6 +4,7 @@
 //! screenshot tool that grabs the server would otherwise delay a release, and the key would repeat until the grab ends.
 
 mod characters;
+mod direct;
 
 use std::ops::RangeInclusive;
 
@@ -18,6 +19,7 @@ use x11rb::rust_connection::RustConnection;
 
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
+use crate::output::desktop::direct_keys::DirectConnection;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::system;
 use crate::output::desktop::worker::Injector;
@@ -41,6 +43,7 @@ const RELATIVE: u8 = 1;
 
 /// A connection to an X server.
 pub struct X11Injector {
+    name: Option<String>,
     server: RustConnection,
     root: u32,
     character_keys: CharacterKeys,
@@ -55,20 +58,22 @@ pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
         .map_err(ReplyError::from)
         .and_then(|version| version.reply())
         .map_err(|error| format!("the X server has no extension XTEST ({error}); enable it"))?;
+    ignore_grabs(&server).map_err(message)?;
     let injector = X11Injector {
+        name: name.map(str::to_owned),
         root: server.setup().roots[screen].root,
         server,
         character_keys: CharacterKeys::default(),
     };
-    injector.ignore_grabs().map_err(message)?;
     Ok(Box::new(injector))
 }
 
-impl X11Injector {
-    fn ignore_grabs(&self) -> Result<(), ReplyError> {
-        self.server.xtest_grab_control(true)?.check()
-    }
+/// Exempts a connection from grabs of the server by other clients.
+fn ignore_grabs(server: &RustConnection) -> Result<(), ReplyError> {
+    server.xtest_grab_control(true)?.check()
+}
 
+impl X11Injector {
     /// Sends an input event and waits until the server has executed it.
     fn fake(&self, kind: u8, detail: u8) -> Result<(), ReplyError> {
         self.discard_events()?;
@@ -161,13 +166,7 @@ impl X11Injector {
 
 impl Injector for X11Injector {
     fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
-        let is_press = direction == KeyDirection::Press;
-        let (kind, detail) = match (input(key)?, is_press) {
-            (Input::Key(code), true) => (KEY_PRESS_EVENT, code),
-            (Input::Key(code), false) => (KEY_RELEASE_EVENT, code),
-            (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
-            (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
-        };
+        let (kind, detail) = fake_input(key, direction)?;
         self.fake(kind, detail).map_err(message)
     }
 
@@ -185,6 +184,10 @@ impl Injector for X11Injector {
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         self.wait().map_err(message)
+    }
+
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        direct::open(self.name.as_deref())
     }
 
     fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
@@ -220,6 +223,17 @@ fn input(key: KeyCode) -> Result<Input, String> {
         "MouseForward" => 9,
         _ => return Err("a desktop has no such button; remove it from the layout".into()),
     }))
+}
+
+/// Returns the kind and the detail of the event that presses or releases a key.
+fn fake_input(key: KeyCode, direction: KeyDirection) -> Result<(u8, u8), String> {
+    let is_press = direction == KeyDirection::Press;
+    Ok(match (input(key)?, is_press) {
+        (Input::Key(code), true) => (KEY_PRESS_EVENT, code),
+        (Input::Key(code), false) => (KEY_RELEASE_EVENT, code),
+        (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
+        (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
+    })
 }
 
 fn message(error: ReplyError) -> String {

@@ -1,5 +1,8 @@
 //! Requests to a display that records them.
 
+mod direct;
+
+use super::direct_keys::DirectConnection;
 use super::pending_motion::StatelessAction;
 use super::*;
 use crate::device::pressed_keys::KeyDirection;
@@ -21,6 +24,7 @@ struct DisplayState {
     connections: usize,
     /// Number of times that a worker waited until the display responds.
     waits: usize,
+    direct: direct::DirectState,
 }
 
 struct Connection {
@@ -98,6 +102,10 @@ impl Injector for Connection {
         self.display.0.lock().unwrap().waits += 1;
         let _ = self.gate.recv();
         Ok(())
+    }
+
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        direct::open(&self.display)
     }
 }
 
@@ -314,6 +322,10 @@ fn a_full_queue_coalesces_motion_and_drops_no_release() {
     let keys: Vec<_> = KeyCode::all().collect();
     for key in &keys {
         sink.send(&[event(0, EventKind::KeyDown(*key))]).unwrap();
+    }
+    // From here on, the thread takes nothing from the queue.
+    while display.0.lock().unwrap().waits == 0 {
+        thread::yield_now();
     }
     for _ in 0..2 * QUEUE {
         sink.send(&[event(0, EventKind::MoveBy(1, 0))]).unwrap();

@@ -1,0 +1,47 @@
+//! The reports of pressed keys to those who release them if this process cannot.
+
+use std::sync::Arc;
+
+use crate::device::KeyCode;
+use crate::device::pressed_keys::KeyDirection;
+use crate::output::pressed_key_file::PressedKeyFile;
+use crate::output::watchdog::{WatchdogClient, WatchdogReports};
+
+/// The watchdog, and the file for the case that this process and the watchdog are killed in the same instant.
+#[derive(Clone, Default)]
+pub struct KeyReporter {
+    watchdog: Option<WatchdogReports>,
+    file: Option<Arc<PressedKeyFile>>,
+}
+
+impl KeyReporter {
+    /// Creates a reporter to this watchdog and to a file, or to neither.
+    pub fn new(watchdog: Option<&WatchdogClient>) -> Self {
+        let file = watchdog.and_then(|_| PressedKeyFile::create());
+        Self {
+            watchdog: watchdog.map(WatchdogClient::reports),
+            file: file.map(Arc::new),
+        }
+    }
+
+    /// Replaces the watchdog. Copies keep the earlier one.
+    pub fn set_watchdog(&mut self, watchdog: Option<&WatchdogClient>) {
+        self.watchdog = watchdog.map(WatchdogClient::reports);
+    }
+
+    /// Reports a key: before a press and after a release. Returns `false` if the watchdog did not accept the report.
+    pub fn report(&self, key: KeyCode, direction: KeyDirection) -> bool {
+        if let Some(file) = &self.file {
+            file.record(key, direction);
+        }
+        let report = |watchdog: &WatchdogReports| watchdog.report_key(key, direction).is_ok();
+        self.watchdog.as_ref().is_none_or(report)
+    }
+
+    /// Leaves the file behind at the end: keys could not be released.
+    pub fn abandon_file(&self) {
+        if let Some(file) = &self.file {
+            file.abandon();
+        }
+    }
+}
