@@ -10,7 +10,7 @@ mod plain_hand;
 
 use std::hint::black_box;
 use std::sync::LazyLock;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{self, BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES};
 use ademan::capture::protocol::Decoder;
@@ -421,12 +421,14 @@ fn g_step_in_loop(bencher: Bencher, observer: &str) {
     let mut readings = Readings::new();
     let mut pipeline = Board::Flat(100).pipeline();
     let mut sink = output::open("none", &Capabilities::default()).expect("the output `none`");
-    let mut observe: Box<dyn FnMut(&StepView)> = match observer {
-        "looks" => Box::new(|step| _ = black_box(step.events)),
-        _ => Box::new(|step| _ = black_box(&step.to_snapshot())),
+    let mut look = |step: &StepView, _: Instant, _: &Pipeline| _ = black_box(step.events);
+    let mut copy = |step: &StepView, _: Instant, _: &Pipeline| _ = black_box(&step.to_snapshot());
+    let observe: &mut dyn FnMut(&StepView, Instant, &Pipeline) = match observer {
+        "looks" => &mut look,
+        _ => &mut copy,
     };
     let body = |step: &mut dyn FnMut(&Reading)| bencher.bench_local(|| step(readings.next()));
-    with_loop_step(SilentSource, &mut pipeline, &mut *sink, &mut observe, body).expect("a loop");
+    with_loop_step(SilentSource, &mut pipeline, &mut *sink, observe, body).expect("a loop");
 }
 
 /// A source without readings.

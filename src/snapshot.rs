@@ -39,7 +39,7 @@ pub struct StepView<'a> {
     /// Commands that the devices issued.
     pub commands: &'a [TimedCommand],
     /// Command from outside the layout that the pipeline executed in this step.
-    pub executed: Option<TimedCommand>,
+    pub executed: Option<&'a TimedCommand>,
     /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
@@ -63,7 +63,7 @@ impl StepView<'_> {
             touches: self.touches.iter().copied().collect(),
             events: self.events.iter().copied().collect(),
             commands: self.commands.iter().copied().collect(),
-            executed: self.executed,
+            executed: self.executed.copied(),
             lost_hands: self.lost_hands,
             stats: *self.stats,
             latency: self.latency,
@@ -121,7 +121,7 @@ impl Snapshot {
             touches: &self.touches,
             events: &self.events,
             commands: &self.commands,
-            executed: self.executed,
+            executed: self.executed.as_ref(),
             lost_hands: self.lost_hands,
             stats: &self.stats,
             latency: self.latency,

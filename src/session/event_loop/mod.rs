@@ -23,7 +23,7 @@ use crate::device::{Events, TimedCommand};
 use crate::names::UnknownName;
 use crate::output::Sink;
 use crate::pipeline::{CommandError, Pipeline, PipelineState};
-use crate::snapshot::{Stats, StepView};
+use crate::snapshot::Stats;
 use crate::time::{NO_DEADLINE, Timestamp};
 
 /// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
@@ -66,18 +66,12 @@ pub fn with_loop_step(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
-    observe: &mut dyn FnMut(&StepView),
+    observe: Observer,
     body: impl FnOnce(&mut dyn FnMut(&Reading)),
 ) -> Result<(), SessionError> {
     let commands = CommandReceiver::disconnected();
-    let mut observe = |step: &StepView, _: Instant, _: &Pipeline| observe(step);
-    let mut session = SessionLoop::new(
-        Capture::start(source)?,
-        &commands,
-        pipeline,
-        sink,
-        &mut observe,
-    );
+    let capture = Capture::start(source)?;
+    let mut session = SessionLoop::new(capture, &commands, pipeline, sink, observe);
     body(&mut |reading| {
         session.now = Instant::now();
         // A reading that fails is measured, too.
@@ -276,8 +270,7 @@ impl SessionLoop<'_> {
     }
 
     fn step(&mut self, reading: &Reading, received_at: Instant) -> Result<Next, SessionError> {
-        let age = self.now.saturating_duration_since(received_at);
-        if self.capture.is_live() && age > self.pipeline.stall_timeout() {
+        if self.capture.is_live() && self.now > received_at + self.pipeline.stall_timeout() {
             // This process was stopped or starved: the reading shows a hand of the past.
             self.drop_readings(1);
             self.stall(None)?;

@@ -22,7 +22,6 @@ impl SessionLoop<'_> {
         is_accepted: bool,
         source_error: Option<&CaptureError>,
     ) {
-        let executed = self.executed.take();
         self.update_stats();
         let accepted = reading.filter(|_| is_accepted);
         let output = accepted.map(|reading| self.pipeline.output_for(reading));
@@ -38,12 +37,13 @@ impl SessionLoop<'_> {
             touches: output.map_or(&[], |output| &output.touches),
             events: &self.events,
             commands: output.map_or(&[], |output| &output.commands),
-            executed,
+            executed: self.executed.as_ref(),
             lost_hands: self.pipeline.lost_hands(),
             stats: &self.stats,
             latency: self.latency.take(),
         };
         (self.observe)(&step, self.now, self.pipeline);
+        self.executed = None;
         if self.profile != self.pipeline.active_profile() {
             self.update_target_names();
         }
