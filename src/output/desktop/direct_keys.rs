@@ -44,9 +44,17 @@ pub struct DirectKeys {
 impl DirectKeys {
     /// Writes a key event. Returns the number of the connection, or `None` if nothing was written.
     pub fn write(&mut self, key: KeyCode, direction: KeyDirection) -> Option<ConnectionNumber> {
+        let is_press = direction == KeyDirection::Press;
         // The watchdog could not release a key that it does not know.
-        let is_known = direction == KeyDirection::Release || self.reporter.report(key, direction);
-        (is_known && self.writer.write(key, direction)).then_some(self.number)
+        if is_press && !self.reporter.report(key, direction) {
+            return None;
+        }
+        let is_written = self.writer.write(key, direction);
+        if is_press && !is_written {
+            // The thread may drop the press, and would then not report its release.
+            self.reporter.report(key, KeyDirection::Release);
+        }
+        is_written.then_some(self.number)
     }
 }
 
@@ -75,13 +83,14 @@ impl DirectAnswers {
         (answers, from_thread)
     }
 
-    /// Opens a connection with `connect`, unless the display supports none, and passes the other end to the loop.
+    /// Opens a connection with `connect`, and passes the other end to the loop, unless the display supports none or the loop
+    /// would have to wait for its reports.
     pub fn open(
         &mut self,
         connect: impl FnOnce() -> Option<DirectConnection>,
         reporter: &KeyReporter,
     ) {
-        if !self.is_supported {
+        if !self.is_supported || reporter.may_wait() {
             return;
         }
         let Some((writer, reader)) = connect() else {

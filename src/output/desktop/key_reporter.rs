@@ -15,9 +15,8 @@ pub struct KeyReporter {
 }
 
 impl KeyReporter {
-    /// Creates a reporter to this watchdog and to a file, or to neither.
-    pub fn new(watchdog: Option<&WatchdogClient>) -> Self {
-        let file = watchdog.and_then(|_| PressedKeyFile::create());
+    /// Creates a reporter to this watchdog and to this file.
+    pub fn new(watchdog: Option<&WatchdogClient>, file: Option<PressedKeyFile>) -> Self {
         Self {
             watchdog: watchdog.map(WatchdogClient::reports),
             file: file.map(Arc::new),
@@ -27,6 +26,11 @@ impl KeyReporter {
     /// Replaces the watchdog. Copies keep the earlier one.
     pub fn set_watchdog(&mut self, watchdog: Option<&WatchdogClient>) {
         self.watchdog = watchdog.map(WatchdogClient::reports);
+    }
+
+    /// Returns `true` if a report may wait for a disk. One to the watchdog never waits.
+    pub fn may_wait(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| !file.is_in_memory())
     }
 
     /// Reports a key: before a press and after a release. Returns `false` if the watchdog did not accept the report.

@@ -89,6 +89,8 @@ pub struct Desktop {
     requested_with_direct_press: u64,
     /// The thread has executed all requests but those to confirm what the loop has written.
     is_thread_idle: bool,
+    /// The loop has written a release since then.
+    has_written_release: bool,
     /// The loop's own connection, if the display supports one.
     direct_keys: Option<DirectKeys>,
     opened_direct_keys: Receiver<DirectKeys>,
@@ -176,6 +178,7 @@ impl Desktop {
             requested: 0,
             requested_with_direct_press: 0,
             is_thread_idle: false,
+            has_written_release: false,
             direct_keys: None,
             opened_direct_keys,
             accepted: PressedKeys::default(),
@@ -233,7 +236,9 @@ impl Desktop {
         direction: KeyDirection,
         ticket: PressTicket,
     ) -> Option<WorkerRequest> {
-        if !self.is_thread_idle {
+        // The thread reports a release after it. If the key were pressed again before, the watchdog would not know that press.
+        let follows_release = direction == KeyDirection::Press && self.has_written_release;
+        if !self.is_thread_idle || follows_release {
             return None;
         }
         if let Ok(opened) = self.opened_direct_keys.try_recv() {
@@ -243,7 +248,7 @@ impl Desktop {
         match (connection, direction) {
             (None, _) => self.direct_keys = None,
             (Some(_), KeyDirection::Press) => self.requested_with_direct_press = self.requested + 1,
-            (Some(_), KeyDirection::Release) => {}
+            (Some(_), KeyDirection::Release) => self.has_written_release = true,
         }
         connection.map(|number| WorkerRequest::Confirm(key, direction, number, ticket))
     }
@@ -307,6 +312,7 @@ impl Sink for Desktop {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         self.status.loop_calls.fetch_add(1, Ordering::Relaxed);
         self.is_thread_idle = self.status.executed.load(Ordering::Acquire) == self.requested;
+        self.has_written_release = false;
         let mut result = Ok(());
         for event in events {
             let requested = match event.kind {

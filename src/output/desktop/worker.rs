@@ -15,6 +15,7 @@ use super::pending_motion::StatelessAction;
 use super::press_ticket::{PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
 use crate::time::NO_DEADLINE;
@@ -152,7 +153,8 @@ impl<'a, C: Injector> Worker<'a, C> {
         status: &'a WorkerStatus,
     ) -> Self {
         let now = Instant::now();
-        let reporter = KeyReporter::new(watchdog.as_ref());
+        let file = watchdog.as_ref().and_then(|_| PressedKeyFile::create());
+        let reporter = KeyReporter::new(watchdog.as_ref(), file);
         direct.open(|| injector.open_direct_connection(), &reporter);
         Self {
             injector,

@@ -7,6 +7,8 @@ use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use rustix::fs::fstatfs;
+
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::files;
@@ -23,6 +25,9 @@ const MAX_OUTPUTS: u32 = 16;
 
 /// Longest name of a display that is read, in bytes.
 const MAX_NAME: u64 = 4096;
+
+/// Types of file systems in memory, as in `linux/magic.h`: tmpfs and ramfs.
+const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 
 /// The file of an output of this process.
 pub struct PressedKeyFile {
@@ -41,7 +46,8 @@ impl PressedKeyFile {
         Self::create_at(unused, &display()).ok()
     }
 
-    fn create_at(path: PathBuf, display: &str) -> io::Result<Self> {
+    /// Creates a file for `display`.
+    pub fn create_at(path: PathBuf, display: &str) -> io::Result<Self> {
         let folder = path.parent().unwrap_or(Path::new("."));
         files::create_private_folder(folder).map_err(io::Error::other)?;
         // It gets its name when it is locked: without a lock it would count as abandoned.
@@ -57,6 +63,11 @@ impl PressedKeyFile {
             path,
             is_abandoned: AtomicBool::new(false),
         })
+    }
+
+    /// Returns `true` if recording a key cannot wait for a disk.
+    pub fn is_in_memory(&self) -> bool {
+        fstatfs(&self.file).is_ok_and(|system| MEMORY_TYPES.contains(&(system.f_type as u32)))
     }
 
     /// Records a key: before a press and after a release. Writes one byte, which a reader sees entirely or not at all.
@@ -153,6 +164,7 @@ mod tests {
     use super::*;
     use crate::output::tests::key;
     use std::os::unix::fs::PermissionsExt;
+    use std::process::Command;
 
     fn path(folder: &tempfile::TempDir, name: &str) -> PathBuf {
         folder.path().join("ademan").join(name)
@@ -187,6 +199,20 @@ mod tests {
         );
         found.forget();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn only_a_file_system_in_memory_counts_as_one() {
+        let program = env::current_exe().unwrap();
+        for folder in [Path::new("/dev/shm"), program.parent().unwrap()] {
+            let folder = tempfile::tempdir_in(folder).unwrap();
+            let file = PressedKeyFile::create_at(path(&folder, "pressed-1-0"), ":7").unwrap();
+            let mut stat = Command::new("stat");
+            stat.args(["--file-system", "--format=%T"]).arg(&file.path);
+            let kind = stat.output().expect("stat of coreutils").stdout;
+            let is_in_memory = matches!(kind.trim_ascii(), b"tmpfs" | b"ramfs");
+            assert_eq!(file.is_in_memory(), is_in_memory, "{folder:?}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A file with the keys that a process has pressed on a display, for the case that the process and its watchdog are
 //! killed in the same instant.
 //!
-//! The file is in the runtime folder of the user, which is in memory, accessible by its owner only. It has one byte per
+//! The file is in the runtime folder of the user, which is usually in memory, accessible by its owner only. It has one byte per
 //! key, which is 1 from before the press until after the release, and then the name of the display. The process keeps it
 //! locked and removes it at its end: an unlocked file is abandoned, and its keys may be released by anyone who finds it.
 

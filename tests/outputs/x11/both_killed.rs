@@ -49,7 +49,8 @@ impl Killed {
     fn attempt() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
-        let runtime = tempfile::tempdir().expect("a folder");
+        // As that of a real user, so that the loop writes the keys.
+        let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
         let port = runtime.path().join("glove");
         let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());

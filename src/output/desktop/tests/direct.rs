@@ -12,13 +12,13 @@ const SLOW_ANSWER: Duration = Duration::from_secs(3);
 /// The connections of loops to a display.
 #[derive(Default)]
 pub struct DirectState {
-    is_supported: bool,
+    pub is_supported: bool,
     /// The display executes nothing that the loop writes.
     hangs: bool,
     /// The display answers after [`SLOW_ANSWER`].
     is_slow: bool,
     /// Nothing can be written.
-    is_full: bool,
+    pub is_full: bool,
     /// Number of connections that were opened, and of ends that were dropped.
     opened: usize,
     closed_ends: usize,
@@ -79,7 +79,7 @@ fn open_sink() -> (TestDisplay, Desktop, Sender<()>) {
 }
 
 impl TestDisplay {
-    fn set_direct(&self, set: impl FnOnce(&mut DirectState)) {
+    pub fn set_direct(&self, set: impl FnOnce(&mut DirectState)) {
         set(&mut self.0.lock().unwrap().direct);
     }
 
@@ -138,6 +138,17 @@ fn a_release_follows_what_the_thread_still_has_to_do() {
     drop(gate);
     sink.close().unwrap();
     assert_eq!(display.lines(), ["loop: Press A", "Character('x')", "-A"]);
+}
+
+#[test]
+fn a_key_that_is_pressed_again_at_once_is_reported_after_its_release() {
+    let (display, mut sink, gate) = open_sink();
+    sink.send(&[down(1, "A"), up(1, "A"), down(1, "A")])
+        .unwrap();
+    drop(gate);
+    sink.close().unwrap();
+    let lines = ["loop: Press A", "loop: Release A", "+A", "-A"];
+    assert_eq!(display.lines(), lines);
 }
 
 #[test]
@@ -217,7 +228,9 @@ fn a_press_that_becomes_void_before_it_is_confirmed_is_revoked() {
     wait_until_idle(&sink);
     assert_eq!(sink.dropped_presses(), 1);
     display.set_direct(|direct| direct.is_slow = false);
-    sink.send(&[up(2, "A"), down(2, "B")]).unwrap();
+    sink.send(&[up(2, "A")]).unwrap();
+    wait_until_idle(&sink);
+    sink.send(&[down(2, "B")]).unwrap();
     wait_until_idle(&sink);
     sink.void_presses();
     sink.send(&[up(3, "B")]).unwrap();

@@ -1,6 +1,8 @@
 //! Requests to a display that records them.
 
 mod direct;
+#[cfg(target_os = "linux")]
+mod reports;
 
 use super::direct_keys::DirectConnection;
 use super::pending_motion::StatelessAction;
