@@ -2,18 +2,17 @@
 
 use std::io::Write;
 use std::num::NonZeroU32;
-use std::rc::Rc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use ademan::capture::Hc11Format;
 use ademan::capture::hc11::BODY_BYTES;
-use ademan::capture::{Hc11Format, Loopback};
 use crossbeam_channel::Receiver;
 
 use super::desktop;
 use super::load::Load;
 use super::packets::packets;
-use super::programs::{Output, PACKET_BYTES, PROGRAMS, to_pipe};
+use super::programs::{Output, PACKET_BYTES, PROGRAMS, Program, Running, to_pipe};
 use super::uinput;
 
 /// Time after which a packet counts as lost.
@@ -67,10 +66,10 @@ pub fn main() {
     }
 }
 
-/// A program with its line and the times of its events.
+/// A program and the times of its events.
 struct Fed {
     name: &'static str,
-    loopback: Loopback,
+    running: Running,
     times: Vec<Duration>,
 }
 
@@ -84,10 +83,10 @@ fn measure(
     let Some(output) = output() else {
         return;
     };
-    let load = is_loaded.then(|| Rc::new(Load::start()));
-    let start = |(program, writer): (&super::programs::Program, _)| Fed {
+    let load = is_loaded.then(Load::start);
+    let start = |(program, writer): (&Program, _)| Fed {
         name: program.name,
-        loopback: (program.start)(writer, load.as_deref()),
+        running: (program.start)(writer, load.as_ref()),
         times: Vec::with_capacity(packets.measured),
     };
     let mut programs: Vec<Fed> = PROGRAMS.iter().zip(output.writers).map(start).collect();
@@ -102,7 +101,7 @@ fn measure(
             let body = &bodies[number % bodies.len()];
             let time = time_of(&output.arrivals, || {
                 let begun = Instant::now();
-                let written = program.loopback.writer.write_all(body);
+                let written = program.running.line.writer.write_all(body);
                 written.expect("the line is open");
                 begun
             });
@@ -117,7 +116,7 @@ fn measure(
         false => output.name.to_owned(),
     };
     let mut of_null = None;
-    for program in &mut programs {
+    for mut program in programs {
         let found = (
             percentile(&mut program.times, 50),
             percentile(&mut program.times, 99),
@@ -133,6 +132,7 @@ fn measure(
             found.1 / p99,
             lost(packets.measured - program.times.len()),
         );
+        program.running.end();
     }
 }
 
@@ -146,17 +146,17 @@ fn measure_line(baud: NonZeroU32, packets: usize) {
     let output = to_pipe().expect("pipes");
     let bodies = bodies();
     for (program, writer) in PROGRAMS.iter().zip(output.writers) {
-        let mut loopback = (program.start)(writer, None);
+        let mut running = (program.start)(writer, None);
         let mut times = Vec::with_capacity(packets);
         for number in 0..packets {
             thread::sleep(Duration::from_millis(1));
             let (body, marks) = bodies[number % bodies.len()].split_at(BODY_BYTES);
             times.extend(time_of(&output.arrivals, || {
-                let written = loopback.writer.write_all(body);
+                let written = running.line.writer.write_all(body);
                 written.expect("the line is open");
                 let complete = Instant::now();
                 thread::sleep(wait);
-                let written = loopback.writer.write_all(marks);
+                let written = running.line.writer.write_all(marks);
                 written.expect("the line is open");
                 complete
             }));
@@ -170,6 +170,7 @@ fn measure_line(baud: NonZeroU32, packets: usize) {
             wait.as_secs_f64() * 1e6,
             lost(packets - times.len()),
         );
+        running.end();
     }
 }
 

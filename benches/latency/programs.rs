@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{PipeWriter, Read, Write, pipe};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
@@ -10,9 +10,10 @@ use ademan::capture::{
     CancelToken, CaptureError, Hc11Format, Loopback, Source, SourceEvent, SourceStats, open,
     open_loopback,
 };
+use ademan::command::Command;
 use ademan::device::OutputEvent;
 use ademan::output::{OutputError, Sink};
-use ademan::session::{CommandReceiver, run_pipeline};
+use ademan::session::{CommandSender, command_channel, run_pipeline};
 use ademan::setup::Setup;
 use ademan::snapshot::StepView;
 use crossbeam_channel::{Receiver, Sender, bounded};
@@ -29,8 +30,28 @@ const EVENT_BYTES: usize = 48;
 /// A program that turns packets into events.
 pub struct Program {
     pub name: &'static str,
-    /// Starts it with this writer and returns the line that it reads.
-    pub start: fn(Box<dyn Writer>, Option<&Load>) -> Loopback,
+    /// Starts it with this writer.
+    pub start: fn(Box<dyn Writer>, Option<&Load>) -> Running,
+}
+
+/// A running program.
+pub struct Running {
+    /// The line that it reads.
+    pub line: Loopback,
+    /// Stops a program that would wait for the line to be opened again.
+    stop: Option<CommandSender>,
+    thread: JoinHandle<()>,
+}
+
+impl Running {
+    /// Ends the program, which would disturb the next ones, and drops its writer.
+    pub fn end(self) {
+        drop(self.line);
+        if let Some(stop) = self.stop {
+            let _ = stop.send(Command::Stop);
+        }
+        self.thread.join().expect("the program does not panic");
+    }
 }
 
 /// All programs. The first one is the reference.
@@ -99,9 +120,9 @@ impl Writer for ToPipe {
 }
 
 /// Starts a program without the library.
-fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopback {
-    let loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
-    let port = loopback.uri.serial_port().expect("a serial port");
+fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Running {
+    let line = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
+    let port = line.uri.serial_port().expect("a serial port");
     let settings = TTYPort::open(
         &serialport::new(port, Hc11Format::default().baud.get())
             .data_bits(DataBits::Eight)
@@ -116,11 +137,15 @@ fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopbac
         Some(Hc11Format::default().baud.get())
     );
     let file = File::open(port).expect("the port opens");
-    thread::spawn(move || {
+    let thread = thread::spawn(move || {
         program(file, writer);
         drop(settings);
     });
-    loopback
+    Running {
+        line,
+        stop: None,
+        thread,
+    }
 }
 
 fn null(mut line: File, mut writer: Box<dyn Writer>) {
@@ -146,15 +171,15 @@ fn start_ours(
     writer: Box<dyn Writer>,
     load: Option<&Load>,
     form: fn(Box<dyn Source>) -> Box<dyn Source>,
-) -> Loopback {
-    let mut loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
-    let source = form(open(&loopback.uri).expect("the line opens"));
+) -> Running {
+    let mut line = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
+    let source = form(open(&line.uri).expect("the line opens"));
     let setup = Setup::default().load_files().expect("the default setup");
     let mut notifier = load.map(|load| load.notifier.clone());
-    thread::spawn(move || {
+    let (stop, commands) = command_channel();
+    let thread = thread::spawn(move || {
         let mut pipeline = setup.pipeline();
         let mut writer = writer;
-        let commands = CommandReceiver::disconnected();
         let observe = &mut |step: &StepView| {
             // One event per step, whichever events it has.
             if step.reading.is_some() {
@@ -164,12 +189,16 @@ fn start_ours(
                 notifier.notify_step(step);
             }
         };
-        // It runs until the line is closed.
+        // The line may be closed before it is stopped.
         let _ = run_pipeline(source, &mut pipeline, &mut NoSink, &commands, observe);
     });
     let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..PACKET_BYTES - BODY_BYTES];
-    loopback.writer.write_all(marks).expect("the line is open");
-    loopback
+    line.writer.write_all(marks).expect("the line is open");
+    Running {
+        line,
+        stop: Some(stop),
+        thread,
+    }
 }
 
 /// A source that has to block, as those without a descriptor do.
