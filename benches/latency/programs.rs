@@ -157,13 +157,15 @@ fn null(mut line: File, mut writer: Box<dyn Writer>) {
 
 fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
     let (sender, packets) = bounded::<[u8; PACKET_BYTES]>(16);
-    thread::spawn(move || {
+    let writing = thread::spawn(move || {
         for _ in packets {
             writer.write();
         }
     });
     let mut packet = [0; PACKET_BYTES];
     while line.read_exact(&mut packet).is_ok() && sender.send(packet).is_ok() {}
+    drop(sender);
+    writing.join().expect("the thread does not panic");
 }
 
 /// Starts the library with a form of its source.
@@ -189,8 +191,8 @@ fn start_ours(
                 notifier.notify_step(step);
             }
         };
-        // The line may be closed before it is stopped.
-        let _ = run_pipeline(source, &mut pipeline, &mut NoSink, &commands, observe);
+        run_pipeline(source, &mut pipeline, &mut NoSink, &commands, observe)
+            .expect("a run until it is stopped");
     });
     let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..PACKET_BYTES - BODY_BYTES];
     line.writer.write_all(marks).expect("the line is open");
