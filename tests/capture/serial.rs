@@ -291,6 +291,34 @@ fn garbage_for_two_seconds_gives_one_warning() {
 }
 
 #[test]
+fn packets_that_a_pause_confirms_are_no_garbage() {
+    log();
+    let mut random = Rng::with_seed(7);
+    let mut port = Port::plugged_in();
+    let mut source = open(&port.uri(115_200)).unwrap();
+    let (mut sent, mut received) = (0, 0);
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(4) {
+        port.send(&packets(&random_bodies(&mut random, 1)));
+        sent += 1;
+        // The bytes, the pause after them, and the silence.
+        let mut idle = 0;
+        while idle < 2 {
+            match source.next().unwrap() {
+                SourceEvent::Reading(_) => received += 1,
+                event => {
+                    assert_eq!(event, SourceEvent::Idle);
+                    idle += 1;
+                }
+            }
+        }
+    }
+    // No header follows the last packet.
+    assert_eq!(received, sent);
+    assert_eq!(logged(&port, "no valid packet"), 0);
+}
+
+#[test]
 fn a_port_without_a_byte_gives_one_warning() {
     log();
     let mut port = Port::plugged_in();

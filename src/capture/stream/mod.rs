@@ -1,8 +1,8 @@
 //! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
+mod pending;
 mod warnings;
 
-use std::collections::VecDeque;
 use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
@@ -10,13 +10,13 @@ use super::cancel::CancelToken;
 use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
 use super::feedback::FeedbackDevice;
 use super::garbage::GarbageDetector;
-use super::packet_clock::PacketClock;
-use super::protocol::{Decoder, InvalidPacket, InvalidPackets, Packet, StreamFormat};
+use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
-use super::{CaptureError, Reading, Source, SourceEvent, SourceStats, SourceWait};
+use super::{CaptureError, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 use crate::message::escape;
+use pending::PendingReadings;
 
 /// Source that decodes the bytes of a connection.
 pub(super) struct StreamSource<C> {
@@ -83,13 +83,7 @@ impl<C: Connector> StreamSource<C> {
             decoder,
             format_error: None,
             buffer: vec![0; C::READ_BYTES],
-            pending: PendingReadings {
-                readings: VecDeque::with_capacity(max_packets),
-                clock: PacketClock::new(C::IS_LIVE),
-                sender: None,
-                too_old: InvalidPackets::default(),
-                is_late: false,
-            },
+            pending: PendingReadings::new(max_packets, C::IS_LIVE),
             format,
             garbage: GarbageDetector::default(),
             has_first_byte: false,
@@ -181,12 +175,7 @@ impl<C: Connector> StreamSource<C> {
             self.decoder.finish(&mut emit);
         }
         self.format_error = self.decoder.take_error();
-        if self.garbage.update(now, has_packet) {
-            warnings::garbage(&self.name, &self.last_error());
-        }
-        if has_packet {
-            self.back_off = BackOff::default();
-        }
+        self.judge_bytes(now, has_packet);
         if self.pending.is_late && !was_late {
             tracing::warn!(
                 source = self.name,
@@ -204,6 +193,16 @@ impl<C: Connector> StreamSource<C> {
         Ok(self.pending.pop().unwrap_or(SourceEvent::Idle))
     }
 
+    /// Handles bytes that arrived at `now`: warns if they have formed no packet for too long. A packet resets the back-off.
+    fn judge_bytes(&mut self, now: Instant, has_packet: bool) {
+        if self.garbage.update(now, has_packet) {
+            warnings::garbage(&self.name, &self.last_error());
+        }
+        if has_packet {
+            self.back_off = BackOff::default();
+        }
+    }
+
     /// Returns the error in the latest packet for a message, with its separator; empty if there is none.
     fn last_error(&self) -> String {
         let error = self.decoder.last_error();
@@ -216,8 +215,12 @@ impl<C: Connector> StreamSource<C> {
         if self.decoder.awaits_pause() && self.has_paused(Instant::now()) {
             let (format, pending) = (&self.format, &mut self.pending);
             let (now, received) = (self.last_received, self.decoder.stats().bytes);
-            self.decoder
-                .pause(&mut |packet| pending.push(packet, now, received, format));
+            let mut has_packet = false;
+            self.decoder.pause(&mut |packet| {
+                has_packet = true;
+                pending.push(packet, now, received, format);
+            });
+            self.judge_bytes(now, has_packet);
             return Ok(self.pending.pop().unwrap_or(SourceEvent::Idle));
         }
         if let Some(timeout) = C::FIRST_BYTE_TIMEOUT
@@ -439,42 +442,6 @@ impl<C: Connector> Source for StreamSource<C> {
             invalid: decoded.invalid + self.unread + self.pending.too_old,
             ..decoded
         }
-    }
-}
-
-/// Readings of the last read, in order.
-struct PendingReadings {
-    readings: VecDeque<Reading>,
-    clock: PacketClock,
-    /// The clock by which old readings are recognised; `None` if none is dropped.
-    sender: Option<SenderClock>,
-    /// Readings that were dropped because of their age.
-    too_old: InvalidPackets,
-    /// The latest reading was too old.
-    is_late: bool,
-}
-
-impl PendingReadings {
-    /// Adds a packet of a stream of which `received` bytes had arrived by `now`, unless it is too old.
-    fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
-        if let (Some(sender), Some(sent_at)) = (&mut self.sender, packet.sent_at) {
-            self.is_late = sender.is_too_old(now, sent_at);
-            if self.is_late {
-                self.too_old.count(InvalidPacket::TooOld);
-                return;
-            }
-        }
-        let bytes_after = received.saturating_sub(packet.end) as usize;
-        self.readings.push_back(Reading {
-            time: self.clock.stamp(now, bytes_after, format, packet.time),
-            side: packet.side,
-            part: packet.part,
-            sample: packet.sample,
-        });
-    }
-
-    fn pop(&mut self) -> Option<SourceEvent> {
-        self.readings.pop_front().map(SourceEvent::Reading)
     }
 }
 

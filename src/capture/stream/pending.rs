@@ -1,0 +1,56 @@
+//! Readings that a source has decoded and not yet passed on.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use crate::capture::packet_clock::PacketClock;
+use crate::capture::protocol::{InvalidPacket, InvalidPackets, Packet, StreamFormat};
+use crate::capture::sender_clock::SenderClock;
+use crate::capture::{Reading, SourceEvent};
+
+/// Readings of the last read, in order.
+pub struct PendingReadings {
+    pub readings: VecDeque<Reading>,
+    clock: PacketClock,
+    /// The clock by which old readings are recognised; `None` if none is dropped.
+    pub sender: Option<SenderClock>,
+    /// Readings that were dropped because of their age.
+    pub too_old: InvalidPackets,
+    /// The latest reading was too old.
+    pub is_late: bool,
+}
+
+impl PendingReadings {
+    /// Creates an empty queue with room for this number of readings.
+    pub fn new(capacity: usize, is_live: bool) -> Self {
+        Self {
+            readings: VecDeque::with_capacity(capacity),
+            clock: PacketClock::new(is_live),
+            sender: None,
+            too_old: InvalidPackets::default(),
+            is_late: false,
+        }
+    }
+
+    /// Adds a packet of a stream of which `received` bytes had arrived by `now`, unless it is too old.
+    pub fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
+        if let (Some(sender), Some(sent_at)) = (&mut self.sender, packet.sent_at) {
+            self.is_late = sender.is_too_old(now, sent_at);
+            if self.is_late {
+                self.too_old.count(InvalidPacket::TooOld);
+                return;
+            }
+        }
+        let bytes_after = received.saturating_sub(packet.end) as usize;
+        self.readings.push_back(Reading {
+            time: self.clock.stamp(now, bytes_after, format, packet.time),
+            side: packet.side,
+            part: packet.part,
+            sample: packet.sample,
+        });
+    }
+
+    pub fn pop(&mut self) -> Option<SourceEvent> {
+        self.readings.pop_front().map(SourceEvent::Reading)
+    }
+}
