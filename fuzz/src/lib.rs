@@ -1,5 +1,7 @@
 //! The fuzz targets, shared with `tests/fuzzing/`.
 
+#[path = "../../tests/fuzzing/hostile.rs"]
+pub mod hostile;
 mod support;
 #[path = "../../tests/fuzzing/lines.rs"]
 pub mod lines;

@@ -111,7 +111,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         })
     };
     let stream = |text: String| [&[66], text.as_bytes()].concat();
-    vec![
+    let valid = vec![
         stream(text_line::encode(&JointAngles::default()).repeat(3)),
         stream((1..5).map(body).collect()),
         stream(
@@ -148,7 +148,8 @@ pub fn seeds() -> Vec<Vec<u8>> {
         .concat(),
         [vec![9], vmc::encode(&bones())].concat(),
         stream(markers::encode(Some(1), &hand().1)),
-    ]
+    ];
+    [valid, super::hostile::osc()].concat()
 }
 
 /// Returns both arms with every bone.

@@ -3,6 +3,7 @@
 //! The targets are those of `fuzz/`, which searches for inputs by coverage. More bytes and steps, or another seed:
 //! `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
 
+mod hostile;
 mod inputs;
 mod lines;
 mod motion;

@@ -62,7 +62,7 @@ pub fn bvh_seeds() -> Vec<Vec<u8>> {
         Time: .0083333\r\n1 2 3 4 5 6 7 8 9\r\n-1 -2 -3 -4 -5 -6 -7 -8 -9\r\n0 0 0 0 0 0 0 0 1e-3\r\n";
     let mixed = "hierarchy root rhand { offset 0 0 0 channels 1 YROTATION end site { offset 1 1 1 } } motion Frames:2 \
         Frame Time:0.01 45 90";
-    seeds(&[hand, mixed])
+    [seeds(&[hand, mixed]), super::hostile::bvh()].concat()
 }
 
 /// Returns lines of cameras, the first byte being the length of the pieces.

@@ -223,7 +223,8 @@ pub fn seeds() -> Vec<Vec<u8>> {
         .flat_map(|encoding| [true, false].map(|has_chunk| plain(&readings, encoding, has_chunk)));
     let checked: Vec<Vec<u8>> = compressed.into_iter().chain(plain).collect();
     let unchecked: Vec<Vec<u8>> = checked.iter().map(|bytes| unchecked(bytes)).collect();
-    checked.into_iter().chain(unchecked).collect()
+    let hostile = super::hostile::recordings(&unchecked[2]);
+    [checked, unchecked, hostile].concat()
 }
 
 /// Returns a recording without setup and compression.

@@ -3,14 +3,19 @@
 use ademan::document::Document;
 use ademan::document::shipped_layouts;
 
+use super::hostile;
+
 fn shipped(name: &str) -> Vec<u8> {
     let document = Document::shipped(name).expect("a shipped file");
     document.text.into_bytes()
 }
 
-/// Returns every shipped layout.
+/// Returns every shipped layout, and hostile ones.
 pub fn layouts() -> Vec<Vec<u8>> {
-    shipped_layouts().map(shipped).collect()
+    shipped_layouts()
+        .map(shipped)
+        .chain(hostile::layouts())
+        .collect()
 }
 
 /// Returns the shipped gloves.
