@@ -9,6 +9,10 @@ pub enum Attack {
     GrabServer,
     /// The X server is stopped.
     FreezeServer,
+    /// The X server is stopped for little longer than a press may wait.
+    DropPresses,
+    /// The keymap is replaced by the keymap of another language.
+    ChangeKeymap,
     /// Nobody reads the standard error.
     BlockStderr,
     /// Nobody reads the standard output, which has a transcript.
@@ -24,6 +28,8 @@ pub enum Attack {
     SendJunk,
     SaveLayout,
     SaveInvalidLayout,
+    /// The layout file is replaced by a file of another user. Without root, others may write the file.
+    SaveForeignLayout,
     PauseByCommand,
     /// SIGUSR1 to the program and its watchdog, as by `pkill`.
     PauseBySignal,
@@ -31,12 +37,15 @@ pub enum Attack {
     ConnectSilentClients,
     /// A client that sends requests and reads no response.
     ConnectFloodingClient,
+    /// Clients of the shared hand that send WebSocket frames without a request.
+    FloodFrames,
 }
 
 /// The part of the system that an attack changes. Attacks of one episode have different targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     Display,
+    Keymap,
     Stderr,
     Stdout,
     /// The program and its watchdog. Each covers for the other, so only one of them is attacked at a time.
@@ -45,12 +54,15 @@ pub enum Target {
     Layout,
     Pause,
     Clients,
+    Viewers,
 }
 
 impl Attack {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 21] = [
         Self::GrabServer,
         Self::FreezeServer,
+        Self::DropPresses,
+        Self::ChangeKeymap,
         Self::BlockStderr,
         Self::BlockStdout,
         Self::StopProgram,
@@ -62,15 +74,18 @@ impl Attack {
         Self::SendJunk,
         Self::SaveLayout,
         Self::SaveInvalidLayout,
+        Self::SaveForeignLayout,
         Self::PauseByCommand,
         Self::PauseBySignal,
         Self::ConnectSilentClients,
         Self::ConnectFloodingClient,
+        Self::FloodFrames,
     ];
 
     pub fn target(self) -> Target {
         match self {
-            Self::GrabServer | Self::FreezeServer => Target::Display,
+            Self::GrabServer | Self::FreezeServer | Self::DropPresses => Target::Display,
+            Self::ChangeKeymap => Target::Keymap,
             Self::BlockStderr => Target::Stderr,
             Self::BlockStdout => Target::Stdout,
             Self::StopProgram
@@ -79,15 +94,18 @@ impl Attack {
             | Self::StopWatchdog
             | Self::KillWatchdog => Target::Processes,
             Self::UnplugGlove | Self::SendJunk => Target::Glove,
-            Self::SaveLayout | Self::SaveInvalidLayout => Target::Layout,
+            Self::SaveLayout | Self::SaveInvalidLayout | Self::SaveForeignLayout => Target::Layout,
             Self::PauseByCommand | Self::PauseBySignal => Target::Pause,
             Self::ConnectSilentClients | Self::ConnectFloodingClient => Target::Clients,
+            Self::FloodFrames => Target::Viewers,
         }
     }
 
     /// Returns the shortest and the longest time for which the attack lasts.
     pub fn length(self) -> (Duration, Duration) {
         let milliseconds = match self {
+            // A press is dropped after 250 ms.
+            Self::DropPresses => (260, 400),
             // Longer than the time-out of the watchdog.
             Self::StopProgram | Self::StopWatchdog => (600, 1_500),
             // Long enough for some presses of a typing hand.

@@ -1,5 +1,5 @@
-//! A run under attack: the X server, the output pipes, the processes, the cable, the layout file and the control socket
-//! fail at random times, several at once, while a hand holds a key or types.
+//! A run under attack: the X server and its keymap, the output pipes, the processes, the cable, the layout file, the control
+//! socket and the server of the shared hand fail at random times, several at once, while a hand holds a key or types.
 //!
 //! The run takes 20 s. `ADEMAN_CHAOS_SECONDS=600` sets its length, `ADEMAN_CHAOS_SEED` the seed, and
 //! `ADEMAN_CHAOS_ATTACKS=KillProgram,GrabServer` the attacks; `-- --nocapture` prints the statistics:
@@ -12,7 +12,8 @@
 //! - all keys are released after each attack while the hand still presses, and all keys after it has left them;
 //! - at most the press that was on its way arrives after a pause was acknowledged;
 //! - the program answers commands and ends by one SIGTERM, whatever does not read its output;
-//! - each press has a release.
+//! - each press has a release;
+//! - the memory of the program stays below 100 MB.
 //!
 //! Both processes killed at once are not among the attacks: an X server keeps their keys pressed.
 
@@ -23,6 +24,7 @@ mod rig;
 mod scene;
 mod stats;
 mod subject;
+mod viewers;
 
 use std::time::{Duration, Instant};
 

@@ -23,6 +23,9 @@ const MOVEMENT: Duration = Duration::from_secs(20);
 /// The number of attempts to arm the run and press a key: a stall of a busy machine ends one.
 const ATTEMPTS: usize = 15;
 
+/// The most resident memory: eight times what a run needs without attacks.
+const MAX_MEMORY_KB: u64 = 100_000;
+
 /// The number of messages to print after a violation.
 const MESSAGES: usize = 40;
 
@@ -65,6 +68,7 @@ impl Rig {
         self.check_release(&course)?;
         self.check_watchdog(&course)?;
         self.check_response(&course)?;
+        self.check_resources()?;
         for (timed, begun) in &course.begun {
             thread::sleep((*begun + timed.length).saturating_duration_since(Instant::now()));
         }
@@ -236,6 +240,19 @@ impl Rig {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Records the memory and the file descriptors of the program, and checks the memory.
+    fn check_resources(&mut self) -> Result<(), String> {
+        let Some((memory, descriptors)) = self.scene.subject.resources() else {
+            return Ok(());
+        };
+        self.stats.memory = self.stats.memory.max(memory);
+        self.stats.descriptors = self.stats.descriptors.max(descriptors);
+        if memory > MAX_MEMORY_KB {
+            return Err(format!("the program has {memory} kB of memory"));
+        }
+        Ok(())
     }
 
     /// Returns `true` if the program runs and no attack prevents a response.

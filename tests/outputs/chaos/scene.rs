@@ -1,10 +1,12 @@
 //! The surroundings of the program, and the attacks on them and on it.
 
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io::Write;
 use std::net::Shutdown;
+use std::os::unix::fs::{PermissionsExt, chown};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::process::Command;
 use std::thread;
 use std::time::Duration;
 
@@ -13,8 +15,10 @@ use tempfile::TempDir;
 
 use super::attack::Attack;
 use super::subject::{Subject, layout, port, request, send};
+use super::viewers::Viewers;
 use crate::support::glove::Glove;
 use crate::support::press::{Posture, Press, typing};
+use crate::support::process::Process;
 use crate::support::run::shipped;
 use crate::support::x11::XServer;
 
@@ -35,6 +39,8 @@ pub struct Scene {
     /// The watchdogs that received the last signal.
     pub signalled_watchdogs: Vec<u32>,
     clients: Vec<UnixStream>,
+    viewers: Option<Viewers>,
+    keymaps: Vec<Process>,
 }
 
 /// The movements of the hand.
@@ -70,6 +76,8 @@ impl Scene {
             saves: 0,
             signalled_watchdogs: Vec::new(),
             clients: Vec::new(),
+            viewers: None,
+            keymaps: Vec::new(),
         }
     }
 
@@ -108,7 +116,8 @@ impl Scene {
     pub fn begin(&mut self, attack: Attack) {
         match attack {
             Attack::GrabServer => self.server.grab(),
-            Attack::FreezeServer => self.server.freeze(),
+            Attack::FreezeServer | Attack::DropPresses => self.server.freeze(),
+            Attack::ChangeKeymap => self.start_keymap(["br", "jp", "ru", "de"][self.saves % 4]),
             Attack::BlockStderr => self.subject.stderr.block(),
             Attack::BlockStdout => self.subject.stdout.block(),
             Attack::StopProgram => self.subject.signal(Signal::STOP),
@@ -123,6 +132,7 @@ impl Scene {
                 let (half, _) = self.layout.split_at(self.layout.len() / 2);
                 fs::write(layout(self.folder.path()), half).expect("space on the disk");
             }
+            Attack::SaveForeignLayout => self.save_foreign_layout(),
             // The caller sends the command, because it waits for the response.
             Attack::PauseByCommand => {}
             Attack::PauseBySignal => {
@@ -134,6 +144,7 @@ impl Scene {
                 self.clients = (0..CLIENTS).filter_map(|_| connect()).collect();
             }
             Attack::ConnectFloodingClient => self.flood(),
+            Attack::FloodFrames => self.viewers = Some(Viewers::flood(self.subject.share())),
         }
     }
 
@@ -141,7 +152,8 @@ impl Scene {
     pub fn end(&mut self, attack: Attack) {
         match attack {
             Attack::GrabServer => self.server.ungrab(),
-            Attack::FreezeServer => self.server.thaw(),
+            Attack::FreezeServer | Attack::DropPresses => self.server.thaw(),
+            Attack::ChangeKeymap => self.restore_keymap(),
             Attack::BlockStderr => self.subject.stderr.unblock(),
             Attack::BlockStdout => self.subject.stdout.unblock(),
             Attack::StopProgram => self.subject.signal(Signal::CONT),
@@ -155,6 +167,11 @@ impl Scene {
                 self.glove = Some(glove);
             }
             Attack::SaveInvalidLayout => self.save_layout(),
+            Attack::SaveForeignLayout => {
+                fs::remove_file(layout(self.folder.path())).expect("it was saved");
+                self.save_layout();
+            }
+            Attack::FloodFrames => self.viewers = None,
             Attack::ConnectSilentClients | Attack::ConnectFloodingClient => {
                 for client in self.clients.drain(..) {
                     let _ = client.shutdown(Shutdown::Both);
@@ -177,6 +194,37 @@ impl Scene {
         self.saves += 1;
         let text = format!("{}// {}\n", self.layout, self.saves);
         fs::write(layout(self.folder.path()), text).expect("space on the disk");
+    }
+
+    /// Replaces the layout file by a valid file that another user may change.
+    fn save_foreign_layout(&mut self) {
+        /// `nobody` of Debian.
+        const OTHER_USER: u32 = 65_534;
+        let path = layout(self.folder.path());
+        fs::remove_file(&path).expect("it was saved");
+        self.save_layout();
+        if chown(&path, Some(OTHER_USER), Some(OTHER_USER)).is_err() {
+            let mode = Permissions::from_mode(0o666);
+            fs::set_permissions(&path, mode).expect("a file of this user");
+        }
+    }
+
+    /// Starts to replace the keymap. The X server may not respond yet.
+    fn start_keymap(&mut self, name: &str) {
+        let mut command = Command::new("setxkbmap");
+        command.arg(name).env("DISPLAY", self.server.display());
+        let process = Process::start(&mut command).expect("setxkbmap is installed");
+        self.keymaps.push(process);
+    }
+
+    /// Restores the keymap after all changes of it.
+    fn restore_keymap(&mut self) {
+        for mut process in std::mem::take(&mut self.keymaps) {
+            process.0.wait().expect("a child process");
+        }
+        self.start_keymap("us");
+        let mut process = self.keymaps.pop().expect("it was started");
+        process.0.wait().expect("a child process");
     }
 
     /// Connects a client that sends requests until it is disconnected.

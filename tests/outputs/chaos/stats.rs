@@ -15,6 +15,10 @@ pub struct ChaosStats {
     pub presses: usize,
     pub repeats: usize,
     pub releases: usize,
+    /// The largest resident memory of the program in kB.
+    pub memory: u64,
+    /// The largest number of file descriptors of the program.
+    pub descriptors: usize,
     /// The number of attacks of each kind, and the longest time until all keys were released after one.
     pub attacks: BTreeMap<Attack, (usize, Option<Duration>)>,
 }
@@ -38,6 +42,11 @@ impl fmt::Display for ChaosStats {
             f,
             "{:.1?}, {} episodes, {} starts of the program; {} presses, {} repeats, {} releases",
             self.length, self.episodes, self.starts, self.presses, self.repeats, self.releases
+        )?;
+        writeln!(
+            f,
+            "at most {} kB of memory and {} file descriptors",
+            self.memory, self.descriptors
         )?;
         writeln!(f, "attack                 count  longest until release")?;
         for (attack, (count, longest)) in &self.attacks {

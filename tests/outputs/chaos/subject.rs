@@ -1,6 +1,7 @@
 //! The program under attack.
 
 use std::fs;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, Stdio};
 
@@ -8,6 +9,7 @@ use ademan::session::control_socket::Client;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::support::binary::ademan;
+use crate::support::free_address::free_address;
 use crate::support::output_pipe::OutputPipe;
 use crate::support::process::{Process, children};
 use crate::support::x11::{XServer, wait_for};
@@ -19,6 +21,7 @@ const SETUP: &str = "Setup(stall_timeout_ms: 3000)";
 pub struct Subject {
     process: Process,
     socket: PathBuf,
+    share: SocketAddr,
     pub stdout: OutputPipe,
     pub stderr: OutputPipe,
 }
@@ -40,8 +43,11 @@ impl Subject {
         let setup = folder.join("setup.ron");
         fs::write(&setup, SETUP).expect("space on the disk");
         let source = format!("serial:{}", port(folder).display());
+        let share = free_address();
         let mut command = ademan(["run", "--output", "desktop,transcript", "--source", &source]);
         command
+            .arg("--share")
+            .arg(format!("ws:{share}"))
             .arg("--layout")
             .arg(layout(folder))
             .arg("--control")
@@ -59,6 +65,7 @@ impl Subject {
         let subject = Self {
             process,
             socket,
+            share,
             stdout: OutputPipe::new(stdout),
             stderr: OutputPipe::new(stderr),
         };
@@ -70,6 +77,23 @@ impl Subject {
     /// Returns the path of the control socket.
     pub fn socket(&self) -> &Path {
         &self.socket
+    }
+
+    /// Returns the address at which the hand is shared.
+    pub fn share(&self) -> SocketAddr {
+        self.share
+    }
+
+    /// Returns the resident memory in kB and the number of file descriptors; `None` if the program has exited.
+    pub fn resources(&self) -> Option<(u64, usize)> {
+        let folder = PathBuf::from(format!("/proc/{}", self.process.0.id()));
+        let status = fs::read_to_string(folder.join("status")).ok()?;
+        let line = status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmRSS:"))?;
+        let memory = line.trim().trim_end_matches(" kB").parse().ok()?;
+        let descriptors = fs::read_dir(folder.join("fd")).ok()?.count();
+        Some((memory, descriptors))
     }
 
     /// Returns the exit status if the program has exited.
