@@ -25,88 +25,68 @@ mod directive;
 mod file;
 mod rig;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
-use self::file::{Scenario, ScenarioFile};
+use self::file::ScenarioFile;
 
-/// The least number of scenarios.
-const FEWEST: usize = 150;
+/// Defines a test for each file of scenarios.
+macro_rules! scenario_files {
+    ($($name:ident),* $(,)?) => {
+        const FILES: &[&str] = &[$(stringify!($name)),*];
+
+        $(#[test]
+        fn $name() {
+            play_file(stringify!($name));
+        })*
+    };
+}
+
+scenario_files!(
+    arm, arming, faults, gestures, lines, reloads, together, waits
+);
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios")
 }
 
-fn pages() -> Vec<(PathBuf, String)> {
-    let entries = fs::read_dir(folder()).expect("the folder of scenarios");
-    let paths = entries.map(|entry| entry.expect("a file").path());
-    let mut paths: Vec<PathBuf> = paths
-        .filter(|path| path.extension().is_some_and(|extension| extension == "txt"))
-        .collect();
-    paths.sort();
-    let read = |path: PathBuf| {
-        let text = fs::read_to_string(&path).expect("a text");
-        (path, text)
-    };
-    paths.into_iter().map(read).collect()
-}
-
-/// Plays the scenarios on as many threads as there are processors, and returns the names of those that panic.
-fn play_all(scenarios: Vec<&mut Scenario>) -> Vec<String> {
-    let waiting = Mutex::new(scenarios);
-    let panicked = Mutex::new(Vec::new());
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let play_some = || {
-        loop {
-            let next = waiting.lock().expect("no panic while it is locked").pop();
-            let Some(scenario) = next else {
-                return;
-            };
-            let name = scenario.name.clone();
-            if catch_unwind(AssertUnwindSafe(|| rig::play(scenario))).is_err() {
-                panicked
-                    .lock()
-                    .expect("no panic while it is locked")
-                    .push(name);
-            }
+/// Plays the scenarios of a file and compares their transcripts.
+fn play_file(name: &str) {
+    let path = folder().join(name).with_extension("txt");
+    let expected = fs::read_to_string(&path).expect("a file of scenarios");
+    let mut file = ScenarioFile::parse(&path, &expected);
+    assert!(!file.scenarios.is_empty(), "{name} has no scenarios");
+    let mut panicked = Vec::new();
+    for scenario in &mut file.scenarios {
+        if catch_unwind(AssertUnwindSafe(|| rig::play(scenario))).is_err() {
+            panicked.push(scenario.name.clone());
         }
-    };
-    std::thread::scope(|scope| {
-        (0..threads).for_each(|_| drop(scope.spawn(play_some)));
-    });
-    panicked.into_inner().expect("no panic while it is locked")
+    }
+    println!("{} scenarios", file.scenarios.len());
+    assert!(panicked.is_empty(), "panicked: {panicked:#?}");
+    let found = file.to_string();
+    if found == expected {
+        return;
+    }
+    if std::env::var_os("ADEMAN_WRITE").is_some() {
+        fs::write(&path, &found).expect("the transcripts can be written");
+        return;
+    }
+    panic!("{}", file::difference(&expected, &found));
 }
 
 #[test]
-fn every_scenario_gives_its_transcript() {
-    let files = pages();
-    let mut pages: Vec<ScenarioFile> = files
-        .iter()
-        .map(|(path, text)| ScenarioFile::parse(path, text))
-        .collect();
-    let scenarios = pages.iter_mut().flat_map(|page| &mut page.scenarios);
-    let panicked = play_all(scenarios.collect());
-    assert!(panicked.is_empty(), "panicked: {panicked:#?}");
-    let mut wrong = Vec::new();
-    for ((path, expected), page) in files.iter().zip(&pages) {
-        let found = page.to_string();
-        if found == *expected {
-            continue;
-        }
-        if std::env::var_os("ADEMAN_WRITE").is_some() {
-            fs::write(path, &found).expect("the transcripts can be written");
-            continue;
-        }
-        wrong.push(format!(
-            "{}:\n{}",
-            path.display(),
-            file::difference(expected, &found)
-        ));
-    }
-    let count: usize = pages.iter().map(|page| page.scenarios.len()).sum();
-    println!("{count} scenarios in {} files", pages.len());
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(count >= FEWEST, "only {count} scenarios");
+fn every_file_of_scenarios_has_a_test() {
+    let entries = fs::read_dir(folder()).expect("the folder of scenarios");
+    let paths = entries.map(|entry| entry.expect("a file").path());
+    let texts = paths.filter(|path| path.extension().is_some_and(|extension| extension == "txt"));
+    let stem = |path: PathBuf| {
+        path.file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned())
+    };
+    let found: BTreeSet<String> = texts.filter_map(stem).collect();
+    let tested = FILES.iter().map(|&name| name.to_owned()).collect();
+    assert_eq!(found, tested);
 }

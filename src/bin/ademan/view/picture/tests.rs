@@ -115,7 +115,13 @@ fn drawing_works_in_windows_of_any_size() {
     for layout in shipped_layouts() {
         let view = view(layout);
         for (columns, rows) in [(0, 0), (1, 1), (5, 3), (40, 12), (300, 2), (2, 300)] {
-            drawn(&view, COLORED, columns, rows);
+            let text = text(&drawn(&view, COLORED, columns, rows));
+            let is_blank = text.chars().all(char::is_whitespace);
+            assert_eq!(
+                is_blank,
+                columns * rows == 0,
+                "{layout} {columns} × {rows}:\n{text}"
+            );
         }
     }
 }
