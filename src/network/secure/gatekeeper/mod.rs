@@ -69,7 +69,7 @@ impl Gatekeeper {
             ));
         }
         let keeper = Self(Arc::new(Shared {
-            config: Identity::load_or_create(folder)?.server_config()?,
+            config: Identity::open(folder)?.server_config()?,
             folder: folder.into(),
             state: Mutex::default(),
         }));
