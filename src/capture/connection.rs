@@ -13,7 +13,7 @@ pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 /// Longest time that one write to a device blocks.
 pub(super) const WRITE_TIMEOUT: Duration = Duration::from_millis(50);
 
-/// Kind of the error of a read that dropped a datagram of another sender. No read of a socket has it.
+/// Kind of the error of a read that dropped a packet of another sender. No read of a socket has it.
 pub(super) const UNKNOWN_SENDER: ErrorKind = ErrorKind::PermissionDenied;
 
 /// Opens a connection, and opens it again after it was lost.
@@ -29,6 +29,9 @@ pub(super) trait Connector: Clone + Send + 'static {
 
     /// Each read returns a whole datagram, which contains whole packets.
     const IS_DATAGRAM: bool = false;
+
+    /// Several senders can send to it, and a read fails with [`UNKNOWN_SENDER`] when it dropped a packet.
+    const HAS_SENDERS: bool = false;
 
     /// Size of the read buffer. Longer datagrams are truncated.
     const READ_BYTES: usize = 512;
@@ -54,6 +57,15 @@ pub(super) trait ByteStream: Read + Send {
     fn may_block(&self) -> bool {
         false
     }
+
+    /// Returns `true` if the latest read returned bytes of another sender than the read before it. The default has one sender.
+    fn has_other_sender(&self) -> bool {
+        false
+    }
+
+    /// Accepts the sender of the latest read, whose bytes completed a valid packet. For a time no other sender is read. The
+    /// default has one sender.
+    fn accept_sender(&mut self) {}
 }
 
 impl ByteStream for File {}

@@ -41,7 +41,8 @@ pub enum CaptureEvent {
     Command(Command),
     /// The [clock](Source::clock) of a source that waits: no reading precedes this time.
     Elapsed(Timestamp),
-    /// Bytes arrive, but none of them belongs to a reading. Sent at most twice a second.
+    /// Bytes or packets arrive, but none of them belongs to a reading. Sent at most twice a second, and when a live source is
+    /// stopped.
     Noise(SourceStats),
     /// The device was lost and the source reconnects, or the readings were interrupted. Never dropped, and always
     /// before the readings that follow it.
@@ -66,7 +67,7 @@ pub(super) struct EventSource<S> {
     is_batched: bool,
     suspend: SuspendDetector,
     suspends: u64,
-    /// Time of the latest event with statistics, and the bytes in them.
+    /// Time of the latest event with statistics, and the [bytes and packets](arrived) in them.
     reported: (Instant, u64),
 }
 
@@ -136,7 +137,7 @@ impl<S: Source> EventSource<S> {
                 result => other = Some(result),
             }
         }
-        self.reported = (received_at, stats.bytes);
+        self.reported = (received_at, arrived(&stats));
         emit(CaptureEvent::Readings {
             readings,
             received_at,
@@ -159,7 +160,7 @@ impl<S: Source> EventSource<S> {
             Ok(SourceEvent::Idle) => self.convert_idle(emit),
             Ok(SourceEvent::Reading(reading)) => {
                 let (received_at, stats) = (Instant::now(), self.stats());
-                self.reported = (received_at, stats.bytes);
+                self.reported = (received_at, arrived(&stats));
                 emit(CaptureEvent::Reading {
                     reading,
                     received_at,
@@ -184,24 +185,30 @@ impl<S: Source> EventSource<S> {
         if let Some(time) = self.source.clock() {
             emit(CaptureEvent::Elapsed(time));
         }
-        let (reported_at, reported_bytes) = self.reported;
+        let (reported_at, reported) = self.reported;
         if reported_at.elapsed() < NOISE_INTERVAL {
             return;
         }
         let stats = self.stats();
-        self.reported = (Instant::now(), stats.bytes);
-        if stats.bytes > reported_bytes {
+        self.reported = (Instant::now(), arrived(&stats));
+        if arrived(&stats) > reported {
             emit(CaptureEvent::Noise(stats));
         }
     }
 
-    fn stats(&self) -> SourceStats {
+    /// Returns the statistics since the source was opened.
+    pub fn stats(&self) -> SourceStats {
         let stats = self.source.stats();
         SourceStats {
             losses: stats.losses + self.suspends,
             ..stats
         }
     }
+}
+
+/// Returns a number that grows with everything that arrives: a packet of an unknown sender has no bytes in the statistics.
+fn arrived(stats: &SourceStats) -> u64 {
+    stats.bytes + stats.invalid.total()
 }
 
 fn suspended(source_name: &str) -> CaptureError {

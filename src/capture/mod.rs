@@ -41,6 +41,8 @@ mod sides;
 
 // Everything below needs an operating system with devices, files and sockets.
 #[cfg(not(target_family = "wasm"))]
+mod active_sender;
+#[cfg(not(target_family = "wasm"))]
 mod connection;
 #[cfg(not(target_family = "wasm"))]
 mod garbage;

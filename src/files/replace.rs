@@ -1,10 +1,13 @@
 //! Whole files that are written at once.
 
-use std::fs::{self, Permissions};
+use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{FileError, create_private, own_target};
+
+/// Most temporary files that killed processes of one number may leave beside a file.
+const MAX_TEMPORARY_FILES: u32 = 1000;
 
 /// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
 /// full disk. Permissions and symbolic links are kept.
@@ -28,9 +31,7 @@ fn write_and_rename(
     text: &str,
     permissions: Option<Permissions>,
 ) -> Result<(), FileError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut file = create_private(&temporary)?;
+    let (mut file, temporary) = create_temporary(path)?;
     let permitted = permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions));
     let written = permitted
         .and_then(|()| file.write_all(text.as_bytes()))
@@ -40,4 +41,20 @@ fn write_and_rename(
         let _ = fs::remove_file(&temporary);
     }
     Ok(written?)
+}
+
+/// Creates a file of a new name in the folder of another one. A process of the same number may have been killed before it
+/// removed its own, as in a container, where each run has the same number.
+fn create_temporary(path: &Path) -> Result<(File, PathBuf), FileError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    for attempt in 0..MAX_TEMPORARY_FILES {
+        let temporary = path.with_file_name(format!(".{name}.{process}.{attempt}"));
+        match create_private(&temporary) {
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            created => return Ok((created?, temporary)),
+        }
+    }
+    let text = format!("{MAX_TEMPORARY_FILES} files `.{name}.{process}.…` are left; remove them");
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, text).into())
 }

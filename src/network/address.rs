@@ -1,19 +1,37 @@
 //! The addresses at which servers of this program may listen.
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+
+/// Returns the IPv4 address if this is an IPv6 address that stands for one (`::ffff:192.0.2.2`), otherwise the address
+/// itself.
+///
+/// A socket at such an address is one of IPv4: `[::ffff:0.0.0.0]` listens on every network.
+pub const fn canonical(address: SocketAddr) -> SocketAddr {
+    match address.ip().to_canonical() {
+        IpAddr::V4(ip) => SocketAddr::new(IpAddr::V4(ip), address.port()),
+        // An address of IPv6 also has a scope, which names the network of `fe80::1%eth0`.
+        IpAddr::V6(_) => address,
+    }
+}
+
+/// Reads an address of this machine that no other machine can reach; `None` for any other text.
+pub fn parse_loopback(text: &str) -> Option<SocketAddr> {
+    let address = canonical(text.parse().ok()?);
+    address.ip().is_loopback().then_some(address)
+}
 
 /// Checks the address of a server. `Err` states the reason and what to do.
 ///
 /// Beyond the loopback address TLS is required, and the address has to be that of one interface: a server at `0.0.0.0`
 /// would also listen on the networks that a person has forgotten.
 pub fn check_listen_address(address: SocketAddr, is_secure: bool) -> Result<(), &'static str> {
-    let ip = address.ip();
+    let ip = canonical(address).ip();
     if ip.is_unspecified() {
         return Err(
             "this address means every network of the machine; name the address of one, as `ip address` shows it",
         );
     }
-    if ip.is_multicast() {
+    if ip.is_multicast() || ip == IpAddr::V4(Ipv4Addr::BROADCAST) {
         return Err("this is a multicast address, which no server can listen at");
     }
     if !ip.is_loopback() && !is_secure {
@@ -39,6 +57,14 @@ mod tests {
             ("0.0.0.0:1", "every network", "every network"),
             ("[::]:1", "every network", "every network"),
             ("224.0.0.1:1", "multicast", "multicast"),
+            ("255.255.255.255:1", "multicast", "multicast"),
+            ("[ff02::1]:1", "multicast", "multicast"),
+            ("[::ffff:127.0.0.1]:1", "", ""),
+            ("[::ffff:192.0.2.2]:1", "`+tls`", ""),
+            ("[::ffff:0.0.0.0]:1", "every network", "every network"),
+            ("[::ffff:0:0]:1", "every network", "every network"),
+            ("[0:0:0:0:0:ffff:0:0]:1", "every network", "every network"),
+            ("[::ffff:224.0.0.1]:1", "multicast", "multicast"),
         ] {
             for (is_secure, expected) in [(false, plain), (true, secure)] {
                 let checked = check_listen_address(address.parse().unwrap(), is_secure);
@@ -52,6 +78,28 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn only_addresses_of_this_machine_are_read_as_such_in_their_shortest_form() {
+        let read = |text: &str| parse_loopback(text).map(|address| address.to_string());
+        for (text, expected) in [
+            ("127.0.0.1:1", "127.0.0.1:1"),
+            ("[::1]:1", "[::1]:1"),
+            ("[::ffff:127.0.0.1]:1", "127.0.0.1:1"),
+        ] {
+            assert_eq!(read(text).as_deref(), Some(expected), "{text}");
+        }
+        for text in [
+            "0.0.0.0:1",
+            "[::]:1",
+            "[::ffff:0.0.0.0]:1",
+            "[::ffff:192.0.2.2]:1",
+            "localhost:1",
+            "127.0.0.1",
+        ] {
+            assert_eq!(read(text), None, "{text}");
         }
     }
 }

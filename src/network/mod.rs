@@ -29,7 +29,7 @@ mod unsupported;
 #[cfg(not(feature = "tls"))]
 pub use self::unsupported::{Gatekeeper, connect, tokens};
 
-pub use self::address::check_listen_address;
+pub use self::address::{canonical, check_listen_address, parse_loopback};
 pub(crate) use self::deadline::DeadlineStream;
 pub use self::memory_stream::MemoryStream;
 

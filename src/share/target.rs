@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use super::ShareError;
 use crate::message::escape;
 use crate::names::{UnknownName, named_enum};
-use crate::network::check_listen_address;
 use crate::network::zenoh::{DEFAULT_ROUTER, MAX_KEY_BYTES, check_key, parse_router};
+use crate::network::{canonical, check_listen_address};
 
 named_enum! {
     /// The form in which a hand is shared.
@@ -138,6 +138,7 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
             escape(text)
         )
     })?;
+    let address = canonical(address);
     check_listen_address(address, link == ShareLink::Tls || !format.can_have_tls())?;
     if !format.can_have_tls() && !address.ip().is_loopback() {
         return Err(local_only(format));
@@ -238,9 +239,21 @@ mod tests {
         for remote in ["pose:192.0.2.2:1", "ws:192.168.1.2:1", "pose:[fd00::2]:1"] {
             assert!(error(remote).contains("ssh -L"), "{remote}");
         }
-        for any in ["pose:0.0.0.0:1", "pose+tls:0.0.0.0:1", "pose+tls:[::]:1"] {
+        for any in [
+            "pose:0.0.0.0:1",
+            "pose+tls:0.0.0.0:1",
+            "pose+tls:[::]:1",
+            "pose+tls:[::ffff:0.0.0.0]:1",
+            "json+tls:[::ffff:0:0]:1",
+            "ws:[::ffff:0.0.0.0]:1",
+            "vmc:[::ffff:0.0.0.0]:1",
+        ] {
             assert!(error(any).contains("every network"), "{any}");
         }
+        let mapped: ShareTarget = "web:[::ffff:127.0.0.1]:1".parse().unwrap();
+        assert_eq!(mapped.to_string(), "web:127.0.0.1:1");
+        let mapped = error("pose:[::ffff:192.0.2.2]:1");
+        assert!(mapped.contains("ssh -L"), "{mapped}");
         for datagrams in ["vmc:192.168.1.2:1", "opentrack+tls:192.0.2.2:1"] {
             let error = error(datagrams);
             assert!(error.contains("text-line+tls"), "{error}");

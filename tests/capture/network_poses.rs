@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use ademan::capture::protocol::{InvalidPacket, opentrack};
-use ademan::capture::{Sample, Source, SourceEvent, open};
+use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, spawn};
 use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
 use glam::{Quat, Vec3};
 
@@ -91,6 +91,94 @@ fn datagrams_of_another_sender_are_dropped_until_the_first_is_silent() {
         }
     }
     assert!(source.stats().invalid.get(InvalidPacket::UnknownSender) > 2);
+}
+
+#[test]
+fn datagrams_that_are_no_packets_keep_no_sender_out() {
+    let (mut source, address) = open_at_free_port("opentrack");
+    let [glove, other] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let pose = |x: f64| opentrack::encode(&[x, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut received = 0;
+    for _ in 0..20 {
+        for junk in [&b""[..], b"junk", &opentrack::encode(&[f64::NAN; 6])] {
+            other.send_to(junk, address).unwrap();
+        }
+        glove.send_to(&pose(1.0), address).unwrap();
+        for _ in 0..5 {
+            let event = source.next().expect("the source has no errors");
+            received += usize::from(matches!(event, SourceEvent::Reading(_)));
+        }
+    }
+    assert!(received >= 10, "{received} of 20");
+    // A sender that was active keeps no other one out with junk either.
+    let start = Instant::now();
+    loop {
+        glove.send_to(b"junk", address).unwrap();
+        other.send_to(&pose(2.0), address).unwrap();
+        match source.next().expect("the source has no errors") {
+            SourceEvent::Reading(Reading {
+                sample: Sample::Displacement { displacement },
+                ..
+            }) if displacement.translation().x == 0.02 => break,
+            _ => assert!(start.elapsed() < TIMEOUT, "never accepted"),
+        }
+    }
+}
+
+/// Returns a message of OSC with these floats.
+fn osc(address: &str, name: Option<&str>, floats: &[f32]) -> Vec<u8> {
+    let padded = |text: &str| {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize(bytes.len() / 4 * 4 + 4, 0);
+        bytes
+    };
+    let types = if name.is_some() { "s" } else { "" };
+    let types = format!(",{types}{}", "f".repeat(floats.len()));
+    let numbers = floats.iter().flat_map(|number| number.to_be_bytes());
+    let mut bytes = padded(address);
+    bytes.extend(padded(&types));
+    bytes.extend(name.map(padded).unwrap_or_default());
+    bytes.extend(numbers);
+    bytes
+}
+
+#[test]
+fn no_frame_is_made_of_the_datagrams_of_two_senders() {
+    let (mut source, address) = open_at_free_port("vmc");
+    let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let bone = |name| {
+        let numbers = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        osc("/VMC/Ext/Bone/Pos", Some(name), &numbers)
+    };
+    first.send_to(&bone("LeftHand"), address).unwrap();
+    second.send_to(&bone("RightHand"), address).unwrap();
+    second
+        .send_to(&osc("/VMC/Ext/T", None, &[1.0]), address)
+        .unwrap();
+    let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
+        panic!("not bones");
+    };
+    assert_eq!(bones.left.known().count(), 0, "of the first sender");
+    assert_eq!(bones.right.known().count(), 1);
+}
+
+#[test]
+fn a_single_datagram_of_another_sender_is_reported_without_another_one() {
+    let (source, address) = open_at_free_port("opentrack");
+    let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let pose = opentrack::encode(&[1.0; 6]);
+    let capture = spawn(source).expect("a thread");
+    first.send_to(&pose, address).unwrap();
+    let counted = |event: CaptureEvent| match event {
+        CaptureEvent::Reading { stats, .. } | CaptureEvent::Noise(stats) => {
+            stats.invalid.get(InvalidPacket::UnknownSender)
+        }
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(counted(capture.events().recv_timeout(TIMEOUT).unwrap()), 0);
+    // Nothing else arrives after it.
+    second.send_to(&pose, address).unwrap();
+    assert_eq!(counted(capture.events().recv_timeout(TIMEOUT).unwrap()), 1);
 }
 
 /// Sends a frame as several programs do: bones in two bundles, the last of them inside the bundle of the state, with

@@ -9,6 +9,8 @@ use ademan::capture::{CaptureError, Source, SourceEvent, open};
 use ademan::hand::{Joint, JointPositions, Side};
 use glam::DVec3;
 use tungstenite::client::IntoClientRequest;
+use tungstenite::protocol::frame::Frame;
+use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::{Message, WebSocket};
 
 use crate::support::free_address::free_address;
@@ -119,9 +121,13 @@ fn pages_of_other_sites_and_other_host_names_are_refused() {
 fn binary_and_endless_messages_end_the_connection() {
     let (mut source, address) = source("");
     let mut client = connect(address, &[]).expect("admitted");
+    send(&mut client, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
     send(&mut client, vec![1_u8, 2, 3]);
     assert!(next_loss(&mut *source).contains("binary"));
     let mut client = connect(address, &[]).expect("admitted");
+    send(&mut client, line(0.5));
+    assert_eq!(next_wrist(&mut *source), 0.5);
     let _ = client.send("x".repeat(70_000).into());
     let loss = next_loss(&mut *source);
     assert!(
@@ -145,6 +151,8 @@ fn a_second_client_and_one_that_sends_no_request_do_not_disturb_the_first() {
     send(&mut first, line(0.25));
     assert_eq!(next_wrist(&mut *source), 0.25);
     for _ in 0..20 {
+        send(&mut first, line(0.25));
+        assert_eq!(next_wrist(&mut *source), 0.25);
         assert!(connect(address, &[]).is_err(), "one client at a time");
     }
     send(&mut first, line(0.5));
@@ -152,8 +160,97 @@ fn a_second_client_and_one_that_sends_no_request_do_not_disturb_the_first() {
 }
 
 #[test]
+fn clients_that_say_nothing_keep_no_other_client_out() {
+    let (mut source, address) = source("");
+    // Neither those without a request nor those without a message.
+    let idle: Vec<_> = (0..100).map(|_| TcpStream::connect(address)).collect();
+    let silent: Vec<_> = (0..20).map(|_| connect(address, &[])).collect();
+    assert!(silent.iter().all(Result::is_ok), "all may speak");
+    let mut first = connect(address, &[]).expect("admitted");
+    send(&mut first, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+    // Now that one is active, the others are closed.
+    for mut client in silent.into_iter().flatten() {
+        assert!(client.read().is_err(), "it is closed");
+    }
+    send(&mut first, line(0.5));
+    assert_eq!(next_wrist(&mut *source), 0.5);
+    assert!(connect(address, &[]).is_err(), "one client at a time");
+    drop(idle);
+}
+
+#[test]
+fn messages_that_are_no_packets_keep_no_other_client_out() {
+    let (mut source, address) = source("");
+    let mut noisy = connect(address, &[]).expect("admitted");
+    send(&mut noisy, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+    // It was active, and sends only noise from now on.
+    let start = std::time::Instant::now();
+    let mut other = loop {
+        send(&mut noisy, "noise");
+        let _ = source.next().expect("it is not lost");
+        std::thread::sleep(Duration::from_millis(5));
+        match connect(address, &[]) {
+            Ok(other) => break other,
+            Err(_) => assert!(start.elapsed() < TIMEOUT, "never admitted"),
+        }
+    };
+    send(&mut other, line(0.5));
+    assert_eq!(next_wrist(&mut *source), 0.5);
+    let is_closed = |client: &mut WebSocket<TcpStream>| client.read().is_err();
+    assert!(is_closed(&mut noisy), "the other one takes its place");
+    send(&mut other, line(0.75));
+    assert_eq!(next_wrist(&mut *source), 0.75);
+}
+
+#[test]
+fn a_client_that_leaves_without_a_packet_is_no_loss_of_the_hand() {
+    let (mut source, address) = source("");
+    let mut first = connect(address, &[]).expect("admitted");
+    for _ in 0..5 {
+        let mut other = connect(address, &[]).expect("admitted");
+        send(&mut other, "noise");
+        other.close(None).expect("the server reads");
+        let _ = source.next().expect("nothing is lost");
+    }
+    send(&mut first, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+}
+
+/// Sends frames, after a line that makes the client the active one, and returns the reason why it is lost.
+fn loss_by_flood(mut frame: impl FnMut(usize) -> Message) -> String {
+    let (mut source, address) = source("");
+    let mut client = connect(address, &[]).expect("admitted");
+    send(&mut client, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+    let sent = (0..1_000_000).take_while(|index| client.send(frame(*index)).is_ok());
+    assert!(sent.count() < 1_000_000, "it is disconnected");
+    next_loss(&mut *source)
+}
+
+#[test]
+fn a_flood_of_frames_that_are_no_messages_ends_the_connection() {
+    let pongs = loss_by_flood(|_| Message::Pong(Vec::new().into()));
+    assert!(pongs.contains("2000 frames in a second"), "{pongs}");
+    let fragments = loss_by_flood(|index| {
+        let data = if index == 0 {
+            Data::Text
+        } else {
+            Data::Continue
+        };
+        Message::Frame(Frame::message(Vec::new(), OpCode::Data(data), false))
+    });
+    assert!(fragments.contains("without a message"), "{fragments}");
+}
+
+#[test]
 fn other_addresses_and_origins_are_refused_with_a_remedy() {
     for (uri, remedy) in [
+        ("ws:[::ffff:0.0.0.0]:9001", "write `ws:127.0.0.1:PORT`"),
+        ("ws:[::ffff:192.0.2.2]:9001", "write `ws:127.0.0.1:PORT`"),
+        ("udp:[::ffff:0.0.0.0]:9001", "write `udp:127.0.0.1:PORT`"),
+        ("udp:[::ffff:192.0.2.2]:9001", "write `udp:127.0.0.1:PORT`"),
         ("ws:0.0.0.0:9001", "write `ws:127.0.0.1:PORT`"),
         ("ws:example.org:9001", "write `ws:127.0.0.1:PORT`"),
         ("ws:127.0.0.1", "port from 1 to 65535"),

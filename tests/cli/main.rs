@@ -43,6 +43,8 @@ mod reload;
 mod roles;
 #[cfg(target_os = "linux")]
 mod security;
+#[cfg(target_os = "linux")]
+mod senders;
 mod share;
 mod signals;
 mod source_recordings;

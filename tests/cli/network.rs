@@ -6,6 +6,7 @@ use std::net::{IpAddr, UdpSocket};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 use tempfile::TempDir;
 
@@ -250,6 +251,7 @@ fn servers_without_tls_a_token_or_an_address_of_one_network_do_not_start() {
         refused(&format!("pose:{own}:0"), "`+tls`");
     }
     refused("pose+tls:0.0.0.0:0", "name the address of one");
+    refused("pose+tls:[::ffff:0.0.0.0]:0", "name the address of one");
     refused(
         &format!("pose+tls:{own}:0"),
         "ademan token new NAME --role see",
@@ -313,4 +315,105 @@ fn tokens_are_listed_without_their_secrets_and_revoked() {
     let again = machine.run(&["token", "revoke", "desk"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("ademan token list"));
+}
+
+#[test]
+fn tokens_that_are_revoked_beside_commands_that_make_others_stay_revoked() {
+    let machine = Machine::new();
+    machine.token("screen", "see");
+    for round in 0..8 {
+        let old = format!("old{round}");
+        machine.token(&old, "see");
+        let start = |arguments: &[&str]| {
+            let mut command = machine.ademan(arguments);
+            command.stdout(Stdio::null()).stderr(Stdio::null());
+            Process::start(&mut command).expect("the program starts")
+        };
+        let new = [0, 1, 2].map(|index| format!("new{round}-{index}"));
+        let mut commands: Vec<_> = new
+            .iter()
+            .map(|name| start(&["token", "new", name, "--role", "see"]))
+            .collect();
+        commands.push(start(&["token", "revoke", &old]));
+        for mut command in commands {
+            assert!(command.0.wait().expect("a child").success());
+        }
+        let listed = text(&machine.run(&["token", "list"]).stdout);
+        assert!(!listed.contains(&old), "{listed}");
+        for name in &new {
+            assert!(listed.contains(name), "{name}: {listed}");
+        }
+    }
+}
+
+#[test]
+fn a_token_command_that_is_killed_leaves_nothing_that_stops_the_next_one() {
+    let machine = Machine::new();
+    for delay_us in (0..6000_u64).step_by(300) {
+        let mut command = machine.ademan(&["token", "new", "desk", "--role", "see"]);
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        let process = Process::start(&mut command).expect("the program starts");
+        std::thread::sleep(Duration::from_micros(delay_us));
+        // It is killed with SIGKILL, wherever it is.
+        drop(process);
+        // Either it was made, or it can be made.
+        if !machine.run(&["token", "revoke", "desk"]).status.success() {
+            machine.token("desk", "see");
+            let revoked = machine.run(&["token", "revoke", "desk"]);
+            assert!(revoked.status.success(), "{}", text(&revoked.stderr));
+        }
+    }
+    let listed = machine.run(&["token", "list"]);
+    assert!(listed.stdout.is_empty(), "{}", text(&listed.stdout));
+}
+
+/// Runs on a disk that only the commands see, and fills it.
+const ON_A_FULL_DISK: &str = r#"
+mount -t tmpfs -o size=64k,mode=700 none "$XDG_CONFIG_HOME" || exit 77
+"$0" token new desk --role see >/dev/null || exit 1
+"$0" token new screen --role see >/dev/null || exit 1
+folder="$XDG_CONFIG_HOME/ademan/network"
+rm "$folder"/*.token
+head -c 100000 /dev/zero >"$XDG_CONFIG_HOME/filler" 2>/dev/null
+for round in 1 2; do
+    "$0" token revoke desk && { echo "revoked on a full disk"; "$0" token list; exit 0; }
+    "$0" token new more --role see && exit 2
+done
+echo full
+"$0" token list
+rm "$XDG_CONFIG_HOME/filler"
+"$0" token revoke desk || exit 3
+"$0" token new more --role see >/dev/null || exit 4
+echo room
+"$0" token list
+"#;
+
+#[test]
+fn on_a_full_disk_a_token_is_not_said_to_be_revoked_and_is_revoked_once_there_is_room() {
+    let machine = Machine::new();
+    let program = machine.ademan(&[]);
+    let mut command = Command::new("unshare");
+    command
+        .args(["--mount", "sh", "-c", ON_A_FULL_DISK])
+        .arg(program.get_program())
+        .env("XDG_CONFIG_HOME", machine.0.path());
+    let output = match command.output() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            println!("SKIPPED: no file system of its own: {error}");
+            return;
+        }
+        output => output.expect("the program starts"),
+    };
+    let errors = text(&output.stderr);
+    if output.status.code() == Some(77) || errors.starts_with("unshare:") {
+        println!("SKIPPED: no file system of its own: {errors}");
+        return;
+    }
+    let printed = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{printed}{errors}");
+    let (full, room) = printed.split_once("room\n").expect(&errors);
+    assert!(full.starts_with("full\ndesk "), "{printed}");
+    assert!(errors.contains("No space left"), "{errors}");
+    assert!(errors.contains("`desk` is still valid"), "{errors}");
+    assert!(!room.contains("desk ") && room.contains("more "), "{room}");
 }

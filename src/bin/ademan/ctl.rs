@@ -170,6 +170,9 @@ fn state_text(reply: &Value) -> String {
         readings += &format!(", {count} rejected ({reason})");
     }
     readings += &format!(", {} dropped", stats["dropped"]);
+    for (reason, count) in non_zero(&stats["invalid"]) {
+        readings += &format!("; {count} invalid ({reason})");
+    }
     for (reason, count) in non_zero(&stats["suppressed"]) {
         readings += &format!("; {count} suppressed ({})", reason.replace('_', " "));
     }

@@ -53,6 +53,13 @@ impl InPlaceCapture {
         !self.queue.buffer.is_empty()
     }
 
+    /// Reads no more. The last event has the statistics until now.
+    pub fn stop(&mut self) {
+        if let Some(source) = &self.source {
+            let _ = self.queue.push(CaptureEvent::Noise(source.stats()));
+        }
+    }
+
     /// Returns what ends a [`wait`](Self::wait) from any thread.
     pub fn wake_up(&self) -> &WakeUp {
         &self.wake_up

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
 use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
+use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::garbage::GarbageDetector;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
@@ -43,8 +44,10 @@ pub(super) struct StreamSource<C> {
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.
     back_off: BackOff,
     losses: u64,
-    /// Datagrams of other senders, which the decoder has not seen.
+    /// Packets of other senders, which the decoder has not seen.
     unread: InvalidPackets,
+    /// Time at which a call returns without a reading, so that what was counted since the last one is reported.
+    report_at: Option<Instant>,
 }
 
 enum State {
@@ -91,6 +94,7 @@ impl<C: Connector> StreamSource<C> {
             back_off: BackOff::default(),
             losses: 0,
             unread: InvalidPackets::default(),
+            report_at: None,
         })
     }
 
@@ -109,6 +113,9 @@ impl<C: Connector> StreamSource<C> {
             true => connection.read_available(&mut self.buffer),
             false => connection.read(&mut self.buffer, self.cancel.as_ref(), timeout),
         };
+        if self.report_at.is_some_and(|at| Instant::now() >= at) {
+            self.report_at = None;
+        }
         self.may_have_more = match &result {
             Ok(length) => C::IS_DATAGRAM || *length == self.buffer.len(),
             Err(error) => error.kind() == UNKNOWN_SENDER,
@@ -117,8 +124,9 @@ impl<C: Connector> StreamSource<C> {
             Ok(0) => self.end_of_stream(),
             Ok(length) => self.handle_bytes(length),
             Err(error) if is_idle(error.kind()) => self.handle_silence(),
-            Err(error) if C::IS_DATAGRAM && error.kind() == UNKNOWN_SENDER => {
+            Err(error) if C::HAS_SENDERS && error.kind() == UNKNOWN_SENDER => {
                 self.unread.count(InvalidPacket::UnknownSender);
+                self.report_at = Some(Instant::now() + NOISE_INTERVAL);
                 Ok(SourceEvent::Idle)
             }
             Err(error) if C::RECONNECTS => Err(self.lose(error.to_string())),
@@ -138,13 +146,15 @@ impl<C: Connector> StreamSource<C> {
         }
     }
 
-    /// Returns the time at which silence has a meaning: a pause confirms a packet, or the connection counts as lost.
+    /// Returns the time at which silence has a meaning: a pause confirms a packet, the connection counts as lost, or a report is
+    /// due.
     fn deadline(&self) -> Option<Instant> {
         let is_awaited = self.decoder.awaits_pause();
         let pause = self.format.pause_time().filter(|_| is_awaited);
         let first_byte = C::FIRST_BYTE_TIMEOUT.filter(|_| !self.has_first_byte);
-        let timeout = pause.or(first_byte).or(C::IDLE_TIMEOUT)?;
-        Some(self.last_received + timeout)
+        let timeout = pause.or(first_byte).or(C::IDLE_TIMEOUT);
+        let silence = timeout.map(|timeout| self.last_received + timeout);
+        silence.into_iter().chain(self.report_at).min()
     }
 
     /// Returns `true` if, at `now`, no byte has come for longer than the line needs for one.
@@ -157,6 +167,7 @@ impl<C: Connector> StreamSource<C> {
 
     fn handle_bytes(&mut self, length: usize) -> Result<SourceEvent, CaptureError> {
         let now = Instant::now();
+        self.forget_other_sender();
         // A pause that ended before a wait for it did. It confirms nothing, as this thread may have been late.
         if !self.decoder.awaits_pause() && self.has_paused(now) {
             self.decoder.pause(&mut |_| {});
@@ -176,6 +187,10 @@ impl<C: Connector> StreamSource<C> {
         }
         self.format_error = self.decoder.take_error();
         self.judge_bytes(now, has_packet);
+        match &mut self.state {
+            State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
+            _ => self.report_at = Some(now + NOISE_INTERVAL),
+        }
         if self.pending.is_late && !was_late {
             tracing::warn!(
                 source = self.name,
@@ -191,6 +206,18 @@ impl<C: Connector> StreamSource<C> {
             });
         }
         Ok(self.pending.pop().unwrap_or(SourceEvent::Idle))
+    }
+
+    /// Forgets what another sender has sent before the bytes that were just read: one packet never holds bytes of two.
+    fn forget_other_sender(&mut self) {
+        if let State::Connected(connection) = &self.state
+            && connection.bytes.has_other_sender()
+        {
+            self.decoder.reset();
+            if let Some(sender) = &mut self.pending.sender {
+                sender.reset();
+            }
+        }
     }
 
     /// Handles bytes that arrived at `now`: warns if they have formed no packet for too long. A packet resets the back-off.

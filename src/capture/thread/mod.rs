@@ -3,7 +3,7 @@
 use std::thread::{JoinHandle, Thread};
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, select};
+use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, select};
 
 use super::cancel::{CancelHandle, cancel_token};
 use super::event::{CaptureEvent, EventSource};
@@ -111,12 +111,20 @@ impl CaptureThread {
     pub fn is_live(&self) -> bool {
         self.is_live
     }
+
+    /// Stops the source and waits for the end of its thread, as dropping does. The last event has the statistics of a live
+    /// source until now.
+    pub fn stop(&mut self) {
+        if self.cancel.take().is_some() {
+            let _ = self.ended.recv_timeout(JOIN_TIMEOUT);
+        }
+    }
 }
 
 impl Drop for CaptureThread {
     fn drop(&mut self) {
-        self.cancel = None;
-        if self.ended.recv_timeout(JOIN_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+        self.stop();
+        if self.ended.try_recv() == Err(TryRecvError::Empty) {
             let name = &self.name;
             tracing::warn!(
                 source = name,
@@ -132,7 +140,15 @@ impl Drop for CaptureThread {
 }
 
 fn capture(mut source: EventSource<impl Source>, sender: &mut EventSender) {
-    while !sender.cancel.is_cancelled() && source.next(&mut |event| sender.send(event)) {}
+    while !sender.cancel.is_cancelled() {
+        if !source.next(&mut |event| sender.send(event)) {
+            return;
+        }
+    }
+    // The queue of a live source has room for every event.
+    if source.source.is_live() {
+        sender.send(CaptureEvent::Noise(source.stats()));
+    }
 }
 
 /// Sending end of the channel.

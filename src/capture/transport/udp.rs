@@ -1,15 +1,17 @@
 //! UDP receiver: each datagram holds whole packets, and all come from one sender.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
-use std::net::{SocketAddr, UdpSocket};
+use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::{Scheme, Transport, check_socket_address, open_stream};
+use crate::capture::active_sender::ActiveSender;
 use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
 };
 use crate::capture::poll::Readiness;
+use crate::network::{canonical, parse_loopback};
 
 /// The `udp` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -44,11 +46,8 @@ const REMEDY: &str = "use 127.0.0.1 and a free port";
 /// Checks that the address is one of this machine that no other machine can send to: datagrams carry no credential.
 fn check_address(address: &str) -> std::result::Result<(), String> {
     check_socket_address(SCHEME, address)?;
-    let is_loopback = match address.parse::<SocketAddr>() {
-        Ok(address) => address.ip().is_loopback(),
-        Err(_) => address.starts_with("localhost:"),
-    };
-    match is_loopback {
+    let is_loopback = parse_loopback(address).is_some();
+    match is_loopback || address.starts_with("localhost:") {
         true => Ok(()),
         false => Err(
             "datagrams carry no credential, so `udp` receives from this machine only: write `udp:127.0.0.1:PORT` and \
@@ -68,6 +67,7 @@ impl Connector for UdpConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
     const IS_DATAGRAM: bool = true;
+    const HAS_SENDERS: bool = true;
     /// More than the longest datagram.
     const READ_BYTES: usize = 1 << 16;
 
@@ -81,7 +81,7 @@ impl Connector for UdpConnector {
             readiness: readiness.filter(|_| is_set),
             bytes: Box::new(Datagrams {
                 socket,
-                sender: None,
+                senders: ActiveSender::default(),
                 peer: Arc::default(),
             }),
             endpoint: self.address.clone(),
@@ -90,38 +90,20 @@ impl Connector for UdpConnector {
 }
 
 fn bind(address: &str) -> Result<UdpSocket> {
-    let socket = UdpSocket::bind(address)?;
+    // The list of host names may give `localhost` any address.
+    let addresses = address.to_socket_addrs()?.map(canonical);
+    let own: Vec<_> = addresses.filter(|it| it.ip().is_loopback()).collect();
+    let socket = UdpSocket::bind(&*own)?;
     socket.set_read_timeout(Some(READ_TIMEOUT))?;
     Ok(socket)
 }
 
-/// Silence of a sender after which another one is accepted.
-const SENDER_TIMEOUT: Duration = Duration::from_secs(2);
-
-/// Reader of one datagram per read, all of them from one sender: those of two would be a hand that jumps.
+/// Reader of one datagram per read, all of them from one sender.
 struct Datagrams {
     socket: UdpSocket,
-    /// The sender that is read, and the time of its last datagram.
-    sender: Option<(SocketAddr, Instant)>,
-    /// Address of that sender, for the writer. Locked for a moment only.
+    senders: ActiveSender<SocketAddr>,
+    /// Address of the active sender, for the writer. Locked for a moment only.
     peer: Arc<Mutex<Option<SocketAddr>>>,
-}
-
-impl Datagrams {
-    /// Returns whether a datagram of this sender is read.
-    fn accept(&mut self, sender: SocketAddr) -> bool {
-        let now = Instant::now();
-        let is_other = self.sender.is_some_and(|(known, last)| {
-            known != sender && now.saturating_duration_since(last) < SENDER_TIMEOUT
-        });
-        if !is_other {
-            if self.sender.is_none_or(|(known, _)| known != sender) {
-                *self.peer.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
-            }
-            self.sender = Some((sender, now));
-        }
-        !is_other
-    }
 }
 
 impl ByteStream for Datagrams {
@@ -130,6 +112,16 @@ impl ByteStream for Datagrams {
             socket: self.socket.try_clone().ok()?,
             peer: Arc::clone(&self.peer),
         }))
+    }
+
+    fn has_other_sender(&self) -> bool {
+        self.senders.has_changed()
+    }
+
+    fn accept_sender(&mut self) {
+        if let Some(sender) = self.senders.accept(Instant::now()) {
+            *self.peer.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
+        }
     }
 }
 
@@ -154,7 +146,7 @@ impl Write for PeerWriter {
 impl Read for Datagrams {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
         let (length, sender) = self.socket.recv_from(buffer)?;
-        if !self.accept(sender) {
+        if !self.senders.read_from(sender, Instant::now()) {
             return Err(Error::from(UNKNOWN_SENDER));
         }
         match length {

@@ -1,5 +1,6 @@
 //! The certificate and the key of this machine.
 
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::NoServerSessionStorage;
 
+use super::folder_lock::FolderLock;
 use super::token::Hash;
 use super::{VERSIONS, file_error, provider, secret_file};
 use crate::network::NetworkError;
@@ -29,35 +31,44 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Reads the certificate and the key in a folder. Makes both, self-signed, if neither exists.
-    pub fn load_or_create(folder: &Path) -> Result<Self, NetworkError> {
+    /// Reads the certificate and the key in a folder, and makes them if they are missing.
+    pub fn open(folder: &Path) -> Result<Self, NetworkError> {
+        match Self::read(folder)? {
+            Some(identity) => Ok(identity),
+            None => Self::open_locked(&FolderLock::acquire(folder)?),
+        }
+    }
+
+    /// Reads the certificate and the key in a folder that is locked already, and makes them if they are missing.
+    pub fn open_locked(lock: &FolderLock) -> Result<Self, NetworkError> {
+        let folder = lock.folder();
+        if let Some(identity) = Self::read(folder)? {
+            return Ok(identity);
+        }
+        create(folder)?;
+        let missing = io::Error::from(io::ErrorKind::NotFound);
+        Self::read(folder)?.ok_or_else(|| file_error("read", &folder.join(CERTIFICATE), missing))
+    }
+
+    /// Reads the certificate and the key in a folder; `None` if there is no certificate.
+    fn read(folder: &Path) -> Result<Option<Self>, NetworkError> {
         let (certificate, key) = (folder.join(CERTIFICATE), folder.join(KEY));
-        let texts = match (secret_file::read(&certificate)?, secret_file::read(&key)?) {
-            (Some(certificate), Some(key)) => (certificate, key),
-            (None, None) => create(&certificate, &key)?,
-            (has_certificate, _) => {
-                let missing = if has_certificate.is_some() {
-                    key
-                } else {
-                    certificate
-                };
-                let absent = std::io::Error::from(std::io::ErrorKind::NotFound);
-                return Err(file_error("read", &missing, absent));
-            }
+        let Some(certificate_text) = secret_file::read(&certificate)? else {
+            return Ok(None);
         };
-        let invalid = |path: &Path| NetworkError::Content {
-            path: path.into(),
-            reason:
-                "it is no PEM file of that kind; remove certificate.pem and key.pem to get new ones"
-                    .into(),
-        };
-        let chain: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(texts.0.as_bytes()).collect();
-        let chain = chain.map_err(|_| invalid(&certificate))?;
+        let key_text = secret_file::read(&key)?.ok_or_else(|| {
+            let missing = io::Error::from(io::ErrorKind::NotFound);
+            file_error("read", &key, missing)
+        })?;
+        let chain = CertificateDer::pem_slice_iter(certificate_text.as_bytes());
+        let chain: Vec<_> = chain
+            .collect::<Result<_, _>>()
+            .map_err(|_| invalid(&certificate))?;
         if chain.is_empty() {
             return Err(invalid(&certificate));
         }
-        let key = PrivateKeyDer::from_pem_slice(texts.1.as_bytes()).map_err(|_| invalid(&key))?;
-        Ok(Self { chain, key })
+        let key = PrivateKeyDer::from_pem_slice(key_text.as_bytes()).map_err(|_| invalid(&key))?;
+        Ok(Some(Self { chain, key }))
     }
 
     /// Returns the SHA-256 hash of the certificate, which clients know.
@@ -80,16 +91,30 @@ impl Identity {
     }
 }
 
-/// Makes a certificate and a key and writes them. Returns both as PEM.
-fn create(certificate: &Path, key: &Path) -> Result<(String, String), NetworkError> {
+/// Makes a certificate and its key in a folder. A key without a certificate, as a command that was killed leaves it, is kept.
+fn create(folder: &Path) -> Result<(), NetworkError> {
     let rcgen_error = |error: rcgen::Error| NetworkError::Tls(error.to_string());
-    let pair = KeyPair::generate().map_err(rcgen_error)?;
+    let key = folder.join(KEY);
+    let pair = match secret_file::read(&key)? {
+        Some(text) => KeyPair::from_pem(&text).map_err(|_| invalid(&key))?,
+        None => {
+            let pair = KeyPair::generate().map_err(rcgen_error)?;
+            secret_file::create(&key, &pair.serialize_pem())?;
+            pair
+        }
+    };
     let mut parameters = CertificateParams::new([NAME.to_owned()]).map_err(rcgen_error)?;
     parameters.distinguished_name = DistinguishedName::new();
     parameters.distinguished_name.push(DnType::CommonName, NAME);
     let signed = parameters.self_signed(&pair).map_err(rcgen_error)?;
-    let texts = (signed.pem(), pair.serialize_pem());
-    secret_file::create(key, &texts.1)?;
-    secret_file::create(certificate, &texts.0)?;
-    Ok(texts)
+    secret_file::create(&folder.join(CERTIFICATE), &signed.pem())
+}
+
+fn invalid(path: &Path) -> NetworkError {
+    NetworkError::Content {
+        path: path.into(),
+        reason:
+            "it is no PEM file of that kind; remove certificate.pem and key.pem to get new ones"
+                .into(),
+    }
 }

@@ -2,6 +2,7 @@
 
 mod client;
 mod failed_tries;
+mod folder_lock;
 mod gatekeeper;
 mod hello;
 mod hex;

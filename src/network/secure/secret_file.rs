@@ -1,7 +1,7 @@
 //! Files with secrets: read only if no other user can read them, and replaced as a whole.
 
 use std::fs;
-use std::io::{Read, Write};
+use std::io::{self, Read};
 use std::path::Path;
 
 use super::file_error;
@@ -15,7 +15,7 @@ const MAX_BYTES: u64 = 1 << 16;
 pub fn read(path: &Path) -> Result<Option<String>, NetworkError> {
     let fail = |error| file_error("read", path, error);
     let file = match files::open_secret(path) {
-        Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+        Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
             return Ok(None);
         }
         opened => opened.map_err(fail)?,
@@ -28,19 +28,18 @@ pub fn read(path: &Path) -> Result<Option<String>, NetworkError> {
     Ok(Some(text))
 }
 
-/// Creates a file that only its owner can access. Fails if it exists.
+/// Creates a file that only its owner can access, as a whole or not at all. Fails if it exists.
 pub fn create(path: &Path, text: &str) -> Result<(), NetworkError> {
-    let fail = |error| file_error("write", path, error);
-    let mut file = files::create_private(path).map_err(fail)?;
-    file.write_all(text.as_bytes())
-        .map_err(|error| fail(error.into()))
+    if fs::symlink_metadata(path).is_ok() {
+        let error = io::Error::from(io::ErrorKind::AlreadyExists);
+        return Err(file_error("write", path, error));
+    }
+    replace(path, text)
 }
 
 /// Replaces a file: a reader sees the old or the new text and never a part of one.
 pub fn replace(path: &Path, text: &str) -> Result<(), NetworkError> {
-    let new = path.with_extension("new");
-    create(&new, text)?;
-    fs::rename(&new, path).map_err(|error| file_error("write", path, error))
+    files::replace_private_text(path, text).map_err(|error| file_error("write", path, error))
 }
 
 /// Creates the folder of the files, and those above it.

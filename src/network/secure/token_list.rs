@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::folder_lock::FolderLock;
 use super::secret_file;
 use super::token::Hash;
+use crate::message::escape;
 use crate::network::{NetworkError, TokenEntry, TokenRole};
 
 /// Most tokens: one for each program of a large laboratory.
@@ -38,14 +40,22 @@ impl TokenList {
         Ok(Self(tokens.collect::<Result<_, _>>()?))
     }
 
-    /// Replaces the list in a folder.
-    pub fn write(&self, folder: &Path) -> Result<(), NetworkError> {
+    /// Replaces the list in a folder, and checks that the folder now has this list.
+    pub fn write(&self, lock: &FolderLock) -> Result<(), NetworkError> {
+        let path = path_of(lock.folder());
         let line = |token: &ListedToken| {
             let TokenEntry { name, role } = &token.entry;
             format!("{name} {role} {}\n", token.hash.to_hex())
         };
         let text: String = self.0.iter().map(line).collect();
-        secret_file::replace(&path_of(folder), &text)
+        secret_file::replace(&path, &text)?;
+        match secret_file::read(&path)? {
+            Some(written) if written == text => Ok(()),
+            _ => Err(NetworkError::Token(format!(
+                "the list of tokens in {} was changed by another program; try again",
+                escape(&path.to_string_lossy())
+            ))),
+        }
     }
 
     /// Adds a token.

@@ -16,6 +16,8 @@ pub use self::unsupported::{Publisher, Subscriber};
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
+use super::canonical;
+
 /// The address of the router unless another one is named.
 pub const DEFAULT_ROUTER: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7447);
 
@@ -55,7 +57,7 @@ pub fn check_key(key: &str) -> Result<(), String> {
 
 /// Reads the address of a router, which is one of this machine.
 pub fn parse_router(text: &str) -> Result<SocketAddr, String> {
-    let address: Option<SocketAddr> = text.parse().ok();
+    let address: Option<SocketAddr> = text.parse().ok().map(canonical);
     match address {
         Some(address) if address.ip().is_loopback() && address.port() > 0 => Ok(address),
         Some(_) => Err(
@@ -92,10 +94,14 @@ mod tests {
 
     #[test]
     fn a_router_is_one_of_this_machine() {
-        assert_eq!(parse_router("127.0.0.1:7447"), Ok(DEFAULT_ROUTER));
+        for text in ["127.0.0.1:7447", "[::ffff:127.0.0.1]:7447"] {
+            assert_eq!(parse_router(text), Ok(DEFAULT_ROUTER));
+        }
         for (wrong, remedy) in [
             ("192.0.2.2:7447", "with TLS"),
             ("0.0.0.0:7447", "with TLS"),
+            ("[::ffff:0.0.0.0]:7447", "with TLS"),
+            ("[::ffff:192.0.2.2]:7447", "with TLS"),
             ("127.0.0.1:0", "127.0.0.1:7447"),
             ("router", "not an address"),
         ] {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::ProfileInfo;
+use crate::capture::InvalidPackets;
 use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
 use crate::device::{CursorPosition, OutputEvent, TimedCommand};
@@ -185,6 +186,8 @@ struct StatsResponse {
     accepted: u64,
     #[serde(serialize_with = "by_reason")]
     rejected: [u64; Rejection::COUNT],
+    /// Packets that gave no reading; only the reasons that occurred.
+    invalid: InvalidPackets,
     dropped: u64,
     stalls: u64,
     losses: u64,
@@ -197,6 +200,7 @@ impl StatsResponse {
             received: stats.source.readings,
             accepted: stats.accepted,
             rejected: stats.rejected,
+            invalid: stats.source.invalid,
             dropped: stats.source.dropped,
             stalls: stats.stalls,
             losses: stats.source.losses,

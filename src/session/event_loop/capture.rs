@@ -81,6 +81,14 @@ impl Capture {
         }
     }
 
+    /// Reads no more. The last event has the statistics until now. May wait for a second for a source on a thread.
+    pub fn stop(&mut self) {
+        match &mut self.form {
+            CaptureForm::InPlace(capture) => capture.stop(),
+            CaptureForm::Thread(capture) => capture.stop(),
+        }
+    }
+
     /// Queues what has arrived but was not read yet.
     pub fn receive(&mut self) {
         if let CaptureForm::InPlace(capture) = &mut self.form {

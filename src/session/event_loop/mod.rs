@@ -436,6 +436,24 @@ impl SessionLoop<'_> {
     }
 
     fn finish(&mut self) -> Result<(), SessionError> {
+        self.count_unread();
+        if self.commands.is_stopped() {
+            self.sink.0.void_presses();
+        }
+        self.events.clear();
+        self.pipeline.stop(&mut self.events);
+        let sent = self.send_events();
+        let closed = self.sink.0.close();
+        // After the releases, as it may wait.
+        self.capture.stop();
+        self.count_unread();
+        self.publish(None, false, None);
+        sent?;
+        Ok(closed?)
+    }
+
+    /// Counts the readings that wait as dropped, and adopts the latest statistics of the source.
+    fn count_unread(&mut self) {
         let mut dropped = 0;
         while let Ok(event) = self.capture.try_next() {
             let (stats, readings) = match event {
@@ -450,16 +468,6 @@ impl SessionLoop<'_> {
             self.set_source_stats(&stats);
         }
         self.drop_readings(dropped);
-        if self.commands.is_stopped() {
-            self.sink.0.void_presses();
-        }
-        self.events.clear();
-        self.pipeline.stop(&mut self.events);
-        let sent = self.send_events();
-        let closed = self.sink.0.close();
-        self.publish(None, false, None);
-        sent?;
-        Ok(closed?)
     }
 
     /// Hands the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier

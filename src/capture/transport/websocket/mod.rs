@@ -2,21 +2,30 @@
 //!
 //! A page of any site can open a WebSocket to this machine. A client is therefore admitted only if its request names this
 //! address (`Host`), and if it comes from no page or from the page that the option `origin` names (`Origin`).
+//!
+//! One client is read at a time. The first one that sends a valid packet is, until it leaves or has sent none for 2 s. Until
+//! then others may connect, so that a client that says nothing keeps no other one out.
 
 mod admission;
+mod clients;
+mod message_stream;
 mod server;
 
 pub(crate) use admission::Admission;
 
 use std::io::{Error, ErrorKind, Read, Result};
-use std::net::{SocketAddr, TcpListener};
+use std::net::TcpListener;
 use std::sync::Arc;
 
 use crossbeam_channel::RecvTimeoutError;
 
+use self::clients::ClientId;
 use self::server::{ClientEvent, Server};
 use super::{Scheme, Transport, check_socket_address, open_stream};
-use crate::capture::connection::{ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::connection::{
+    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
+};
+use crate::network::parse_loopback;
 
 /// The `ws` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -56,12 +65,9 @@ const REMEDY: &str = "use 127.0.0.1 and a free port";
 /// Checks that the address is one of this machine that no other machine can connect to: the connection is not encrypted.
 fn check_address(address: &str) -> std::result::Result<(), String> {
     check_socket_address(SCHEME, address)?;
-    let is_loopback = address
-        .parse::<SocketAddr>()
-        .is_ok_and(|address| address.ip().is_loopback());
-    match is_loopback {
-        true => Ok(()),
-        false => Err(
+    match parse_loopback(address) {
+        Some(_) => Ok(()),
+        None => Err(
             "a WebSocket is not encrypted, so `ws` serves this machine only: write `ws:127.0.0.1:PORT` and forward the \
              data through a tunnel such as `ssh -L`, or let the other machine share its hand with `+tls`"
                 .to_owned(),
@@ -80,12 +86,15 @@ struct WebSocketConnector {
 impl Connector for WebSocketConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
+    const HAS_SENDERS: bool = true;
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let server = match &self.server {
             Some(server) => Arc::clone(server),
             None => {
-                let started = Server::start(&self.address, self.origin.clone());
+                let address = parse_loopback(&self.address);
+                let address = address.ok_or_else(|| ConnectError::Absent(REMEDY.to_owned()))?;
+                let started = Server::start(address, self.origin.clone());
                 let server = Arc::new(
                     started.map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?,
                 );
@@ -95,6 +104,7 @@ impl Connector for WebSocketConnector {
         Ok(Connection {
             bytes: Box::new(Messages {
                 server,
+                client: 0,
                 message: Vec::new(),
                 read: 0,
             }),
@@ -107,32 +117,59 @@ impl Connector for WebSocketConnector {
 /// Reader of the messages of one client after the other.
 struct Messages {
     server: Arc<Server>,
+    /// The sender of the message.
+    client: ClientId,
     message: Vec<u8>,
     /// Bytes of the message that were read.
     read: usize,
 }
 
-impl ByteStream for Messages {}
+impl ByteStream for Messages {
+    fn has_other_sender(&self) -> bool {
+        self.server.clients().has_changed()
+    }
+
+    fn accept_sender(&mut self) {
+        self.server.clients().accept();
+    }
+}
+
+impl Messages {
+    /// Waits for a message. The end of the active client is the error of a lost connection.
+    fn next_message(&mut self) -> Result<()> {
+        (self.read, self.message) = (0, Vec::new());
+        let clients = self.server.clients();
+        match self.server.events().recv_timeout(READ_TIMEOUT) {
+            Ok(ClientEvent::Message(client, message)) => {
+                (self.client, self.message) = (client, message);
+                Ok(())
+            }
+            Ok(ClientEvent::Left(client, reason)) if clients.leave(client) => {
+                Err(Error::new(ErrorKind::ConnectionAborted, reason))
+            }
+            Ok(ClientEvent::Left(_, reason)) => {
+                let address = self.server.address();
+                tracing::warn!(
+                    "a client of ws:{address} has left without a valid packet: {reason}"
+                );
+                Err(Error::from(ErrorKind::WouldBlock))
+            }
+            Err(RecvTimeoutError::Timeout) => Err(Error::from(ErrorKind::WouldBlock)),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(Error::other("the thread of the server has ended"))
+            }
+        }
+    }
+}
 
 impl Read for Messages {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
         if self.read == self.message.len() {
-            self.read = 0;
-            self.message = match self.server.events().recv_timeout(READ_TIMEOUT) {
-                Ok(ClientEvent::Message(message)) => message,
-                Ok(ClientEvent::Lost(reason)) => {
-                    self.message.clear();
-                    return Err(Error::new(ErrorKind::ConnectionAborted, reason));
-                }
-                Err(RecvTimeoutError::Timeout) => {
-                    self.message.clear();
-                    return Err(Error::from(ErrorKind::WouldBlock));
-                }
-                Err(RecvTimeoutError::Disconnected) => {
-                    let text = "the thread of the server has ended";
-                    return Err(Error::other(text));
-                }
-            };
+            self.next_message()?;
+        }
+        if !self.server.clients().read_from(self.client) {
+            self.read = self.message.len();
+            return Err(Error::from(UNKNOWN_SENDER));
         }
         let rest = &self.message[self.read..];
         let length = rest.len().min(buffer.len());

@@ -1,5 +1,7 @@
 //! The admission of clients to a server: TLS and a token, off the thread that accepts connections.
 
+mod handshakes;
+
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, Shutdown, TcpStream};
@@ -10,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
+use self::handshakes::Handshakes;
 use super::failed_tries::{FailedTries, network_of};
 use super::hello;
 use super::identity::Identity;
@@ -24,11 +27,8 @@ const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest time of a read or write afterwards, unless the server does not wait at all.
 const IO_TIMEOUT: Duration = Duration::from_millis(50);
 
-/// Handshakes at the same time. Further connections are closed.
-const MAX_HANDSHAKES: usize = 16;
-
-/// Handshakes of one address at the same time, so that one machine cannot take them all.
-const MAX_HANDSHAKES_OF_ADDRESS: usize = 4;
+/// Threads of handshakes, including those that are about to end. Further connections are closed.
+const MAX_THREADS: usize = 256;
 
 /// Interval at which clients with revoked tokens are looked for.
 const REVOCATION_INTERVAL: Duration = Duration::from_secs(1);
@@ -46,8 +46,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     tries: FailedTries,
-    /// The address of each handshake.
-    handshakes: Vec<IpAddr>,
+    handshakes: Handshakes,
+    threads: usize,
     /// The token of each connected client.
     clients: Vec<(Hash, Weak<TcpStream>)>,
 }
@@ -69,7 +69,7 @@ impl Gatekeeper {
             ));
         }
         let keeper = Self(Arc::new(Shared {
-            config: Identity::load_or_create(folder)?.server_config()?,
+            config: Identity::open(folder)?.server_config()?,
             folder: folder.into(),
             state: Mutex::default(),
         }));
@@ -88,14 +88,14 @@ impl Gatekeeper {
         address: IpAddr,
         on_admitted: impl FnOnce(Admitted) + Send + 'static,
     ) {
-        let Some(handshake) = Handshake::begin(self.0.clone(), address) else {
+        let Some(handshake) = Handshake::begin(self.0.clone(), stream, address) else {
             return;
         };
         // Without a thread the connection is closed.
         let _ = thread::Builder::new()
             .name("handshake".into())
             .spawn(move || {
-                let admitted = handshake.run(stream);
+                let admitted = handshake.run();
                 drop(handshake);
                 match admitted {
                     Ok(Some(admitted)) => on_admitted(admitted),
@@ -135,36 +135,36 @@ impl Shared {
 struct Handshake {
     shared: Arc<Shared>,
     address: IpAddr,
+    number: u64,
+    socket: Arc<TcpStream>,
 }
 
 impl Handshake {
-    /// Begins a handshake unless there are too many, or the address has shown too many wrong tokens.
-    fn begin(shared: Arc<Shared>, address: IpAddr) -> Option<Self> {
-        let network = network_of(address);
-        {
+    /// Begins a handshake, unless the address has shown too many wrong tokens. If there are too many handshakes, the oldest of
+    /// the address that has most of them makes room.
+    fn begin(shared: Arc<Shared>, stream: TcpStream, address: IpAddr) -> Option<Self> {
+        let socket = Arc::new(stream);
+        let number = {
             let mut state = shared.state();
-            let of_address = state
-                .handshakes
-                .iter()
-                .filter(|other| **other == network)
-                .count();
-            if state.handshakes.len() >= MAX_HANDSHAKES
-                || of_address >= MAX_HANDSHAKES_OF_ADDRESS
-                || state.tries.is_paused(address, Instant::now())
-            {
+            if state.threads >= MAX_THREADS || state.tries.is_paused(address, Instant::now()) {
                 return None;
             }
-            state.handshakes.push(network);
-        }
-        Some(Self { shared, address })
+            state.threads += 1;
+            state.handshakes.add(network_of(address), &socket)
+        };
+        Some(Self {
+            shared,
+            address,
+            number,
+            socket,
+        })
     }
 
     /// Performs the handshake and checks the token. Returns `None` after a wrong one.
-    fn run(&self, stream: TcpStream) -> io::Result<Option<Admitted>> {
+    fn run(&self) -> io::Result<Option<Admitted>> {
         // The stream of a listener that does not wait may not wait either.
-        stream.set_nonblocking(false)?;
-        let socket = Arc::new(stream);
-        let stream = DeadlineStream::new(socket.clone(), HANDSHAKE_TIMEOUT)?;
+        self.socket.set_nonblocking(false)?;
+        let stream = DeadlineStream::new(self.socket.clone(), HANDSHAKE_TIMEOUT)?;
         let (token, mut stream) = receive_token(&self.shared.config, stream)?;
         let hash = token.map(|token| token.hash());
         let list = TokenList::read(&self.shared.folder).map_err(io::Error::other)?;
@@ -178,7 +178,7 @@ impl Handshake {
         self.shared
             .state()
             .clients
-            .push((hash, Arc::downgrade(&socket)));
+            .push((hash, Arc::downgrade(&self.socket)));
         Ok(Some(Admitted {
             stream: Box::new(stream),
             token: entry,
@@ -186,19 +186,16 @@ impl Handshake {
     }
 
     /// Counts a wrong token. A valid one is refused too while the address has to wait: other tries may have failed since the
-    /// handshake began.
+    /// handshake began. It resets no count, or the holder of a weak token could try others between its own.
     fn judge<T>(&self, listed: Option<T>) -> Option<T> {
         let (mut state, now) = (self.shared.state(), Instant::now());
         if state.tries.is_paused(self.address, now) {
             return None;
         }
-        match listed {
-            Some(_) => state.tries.forget(self.address),
-            None => {
-                let pause = state.tries.count(self.address, now);
-                drop(state);
-                report_wrong_token(self.address, pause);
-            }
+        if listed.is_none() {
+            let pause = state.tries.count(self.address, now);
+            drop(state);
+            report_wrong_token(self.address, pause);
         }
         listed
     }
@@ -206,12 +203,9 @@ impl Handshake {
 
 impl Drop for Handshake {
     fn drop(&mut self) {
-        let network = network_of(self.address);
         let mut state = self.shared.state();
-        let index = state.handshakes.iter().position(|other| *other == network);
-        if let Some(index) = index {
-            state.handshakes.swap_remove(index);
-        }
+        state.handshakes.remove(self.number);
+        state.threads -= 1;
     }
 }
 

@@ -153,13 +153,13 @@ fn silent_clients_are_closed_and_take_no_place_of_another_address() {
         silent.push(client);
     }
     let in_progress = server.keeper.0.state().handshakes.len();
-    assert!(in_progress <= MAX_HANDSHAKES_OF_ADDRESS, "{in_progress}");
+    assert!(in_progress <= 4, "{in_progress}");
     let mut client = server
         .connect(&server.token_file(), [192, 0, 2, 2])
         .unwrap();
     assert_eq!(line(&mut *client).unwrap(), "data for type");
     // One byte from time to time prolongs nothing.
-    let mut slow = silent.swap_remove(0);
+    let mut slow = silent.pop().expect("a client");
     let start = Instant::now();
     while slow.write_all(b"\x16").is_ok() && start.elapsed() < TIMEOUT {
         thread::sleep(Duration::from_millis(100));
@@ -171,6 +171,56 @@ fn silent_clients_are_closed_and_take_no_place_of_another_address() {
         );
     }
     server.settle();
+}
+
+#[test]
+fn silent_clients_of_many_addresses_keep_no_client_out() {
+    let server = Server::new();
+    let mut silent = Vec::new();
+    let mut connect_silent = |server: &Server, address| {
+        let (client, end) = server.connection();
+        server.admit(end, address);
+        silent.push(client);
+    };
+    for index in 0..16 {
+        connect_silent(&server, [192, 0, 2, index / 4]);
+    }
+    // From a network of its own, and from one that has as many silent clients as it may.
+    for address in [[192, 0, 2, 9], [192, 0, 2, 1]] {
+        let mut client = server.connect(&server.token_file(), address).unwrap();
+        assert_eq!(line(&mut *client).unwrap(), "data for type");
+    }
+    // Each of these has one, as the client that connects.
+    for index in 20..60 {
+        connect_silent(&server, [192, 0, 2, index]);
+    }
+    let mut client = server
+        .connect(&server.token_file(), [192, 0, 2, 99])
+        .unwrap();
+    assert_eq!(line(&mut *client).unwrap(), "data for type");
+    let in_progress = server.keeper.0.state().handshakes.len();
+    assert!(in_progress <= 16, "{in_progress}");
+}
+
+#[test]
+fn a_valid_token_resets_no_count_of_wrong_ones() {
+    let server = Server::new();
+    let see = tokens::create(&server.folder(), "screen", TokenRole::See).unwrap();
+    let revoked = tokens::create(&server.folder(), "old", TokenRole::See).unwrap();
+    let guess = server.folder().join("guess");
+    std::fs::copy(revoked, &guess).unwrap();
+    tokens::revoke(&server.folder(), "old").unwrap();
+    let address = [192, 0, 2, 1];
+    let mut refused = 0;
+    for _ in 0..5 {
+        refused += usize::from(server.connect(&guess, address).is_err());
+        server.settle();
+        // The fifth guess has closed the address for the valid token too.
+        let valid = server.connect(&see, address);
+        assert_eq!(valid.is_ok(), refused < 5, "after {refused} guesses");
+        server.settle();
+    }
+    assert_eq!(refused, 5);
 }
 
 #[test]

@@ -4,11 +4,12 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use crate::network::secure::folder_lock::FolderLock;
 use crate::network::secure::identity::Identity;
-use crate::network::secure::token::Token;
+use crate::network::secure::token::{Hash, Token};
 use crate::network::secure::token_file::{self, TokenFile};
 use crate::network::secure::token_list::TokenList;
-use crate::network::secure::{file_error, hello, secret_file};
+use crate::network::secure::{file_error, hello};
 use crate::network::{NetworkError, TokenEntry, TokenRole};
 
 /// Longest name of a token.
@@ -19,8 +20,8 @@ const MAX_NAME_LENGTH: usize = 32;
 /// The first token also makes the certificate of this machine.
 pub fn create(folder: &Path, name: &str, role: TokenRole) -> Result<PathBuf, NetworkError> {
     check_name(name)?;
-    secret_file::create_folder(folder)?;
-    let identity = Identity::load_or_create(folder)?;
+    let lock = FolderLock::acquire(folder)?;
+    let identity = Identity::open_locked(&lock)?;
     let mut list = TokenList::read(folder)?;
     let entry = TokenEntry {
         name: name.into(),
@@ -33,11 +34,20 @@ pub fn create(folder: &Path, name: &str, role: TokenRole) -> Result<PathBuf, Net
         server: identity.fingerprint(),
         token,
     };
+    remove_unlisted(&token_file::path_of(folder, name), file.server);
     let path = file.create(folder)?;
     // After the file, so that every listed token has one.
-    list.write(folder)
+    list.write(&lock)
         .inspect_err(|_| _ = fs::remove_file(&path))?;
     Ok(path)
+}
+
+/// Removes the file of a token of this machine that is not in the list, as a command that was killed leaves it. One of another
+/// machine stays.
+fn remove_unlisted(path: &Path, server: Hash) {
+    if TokenFile::read(path).is_ok_and(|file| file.server == server) {
+        let _ = fs::remove_file(path);
+    }
 }
 
 /// Returns the names and roles of all tokens.
@@ -48,13 +58,22 @@ pub fn list(folder: &Path) -> Result<Vec<TokenEntry>, NetworkError> {
 /// Removes a token, and its file if that is still in `folder`. A running server disconnects its clients within a second.
 pub fn revoke(folder: &Path, name: &str) -> Result<(), NetworkError> {
     check_name(name)?;
+    let unknown = || {
+        NetworkError::Token(format!(
+            "there is no token `{name}`; `ademan token list` shows all"
+        ))
+    };
+    if TokenList::read(folder)?.is_empty() {
+        return Err(unknown());
+    }
+    let lock = FolderLock::acquire(folder)?;
     let mut list = TokenList::read(folder)?;
     if !list.remove(name) {
-        return Err(NetworkError::Token(format!(
-            "there is no token `{name}`; `ademan token list` shows all"
-        )));
+        return Err(unknown());
     }
-    list.write(folder)?;
+    list.write(&lock).map_err(|error| {
+        NetworkError::Token(format!("{error}; the token `{name}` is still valid"))
+    })?;
     let path = token_file::path_of(folder, name);
     match fs::remove_file(&path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {

@@ -31,6 +31,79 @@ fn a_token_is_made_once_listed_without_its_secret_and_revoked() {
 }
 
 #[test]
+fn tokens_that_are_revoked_while_others_are_made_stay_revoked() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = &parent.path().join("network");
+    let names = |start: &str| (0..12).map(|index| format!("{start}{index}")).collect();
+    let (old, kept): (Vec<String>, Vec<String>) = (names("old"), names("kept"));
+    // The certificate is also made by all of them at once.
+    std::thread::scope(|scope| {
+        for name in &old {
+            scope.spawn(move || create(folder, name, TokenRole::See).unwrap());
+        }
+    });
+    std::thread::scope(|scope| {
+        for (revoked, made) in old.iter().zip(&kept) {
+            scope.spawn(move || revoke(folder, revoked).unwrap());
+            scope.spawn(move || create(folder, made, TokenRole::See).unwrap());
+        }
+    });
+    let listed = list(folder).unwrap().into_iter();
+    let mut listed: Vec<String> = listed.map(|entry| entry.name).collect();
+    listed.sort();
+    let mut expected = kept;
+    expected.sort();
+    assert_eq!(listed, expected);
+}
+
+#[test]
+fn what_a_command_that_was_killed_has_left_prevents_no_later_one() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("network");
+    let file = create(&folder, "desk", TokenRole::See).unwrap();
+    let text = fs::read_to_string(&file).unwrap();
+    revoke(&folder, "desk").unwrap();
+    let private = |name: &str, text: &str| {
+        use std::io::Write;
+        let mut file = crate::files::create_private(&folder.join(name)).unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+    };
+    // The file of a token that was not listed yet, and parts of the list.
+    private("desk.token", &text);
+    private("tokens.new", "desk se");
+    let process = std::process::id();
+    private(&format!(".tokens.{process}"), "desk se");
+    private(&format!(".tokens.{process}.0"), "desk se");
+    private(&format!(".desk.token.{process}.0"), "ademan tok");
+    create(&folder, "desk", TokenRole::Type).unwrap();
+    assert_eq!(role_of_file(&file).unwrap(), TokenRole::Type);
+    revoke(&folder, "desk").unwrap();
+    assert!(list(&folder).unwrap().is_empty());
+    // The key of a certificate that was not written yet.
+    fs::remove_file(folder.join("certificate.pem")).unwrap();
+    let key = fs::read(folder.join("key.pem")).unwrap();
+    create(&folder, "desk", TokenRole::See).unwrap();
+    assert_eq!(fs::read(folder.join("key.pem")).unwrap(), key);
+    crate::network::Gatekeeper::open(&folder).unwrap();
+}
+
+#[test]
+fn a_token_file_of_another_machine_is_not_replaced() {
+    let parent = tempfile::tempdir().unwrap();
+    let (own, other) = (parent.path().join("own"), parent.path().join("other"));
+    create(&own, "first", TokenRole::See).unwrap();
+    let foreign = create(&other, "desk", TokenRole::Type).unwrap();
+    fs::rename(&foreign, own.join("desk.token")).unwrap();
+    let text = fs::read(own.join("desk.token")).unwrap();
+    let error = create(&own, "desk", TokenRole::See)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("exists"), "{error}");
+    assert_eq!(fs::read(own.join("desk.token")).unwrap(), text);
+    assert_eq!(list(&own).unwrap().len(), 1);
+}
+
+#[test]
 fn names_that_lead_out_of_the_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["", "../desk", "a b", "a\n", ".", "é", &"a".repeat(33)] {

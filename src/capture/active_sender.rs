@@ -1,0 +1,95 @@
+//! The one sender that a source reads, of several that can send to it.
+
+use std::time::{Duration, Instant};
+
+/// Silence of the active sender after which another one can become active.
+pub(super) const SENDER_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The active sender of a source: packets of two would be a hand that jumps.
+///
+/// A sender becomes active with a valid packet and remains so until it has sent none for [`SENDER_TIMEOUT`]. Anything else
+/// that arrives, such as an empty datagram, makes no sender active and keeps none so.
+#[derive(Debug)]
+pub(super) struct ActiveSender<T> {
+    /// The active sender, and the time of its latest valid packet.
+    active: Option<(T, Instant)>,
+    /// The sender whose bytes were read last.
+    latest: Option<T>,
+    has_changed: bool,
+}
+
+impl<T> Default for ActiveSender<T> {
+    fn default() -> Self {
+        Self {
+            active: None,
+            latest: None,
+            has_changed: false,
+        }
+    }
+}
+
+impl<T: Copy + PartialEq> ActiveSender<T> {
+    /// Returns the active sender.
+    pub fn get(&self, now: Instant) -> Option<T> {
+        let (sender, last) = self.active?;
+        (now.saturating_duration_since(last) < SENDER_TIMEOUT).then_some(sender)
+    }
+
+    /// Returns the latest sender that was active, however long it has been silent.
+    pub fn last(&self) -> Option<T> {
+        self.active.map(|(sender, _)| sender)
+    }
+
+    /// Handles bytes of a sender. Returns `false` if they are dropped because another one is active.
+    pub fn read_from(&mut self, sender: T, now: Instant) -> bool {
+        if self.get(now).is_some_and(|active| active != sender) {
+            return false;
+        }
+        self.has_changed = self.latest.is_some_and(|latest| latest != sender);
+        self.latest = Some(sender);
+        true
+    }
+
+    /// Returns `true` if the bytes read last are of another sender than those before them.
+    pub fn has_changed(&self) -> bool {
+        self.has_changed
+    }
+
+    /// Makes the sender active whose bytes were read last, as they held a valid packet. Returns it if another one, or none, was
+    /// active before.
+    pub fn accept(&mut self, now: Instant) -> Option<T> {
+        let sender = self.latest?;
+        let before = self.active.replace((sender, now));
+        before
+            .is_none_or(|(before, _)| before != sender)
+            .then_some(sender)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_valid_packet_makes_a_sender_active_and_keeps_it_so() {
+        let mut senders = ActiveSender::default();
+        let start = Instant::now();
+        let at = |millis| start + Duration::from_millis(millis);
+        // Without a valid packet both are read, and each is told from the other.
+        assert!(senders.read_from('a', at(0)) && !senders.has_changed());
+        assert!(senders.read_from('b', at(1)) && senders.has_changed());
+        assert!(senders.read_from('b', at(2)) && !senders.has_changed());
+        assert_eq!(senders.accept(at(2)), Some('b'));
+        assert!(!senders.read_from('a', at(2001)));
+        // Bytes without a packet keep it active no longer.
+        assert!(senders.read_from('b', at(2001)) && !senders.has_changed());
+        assert_eq!(senders.get(at(2002)), None);
+        assert_eq!(senders.last(), Some('b'));
+        assert!(senders.read_from('a', at(2002)) && senders.has_changed());
+        assert_eq!(senders.accept(at(2002)), Some('a'));
+        assert!(!senders.read_from('b', at(2003)));
+        assert!(senders.read_from('a', at(4000)));
+        assert_eq!(senders.accept(at(4000)), None, "it was active");
+        assert!(!senders.read_from('b', at(5999)));
+    }
+}
