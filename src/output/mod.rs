@@ -243,7 +243,7 @@ pub enum OutputError {
     #[error("{0}; available: {available}", available = available())]
     UnknownOutput(#[from] UnknownName),
     /// The backend has no argument.
-    #[error("the output `{output}` takes no argument; available: {available}", available = available())]
+    #[error("the output `{}` takes no argument; available: {}", escape(.output), available())]
     UnexpectedArgument {
         /// The output as written.
         output: String,

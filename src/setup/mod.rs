@@ -250,7 +250,7 @@ impl Setup {
         for name in setup.file_names() {
             let paths = [folder.join(&*name), folder.join(format!("{name}.ron"))];
             if let Some(path) = paths.iter().find(|path| path.is_file()) {
-                *name = path.display().to_string();
+                *name = path.to_string_lossy().into_owned();
             }
         }
         Ok(setup)

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::files;
 use crate::message::escape;
+use crate::message::escape_path;
 
 /// The file of a glove, and its text as far as Studio knows it.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ pub struct GloveFile {
 #[derive(Debug, thiserror::Error)]
 pub enum SaveError {
     /// There is a file that Studio has not written, or that has changed since.
-    #[error("{} exists", .0.display())]
+    #[error("{} exists", escape_path(.0))]
     Exists(PathBuf),
     /// There is no folder for files of this person.
     #[error(

@@ -223,7 +223,7 @@ impl SensorControl {
                 return false;
             }
         }
-        let file = file.path().display().to_string();
+        let file = file.path().to_string_lossy().into_owned();
         self.notice = Some(text_with("glove-saved", &[("file", file.into())]));
         true
     }

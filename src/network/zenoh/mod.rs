@@ -63,7 +63,10 @@ pub fn parse_router(text: &str) -> Result<SocketAddr, String> {
              and connect that router to the others with TLS"
                 .into(),
         ),
-        None => Err(format!("`{text}` is not an address and a port, such as `router=127.0.0.1:7447`")),
+        None => Err(format!(
+            "`{}` is not an address and a port, such as `router=127.0.0.1:7447`",
+            crate::message::escape(text)
+        )),
     }
 }
 
