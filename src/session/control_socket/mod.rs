@@ -26,7 +26,7 @@ mod watch_client;
 
 use std::path::{Path, PathBuf};
 
-use crate::message::escape_path;
+use crate::message::{escape_line, escape_path};
 use crate::output::socket::{self, SocketError};
 
 pub use client::Client;
@@ -73,8 +73,9 @@ pub enum ControlError {
     },
     /// The socket cannot be created.
     #[error(
-        "cannot listen at {}: {reason}; name another path with --control PATH, or use --control off",
-        escape_path(path)
+        "cannot listen at {}: {}; name another path with --control PATH, or use --control off",
+        escape_path(path),
+        escape_line(reason)
     )]
     Bind {
         /// Path of the socket.
@@ -84,8 +85,9 @@ pub enum ControlError {
     },
     /// The client cannot connect.
     #[error(
-        "cannot connect to {}: {reason}; start `ademan run`, or name its socket with --socket PATH",
-        escape_path(path)
+        "cannot connect to {}: {}; start `ademan run`, or name its socket with --socket PATH",
+        escape_path(path),
+        escape_line(reason)
     )]
     Connect {
         /// Path of the socket.
@@ -94,7 +96,11 @@ pub enum ControlError {
         reason: String,
     },
     /// The session closed the connection, or did not answer in time.
-    #[error("no answer from the session at {}: {reason}", escape_path(path))]
+    #[error(
+        "no answer from the session at {}: {}",
+        escape_path(path),
+        escape_line(reason)
+    )]
     NoResponse {
         /// Path of the socket.
         path: PathBuf,
