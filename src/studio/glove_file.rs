@@ -4,7 +4,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::files;
-use crate::message::escape;
 use crate::message::escape_path;
 
 /// The file of a glove, and its text as far as Studio knows it.
@@ -74,7 +73,7 @@ impl GloveFile {
     /// [`backup`](Self::backup).
     pub fn save(&mut self, text: &str, may_replace: bool) -> Result<(), SaveError> {
         let failure = |path: &Path, error: files::FileError| SaveError::File {
-            path: escape(&path.to_string_lossy()).into_owned(),
+            path: escape_path(path),
             error,
         };
         let existing = match fs::read_to_string(&self.path) {

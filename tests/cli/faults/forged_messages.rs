@@ -1,7 +1,7 @@
 //! Names, paths and words that would forge messages, in every command that prints them.
 
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -256,6 +256,40 @@ fn lists_print_names_of_files_escaped() {
         let texts = read.to_string();
         assert!(texts.contains("x;touch PWNED"), "{texts}");
     }
+}
+
+#[test]
+fn variables_and_the_name_of_the_program_forge_no_line() {
+    let folder = folder(NAME);
+    let config = folder.path().join(NAME);
+    std::fs::create_dir_all(config.join("ademan")).expect("a folder");
+    std::fs::write(config.join("ademan/setup.ron"), "Setup(source: \"\")").expect("a file");
+    let config = config.to_str().expect("the path is UTF-8");
+    for (variable, value, command) in [
+        ("DISPLAY", NAME, "doctor"),
+        ("DISPLAY", NAME, "run --source typist:a --output desktop"),
+        ("WAYLAND_DISPLAY", NAME, "doctor"),
+        ("XDG_RUNTIME_DIR", config, "ctl state"),
+        ("XDG_CONFIG_HOME", config, "run"),
+        ("RUST_LOG", NAME, "sources"),
+        ("_ADEMAN_COMPLETE", NAME, "run"),
+    ] {
+        let output = ademan(command.split(' '))
+            .current_dir(folder.path())
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .env(variable, value)
+            .output();
+        let context = format!("{variable} {command}");
+        let text = judge_output(&context, &output.expect("it starts"), MAX_LINE_BYTES);
+        assert!(text.contains(r"x;touch PWNED \u{1b}"), "{context}: {text}");
+    }
+    let link = folder.path().join("ademan\nerror: forged\u{202e}");
+    std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_ademan"), &link).expect("a link");
+    let output = Command::new(link).arg("nope").output();
+    let text = judge_output("link", &output.expect("it starts"), MAX_LINE_BYTES);
+    assert!(text.contains("Usage: ademan "), "{text}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ impl Destination {
         println!("wrote {shown}");
         match existed {
             true => {
-                let [backup, path] = [&self.backup(), &self.path].map(|it| command_word(it));
+                let [backup, path] = [&self.backup(), &self.path].map(|path| command_word(path));
                 println!("undo: mv {backup} {path}");
             }
             false => println!("undo: remove {shown}"),

@@ -74,7 +74,7 @@ fn sign(problem: &Problem) -> char {
 }
 
 fn show_buttons(ui: &mut egui::Ui, context: &mut PanelContext, is_usable: bool) {
-    let file = context.sensors.file().map(|file| escape_path(file));
+    let file = context.sensors.file().map(escape_path);
     let hint = text_with(
         "calibration-use-hint",
         &[("file", file.unwrap_or_default().into())],

@@ -47,7 +47,7 @@ impl SoundServer {
             Ok(stream)
         });
         let stream = opened.map_err(|error| {
-            SoundError::NoServer(format!("{error} at {path}", path = escape_path(path)))
+            SoundError::NoServer(format!("{error} at {path}", path = escape_path(&path)))
         })?;
         let mut server = Self {
             stream: BufReader::new(stream),
