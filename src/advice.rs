@@ -2,6 +2,7 @@
 //!
 //! Sources and outputs add it to their errors; the [doctor](crate::doctor) gives it in advance.
 
+use crate::message::{escape, escape_path, shell_word};
 use std::fmt;
 use std::io;
 use std::path::Path;
@@ -140,7 +141,7 @@ pub fn uinput_denied(denied: &AccessDenied) -> Advice {
 
 /// Returns the advice for a user who may not open a serial port.
 pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
-    let reason = format!("no permission to open {port}");
+    let reason = format!("no permission to open {}", escape(port));
     match denied {
         AccessDenied::NotInGroup(group) => not_in_group(&reason, group),
         AccessDenied::LoginRequired(group) => login_required(&reason, group),
@@ -151,7 +152,8 @@ pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
         ),
         AccessDenied::Unknown => Advice::with_commands(
             format!(
-                "{reason}; `ls -l {port}` shows its group (usually `dialout` or `uucp`), which you can join"
+                "{reason}; `ls -l {}` shows its group (usually `dialout` or `uucp`), which you can join",
+                shell_word(port)
             ),
             &[&join("dialout")],
             "log in again; `ademan doctor` says more",
@@ -163,7 +165,10 @@ pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
 pub fn no_display(display: Option<&str>) -> Advice {
     let next_step = "start this from a graphical session, or use the output `uinput`";
     match display {
-        Some(display) => Advice::new(format!("no X server answers at `{display}`"), next_step),
+        Some(display) => Advice::new(
+            format!("no X server answers at `{}`", escape(display)),
+            next_step,
+        ),
         None => Advice::new("DISPLAY is not set", next_step),
     }
 }
@@ -171,14 +176,14 @@ pub fn no_display(display: Option<&str>) -> Advice {
 /// Returns the advice for a Wayland socket without a compositor.
 pub fn no_compositor(socket: &Path, reason: &str) -> Advice {
     Advice::new(
-        format!("no compositor answers at {}: {reason}", socket.display()),
+        format!("no compositor answers at {}: {reason}", escape_path(socket)),
         "start this from a graphical session, or use the output `uinput`",
     )
 }
 
 /// Returns the advice for a compositor without virtual keyboards; `program` is its name, if known.
 pub fn no_virtual_keyboard(program: Option<&str>) -> Advice {
-    let program = program.unwrap_or(UNKNOWN_COMPOSITOR);
+    let program = escape(program.unwrap_or(UNKNOWN_COMPOSITOR));
     Advice::new(
         format!("{program} does not support {KEYBOARD_PROTOCOL}, so programs cannot press keys"),
         "use the output `uinput`",
@@ -187,7 +192,7 @@ pub fn no_virtual_keyboard(program: Option<&str>) -> Advice {
 
 /// Returns the advice for a compositor without virtual pointers; `program` is its name, if known.
 pub fn no_virtual_pointer(program: Option<&str>) -> Advice {
-    let program = program.unwrap_or(UNKNOWN_COMPOSITOR);
+    let program = escape(program.unwrap_or(UNKNOWN_COMPOSITOR));
     Advice::new(
         format!(
             "{program} does not support {POINTER_PROTOCOL}, so programs cannot move the pointer"
@@ -246,7 +251,7 @@ pub fn running_as_root() -> Advice {
 
 fn not_in_group(reason: &str, group: &str) -> Advice {
     Advice::with_commands(
-        format!("{reason}, which belongs to the group `{group}`"),
+        format!("{reason}, which belongs to the group `{}`", escape(group)),
         &[&join(group)],
         LOG_IN_AGAIN,
     )
@@ -254,13 +259,16 @@ fn not_in_group(reason: &str, group: &str) -> Advice {
 
 fn login_required(reason: &str, group: &str) -> Advice {
     Advice::new(
-        format!("{reason} yet: you joined its group `{group}` after you logged in"),
+        format!(
+            "{reason} yet: you joined its group `{}` after you logged in",
+            escape(group)
+        ),
         LOG_IN_AGAIN,
     )
 }
 
 fn join(group: &str) -> String {
-    format!("sudo usermod --append --groups {group} $USER")
+    format!("sudo usermod --append --groups {} $USER", shell_word(group))
 }
 
 #[cfg(test)]

@@ -341,6 +341,15 @@ fn files_stay_within_500_lines() {
 }
 
 /// The wall clock can be set back. The age of a file is read from it, and only compared for equality; lines of a log tell their time.
+/// `Path::display` writes control characters as they are. A path is escaped in a message, and as data it is a text.
+#[test]
+fn a_path_becomes_part_of_a_message_by_being_escaped() {
+    for source in sources() {
+        let displays = source.shipped_code().contains(". display ( )");
+        assert!(!displays, "{}: use `escape_path`", source.name);
+    }
+}
+
 #[test]
 fn nothing_depends_on_the_wall_clock() {
     for source in sources() {

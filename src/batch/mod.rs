@@ -16,6 +16,7 @@ use crate::contact::surface::Scene;
 use crate::estimate::JointAngles;
 use crate::hand::{Dof, Finger};
 use crate::kinematics::ArmModel;
+use crate::message::escape;
 use crate::time::Timestamp;
 use block::{Block, LaneBoard};
 pub use lane_arm::LaneTips;
@@ -32,7 +33,8 @@ pub const LANES: usize = 8;
 pub enum BatchError {
     /// A joint turns about an axis between those of its frame.
     #[error(
-        "link `{0}` turns about an axis that is not X, Y or Z of its frame; use one of these axes"
+        "link `{}` turns about an axis that is not X, Y or Z of its frame; use one of these axes",
+        escape(.0)
     )]
     TiltedAxis(String),
 }

@@ -1,6 +1,7 @@
 //! Errors of a calibration.
 
 use super::problem::Problem;
+use crate::message::escape;
 
 /// The reason why no calibration comes of the data. Each message states what is wrong and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,7 +56,8 @@ pub enum CalibrationError {
     NoIndexFinger,
     /// The marks of a recording are damaged.
     #[error(
-        "the marks of the poses in the recording are damaged at `{line}`; record the calibration again"
+        "the marks of the poses in the recording are damaged at `{}`; record the calibration again",
+        escape(.line)
     )]
     InvalidMarks {
         /// The line.

@@ -1,14 +1,14 @@
 //! Errors of sources.
 
 use crate::hand::{HandPart, Side};
-use crate::message::{escape, escape_lines};
+use crate::message::{escape, escape_line, escape_lines};
 
 /// Error of a source. Each message states what failed, why, and what to do.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaptureError {
     /// The text is not a source URI.
-    #[error("cannot read `{}` as a source: {}", escape(.text), escape(.reason))]
+    #[error("cannot read `{}` as a source: {}", escape(.text), escape_line(.reason))]
     InvalidUri {
         /// The text as written.
         text: String,
@@ -24,7 +24,7 @@ pub enum CaptureError {
         reason: String,
     },
     /// The device was lost. The source reconnects.
-    #[error("lost {}: {}; reconnecting", escape(.source_name), escape(.reason))]
+    #[error("lost {}: {}; reconnecting", escape(.source_name), escape_line(.reason))]
     Lost {
         /// Name of the source.
         source_name: String,
@@ -44,7 +44,7 @@ pub enum CaptureError {
     /// The readings before and after the interruption may be unrelated.
     #[error(
         "{} was interrupted: {}; hold the hand off all keys for a moment",
-        escape(.source_name), escape(.reason)
+        escape(.source_name), escape_line(.reason)
     )]
     Interrupted {
         /// Name of the source.

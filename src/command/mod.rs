@@ -13,6 +13,7 @@ use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
 
 pub use origin::CommandOrigin;
@@ -244,7 +245,7 @@ const fn number(
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidCommand {
     /// The text is not a JSON object, or a field occurs twice.
-    #[error("{0}")]
+    #[error("{}", escape_line(.0))]
     Syntax(String),
     /// The object has no field `command`.
     #[error(r#"the field `command` is missing; write a command such as {{"command":"state"}}"#)]
@@ -261,7 +262,7 @@ pub enum InvalidCommand {
         field: &'static str,
     },
     /// The command has no such field.
-    #[error("`{command}` has no field `{field}`")]
+    #[error("`{command}` has no field `{}`", escape(.field))]
     ExtraField {
         /// Name of the command.
         command: &'static str,
@@ -269,7 +270,7 @@ pub enum InvalidCommand {
         field: String,
     },
     /// The value of a field has the wrong type or is out of range.
-    #[error("`{field}` is {expected}, not {value}")]
+    #[error("`{field}` is {expected}, not {}", escape(.value))]
     Value {
         /// Name of the field.
         field: &'static str,
@@ -377,8 +378,9 @@ impl FromStr for Command {
         }
         if !values.is_empty() {
             return Err(InvalidCommand::Syntax(format!(
-                "`{}` has no argument `{values}`",
-                spec.name
+                "`{}` has no argument `{}`",
+                spec.name,
+                escape(values)
             )));
         }
         spec.check(&fields)?;

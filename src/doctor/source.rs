@@ -1,6 +1,7 @@
 //! The check of a source, without reading from it.
 
 use super::{CheckStatus, Finding};
+use crate::message::{escape, escape_line};
 use crate::pipeline::SourceRole;
 use crate::setup::NamedSource;
 
@@ -13,7 +14,7 @@ pub fn check_source(source: &NamedSource) -> Option<Finding> {
         check: "source",
         status: CheckStatus::Ok,
         needed: true,
-        text: uri.to_string(),
+        text: escape(&uri.to_string()).into_owned(),
         commands: Vec::new(),
         next_step: String::new(),
     };
@@ -25,8 +26,8 @@ pub fn check_source(source: &NamedSource) -> Option<Finding> {
                 .rsplit_once("; ")
                 .unwrap_or((&error, "check the path"));
             finding.status = CheckStatus::Missing;
-            finding.text += &format!(" cannot be opened: {reason}");
-            finding.next_step = remedy.to_owned();
+            finding.text += &format!(" cannot be opened: {}", escape_line(reason));
+            finding.next_step = escape_line(remedy).into_owned();
             return Some(finding);
         }
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::message::{escape, is_escaped};
+use crate::message::{escape, escape_line, is_escaped};
 
 /// The maximum width of an excerpt, in characters.
 const EXCERPT_WIDTH: usize = 90;
@@ -84,7 +84,8 @@ impl DocumentError {
 
     fn single(file: &str, message: String, position: Option<TextPosition>) -> Self {
         let error = DocumentFault {
-            message,
+            // It may quote names of the file.
+            message: escape_line(&message).into_owned(),
             position,
             lines: Vec::new(),
             unlisted_lines: 0,
@@ -198,7 +199,7 @@ impl fmt::Display for DocumentError {
         for (index, error) in self.listed.iter().enumerate() {
             let line_end = if index > 0 { "\n" } else { "" };
             let position = line_and_column(&error.position);
-            let (message, also) = (escape(&error.message), error.also());
+            let (message, also) = (&error.message, error.also());
             let excerpt = excerpt(&error.position);
             write!(f, "{line_end}{file}{position}: {message}{also}{excerpt}")?;
         }

@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::{Document, shipped};
 use crate::files;
+use crate::message::escape;
 use crate::names;
 
 /// The folders of layouts, gloves and arms in the configuration folder.
@@ -34,7 +35,7 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
         })
         .or_else(|| {
             let path = in_config_folder(name)?;
-            let name = path.display().to_string();
+            let name = path.to_string_lossy().into_owned();
             Some((path, name))
         });
     match (own, shipped) {
@@ -71,7 +72,7 @@ pub(super) fn not_found_message(name: &str) -> String {
     let stem = shipped::file_name(name.strip_suffix(EXTENSION).unwrap_or(name));
     let nearest = names::nearest(stem, candidates.iter().map(String::as_str));
     let suggestion = nearest.map_or(String::new(), |nearest| {
-        format!(", did you mean `{nearest}`?")
+        format!(", did you mean `{}`?", escape(nearest))
     });
     format!("there is no such file, and no shipped one of that name{suggestion}")
 }

@@ -4,6 +4,7 @@
 //! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
 //! refused before it is opened, and checked again on the open file.
 
+use crate::message::{escape_path, shell_word};
 use std::fs::{self, File, FileType, Metadata};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -43,12 +44,16 @@ pub enum FileError {
     #[error("this file has {0} names (hard links), use one that has a single name")]
     HardLinks(u64),
     /// Other users may access the folder.
-    #[error("other users may access {path}; restrict it to yourself: chmod 700 {path}", path = .0.display())]
+    #[error(
+        "other users may access {}; restrict it to yourself: chmod 700 {}",
+        escape_path(.0),
+        shell_word(&.0.to_string_lossy())
+    )]
     OpenFolder(PathBuf),
     /// Other users may read the file.
     #[error(
         "other users may read it, so that its secret may be known; make it private and its tokens anew: chmod 600 {path}",
-        path = .0.display()
+        path = shell_word(&.0.to_string_lossy())
     )]
     Exposed(PathBuf),
     /// The operating system refuses.

@@ -11,6 +11,7 @@ use super::measured::{displace, follow_measured_arm};
 use super::prepared_arm::PreparedArm;
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Joint, Side};
+use crate::message::escape;
 
 /// A right or left arm from the shoulder to the fingertips.
 #[derive(Clone, Debug)]
@@ -30,13 +31,13 @@ pub enum ArmModelError {
     #[error("an arm model has at most {MAX_LINKS} links, this one has {0}")]
     TooManyLinks(usize),
     /// A parent does not precede its child in the list.
-    #[error("link `{0}` has a parent that does not come before it")]
+    #[error("link `{}` has a parent that does not come before it", escape(.0))]
     ParentNotBefore(String),
     /// A number is not finite, or an axis is not a unit vector.
-    #[error("link `{0}` has a size or an axis that is not a finite, usable number")]
+    #[error("link `{}` has a size or an axis that is not a finite, usable number", escape(.0))]
     NotFinite(String),
     /// Two links have the same joint or fingertip.
-    #[error("link `{0}` is a joint or fingertip that another link is already")]
+    #[error("link `{}` is a joint or fingertip that another link is already", escape(.0))]
     Duplicate(String),
     /// No link has a fingertip.
     #[error("no link is a fingertip, so nothing can be touched")]

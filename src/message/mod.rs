@@ -3,5 +3,7 @@
 mod escape;
 mod limit;
 
-pub use escape::{escape, escape_lines, is_escaped};
+pub use escape::{
+    escape, escape_json, escape_line, escape_lines, escape_path, is_escaped, shell_word,
+};
 pub use limit::{HeldBack, MESSAGE_INTERVAL, MessageLimits};

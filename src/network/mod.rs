@@ -38,7 +38,7 @@ use std::net::TcpStream;
 use std::path::PathBuf;
 
 use crate::files::{FileError, config_folder};
-use crate::message::escape;
+use crate::message::{escape_line, escape_path};
 use crate::names::named_enum;
 
 named_enum! {
@@ -106,7 +106,7 @@ pub enum NetworkError {
     #[error("there is no configuration folder for tokens; set HOME or XDG_CONFIG_HOME")]
     NoFolder,
     /// A file or folder cannot be used.
-    #[error("cannot {action} {}: {error}", escape(&.path.to_string_lossy()))]
+    #[error("cannot {action} {}: {error}", escape_path(.path))]
     File {
         /// The verb: "read" or "write".
         action: &'static str,
@@ -116,7 +116,7 @@ pub enum NetworkError {
         error: FileError,
     },
     /// The content of a file is invalid. The message does not quote it, as it may be secret.
-    #[error("{} is not valid: {reason}", escape(&.path.to_string_lossy()))]
+    #[error("{} is not valid: {}", escape_path(.path), escape_line(.reason))]
     Content {
         /// The file.
         path: PathBuf,
@@ -124,7 +124,7 @@ pub enum NetworkError {
         reason: String,
     },
     /// A token cannot be made or removed.
-    #[error("{0}")]
+    #[error("{}", escape_line(.0))]
     Token(String),
     /// The library for TLS refuses, or the system has no random numbers.
     #[error("cannot set up TLS: {0}")]
@@ -141,7 +141,7 @@ pub enum SecureError {
     #[error(
         "the certificate of the server is not the one in {}, so it may be another machine; if the server has a new \
          certificate, copy a new token file from it",
-        escape(&.token_file.to_string_lossy())
+        escape_path(.token_file)
     )]
     OtherCertificate {
         /// The token file.
@@ -150,7 +150,7 @@ pub enum SecureError {
     /// The server does not accept the token.
     #[error(
         "the server refuses the token in {}; it may be revoked: `ademan token list` there shows the valid ones",
-        escape(&.token_file.to_string_lossy())
+        escape_path(.token_file)
     )]
     Refused {
         /// The token file.

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use crate::contact::TargetNames;
 use crate::device::{Capabilities, OutputEvent, TimedCommand};
-use crate::message::escape;
+use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
 
 mod axis_state;
@@ -218,7 +218,7 @@ impl Sink for Box<dyn Sink> {
 #[non_exhaustive]
 pub enum OutputError {
     /// The output cannot be opened.
-    #[error("cannot open the output `{}`: {reason}", escape(.output))]
+    #[error("cannot open the output `{}`: {}", escape(.output), escape_line(.reason))]
     Open {
         /// The output as written.
         output: String,
@@ -226,7 +226,7 @@ pub enum OutputError {
         reason: String,
     },
     /// The output stopped accepting events.
-    #[error("the output `{}` failed: {reason}", escape(.output))]
+    #[error("the output `{}` failed: {}", escape(.output), escape_line(.reason))]
     Send {
         /// The output as written.
         output: String,
@@ -243,7 +243,7 @@ pub enum OutputError {
     #[error("{0}; available: {available}", available = available())]
     UnknownOutput(#[from] UnknownName),
     /// The backend has no argument.
-    #[error("the output `{output}` takes no argument; available: {available}", available = available())]
+    #[error("the output `{}` takes no argument; available: {}", escape(.output), available())]
     UnexpectedArgument {
         /// The output as written.
         output: String,

@@ -4,6 +4,7 @@ use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
 use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, null, transcript};
 use crate::device::{Capabilities, Capability};
+use crate::message::escape;
 
 /// One output of a list, as written.
 struct NamedOutput<'a> {
@@ -81,7 +82,7 @@ pub fn check_layout_change(
         if let Some(missing) = missing.filter(|_| output.backend.is_fixed_when_open) {
             return Err(format!(
                 "the output `{}` was opened without {missing}; restart to use it",
-                output.name
+                escape(output.name)
             ));
         }
     }
@@ -167,7 +168,7 @@ fn unsupported(outputs: &[NamedOutput], required: &Capabilities) -> Option<Strin
     let quoted = outputs
         .iter()
         .filter(|output| !output.backend.is_log)
-        .map(|output| format!("`{}`", output.name));
+        .map(|output| format!("`{}`", escape(output.name)));
     let quoted: Vec<_> = quoted.collect();
     let verb = match quoted.len() {
         1 => "does",
@@ -178,7 +179,10 @@ fn unsupported(outputs: &[NamedOutput], required: &Capabilities) -> Option<Strin
     };
     let remedy = match BACKENDS.iter().find(is_alternative) {
         Some(Backend { name, .. }) => {
-            format!("add the output `{name}`: `{},{name}`", names.join(","))
+            format!(
+                "add the output `{name}`: `{},{name}`",
+                escape(&names.join(","))
+            )
         }
         None => "remove it from the layout, or use the output `transcript`".into(),
     };

@@ -3,12 +3,13 @@
 use crate::command::ProfileName;
 use crate::estimate::ZeroError;
 use crate::hand::Side;
+use crate::message::escape;
 
 /// A command that the pipeline cannot execute. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommandError {
     /// No profile has the name.
-    #[error("no profile is named `{0}`; list it under `profiles` in the setup file")]
+    #[error("no profile is named `{}`; list it under `profiles` in the setup file", escape(.0))]
     UnknownProfile(ProfileName),
     /// No hand is tracked: readings stopped or have not started.
     #[error("no hand is tracked; hold it where the boards are to be and try again")]

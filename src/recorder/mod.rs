@@ -18,6 +18,7 @@ use crate::capture::recording::{
     READINGS_TOPIC, RecordedSetup, SETUP_RECORD,
 };
 use crate::files::{self, FileError};
+use crate::message::{escape, escape_line, escape_path};
 use crate::snapshot::Snapshot;
 use container::Container;
 use messages::{encode_angles, encode_event, encode_touch};
@@ -29,7 +30,7 @@ const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file cannot be created.
-    #[error("cannot create the recording {path}: {reason}", path = .path.display())]
+    #[error("cannot create the recording {}: {}", escape_path(.path), escape_line(.reason))]
     Create {
         /// Path of the file.
         path: PathBuf,
@@ -37,7 +38,7 @@ pub enum RecordError {
         reason: String,
     },
     /// A write failed. Everything written before stays readable.
-    #[error("the recording {path} is incomplete: {reason}", path = .path.display())]
+    #[error("the recording {} is incomplete: {}", escape_path(.path), escape_line(.reason))]
     Write {
         /// Path of the file.
         path: PathBuf,
@@ -203,7 +204,7 @@ fn check(setup: &RecordedSetup) -> Result<(), String> {
     for entry in &setup.entries {
         let size = entry.kind.len() + entry.name.len() + entry.text.len();
         if size > limit {
-            let (kind, name) = (&entry.kind, &entry.name);
+            let (kind, name) = (escape(&entry.kind), escape(&entry.name));
             return Err(format!(
                 "the {kind} {name} has {size} bytes, more than the limit of {limit}"
             ));

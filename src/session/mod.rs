@@ -58,6 +58,7 @@ use crate::advice;
 use crate::capture::{CaptureError, Haptics, Source, SourceUri};
 use crate::command::{Command, CommandOrigin};
 use crate::layout::Layout;
+use crate::message::escape;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
 use crate::pipeline::{Pipeline, SourceRole};
@@ -445,7 +446,7 @@ fn start_layout_manager(
         if !has_sink {
             let needed = layout.required_capabilities();
             output::check_layout_change(&setup.setup.output, &required, &needed)
-                .map_err(|reason| format!("{}: not used, as {reason}", layout.file))?;
+                .map_err(|reason| format!("{}: not used, as {reason}", escape(&layout.file)))?;
         }
         setup
             .layout_instance(layout)

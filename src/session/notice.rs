@@ -15,7 +15,7 @@ use crate::capture::{Haptics, SourceUri};
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet, Side};
-use crate::message::HeldBack;
+use crate::message::{HeldBack, escape, escape_line};
 use crate::share::{ShareFormat, ShareTarget};
 
 /// Notices that wait for the receiver of the user.
@@ -93,14 +93,21 @@ impl fmt::Display for Notice {
             Self::PointerOnly { source, remedy } => {
                 write!(
                     f,
-                    "{source} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type"
+                    "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type",
+                    escape(&source.to_string())
                 )
             }
-            Self::WaitingForSource(reason) => write!(f, "waiting: {reason}; Ctrl-C ends"),
-            Self::SourceFound(source) => write!(f, "found {source}"),
-            Self::Listening(source) => write!(f, "listening to {source}, Ctrl-C ends"),
+            Self::WaitingForSource(reason) => {
+                write!(f, "waiting: {}; Ctrl-C ends", escape_line(reason))
+            }
+            Self::SourceFound(source) => write!(f, "found {}", escape(&source.to_string())),
+            Self::Listening(source) => write!(
+                f,
+                "listening to {}, Ctrl-C ends",
+                escape(&source.to_string())
+            ),
             Self::Sharing(target) => {
-                write!(f, "sharing {target}: ")?;
+                write!(f, "sharing {}: ", escape(&target.to_string()))?;
                 if target.format == ShareFormat::Web {
                     write!(f, "open http://{}/; ", target.address)?;
                 }

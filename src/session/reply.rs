@@ -5,6 +5,7 @@ use crossbeam_channel::Sender;
 use crate::command::{CommandOrigin, InvalidCommand};
 use crate::device::CursorPosition;
 use crate::estimate::LearnedRange;
+use crate::message::escape_line;
 use crate::pipeline::{CommandError, PipelineState};
 use crate::snapshot::Stats;
 
@@ -28,7 +29,7 @@ pub enum RequestError {
     #[error(transparent)]
     Invalid(#[from] InvalidCommand),
     /// No profile has the name.
-    #[error("{0}")]
+    #[error("{}", escape_line(.0))]
     UnknownProfile(String),
     /// The pipeline cannot execute the command.
     #[error(transparent)]

@@ -14,6 +14,7 @@ use crate::estimate::{
 use crate::hand::{JointAngles, Side};
 use crate::kinematics::{ArmModel, half_bent_fingers};
 use crate::layout::{Fit, Glove, Layout};
+use crate::message::escape;
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
 
@@ -121,10 +122,12 @@ impl Loader<'_> {
         for profile in &setup.profiles {
             let name = &profile.name;
             if ProfileName::from(name).is_err() {
+                let name = escape(name);
                 let message = format!("the profile name `{name}` is longer than 64 bytes");
                 return Err(SetupError::Value(message));
             }
             if name == MAIN_PROFILE || profiles.iter().any(|other| other.name == *name) {
+                let name = escape(name);
                 return Err(SetupError::Value(format!("duplicate profile `{name}`")));
             }
             profiles.push(Profile {
@@ -229,7 +232,7 @@ impl LoadedSetup {
         {
             return Err(SetupError::Value(format!(
                 "{}: the key `{code}` acts on the system; remove it, or set `allow_system_keys: true` in the setup",
-                layout.file
+                escape(&layout.file)
             )));
         }
         let is_unknown = |name: &&String| self.profile_names().all(|other| other != *name);
@@ -237,7 +240,7 @@ impl LoadedSetup {
             let error = UnknownName::new("profile", name, self.profile_names());
             return Err(SetupError::Value(format!(
                 "{}: {error}; add it to `profiles` of the setup",
-                layout.file
+                escape(&layout.file)
             )));
         }
         Ok(())

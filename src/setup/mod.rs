@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
+use crate::message::escape_line;
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
@@ -185,7 +186,7 @@ pub enum SetupError {
     #[error(transparent)]
     File(#[from] DocumentError),
     /// A value is invalid.
-    #[error("{0}")]
+    #[error("{}", escape_line(.0))]
     Value(String),
     /// The source cannot be opened.
     #[error(transparent)]
@@ -250,7 +251,7 @@ impl Setup {
         for name in setup.file_names() {
             let paths = [folder.join(&*name), folder.join(format!("{name}.ron"))];
             if let Some(path) = paths.iter().find(|path| path.is_file()) {
-                *name = path.display().to_string();
+                *name = path.to_string_lossy().into_owned();
             }
         }
         Ok(setup)

@@ -3,6 +3,7 @@
 use super::{LoadedSetup, SetupError};
 use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::kinematics::ArmModel;
+use crate::message::escape;
 use crate::sim::{
     self, ActionError, ActionErrorKind, HandAction, Script, Sensor, SimulatedStream,
     SimulatedTypist, TypistError, TypistSettings,
@@ -41,8 +42,10 @@ impl LoadedSetup {
             seed,
         };
         let typist = self.typist_with(text, &settings, format.protocol.sample)?;
-        SimulatedStream::new(typist, format)
-            .map_err(|reason| SetupError::Value(format!("cannot use {}: {reason}", settings.name)))
+        SimulatedStream::new(typist, format).map_err(|reason| {
+            let name = escape(&settings.name);
+            SetupError::Value(format!("cannot use {name}: {reason}"))
+        })
     }
 
     fn typist_with(
@@ -60,12 +63,12 @@ impl LoadedSetup {
                     SetupError::Value(format!(
                         "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
                          pressed; choose another layout, or play a script",
-                        self.layout.file,
+                        escape(&self.layout.file),
                     ))
                 }
                 Some(message) => SetupError::Value(format!(
                     "cannot type on {}: key {message}",
-                    self.layout.file,
+                    escape(&self.layout.file),
                 )),
                 None => error.into(),
             },
@@ -150,7 +153,8 @@ impl LoadedSetup {
             return None;
         };
         let names = self.layout.target_names();
-        let name = names.get(*target);
+        let name = names.get(*target).to_string();
+        let name = escape(&name);
         Some(match metres.is_finite() {
             true => format!(
                 "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",

@@ -159,8 +159,9 @@ impl LoadedSetup {
         match arms.peek().and(whole).or_else(|| arms.find(has_parts)) {
             None => Ok(()),
             Some(source) => Err(SetupError::Value(format!(
-                "`arm_source`: {source} measures the arm and the fingers; remove `arm_source`, or use `body-landmarks` and \
-                 `hand-landmarks`, which ignore the rest of such a line"
+                "`arm_source`: {} measures the arm and the fingers; remove `arm_source`, or use `body-landmarks` and \
+                 `hand-landmarks`, which ignore the rest of such a line",
+                escape(&source.to_string())
             ))),
         }
     }

@@ -44,7 +44,7 @@ pub use target::{ShareFormat, ShareLink, ShareTarget};
 use std::io;
 use std::net::SocketAddr;
 
-use crate::message::escape;
+use crate::message::{escape, escape_line};
 use crate::network::NetworkError;
 use crate::network::zenoh::ZenohError;
 
@@ -52,7 +52,7 @@ use crate::network::zenoh::ZenohError;
 #[derive(Debug, thiserror::Error)]
 pub enum ShareError {
     /// The text names no target.
-    #[error("cannot share with `{}`: {reason}", escape(.text))]
+    #[error("cannot share with `{}`: {}", escape(.text), escape_line(.reason))]
     InvalidTarget {
         /// The text as written.
         text: String,

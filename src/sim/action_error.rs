@@ -2,6 +2,7 @@
 
 use crate::contact::TargetId;
 use crate::hand::Dof;
+use crate::message::escape;
 use crate::names::UnknownName;
 
 /// An action that cannot be performed.
@@ -40,7 +41,7 @@ pub enum ActionErrorKind {
     )]
     AtCenter,
     /// An angle that the glove does not measure.
-    #[error("the glove has no sensor for `{}`{}", .0.text, suggestion(.0))]
+    #[error("the glove has no sensor for `{}`{}", escape(&.0.text), suggestion(.0))]
     NoSensor(UnknownName),
     /// An angle outside the range of the joint or of its sensor.
     #[error(

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::files;
-use crate::message::escape;
+use crate::message::escape_path;
 
 /// The file of a glove, and its text as far as Studio knows it.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub struct GloveFile {
 #[derive(Debug, thiserror::Error)]
 pub enum SaveError {
     /// There is a file that Studio has not written, or that has changed since.
-    #[error("{} exists", .0.display())]
+    #[error("{} exists", escape_path(.0))]
     Exists(PathBuf),
     /// There is no folder for files of this person.
     #[error(
@@ -73,7 +73,7 @@ impl GloveFile {
     /// [`backup`](Self::backup).
     pub fn save(&mut self, text: &str, may_replace: bool) -> Result<(), SaveError> {
         let failure = |path: &Path, error: files::FileError| SaveError::File {
-            path: escape(&path.to_string_lossy()).into_owned(),
+            path: escape_path(path),
             error,
         };
         let existing = match fs::read_to_string(&self.path) {

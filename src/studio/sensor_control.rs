@@ -14,6 +14,7 @@ use crate::capture::{Channels, Sample};
 use crate::estimate::Smoothing;
 use crate::files;
 use crate::hand::JointAngles;
+use crate::message::escape_path;
 use crate::session::{RequestError, SensorLink};
 use crate::setup::HandReach;
 use crate::snapshot::Snapshot;
@@ -223,7 +224,7 @@ impl SensorControl {
                 return false;
             }
         }
-        let file = file.path().display().to_string();
+        let file = escape_path(file.path());
         self.notice = Some(text_with("glove-saved", &[("file", file.into())]));
         true
     }

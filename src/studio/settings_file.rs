@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::settings::Settings;
 use crate::files::{self, FileError};
+use crate::message::escape_path;
 
 /// Shortest time between two writes, in seconds.
 const WRITE_PERIOD: f64 = 5.0;
@@ -17,10 +18,10 @@ const MAX_BYTES: u64 = 64 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file exists and cannot be read.
-    #[error("the settings are not read: {0}; Studio starts with its defaults: {path}", path = .1.display())]
+    #[error("the settings are not read: {0}; Studio starts with its defaults: {path}", path = escape_path(.1))]
     Read(String, PathBuf),
     /// The file cannot be written.
-    #[error("the settings are not kept: {0}; free the disk or change the permissions: {path}", path = .1.display())]
+    #[error("the settings are not kept: {0}; free the disk or change the permissions: {path}", path = escape_path(.1))]
     Write(String, PathBuf),
 }
 

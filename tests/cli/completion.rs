@@ -33,10 +33,18 @@ const CASES: [(&str, &[&str], &[&str]); 10] = [
     ("ademan ctl nex", &["next-profile"], &[]),
 ];
 
+/// A name that ends a command and starts others.
+const COMMANDS: &str = "zz;touch PWNED;$(touch PWNED) it's & \"`touch PWNED`.ron";
+
+/// A name that a terminal acts on, and whose second line is a name.
+const INVISIBLE: &str = "zx\u{202e}\u{9b}2J\nzx;touch PWNED.ron";
+
 /// A folder with the program, files and completion scripts.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for file in [
+        COMMANDS,
+        INVISIBLE,
         "my-layout.ron",
         "my-layout.txt",
         "my-bytes.bin",
@@ -114,6 +122,97 @@ fn bash_completes_names_files_and_sources() {
     }
 }
 
+/// Asserts that the last word of a completed line is the name of the file, and that the line has run no other command.
+fn check_word(folder: &Path, line: &str, word: &str, prefix: &str) {
+    let created = folder.join("PWNED").exists();
+    assert!(!created, "`{line}` runs a command of the name");
+    assert_eq!(
+        word.trim_end_matches('\n'),
+        format!("{prefix}{COMMANDS}"),
+        "{line}"
+    );
+}
+
+#[test]
+fn bash_quotes_the_names_that_it_inserts() {
+    let folder = folder();
+    // The line, the part that Bash keeps, the quote that it closes, and what precedes the name in the word.
+    for (line, kept, quote, prefix) in [
+        ("ademan run zz", "ademan run ", "", ""),
+        (r"ademan run zz\;to", "ademan run ", "", ""),
+        ("ademan run 'zz;to", "ademan run '", "'", ""),
+        ("ademan run \"zz;to", "ademan run \"", "\"", ""),
+        (
+            "ademan run --source file:zz",
+            "ademan run --source file:",
+            "",
+            "file:",
+        ),
+        (
+            "ademan run --layout=zz",
+            "ademan run --layout=",
+            "",
+            "--layout=",
+        ),
+    ] {
+        let script = format!(
+            "source ./_bash; COMP_LINE={}; COMP_POINT=${{#COMP_LINE}}; _ademan ademan; \
+             eval \"set -- \"{}\"${{COMPREPLY[0]}}\"{}; printf '%s\\n' \"${{@: -1}}\"",
+            quoted(line),
+            quoted(kept),
+            quoted(quote)
+        );
+        let Some(word) = shell(folder.path(), "bash", &["--norc", "-c"], &script) else {
+            return;
+        };
+        check_word(folder.path(), line, &word, prefix);
+    }
+}
+
+/// Returns a text in single quotes.
+fn quoted(text: &str) -> String {
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
+#[test]
+fn fish_quotes_the_names_that_it_inserts() {
+    let folder = folder();
+    for (line, prefix) in [
+        ("ademan run zz", ""),
+        (r"ademan run zz\;to", ""),
+        ("ademan run --source file:zz", "file:"),
+    ] {
+        let script = format!(
+            "source ./_fish; eval set word (complete --escape -C {}); printf '%s\\n' $word",
+            quoted(line).replace(r"\", r"\\")
+        );
+        let Some(word) = shell(folder.path(), "fish", &["--no-config", "-c"], &script) else {
+            return;
+        };
+        check_word(folder.path(), line, &word, prefix);
+    }
+}
+
+#[test]
+fn no_shell_offers_a_name_that_a_terminal_acts_on() {
+    let folder = folder();
+    let bash = "source ./_bash; COMP_LINE='ademan run zx'; COMP_POINT=13; _ademan ademan; \
+                printf '%s' \"${COMPREPLY[@]}\"";
+    for (program, arguments, script) in [
+        ("bash", ["--norc", "-c"], bash),
+        (
+            "fish",
+            ["--no-config", "-c"],
+            "source ./_fish; complete -C 'ademan run zx'",
+        ),
+    ] {
+        let Some(offered) = shell(folder.path(), program, &arguments, script) else {
+            continue;
+        };
+        assert_eq!(offered, "", "{program}");
+    }
+}
+
 #[test]
 fn fish_completes_names_files_and_sources() {
     let folder = folder();
@@ -144,6 +243,24 @@ until [[ $output == *'<ademan '*'>'* ]] { zpty -r shell part; output+=$part }
 zpty -d shell
 [[ $output =~ '<(ademan [^>]*)>' ]] && print -r -- $match[1]
 "#;
+
+#[test]
+fn zsh_quotes_the_names_that_it_inserts() {
+    let folder = folder();
+    for (line, prefix) in [
+        ("ademan run zz", ""),
+        (r"ademan run zz\;to", ""),
+        ("ademan run --source file:zz", "file:"),
+    ] {
+        let script = format!("LINE={}\n{ZSH}", quoted(line));
+        let Some(completed) = shell(folder.path(), "zsh", &["-f", "-c"], &script) else {
+            return;
+        };
+        let script = format!("set -- {completed}\nprint -r -- $@[-1]");
+        let word = shell(folder.path(), "zsh", &["-f", "-c"], &script);
+        check_word(folder.path(), line, &word.expect("it is installed"), prefix);
+    }
+}
 
 #[test]
 fn zsh_completes_names_files_and_sources() {

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use ademan::command::{CommandOrigin, CommandSpec, FieldKind, SPECS};
-use ademan::message::{escape, escape_lines};
+use ademan::message::{escape, escape_json, escape_lines};
 use ademan::session::control_socket::{self, Client};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Subcommand};
 use serde_json::{Map, Value};
@@ -43,7 +43,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let fields: Value = serde_json::from_str(&reply)
         .map_err(|error| Failure::job(format!("the reply is not JSON: {error}")))?;
     if args.json {
-        print_line(&reply)?;
+        print_line(&escape_json(&reply))?;
     }
     if fields["ok"] != true {
         let error = fields["error"].as_str().unwrap_or("refused without reason");
@@ -215,7 +215,7 @@ fn print_notifications(mut client: Client, as_json: bool) -> Result<(), Failure>
     while let Some(line) = client.next_notification()? {
         match serde_json::from_str(&line) {
             Ok(Value::Object(fields)) if !as_json => print_line(&notification_text(&fields))?,
-            _ => print_line(&line)?,
+            _ => print_line(&escape_json(&line))?,
         }
     }
     Ok(())

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use ademan::capture::{CaptureEvent, CaptureThread, Reading, SourceUri, spawn};
 use ademan::estimate::delay::{Activity, estimate_delay};
 use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
+use ademan::message::escape;
 use ademan::setup::LoadedSetup;
 use ademan::time::Timestamp;
 
@@ -61,6 +62,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         true => (arm_source, source),
         false => (source, arm_source),
     };
+    let [late, early] = [late, early].map(|uri| escape(&uri.to_string()).into_owned());
     println!(
         "{late} is {milliseconds} ms behind {early} (correlation {:.2})",
         delay.correlation

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
-use ademan::message::escape_lines;
+use ademan::message::{escape, escape_json, escape_line};
 use ademan::output::{self, Backend, OutputError};
 use ademan::setup::LoadedSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -59,10 +59,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let is_ok = findings.iter().all(Finding::is_satisfied)
         && tests.iter().all(|(_, outcome)| outcome.is_ok());
     match args.json {
-        true => writeln!(io::stdout(), "{}", as_json(&findings, &tests, is_ok))?,
+        true => {
+            let json = as_json(&findings, &tests, is_ok).to_string();
+            writeln!(io::stdout(), "{}", escape_json(&json))?;
+        }
         false => {
             let text = as_text(&findings, &tests);
-            io::stdout().write_all(escape_lines(&text).as_bytes())?;
+            io::stdout().write_all(text.as_bytes())?;
         }
     }
     match is_ok {
@@ -78,7 +81,10 @@ fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
     let (status, text) = match output::check(outputs, &setup.required_capabilities()) {
         Ok(()) => {
-            let text = format!("{outputs} can send everything that the layouts require");
+            let text = format!(
+                "{} can send everything that the layouts require",
+                escape(outputs)
+            );
             (CheckStatus::Ok, text)
         }
         Err(OutputError::Open { reason, .. }) => (CheckStatus::Missing, reason),
@@ -123,7 +129,7 @@ fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
             finding.status.name(),
             finding.check,
             needed,
-            finding.text
+            escape_line(&finding.text)
         );
     }
     for (backend, outcome) in tests {
@@ -131,6 +137,7 @@ fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
             Ok(result) => ("works", result),
             Err(reason) => ("fails", reason),
         };
+        let result = escape_line(result);
         text += &format!("{state:12} {:12} {:7} {result}\n", backend.name, "tested");
     }
     for finding in findings {
@@ -151,10 +158,10 @@ fn remedy(finding: &Finding) -> String {
     };
     let mut text = format!("\n# {}{relevance}\n", finding.check);
     for line in &finding.commands {
-        text += &format!("{line}\n");
+        text += &format!("{}\n", escape_line(line));
     }
     if !finding.next_step.is_empty() {
-        text += &format!("# {}\n", finding.next_step);
+        text += &format!("# {}\n", escape_line(&finding.next_step));
     }
     text
 }

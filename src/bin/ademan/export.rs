@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::command::Command;
 use ademan::files::{self, FileError};
+use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::trace::bvh::PoseWriter;
@@ -50,10 +51,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     match written? {
         0 => Err(Failure::job(format!(
             "the source gave no pose, so {} is empty; look at its readings with `ademan trace readings`",
-            args.file.display()
+            escape_path(&args.file)
         ))),
         frames => {
-            say!("{frames} frames written to {}", args.file.display());
+            say!("{frames} frames written to {}", escape_path(&args.file));
             Ok(())
         }
     }
@@ -68,7 +69,7 @@ fn create(path: &Path) -> Result<File, Failure> {
             }
             error => error.to_string(),
         };
-        Failure::wrong_use(format!("cannot create {}: {reason}", path.display()))
+        Failure::wrong_use(format!("cannot create {}: {reason}", escape_path(path)))
     })
 }
 

@@ -3,6 +3,7 @@
 use ademan::document::Document;
 use ademan::document::{own_gloves, shipped_gloves};
 use ademan::layout::Glove;
+use ademan::message::shell_word;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
@@ -29,7 +30,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
                 |it| it.name,
             ),
             example: Some(format!(
-                "ademan run --source serial:/dev/ttyUSB0 --glove {name}"
+                "ademan run --source serial:/dev/ttyUSB0 --glove {}",
+                shell_word(&name)
             )),
             name,
         })

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use ademan::device::{KeyCode, KeyKind};
-use ademan::message::escape;
+use ademan::message::{escape, escape_json};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -88,7 +88,7 @@ pub fn print(args: &Args) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     if args.json {
         let json = serde_json::to_string_pretty(&rows).map_err(io::Error::from)?;
-        return Ok(writeln!(out, "{json}")?);
+        return Ok(writeln!(out, "{}", escape_json(&json))?);
     }
     writeln!(
         out,

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, DocumentError, own_layouts, shipped_layouts};
 use ademan::layout::Layout;
-use ademan::message::escape;
 use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
@@ -94,8 +93,8 @@ pub fn list(args: &ListArgs) -> Result<(), Failure> {
     let row = |name: String, layout: Result<Layout, DocumentError>| Row {
         name,
         summary: match layout {
-            Ok(layout) => escape(&layout.description).into_owned(),
-            Err(error) => format!("invalid: {}", escape(error.message())),
+            Ok(layout) => layout.description,
+            Err(error) => format!("invalid: {}", error.message()),
         },
         example: None,
     };

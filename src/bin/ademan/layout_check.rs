@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use ademan::document::{DocumentError, DocumentFault};
 use ademan::hand::Side;
 use ademan::layout::Layout;
-use ademan::message::escape;
+use ademan::message::{escape, escape_json};
 use ademan::session::counted;
 use ademan::setup::{ArmSetup, OtherHand, Setup};
 use serde_json::{Value, json};
@@ -37,7 +37,7 @@ pub fn check(
     }
     if as_json {
         let text = serde_json::to_string_pretty(&checked).map_err(io::Error::from)?;
-        writeln!(io::stdout(), "{text}")?;
+        writeln!(io::stdout(), "{}", escape_json(&text))?;
     }
     match invalid {
         0 => Ok(()),

@@ -4,6 +4,8 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
+use ademan::message::{escape, escape_json, escape_line};
+
 use crate::failure::Failure;
 
 /// A line of a list.
@@ -32,14 +34,15 @@ impl ListArgs {
         let mut out = io::stdout().lock();
         if self.json {
             let json = serde_json::to_string_pretty(rows).map_err(io::Error::from)?;
-            return Ok(writeln!(out, "{json}")?);
+            return Ok(writeln!(out, "{}", escape_json(&json))?);
         }
-        let longest = rows.iter().map(|row| row.name.chars().count()).max();
+        let names: Vec<_> = rows.iter().map(|row| escape(&row.name)).collect();
+        let longest = names.iter().map(|name| name.chars().count()).max();
         let width = longest.unwrap_or_default();
-        for row in rows {
-            writeln!(out, "{:width$}  {}", row.name, row.summary)?;
+        for (row, name) in rows.iter().zip(names) {
+            writeln!(out, "{name:width$}  {}", escape_line(&row.summary))?;
             if let Some(example) = &row.example {
-                writeln!(out, "{:width$}    {example}", "")?;
+                writeln!(out, "{:width$}    {}", "", escape_line(example))?;
             }
         }
         Ok(())

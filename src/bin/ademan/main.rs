@@ -75,19 +75,20 @@ mod studio;
 mod system_files;
 mod token;
 mod trace;
+mod usage;
 mod view;
 mod watch;
 mod watchdog;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use failure::Failure;
 
 /// Turns a captured hand into any input device: sensor readings in, key and pointer events out.
-#[derive(Parser)]
+#[derive(clap::Parser)]
 #[command(
+    // Not the name under which the program is started, which a link may choose.
+    bin_name = "ademan",
     version,
     propagate_version = true,
     after_help = "Start with `ademan demo`: it needs no glove.\n\nExamples:\n  ademan demo\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop"
@@ -134,7 +135,7 @@ subcommands! {
 
 fn main() -> ExitCode {
     completions::answer();
-    let cli = Cli::parse();
+    let cli = usage::parse();
     let code = match panics::catch(|| {
         // Before any thread is started, as threads inherit the mask.
         cli.command.block_signals()?;

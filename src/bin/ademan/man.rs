@@ -9,6 +9,7 @@ use clap_mangen::Man;
 
 use crate::Cli;
 use crate::failure::Failure;
+use ademan::message::escape_path;
 
 /// Write the manual pages to a folder
 #[derive(clap::Args)]
@@ -22,7 +23,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     let folder = args.folder;
     if folder.is_file() {
-        let message = format!("{} is a file; name a folder", folder.display());
+        let message = format!("{} is a file; name a folder", escape_path(&folder));
         return Err(Failure::wrong_use(message));
     }
     let mut command = Cli::command().disable_help_subcommand(true);
@@ -30,7 +31,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     fs::create_dir_all(&folder)
         .and_then(|()| write_pages(&command, &folder))
         .map_err(|error| {
-            let message = format!("cannot write to {}: {error}", folder.display());
+            let message = format!("cannot write to {}: {error}", escape_path(&folder));
             Failure::wrong_use(message)
         })
 }

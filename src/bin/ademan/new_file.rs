@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::message::escape;
+use ademan::message::{escape, escape_path, shell_word};
 
 use crate::failure::Failure;
 
@@ -30,15 +30,14 @@ pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(),
             io::ErrorKind::AlreadyExists => "; choose another name or remove it",
             _ => "",
         };
-        let path = path.display();
+        let path = escape_path(path);
         Failure::wrong_use(format!("cannot write {path}: {error}{remedy}"))
     };
     let mut file = File::create_new(path).map_err(cannot_write)?;
     file.write_all(text.as_bytes()).map_err(cannot_write)?;
     let mut out = io::stdout().lock();
-    let path = path.to_string_lossy();
-    let path = escape(&path);
-    writeln!(out, "wrote {path}, a copy of {}", escape(original))?;
-    let next = next.replace("FILE", &path);
+    let shown = escape_path(path);
+    writeln!(out, "wrote {shown}, a copy of {}", escape(original))?;
+    let next = next.replace("FILE", &shell_word(&path.to_string_lossy()));
     Ok(writeln!(out, "edit it, then: {next}")?)
 }

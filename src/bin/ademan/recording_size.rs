@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use ademan::files;
+use ademan::message::escape_path;
 
 /// Bytes of a reading with the results of all stages, for one hand with a noise of one count in each channel. A steady one takes
 /// less than half.
@@ -20,7 +21,7 @@ pub fn announce(path: &Path) {
     });
     say!(
         "recording to {}: up to {:.0} MB an hour at {READINGS_PER_SECOND} readings per second{left}",
-        path.display(),
+        escape_path(path),
         per_hour / 1e6,
     );
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
@@ -64,7 +65,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         None => Ok(()),
         Some(cut) => Err(Failure::damaged(format!(
             "{} is cut off at byte {}: everything before it was played, and everything is released",
-            args.file.display(),
+            escape_path(&args.file),
             cut.offset
         ))),
     }

@@ -2,6 +2,7 @@
 
 use ademan::capture::SourceUri;
 use ademan::files;
+use ademan::message::escape;
 use ademan::pipeline::SourceRole;
 use ademan::setup::Setup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -60,7 +61,7 @@ impl SetupArgs {
             (Some(path), _) => Setup::load(path)?,
             (None, Some(path)) => {
                 let path = path.to_string_lossy();
-                say!("using {path}");
+                say!("using {}", escape(&path));
                 Setup::load(&path)?
             }
             (None, None) => Setup::default(),
@@ -87,7 +88,7 @@ fn role() -> impl TypedValueParser<Value = SourceRole> {
 pub fn number_in(text: &str, min: f64, max: f64, unit: &str) -> Result<f64, String> {
     let number: f64 = text
         .parse()
-        .map_err(|_| format!("`{text}` is not a number"))?;
+        .map_err(|_| format!("`{}` is not a number", escape(text)))?;
     if (min..=max).contains(&number) {
         return Ok(number);
     }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use ademan::message::escape;
+use ademan::message::escape_path;
 use ademan::network::{TokenRole, network_folder, tokens};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -46,8 +46,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     match args.action {
         Action::New { name, role } => {
             let path = tokens::create(&folder, &name, role)?;
-            let path = path.to_string_lossy();
-            writeln!(out, "wrote {}", escape(&path))?;
+            writeln!(out, "wrote {}", escape_path(&path))?;
             writeln!(
                 out,
                 "move this file to the machine that connects, into ~/.config/ademan/network there, and keep no copy: it is a password"

@@ -3,6 +3,7 @@
 use std::io::{self, BufWriter, Write};
 
 use ademan::command::Command;
+use ademan::message::escape_json;
 use ademan::output;
 use ademan::pipeline::Pipeline;
 use ademan::session::{SessionHandle, SessionOptions};
@@ -70,7 +71,9 @@ fn print(session: &SessionHandle, stage: Stage) -> io::Result<()> {
     let mut buffer = Vec::new();
     for snapshot in session.snapshots() {
         stage.for_each_json(&snapshot, &mut buffer, |_, json| {
-            out.write_all(json)?;
+            // It may contain names of a layout.
+            let json = String::from_utf8_lossy(json);
+            out.write_all(escape_json(&json).as_bytes())?;
             out.write_all(b"\n")
         })?;
         if session.snapshots().is_empty() {

@@ -11,6 +11,7 @@ use super::Loopback;
 use crate::capture::SourceUri;
 use crate::capture::protocol::StreamFormat;
 use crate::capture::transport::{StreamUri, serial};
+use crate::message::escape_path;
 
 /// Opens a loopback over a pair of pseudo-terminals.
 ///
@@ -91,7 +92,7 @@ impl Link {
 impl Drop for Link {
     fn drop(&mut self) {
         if let Err(error) = std::fs::remove_file(&self.0) {
-            tracing::debug!("cannot remove {}: {error}", self.0.display());
+            tracing::debug!("cannot remove {}: {error}", escape_path(&self.0));
         }
     }
 }

@@ -29,6 +29,7 @@ use std::time::Duration;
 use super::feedback::FeedbackFormat;
 use super::{Sample, SampleKind, SourceStats};
 use crate::hand::{HandPart, Side};
+use crate::message::escape;
 use crate::time::Timestamp;
 
 pub use encoder::{Encoder, EncoderPlan};
@@ -139,7 +140,8 @@ impl ProtocolOptions {
 
     /// Checks and stores a value.
     pub fn set(&mut self, option: &ProtocolOption, value: &str) -> Result<(), String> {
-        (option.check)(value)?;
+        // A message quotes the value; no valid one is escaped.
+        (option.check)(&escape(value))?;
         self.0.retain(|(name, _)| *name != option.name);
         if value != option.default {
             self.0.push((option.name, value.to_owned()));

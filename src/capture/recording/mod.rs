@@ -146,7 +146,7 @@ pub type SharedTruncation = Arc<OnceLock<Truncation>>;
 impl Replay {
     /// Opens the recording at `path` and reads its setup. The source is called `recording:PATH`.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
-        let name = format!("recording:{}", path.display());
+        let name = format!("recording:{}", path.to_string_lossy());
         let open_error = |reason: String| CaptureError::Open {
             source_name: name.clone(),
             reason,

@@ -51,7 +51,7 @@ impl Connector for FileConnector {
         Ok(Connection {
             bytes: Box::new(file),
             readiness: None,
-            endpoint: self.path.display().to_string(),
+            endpoint: self.path.to_string_lossy().into_owned(),
         })
     }
 }

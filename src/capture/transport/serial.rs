@@ -17,6 +17,7 @@ use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
 };
 use crate::capture::poll::Readiness;
+use crate::message::escape;
 
 /// The `serial` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -224,7 +225,7 @@ fn choice_error(choice: PortChoice, connector: &SerialConnector) -> ConnectError
         Some(device) => device.identity.to_string(),
         None => "the device".to_owned(),
     };
-    let port = &connector.port;
+    let port = escape(&connector.port);
     match choice {
         PortChoice::OtherDevice(Some(other)) => ConnectError::Unusable(format!(
             "{port} is now another device ({other}), plug in {wanted} or start again with the new one"
@@ -234,7 +235,7 @@ fn choice_error(choice: PortChoice, connector: &SerialConnector) -> ConnectError
         )),
         PortChoice::Ambiguous(names) => ConnectError::Unusable(format!(
             "{} are all {wanted}, unplug all but one or start again with the port to use",
-            names.join(" and ")
+            escape(&names.join(" and "))
         )),
         PortChoice::Absent | PortChoice::Open(_) => {
             ConnectError::Absent(format!("{wanted} is not plugged in"))
@@ -260,7 +261,8 @@ fn open_error(error: &serialport::Error, port_name: &str, present: &[Port]) -> C
             ConnectError::Unusable("it is a folder, not a serial port".to_owned())
         }
         _ if path.is_file() => ConnectError::Unusable(format!(
-            "it is a file, not a serial port; to read bytes from a file write `file:{port_name}`"
+            "it is a file, not a serial port; to read bytes from a file write `file:{}`",
+            escape(port_name)
         )),
         _ if exists => ConnectError::Unusable(format!(
             "it does not work as a serial port ({}); {}",
@@ -278,8 +280,8 @@ fn list(present: &[Port]) -> String {
     let names: Vec<String> = present
         .iter()
         .map(|port| match &port.usb {
-            Some(usb) => format!("{} ({usb})", port.name),
-            None => port.name.clone(),
+            Some(usb) => format!("{} ({usb})", escape(&port.name)),
+            None => escape(&port.name).into_owned(),
         })
         .collect();
     format!("present: {}", names.join(", "))

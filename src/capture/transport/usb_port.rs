@@ -1,5 +1,7 @@
 //! Choice of the serial port on which a lost USB device returns.
 
+use crate::message::escape;
+
 use serialport::{SerialPortInfo, SerialPortType};
 
 /// Identity of a USB adapter. Adapters of one model without a serial number have the same identity.
@@ -14,7 +16,7 @@ impl std::fmt::Display for UsbIdentity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "USB {:04x}:{:04x}", self.vendor, self.product)?;
         match &self.serial_number {
-            Some(number) => write!(f, " serial number {number}"),
+            Some(number) => write!(f, " serial number {}", escape(number)),
             None => Ok(()),
         }
     }

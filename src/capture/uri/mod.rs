@@ -14,6 +14,7 @@ use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
 use super::{CaptureError, PositionNoise};
 use crate::files;
 use crate::hand::Side;
+use crate::message::escape;
 use crate::names::{UnknownName, nearest};
 use crate::network::zenoh::parse_router;
 
@@ -247,7 +248,7 @@ fn parse_typist(rest: &str) -> Result<SourceUri, String> {
 
 fn missing_scheme(text: &str) -> String {
     if text.starts_with("/dev/") || text.starts_with("COM") {
-        return format!("write `serial:{text}`");
+        return format!("write `serial:{}`", escape(text));
     }
     let schemes: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
     let nearest = nearest(text, schemes.iter().copied());
@@ -337,7 +338,7 @@ fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedO
         .collect();
     for (index, (key, _)) in pairs.iter().enumerate() {
         if pairs[..index].iter().any(|(other, _)| other == key) {
-            return Err(format!("option `{key}` is given twice"));
+            return Err(format!("option `{}` is given twice", escape(key)));
         }
     }
     let scheme = transport.map_or("", |transport| transport.scheme.name);
@@ -388,15 +389,16 @@ fn unknown_name(kind: &'static str, text: &str, available: &[&str]) -> String {
 }
 
 fn parse_baud(value: &str) -> Result<NonZeroU32, String> {
-    value
-        .parse()
-        .map_err(|_| format!("`{value}` is not a bit rate, write bits per second: `baud=115200`"))
+    value.parse().map_err(|_| {
+        let value = escape(value);
+        format!("`{value}` is not a bit rate, write bits per second: `baud=115200`")
+    })
 }
 
 fn parse_delay(value: &str) -> Result<Duration, String> {
     let delay = value.parse().ok().map(Duration::from_millis);
     delay.filter(|delay| *delay <= MAX_DELAY).ok_or_else(|| {
-        let longest = MAX_DELAY.as_millis();
+        let (value, longest) = (escape(value), MAX_DELAY.as_millis());
         format!("`{value}` is not a delay, write 0 to {longest} ms: `delay_ms=40`")
     })
 }
@@ -409,7 +411,8 @@ fn parse_origin(value: &str) -> Result<String, String> {
     match host {
         Some(host) if !host.is_empty() && !host.contains(['/', '*', '@']) => Ok(value.to_owned()),
         _ => Err(format!(
-            "`{value}` is not the address of a site, write it without a path: `origin=http://localhost:8000`"
+            "`{}` is not the address of a site, write it without a path: `origin=http://localhost:8000`",
+            escape(value)
         )),
     }
 }
@@ -446,7 +449,7 @@ impl fmt::Display for SourceUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stream(stream) => stream.fmt(f),
-            Self::Recording { path } => write!(f, "recording:{}", path.display()),
+            Self::Recording { path } => write!(f, "recording:{}", path.to_string_lossy()),
             Self::Typist { text, format: None } => write!(f, "typist:{text}"),
             Self::Typist {
                 text,

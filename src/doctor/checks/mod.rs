@@ -5,6 +5,7 @@ use super::facts::{
 };
 use super::{CheckStatus, Finding, Requirements};
 use crate::advice::{self, Advice, KEYBOARD_PROTOCOL, POINTER_PROTOCOL};
+use crate::message::{escape, escape_path};
 use crate::session::control_socket::{self, ControlError};
 
 /// Performs all checks, in the order of the data flow from the glove to the screen.
@@ -45,7 +46,11 @@ fn check_user(facts: &Facts) -> Finding {
         return finding("user", CheckStatus::Unknown, false, advice);
     }
     let groups = user.groups.join(" ");
-    ok("user", false, format!("{}, groups: {groups}", user.name))
+    ok(
+        "user",
+        false,
+        format!("{}, groups: {}", escape(&user.name), escape(&groups)),
+    )
 }
 
 fn check_ports(facts: &Facts, requirements: &Requirements) -> Vec<Finding> {
@@ -63,16 +68,17 @@ fn check_ports(facts: &Facts, requirements: &Requirements) -> Vec<Finding> {
 }
 
 fn check_port(name: &str, node: &DeviceNode, needed: bool) -> Finding {
+    let shown = escape(name);
     let advice = match node {
         DeviceNode::Usable => {
-            return ok("serial port", needed, format!("{name} can be opened"));
+            return ok("serial port", needed, format!("{shown} can be opened"));
         }
         DeviceNode::Denied(denied) => advice::serial_port_denied(name, denied),
         DeviceNode::Absent => Advice::new(
-            format!("{name} does not exist"),
+            format!("{shown} does not exist"),
             "check the cable, or name another port: `ls /dev/serial/by-id/`",
         ),
-        DeviceNode::Error(reason) => Advice::new(format!("{name}: {reason}"), ""),
+        DeviceNode::Error(reason) => Advice::new(format!("{shown}: {reason}"), ""),
     };
     finding("serial port", CheckStatus::Missing, needed, advice)
 }
@@ -99,7 +105,7 @@ fn check_display(facts: &Facts, requirements: &Requirements) -> Finding {
     let needed = requirements.desktop && !uses_compositor(facts);
     let (status, advice) = match &facts.display {
         XDisplay::Reachable(name) => {
-            let text = format!("an X server listens at `{name}`");
+            let text = format!("an X server listens at `{}`", escape(name));
             return ok("display", needed, text);
         }
         XDisplay::Unreachable(name) => (CheckStatus::Missing, advice::no_display(Some(name))),
@@ -126,7 +132,7 @@ fn check_compositor(facts: &Facts, requirements: &Requirements) -> Finding {
         Compositor::Reachable { program, globals } => (program, globals),
     };
     let supports = |protocol: &str| globals.iter().any(|global| global == protocol);
-    let name = program.as_deref().unwrap_or("the compositor");
+    let name = &*escape(program.as_deref().unwrap_or("the compositor"));
     let (status, advice) = match (supports(KEYBOARD_PROTOCOL), facts.has_wayland) {
         (false, _) => (
             CheckStatus::Missing,
@@ -204,7 +210,7 @@ fn check_sockets(runtime: &RuntimeDir) -> Finding {
         return finding("sockets", CheckStatus::Missing, true, advice);
     }
     let Some(run) = run else {
-        let text = format!("{} is free", socket.display());
+        let text = format!("{} is free", escape_path(socket));
         return ok("sockets", true, text);
     };
     let mut advice = advice_of(&ControlError::InUse {

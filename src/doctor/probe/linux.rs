@@ -18,6 +18,7 @@ use super::super::facts::{
 };
 use super::wayland;
 use crate::advice::AccessDenied;
+use crate::message::escape;
 use crate::output::SUPPORTS_WAYLAND;
 use crate::output::socket;
 use crate::output::uinput::is_missing;
@@ -223,7 +224,7 @@ impl<'a> Machine<'a> {
         };
         let (host, screen) = name.rsplit_once(':').unwrap_or((name, ""));
         if !matches!(host, "" | "unix") {
-            return XDisplay::Unknown(format!("`{name}` is on the network"));
+            return XDisplay::Unknown(format!("`{}` is on the network", escape(name)));
         }
         let number = screen.split('.').next().unwrap_or_default();
         let socket = self.at(format!("/tmp/.X11-unix/X{number}"));

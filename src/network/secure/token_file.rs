@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::secret_file;
 use super::token::{Hash, Token};
-use crate::message::escape;
+use crate::message::escape_path;
 use crate::network::{NetworkError, TokenEntry, TokenRole};
 
 /// The first line. Its number changes with the form of the file.
@@ -25,7 +25,7 @@ impl TokenFile {
         let Some(text) = secret_file::read(path)? else {
             return Err(NetworkError::Token(format!(
                 "there is no token file {}; copy it from the machine whose `ademan token new` has made it",
-                escape(&path.to_string_lossy())
+                escape_path(path)
             )));
         };
         Self::parse(&text).ok_or_else(|| NetworkError::Content {

@@ -146,6 +146,6 @@ fn config(router: SocketAddr) -> zenoh::Result<Config> {
 fn router_error(router: SocketAddr, error: &zenoh::Error) -> ZenohError {
     ZenohError::Router {
         router,
-        reason: crate::message::escape(&error.to_string()).into_owned(),
+        reason: error.to_string(),
     }
 }

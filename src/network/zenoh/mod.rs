@@ -14,6 +14,7 @@ mod unsupported;
 #[cfg(not(feature = "zenoh"))]
 pub use self::unsupported::{Publisher, Subscriber};
 
+use crate::message::{escape, escape_line};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 use super::canonical;
@@ -32,7 +33,8 @@ pub enum ZenohError {
     NotBuilt,
     /// The router does not answer, or the key is refused.
     #[error(
-        "no connection to the zenoh router at {router}: {reason}; start `zenohd` on this machine"
+        "no connection to the zenoh router at {router}: {}; start `zenohd` on this machine",
+        escape_line(.reason)
     )]
     Router {
         /// Its address.
@@ -65,7 +67,10 @@ pub fn parse_router(text: &str) -> Result<SocketAddr, String> {
              and connect that router to the others with TLS"
                 .into(),
         ),
-        None => Err(format!("`{text}` is not an address and a port, such as `router=127.0.0.1:7447`")),
+        None => Err(format!(
+            "`{}` is not an address and a port, such as `router=127.0.0.1:7447`",
+            escape(text)
+        )),
     }
 }
 

@@ -21,6 +21,7 @@ use rustix::net::{
 use rustix::process::geteuid;
 
 use crate::files;
+use crate::message::escape_path;
 
 /// A connection to a client.
 pub(crate) type Stream = UnixStream;
@@ -214,7 +215,7 @@ fn lock(path: &Path) -> Result<File, SocketError> {
     lock_path.push(".lock");
     let lock_path = Path::new(&lock_path);
     let lock = files::open_private(lock_path).map_err(|error| {
-        SocketError::Other(format!("cannot open {}: {error}", lock_path.display()))
+        SocketError::Other(format!("cannot open {}: {error}", escape_path(&lock_path)))
     })?;
     match lock.try_lock() {
         Ok(()) => Ok(lock),

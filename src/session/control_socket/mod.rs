@@ -26,6 +26,7 @@ mod watch_client;
 
 use std::path::{Path, PathBuf};
 
+use crate::message::{escape_line, escape_path};
 use crate::output::socket::{self, SocketError};
 
 pub use client::Client;
@@ -49,7 +50,8 @@ pub enum ControlError {
     /// The path is longer than a socket path may be.
     #[error(
         "cannot listen at {}: the path has {length} bytes, a socket path at most {most}; name a shorter one with \
-         --control PATH", path.display()
+         --control PATH",
+        escape_path(path)
     )]
     PathTooLong {
         /// Path of the socket.
@@ -62,7 +64,8 @@ pub enum ControlError {
     /// Another session listens at the path.
     #[error(
         "another session listens at {}; end it with `ademan ctl stop`, or start this one with --control PATH or \
-         --control off", path.display()
+         --control off",
+        escape_path(path)
     )]
     InUse {
         /// Path of the socket.
@@ -70,7 +73,9 @@ pub enum ControlError {
     },
     /// The socket cannot be created.
     #[error(
-        "cannot listen at {}: {reason}; name another path with --control PATH, or use --control off", path.display()
+        "cannot listen at {}: {}; name another path with --control PATH, or use --control off",
+        escape_path(path),
+        escape_line(reason)
     )]
     Bind {
         /// Path of the socket.
@@ -80,7 +85,9 @@ pub enum ControlError {
     },
     /// The client cannot connect.
     #[error(
-        "cannot connect to {}: {reason}; start `ademan run`, or name its socket with --socket PATH", path.display()
+        "cannot connect to {}: {}; start `ademan run`, or name its socket with --socket PATH",
+        escape_path(path),
+        escape_line(reason)
     )]
     Connect {
         /// Path of the socket.
@@ -89,7 +96,11 @@ pub enum ControlError {
         reason: String,
     },
     /// The session closed the connection, or did not answer in time.
-    #[error("no answer from the session at {}: {reason}", path.display())]
+    #[error(
+        "no answer from the session at {}: {}",
+        escape_path(path),
+        escape_line(reason)
+    )]
     NoResponse {
         /// Path of the socket.
         path: PathBuf,

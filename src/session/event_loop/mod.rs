@@ -20,6 +20,7 @@ use crate::capture::{CaptureError, CaptureEvent, Reading, Source, SourceStats};
 use crate::command::{Command, CommandOrigin};
 use crate::contact::TargetNames;
 use crate::device::{Events, TimedCommand};
+use crate::message::escape;
 use crate::names::UnknownName;
 use crate::output::Sink;
 use crate::pipeline::{CommandError, Pipeline, PipelineState};
@@ -381,7 +382,7 @@ impl SessionLoop<'_> {
         RequestError::UnknownProfile(match unknown.nearest {
             Some(_) => unknown.to_string(),
             None => {
-                let names: Vec<_> = self.pipeline.profile_names().collect();
+                let names: Vec<_> = self.pipeline.profile_names().map(escape).collect();
                 format!("{unknown}; available: {}", names.join(", "))
             }
         })

@@ -9,6 +9,7 @@ use crate::contact::board_pose::BoardPose;
 use crate::document::{Document, DocumentError};
 use crate::files;
 use crate::layout::{self, Layout};
+use crate::message::escape;
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, SessionEnded};
 
@@ -142,7 +143,7 @@ impl ActiveLayout {
     /// Writes the size of the boards and their poses to the file, unless another program has changed it.
     pub fn save(&mut self, poses: &[BoardPose]) -> Result<String, String> {
         let file = self.file.as_mut().ok_or(SHIPPED)?;
-        let name = &self.layout.file;
+        let name = escape(&self.layout.file);
         if self.is_trial {
             return Err(format!(
                 "{name}: not saved, as an edited text of it is tried; save that in its editor"
@@ -154,7 +155,7 @@ impl ActiveLayout {
                 "{name}: not saved, as the file differs from the active layout; `reload` activates the file"
             ));
         }
-        let active = Document::new(name.as_str(), self.layout.text.as_str());
+        let active = Document::new(self.layout.file.as_str(), self.layout.text.as_str());
         let text = layout::move_boards(&active, poses, &self.layout.fit)
             .map_err(|error| error.to_string())?;
         if text == on_disk.text {
@@ -168,7 +169,7 @@ impl ActiveLayout {
             .map_err(|error| format!("{name}: cannot write the file: {error}"))?;
         file.set_active_text(&text);
         self.layout = layout;
-        Ok(format!("{}: saved", self.layout.file))
+        Ok(format!("{}: saved", escape(&self.layout.file)))
     }
 
     fn document(&self) -> Document {

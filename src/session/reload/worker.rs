@@ -10,6 +10,7 @@ use super::active_layout::ActiveLayout;
 use super::file_watcher::FileWatcher;
 use crate::document::DocumentError;
 use crate::layout::Layout;
+use crate::message::escape;
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
 use crate::session::layout_trial::TrialRequest;
@@ -207,7 +208,7 @@ where
         let build = |layout: &Layout| match is_recorded {
             true => Err(format!(
                 "{}: not used, as a recording holds one version of a layout; start again to use it",
-                layout.file
+                escape(&layout.file)
             )),
             false => (self.build)(layout),
         };
@@ -234,7 +235,7 @@ where
             Some(layout) => layout.try_text(&trial.text, &self.build, &self.link)?,
             None => Err(format!(
                 "not tried, as the session does not use {}; start it with that layout",
-                trial.file
+                escape(&trial.file)
             )),
         };
         // The editor may be closed.

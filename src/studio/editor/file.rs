@@ -8,6 +8,7 @@ use super::patch::Patch;
 use super::{Edited, LayoutEditor};
 use crate::document::{Document, DocumentError};
 use crate::files::{self, FileError};
+use crate::message::escape_path;
 
 /// The file of a layout as it was last read or written.
 pub(super) struct EditedFile {
@@ -76,7 +77,7 @@ pub enum SaveError {
     #[error("this copy has no file yet; save it under a name of your own")]
     NoFile,
     /// There is such a file.
-    #[error("{} exists already; choose another name, or replace it", .0.display())]
+    #[error("{} exists already; choose another name, or replace it", escape_path(.0))]
     Exists(PathBuf),
     /// Another program has changed the file in the same places.
     #[error(
@@ -160,7 +161,7 @@ impl EditedFile {
     }
 
     fn note_saved(&mut self, path: &Path, text: &str) {
-        self.name = path.display().to_string();
+        self.name = path.to_string_lossy().into_owned();
         self.path = Some(path.to_owned());
         self.stamp = stamp(path);
         self.conflict = None;
@@ -287,7 +288,7 @@ impl LayoutEditor {
         write: fn(&Path, &str) -> Result<(), FileError>,
     ) -> Result<(), SaveError> {
         write(path, &self.text).map_err(|error| SaveError::File {
-            name: path.display().to_string(),
+            name: path.to_string_lossy().into_owned(),
             error: explain(error),
         })?;
         self.file.note_saved(path, &self.text);

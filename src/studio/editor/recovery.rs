@@ -10,6 +10,7 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::LayoutEditor;
 use crate::document::Document;
 use crate::files::{self, FileError};
+use crate::message::escape_path;
 
 /// The first line of a recovery file; the name of the layout follows.
 const HEAD: &str = "// Unsaved work on ";
@@ -157,7 +158,7 @@ fn run(jobs: &Receiver<Job>, path: &Path, error: &Mutex<Option<String>>) {
         let message = outcome.err().map(|error| {
             format!(
                 "unsaved work is not kept: {error}; save the layout soon: {}",
-                path.display()
+                escape_path(path)
             )
         });
         *error.lock().unwrap_or_else(PoisonError::into_inner) = message;

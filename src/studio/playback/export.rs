@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::loader::Recording;
 use crate::capture::CaptureError;
 use crate::capture::recording::Replay;
+use crate::message::escape_path;
 use crate::pipeline::Pipeline;
 use crate::recorder::{RecordError, Recorder};
 use crate::session::{self, SessionError, command_channel};
@@ -17,10 +18,10 @@ use crate::time::Timestamp;
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The file exists.
-    #[error("{path} exists", path = .0.display())]
+    #[error("{path} exists", path = escape_path(.0))]
     Exists(PathBuf),
     /// The file is the recording itself.
-    #[error("{path} is the recording that is shown; choose another name", path = .0.display())]
+    #[error("{path} is the recording that is shown; choose another name", path = escape_path(.0))]
     SameFile(PathBuf),
     /// The recording cannot be read.
     #[error(transparent)]
@@ -32,7 +33,7 @@ pub enum ExportError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The new file cannot replace the old one.
-    #[error("cannot replace {path}: {error}; the old file is unchanged", path = .path.display())]
+    #[error("cannot replace {path}: {error}; the old file is unchanged", path = escape_path(.path))]
     Replace {
         /// Path of the old file.
         path: PathBuf,

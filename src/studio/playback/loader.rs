@@ -71,7 +71,7 @@ impl Recording {
     /// Returns the model before the first step.
     pub fn first_model(&self) -> StudioModel {
         let map = self.setup.glove.as_ref().map(|glove| &glove.map);
-        let source = format!("recording:{}", self.path.display());
+        let source = format!("recording:{}", self.path.to_string_lossy());
         StudioModel::new(
             session::first_view(&self.setup, &source),
             map.map(SensorTable::new).unwrap_or_default(),

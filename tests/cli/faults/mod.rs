@@ -4,6 +4,7 @@ mod blocked_streams;
 mod clients;
 mod disks;
 mod files;
+mod forged_messages;
 mod line;
 mod lines;
 mod message_floods;

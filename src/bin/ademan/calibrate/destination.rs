@@ -5,7 +5,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 
-use ademan::message::escape;
+use ademan::message::{escape_path, shell_word};
 
 use crate::failure::Failure;
 use crate::new_file;
@@ -34,7 +34,7 @@ impl Destination {
             return Err(Failure::wrong_use(format!(
                 "{} exists, and there is no terminal to ask in; --force replaces it and keeps the old file as {}",
                 destination.shown(),
-                escape(&destination.backup().to_string_lossy())
+                escape_path(&destination.backup())
             )));
         }
         Ok(destination)
@@ -60,9 +60,8 @@ impl Destination {
         println!("wrote {shown}");
         match existed {
             true => {
-                let backup = self.backup();
-                let backup = escape(&backup.to_string_lossy()).into_owned();
-                println!("undo: mv '{backup}' '{shown}'");
+                let [backup, path] = [&self.backup(), &self.path].map(|path| command_word(path));
+                println!("undo: mv {backup} {path}");
             }
             false => println!("undo: remove {shown}"),
         }
@@ -83,8 +82,13 @@ impl Destination {
         name.into()
     }
 
+    /// Returns the path as a word of a command.
+    pub fn as_word(&self) -> String {
+        command_word(&self.path)
+    }
+
     fn shown(&self) -> String {
-        escape(&self.path.to_string_lossy()).into_owned()
+        escape_path(&self.path)
     }
 
     fn failure(&self, error: &io::Error) -> Failure {
@@ -93,6 +97,10 @@ impl Destination {
             self.shown()
         ))
     }
+}
+
+fn command_word(path: &Path) -> String {
+    shell_word(&path.to_string_lossy()).into_owned()
 }
 
 fn glove_name(path: &Path) -> String {

@@ -7,7 +7,6 @@ use std::time::Duration;
 use ademan::calibrate::{self, DISCOVERY_POSES, Discovery, Procedure};
 use ademan::hand::Side;
 use ademan::layout::Glove;
-use ademan::message::escape;
 
 use super::destination::Destination;
 use super::session::{Outcome, Session};
@@ -40,7 +39,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     print!("{}", report(&discovery));
     let text = glove_text(&discovery, destination.path(), args.hand, full_scale);
     if destination.write(&text)? {
-        let file = escape(&destination.path().to_string_lossy()).into_owned();
+        let file = destination.as_word();
         println!("next: ademan calibrate --glove {file} --source …");
     }
     Ok(())

@@ -19,7 +19,7 @@ use ademan::capture::SourceUri;
 use ademan::document::Document;
 use ademan::hand::Side;
 use ademan::layout::{self, Glove};
-use ademan::message::escape;
+use ademan::message::escape_path;
 use ademan::setup::LoadedSetup;
 use ademan::sim::SimulatedWearer;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -130,7 +130,7 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
     let observations =
         calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
     if start.finish(&observations, &destination)? {
-        print_setup_fields(&escape(&destination.path().to_string_lossy()), lengths);
+        print_setup_fields(&escape_path(destination.path()), lengths);
     }
     Ok(())
 }
@@ -160,8 +160,8 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
         keep_recording(&session, &start.document, &destination)?;
     }
     if finished? {
-        let file = escape(&destination.path().to_string_lossy()).into_owned();
-        print_setup_fields(&file, lengths);
+        print_setup_fields(&escape_path(destination.path()), lengths);
+        let file = destination.as_word();
         println!("use it: ademan run --glove {file} --source …");
     }
     Ok(())
@@ -198,7 +198,7 @@ fn keep_recording(
 ) -> Result<(), Failure> {
     let path = destination.free_recording();
     recording::write(&path, glove, session.procedure.marks(), &session.readings)?;
-    println!("kept the readings: {}", escape(&path.to_string_lossy()));
+    println!("kept the readings: {}", escape_path(&path));
     Ok(())
 }
 

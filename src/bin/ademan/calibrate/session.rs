@@ -9,6 +9,7 @@ use ademan::calibrate::{
 use ademan::capture::Channels;
 use ademan::estimate::ChannelMap;
 use ademan::hand::Side;
+use ademan::message::escape;
 use ademan::time::Timestamp;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -176,7 +177,7 @@ impl<'a> Session<'a> {
             FeedEvent::End => {
                 return Err(Failure::job(format!(
                     "{} ended at pose {} of {}; start again when it sends readings",
-                    self.feed.name(),
+                    escape(self.feed.name()),
                     self.procedure.index() + 1,
                     self.procedure.poses().len()
                 )));

@@ -1,5 +1,6 @@
 //! Options for the messages of the program, which all subcommands have.
 
+use ademan::message::escape;
 use std::env;
 use std::path::PathBuf;
 
@@ -52,7 +53,8 @@ impl LogArgs {
             (None, Some(Ok(levels))) => (levels, None),
             (None, Some(Err(error))) => {
                 let message = format!(
-                    "{VARIABLE} has no effect: {error}; write a level such as `debug`, or `ademan::capture=debug`"
+                    "{VARIABLE} has no effect: {}; write a level such as `debug`, or `ademan::capture=debug`",
+                    escape(&error.to_string())
                 );
                 (default_levels(), Some(message))
             }

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
-use ademan::message::{HeldBack, MessageLimits, escape_lines};
+use ademan::message::{HeldBack, MessageLimits, escape_line};
 use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};
@@ -39,7 +39,7 @@ pub fn take_all() -> Vec<String> {
 }
 
 fn line(held_back: &HeldBack<String>) -> String {
-    format!("{}\n", escape_lines(&held_back.to_string()))
+    format!("{}\n", escape_line(&held_back.to_string()))
 }
 
 fn limits() -> MutexGuard<'static, Limits> {
@@ -59,7 +59,8 @@ impl Subscriber for Log {
         let mut fields = Fields::default();
         event.record(&mut fields);
         let (metadata, text) = (event.metadata(), &fields.text);
-        let message = format!("{:>5} {text}", metadata.level());
+        // The fields of an event are part of its text here, and an event is one line.
+        let message = format!("{:>5} {}", metadata.level(), escape_line(text));
         let kind = (metadata.callsite(), fields.source);
         let admitted = limits().admit(kind, 1, message, Instant::now());
         match admitted {

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
 
 use ademan::files;
+use ademan::message::escape_path;
 
 use super::queue::MessageQueue;
 use crate::failure::Failure;
@@ -14,7 +15,7 @@ static QUEUE: OnceLock<MessageQueue> = OnceLock::new();
 /// Writes all later messages to the end of a file, which only its owner can read. Starts a thread.
 pub fn open(path: &Path) -> Result<(), Failure> {
     let file = files::append_private(path).map_err(|error| {
-        let path = path.display();
+        let path = escape_path(path);
         Failure::wrong_use(format!("cannot write the log to {path}: {error}"))
     })?;
     let queue = MessageQueue::start(file, || (Vec::new(), None)).map_err(Failure::no_thread)?;

@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::layout::{Layout, Wearer};
-use ademan::message::{escape, escape_lines};
+use ademan::message::{escape_lines, escape_path};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
 use crate::failure::Failure;
@@ -118,15 +118,15 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
         ErrorKind::AlreadyExists => exists(path),
         _ => Failure::wrong_use(format!(
             "cannot write {}: {error}; name a file in a folder that you can write to",
-            path.display()
+            escape_path(path)
         )),
     })?;
-    say!("wrote {}", escape(&path.to_string_lossy()));
+    say!("wrote {}", escape_path(path));
     Ok(())
 }
 
 fn exists(path: &Path) -> Failure {
-    let name = path.display();
+    let name = escape_path(path);
     Failure::wrong_use(match path.is_dir() {
         true => format!("cannot write {name}: it is a folder; name a file in it"),
         false => {

@@ -1,5 +1,7 @@
 //! Text in drawings: its width, its size inside a shape, and its escapes.
 
+use crate::message::is_escaped;
+
 use parry3d::math::Vec2;
 
 /// Half the height of a capital letter as a fraction of the font size. Centers a line of text without
@@ -75,7 +77,8 @@ pub fn wrap(text: &str, width: f32, size: f32) -> Vec<String> {
     lines
 }
 
-/// Escapes a text for use between tags or in quotes. Characters that XML does not allow become U+FFFD.
+/// Escapes a text for use between tags or in quotes. Characters that XML does not allow, and those that act on the text around
+/// them, become U+FFFD.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -86,7 +89,7 @@ pub fn escape(text: &str) -> String {
             '"' => escaped.push_str("&quot;"),
             '\t' | '\n' => escaped.push(' '),
             '\u{fffe}' | '\u{ffff}' => escaped.push(char::REPLACEMENT_CHARACTER),
-            other if other.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
+            other if is_escaped(other) => escaped.push(char::REPLACEMENT_CHARACTER),
             other => escaped.push(other),
         }
     }
@@ -121,5 +124,6 @@ mod tests {
     fn what_xml_forbids_is_replaced() {
         assert_eq!(escape("<a & \"b\">"), "&lt;a &amp; &quot;b&quot;&gt;");
         assert_eq!(escape("\u{1}\u{ffff}\t"), "\u{fffd}\u{fffd} ");
+        assert_eq!(escape("a\u{202e}b\u{2066}"), "a\u{fffd}b\u{fffd}");
     }
 }

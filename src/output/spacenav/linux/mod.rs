@@ -21,6 +21,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 
 use super::{BACKEND, BUTTONS, capabilities};
 use crate::device::{Axis, Capabilities, EventKind, KeyCode, OutputEvent};
+use crate::message::{escape_path, shell_word};
 use crate::output::socket::{Listener, SocketError, default_path};
 use crate::output::{OpenRequest, OutputError, Sink};
 use crate::time::Timestamp;
@@ -110,12 +111,12 @@ impl Spacenav {
             Some(path) => std::path::absolute(path).map_err(open_error)?,
         };
         let listener = Listener::open(&path).map_err(|error: SocketError| {
-            open_error(format!("cannot listen at {}: {error}", path.display()))
+            open_error(format!("cannot listen at {}: {error}", escape_path(&path)))
         })?;
         let spacenav = Self::start(listener, path).map_err(open_error)?;
         tracing::info!(
             "6-DoF mouse for programs started with SPNAV_SOCKET={}",
-            spacenav.path.display()
+            shell_word(&spacenav.path.to_string_lossy())
         );
         Ok(spacenav)
     }

@@ -4,6 +4,7 @@ use eframe::egui::{self, Key, RichText};
 
 use super::{big_button, button, quit, resume};
 use crate::calibrate::{Problem, Severity};
+use crate::message::escape_path;
 use crate::studio::guide::{Guide, GuideResult, JointChange};
 use crate::studio::joint_names::joint_name;
 use crate::studio::panels::PanelContext;
@@ -73,10 +74,7 @@ fn sign(problem: &Problem) -> char {
 }
 
 fn show_buttons(ui: &mut egui::Ui, context: &mut PanelContext, is_usable: bool) {
-    let file = context
-        .sensors
-        .file()
-        .map(|file| file.display().to_string());
+    let file = context.sensors.file().map(escape_path);
     let hint = text_with(
         "calibration-use-hint",
         &[("file", file.unwrap_or_default().into())],

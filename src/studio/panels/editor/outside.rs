@@ -186,7 +186,7 @@ impl EditorPanel {
     /// Asks for the name of a copy.
     pub(super) fn ask_for_path(&mut self) {
         let path = match self.editor.path() {
-            Some(path) => path.display().to_string(),
+            Some(path) => path.to_string_lossy().into_owned(),
             None => {
                 let name = self.editor.name().rsplit('/').next().unwrap_or_default();
                 format!("my-{}.ron", name.trim_end_matches(".ron"))

@@ -92,7 +92,11 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PartState, player: &Player) {
         let length = range.end().since(*range.start()).as_secs_f64();
         ui.monospace(format!("{length:.3} s"));
     }
-    let default = || default_name(&player.recording().path).display().to_string();
+    let default = || {
+        default_name(&player.recording().path)
+            .to_string_lossy()
+            .into_owned()
+    };
     let file = state.file.get_or_insert_with(default);
     let label = ui.label(text("recording-file"));
     let field = egui::TextEdit::singleline(file).desired_width(210.0);

@@ -2,6 +2,7 @@
 
 use eframe::egui;
 
+use crate::message::escape_path;
 use crate::studio::glove_editor::GloveEditor;
 use crate::studio::panels::PanelContext;
 use crate::studio::sensor_control::SensorControl;
@@ -25,7 +26,7 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
             let button = ui.add_enabled(is_enabled, egui::Button::new(name));
             button.on_hover_text(hint).clicked()
         };
-        let file = sensors.file().map(|path| path.display().to_string());
+        let file = sensors.file().map(escape_path);
         if button(is_changed, text("glove-save"), &file.unwrap_or_default()) {
             sensors.save(false);
         }
@@ -53,7 +54,7 @@ pub(in crate::studio::panels) fn show_question(
     let (Some(file), Some(backup)) = (sensors.question(), sensors.backup()) else {
         return false;
     };
-    let [file, backup] = [file, &*backup].map(|path| path.display().to_string());
+    let [file, backup] = [file, &*backup].map(escape_path);
     let values = [("file", file.into()), ("backup", backup.into())];
     let question = text_with("glove-replace", &values);
     let mut is_saved = false;

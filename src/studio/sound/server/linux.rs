@@ -15,6 +15,7 @@ use pulseaudio::protocol::{
     SampleSpec, SetClientNameReply, UploadStreamParams,
 };
 
+use crate::message::escape_path;
 use crate::studio::sound::SoundError;
 use crate::studio::sound::click::Click;
 use crate::studio::sound::waveform::{self, SAMPLE_RATE};
@@ -46,7 +47,7 @@ impl SoundServer {
             Ok(stream)
         });
         let stream = opened.map_err(|error| {
-            SoundError::NoServer(format!("{error} at {path}", path = path.display()))
+            SoundError::NoServer(format!("{error} at {path}", path = escape_path(&path)))
         })?;
         let mut server = Self {
             stream: BufReader::new(stream),
