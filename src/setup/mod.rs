@@ -3,6 +3,7 @@
 mod check;
 mod kind;
 mod loaded;
+mod outputs;
 mod reach;
 mod recorded;
 mod simulated;
@@ -246,13 +247,13 @@ impl Setup {
         let document = Document::open(path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;
         setup.check().map_err(|error| error.at_field(&document))?;
-        let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        let folder = document.path().and_then(Path::parent);
+        let folder = folder.unwrap_or(Path::new(""));
         for name in setup.file_names() {
-            let paths = [folder.join(&*name), folder.join(format!("{name}.ron"))];
-            if let Some(path) = paths.iter().find(|path| path.is_file()) {
-                *name = path.display().to_string();
-            }
+            *name = Document::resolve(folder, name)?;
         }
+        setup.output = outputs::with_new_transcripts(&setup.output)
+            .map_err(|error| error.at_field(&document))?;
         Ok(setup)
     }
 

@@ -111,7 +111,11 @@ impl AbandonedKeys {
         folder.map_or_else(Vec::new, |folder| Self::find_in(folder, &display()))
     }
 
+    /// Another user who can write to the folder could have put a file there.
     fn find_in(folder: &Path, display: &str) -> Vec<Self> {
+        if files::check_private_folder(folder).is_err() {
+            return Vec::new();
+        }
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let paths = entries.map(|entry| entry.path()).filter(|path| {
             let name = path.file_name().unwrap_or_default();
@@ -124,7 +128,7 @@ impl AbandonedKeys {
 
     /// Reads a file. `None` if its process runs or it is of another display.
     fn read(path: PathBuf, display: &str) -> io::Result<Option<Self>> {
-        let mut file = files::open_regular(&path).map_err(io::Error::other)?;
+        let mut file = files::open_secret(&path).map_err(io::Error::other)?;
         if file.try_lock().is_err() {
             return Ok(None);
         }

@@ -5,6 +5,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 
+use ademan::files::{self, FileError};
 use ademan::message::escape;
 
 use crate::failure::Failure;
@@ -54,9 +55,12 @@ impl Destination {
             return Ok(false);
         }
         if existed {
-            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error))?;
+            // Of a symbolic link, the link is renamed, and its target stays.
+            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error.into()))?;
         }
-        fs::write(&self.path, text).map_err(|error| self.failure(&error))?;
+        let file = files::create_new(&self.path);
+        let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+        written.map_err(|error| self.failure(&error))?;
         println!("wrote {shown}");
         match existed {
             true => {
@@ -87,7 +91,7 @@ impl Destination {
         escape(&self.path.to_string_lossy()).into_owned()
     }
 
-    fn failure(&self, error: &io::Error) -> Failure {
+    fn failure(&self, error: &FileError) -> Failure {
         Failure::wrong_use(format!(
             "cannot write {}: {error}; name another file with --out",
             self.shown()
