@@ -96,8 +96,7 @@ impl Document {
     /// # Errors
     /// Fails for a name without a folder that stands for nothing, if a file in `folder` was meant.
     pub fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
-        search::resolve(folder, name)
-            .map_err(|message| DocumentError::for_file(name, message))
+        search::resolve(folder, name).map_err(|message| DocumentError::for_file(name, message))
     }
 
     /// Returns the path of the file from which the text was read. `None` for a shipped file or a text.
@@ -112,8 +111,9 @@ impl Document {
 
     /// Returns the shipped file with that name. Ignores files on the disk.
     pub fn shipped(name: &str) -> Result<Self, DocumentError> {
-        shipped::find(name)
-            .ok_or_else(|| DocumentError::for_file(name, search::not_found_message(Path::new(""), name)))
+        shipped::find(name).ok_or_else(|| {
+            DocumentError::for_file(name, search::not_found_message(Path::new(""), name))
+        })
     }
 
     /// Makes a document of a text. `file` names it in errors.

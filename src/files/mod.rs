@@ -76,8 +76,8 @@ pub fn open_regular(path: &Path) -> Result<File, FileError> {
     Ok(file)
 }
 
-/// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Nobody but this user and
-/// root may own it, write it, or replace it by another file in its folder. In a folder with the sticky bit, such as `/tmp`, only
+/// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Only this user and root
+/// may own it, write it, or replace it by another file in its folder. In a folder with the sticky bit, such as `/tmp`, only
 /// the owner of a file replaces it.
 pub fn open_trusted(path: &Path) -> Result<File, FileError> {
     let file = open_regular(path)?;

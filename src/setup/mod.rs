@@ -55,7 +55,7 @@ pub struct Setup {
     pub layout: String,
     /// Further layouts that keys and commands can activate.
     pub profiles: Vec<ProfileSetup>,
-    /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, ….
+    /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
     pub output: String,
     /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. Those of a recording are not used.
     pub share: Vec<ShareTarget>,
@@ -242,7 +242,8 @@ impl Default for ArmSetup {
 }
 
 impl Setup {
-    /// Loads a setup file. Names of files in its folder become paths.
+    /// Loads a setup file. Paths in it become relative to the working folder, and transcripts get a new file in the
+    /// [`transcript_folder`](crate::files::transcript_folder).
     pub fn load(path: &str) -> Result<Self, SetupError> {
         let document = Document::open(path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;

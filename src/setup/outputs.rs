@@ -72,7 +72,19 @@ mod tests {
             assert!(is_plain(name), "{name}");
         }
         for name in [
-            "", ".", "..", ".bashrc", "-rf", "a/b", "../a", "/etc/motd", "a\\b", "a b", "a;b", "$(a)", "a\nb",
+            "",
+            ".",
+            "..",
+            ".bashrc",
+            "-rf",
+            "a/b",
+            "../a",
+            "/etc/motd",
+            "a\\b",
+            "a b",
+            "a;b",
+            "$(a)",
+            "a\nb",
         ] {
             assert!(!is_plain(name), "{name}");
             let outputs = format!("desktop,transcript:{name}");

@@ -61,9 +61,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
 
 /// Creates a file that only its owner can read: it shows what a hand typed.
 fn create(path: &Path) -> Result<File, Failure> {
-    files::create_private(path).map_err(|error| {
-        Failure::wrong_use(format!("cannot create {}: {error}", path.display()))
-    })
+    files::create_private(path)
+        .map_err(|error| Failure::wrong_use(format!("cannot create {}: {error}", path.display())))
 }
 
 fn write(session: &SessionHandle, file: File, rate_hz: f64) -> std::io::Result<u64> {

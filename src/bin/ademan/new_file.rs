@@ -25,9 +25,8 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
 
 /// Creates a file, says of what it is a copy, and the commands that use it. Fails if it exists.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
-    let cannot_write = |error: FileError| {
-        Failure::wrong_use(format!("cannot write {}: {error}", path.display()))
-    };
+    let cannot_write =
+        |error: FileError| Failure::wrong_use(format!("cannot write {}: {error}", path.display()));
     let mut file = files::create_new(path).map_err(cannot_write)?;
     let written = file.write_all(text.as_bytes());
     written.map_err(|error| cannot_write(error.into()))?;

@@ -206,6 +206,37 @@ mod tests {
     }
 
     #[test]
+    fn a_record_that_another_user_may_have_written_is_ignored() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let inside = path.parent().unwrap().to_owned();
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        file.record(key("A"), KeyDirection::Press);
+        let copy = file.file.try_clone().unwrap();
+        std::mem::forget(file);
+        copy.unlock().unwrap();
+        let is_found = || !AbandonedKeys::find_in(&inside, ":7").is_empty();
+        assert!(is_found());
+        let set = |path: &Path, mode| {
+            fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+        };
+        for (path, open, private) in [(&inside, 0o777, 0o700), (&path, 0o666, 0o600)] {
+            set(path, open);
+            assert!(!is_found(), "{path:?}");
+            set(path, private);
+            assert!(is_found(), "{path:?}");
+        }
+        for owned in [&path, &inside] {
+            if std::os::unix::fs::chown(owned, Some(65_534), None).is_err() {
+                println!("SKIPPED: only root can give a file to another user");
+                return;
+            }
+            assert!(!is_found(), "{owned:?}");
+            std::os::unix::fs::chown(owned, Some(0), None).unwrap();
+        }
+    }
+
+    #[test]
     fn only_a_file_system_in_memory_counts_as_one() {
         let program = env::current_exe().unwrap();
         for folder in [Path::new("/dev/shm"), program.parent().unwrap()] {

@@ -62,9 +62,8 @@ impl fmt::Display for MissedLine {
 /// Returns a name without control characters, in quotes if a character has a meaning to a shell: a layout of another person
 /// chooses the name, and a transcript may get to where a shell reads it.
 fn quoted(name: &str) -> String {
-    let is_plain = |character: char| {
-        !character.is_ascii_punctuation() || "-_.,:+/@%".contains(character)
-    };
+    let is_plain =
+        |character: char| !character.is_ascii_punctuation() || "-_.,:+/@%".contains(character);
     let name = escape(name);
     match name.chars().all(is_plain) {
         true => name.into_owned(),
@@ -75,4 +74,41 @@ fn quoted(name: &str) -> String {
 /// Writes the first column of a line.
 fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
     write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::TargetId;
+
+    fn line(kind: EventKind, names: &TargetNames) -> String {
+        let event = OutputEvent {
+            time: Timestamp(0),
+            kind,
+        };
+        EventLine(&event, names).to_string().trim_start().to_owned()
+    }
+
+    #[test]
+    fn names_and_characters_mean_nothing_to_a_shell() {
+        let select = |name: &str| {
+            let names = TargetNames::new([name.to_owned()]);
+            line(EventKind::Select(TargetId(0)), &names)
+        };
+        for plain in ["Q", "Volume up", "½", "a-b_c.d,e:f+g/h@i%"] {
+            assert_eq!(select(plain), format!("0.000 select {plain}"));
+        }
+        for (name, quoted) in [
+            (";touch a;", "';touch a;'"),
+            ("$(a)", "'$(a)'"),
+            ("a'b", r"'a'\''b'"),
+            ("';a;'", r"''\'';a;'\'''"),
+            ("a\nb", r"'a\nb'"),
+        ] {
+            assert_eq!(select(name), format!("0.000 select {quoted}"));
+        }
+        let write = |character| line(EventKind::Character(character), &TargetNames::default());
+        assert_eq!(write('$'), "0.000 write '$'");
+        assert_eq!(write('\''), r"0.000 write '\u{27}'");
+    }
 }

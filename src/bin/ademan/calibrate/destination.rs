@@ -5,6 +5,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 
+use ademan::document::Document;
 use ademan::files::{self, FileError};
 use ademan::message::escape;
 
@@ -18,17 +19,16 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// Chooses the file: `out`, or else the file `glove` itself, or a file in the present folder for a glove that comes with the
-    /// program.
+    /// Chooses the file: `out`, or else the file from which `glove` was read, or a new one in the working folder for a glove that
+    /// comes with the program or in a recording.
     ///
     /// # Errors
     /// Fails if the file exists and the question whether to replace it cannot be asked.
-    pub fn new(out: Option<PathBuf>, glove: &str, is_forced: bool) -> Result<Self, Failure> {
-        let own = Path::new(glove);
-        let path = match out {
-            Some(path) => new_file::with_extension(&path, "ron"),
-            None if own.is_file() => own.to_owned(),
-            None => PathBuf::from(format!("my-{}.ron", glove_name(own))),
+    pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
+        let path = match (out, glove.path()) {
+            (Some(path), _) => new_file::with_extension(&path, "ron"),
+            (None, Some(own)) => own.to_owned(),
+            (None, None) => PathBuf::from(format!("my-{}.ron", glove_name(&glove.file))),
         };
         let destination = Self { path, is_forced };
         if destination.path.exists() && !is_forced && !io::stdin().is_terminal() {
@@ -99,8 +99,8 @@ impl Destination {
     }
 }
 
-fn glove_name(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default();
+fn glove_name(file: &str) -> String {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
@@ -111,4 +111,25 @@ fn ask(question: &str) -> Result<bool, Failure> {
     let mut answer = String::new();
     io::stdin().lock().read_line(&mut answer)?;
     Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_glove_that_was_read_from_a_file_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("victim.ron");
+        fs::write(&path, "Glove()").unwrap();
+        let file = path.to_str().unwrap();
+        let destination = |glove: &Document| Destination::new(None, glove, true).unwrap().path;
+        assert_eq!(destination(&Document::from_path(file).unwrap()), path);
+        // As a recording names it.
+        let recorded = Document::new(file, "Glove()");
+        assert_eq!(destination(&recorded), Path::new("my-victim.ron"));
+        // In the folder of the sources there is a file with the path of the shipped one.
+        let shipped = Document::shipped("unam-hc11").unwrap();
+        assert_eq!(destination(&shipped), Path::new("my-unam-hc11.ron"));
+    }
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
-use ademan::output;
 
 use super::{Args, mesa, source};
 use crate::failure::Failure;
