@@ -45,11 +45,7 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
             })
         }
         (None, Some(document)) => {
-            if let Some((_, file)) = file_in(folder, name) {
-                tracing::info!(
-                    "`{name}` is the one that comes with the program; to use the file in this folder, write ./{file}"
-                );
-            }
+            report_unused(folder, name);
             Some(Found::Shipped(document))
         }
         (None, None) => None,
@@ -60,9 +56,12 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
 /// was meant.
 pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, String> {
     if !is_path(name) {
-        let is_known = in_config_folder(name).is_some() || shipped::find(name).is_some();
-        return match file_in(folder, name) {
-            Some(_) if !is_known => Err(not_found_message(folder, name)),
+        return match (in_config_folder(name), shipped::find(name)) {
+            (None, None) if file_in(folder, name).is_some() => Err(not_found_message(folder, name)),
+            (None, Some(_)) if !folder.as_os_str().is_empty() => {
+                report_unused(folder, name);
+                Ok(name.to_owned())
+            }
             _ => Ok(name.to_owned()),
         };
     }
@@ -72,6 +71,16 @@ pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, String> {
         Some(Found::Shipped(_)) => name.strip_suffix(EXTENSION).unwrap_or(name).to_owned(),
         None => folder.join(name).display().to_string(),
     })
+}
+
+/// Reports a file in `folder` that has the name of a shipped one, and may be meant.
+fn report_unused(folder: &Path, name: &str) {
+    if let Some((path, file)) = file_in(folder, name) {
+        let path = path.display();
+        tracing::info!(
+            "`{name}` is the one that comes with the program; to use {path}, write ./{file}"
+        );
+    }
 }
 
 /// Returns `true` for a name that means a file in a folder: it has a folder, or `.ron`.

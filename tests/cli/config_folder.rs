@@ -75,7 +75,8 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
     assert_eq!(home.run("layout check media").done().err, "");
     home.write("work/media.ron", layout("mine", "A"));
     let ended = home.run("layout check media").done();
-    let expected = "`media` is the one that comes with the program; to use the file in this folder, write ./media.ron";
+    let expected =
+        "`media` is the one that comes with the program; to use media.ron, write ./media.ron";
     assert!(ended.err.contains(expected), "{}", ended.err);
     assert_eq!(home.run("layout check media.ron").done().err, "");
     let own = "config/ademan/layouts/media.ron";
