@@ -4,10 +4,12 @@ use std::fs::{self, Permissions};
 use std::os::unix::fs::{PermissionsExt, chown, symlink};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
+use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::support::run::{Run, TIMEOUT, shipped};
+use crate::support::run::{MOVE_TIME, Run, TIMEOUT, shipped};
 use crate::{Ended, ademan, text};
 
 const NOBODY: u32 = 65_534;
@@ -433,6 +435,20 @@ fn a_file_of_root_is_trusted_by_a_user() {
     Ended::from(ended).done();
 }
 
+/// Presses the key H. The finger must be seen over it first, which no message says.
+fn press(run: &Run) {
+    for _ in 0..60 {
+        run.press();
+        if let Ok(event) = run.events.recv_timeout(Duration::from_secs(1)) {
+            assert!(event.ends_with("down H"), "{event}");
+            return;
+        }
+        run.lift();
+        thread::sleep(MOVE_TIME);
+    }
+    panic!("the key is never pressed");
+}
+
 #[test]
 fn a_layout_that_another_user_edits_is_not_activated() {
     for quiet in [&[][..], &["-q"]] {
@@ -440,8 +456,7 @@ fn a_layout_that_another_user_edits_is_not_activated() {
             "role: Both, stall_timeout_ms: 10000, arm_immediately: true",
             quiet,
         );
-        run.press();
-        assert_eq!(run.next_event(), "down H");
+        press(&run);
         let edited = run.folder.path().join("edited");
         fs::write(&edited, shipped("dvorak-flat")).expect("space");
         if !give_away(&edited, Some(NOBODY), None) {
@@ -454,8 +469,8 @@ fn a_layout_that_another_user_edits_is_not_activated() {
         // A later edit of the same file, and a file that everybody may write.
         fs::write(run.path(), shipped("qwerty-arc")).expect("root may write");
         run.wait_for_message("my.ron: this file belongs to another user, use one of your own");
-        give_away(&run.path(), Some(0), Some(0));
         set_mode(&run.path(), 0o666);
+        give_away(&run.path(), Some(0), Some(0));
         fs::write(run.path(), shipped("dvorak-flat")).expect("space");
         run.wait_for_message(
             "my.ron: other users may write this file; `chmod go-w` makes it yours alone",
