@@ -111,7 +111,7 @@ impl AbandonedKeys {
         folder.map_or_else(Vec::new, |folder| Self::find_in(folder, &display()))
     }
 
-    /// Another user who can write to the folder could have put a file there.
+    /// Returns the abandoned keys of a display, and none if another user could have put a file into the folder.
     fn find_in(folder: &Path, display: &str) -> Vec<Self> {
         if files::check_private_folder(folder).is_err() {
             return Vec::new();
