@@ -19,7 +19,7 @@ pub(super) fn all_errors(
     format: &Format,
     first: SpannedError,
 ) -> DocumentError {
-    let Document { file, text } = document;
+    let Document { file, text, .. } = document;
     let mut errors = DocumentError::none(file);
     let mut rest = Some((text.clone(), first));
     for _ in 0..MAX_READ {

@@ -31,7 +31,7 @@ pub(crate) use tree::{Item, Node, quote, quoted_content, read_tree};
 
 use std::fs;
 use std::io::{self, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use ron::extensions::Extensions;
 use serde::Deserialize;
@@ -52,18 +52,23 @@ pub struct Document {
     pub file: String,
     /// The text, without a byte order mark.
     pub text: String,
+    /// The file from which the text was read.
+    path: Option<PathBuf>,
 }
 
 impl Document {
-    /// Reads the file with this name. The first of these that exists is read:
+    /// Reads the file with this name.
     ///
-    /// 1. the file at the path `name`,
-    /// 2. the file at this path with `.ron`, such as `mine.ron` in the working folder for `mine`,
-    /// 3. for a name without a folder, `NAME.ron` in `layouts`, `gloves` or `arms` of the
+    /// A name with a folder or with `.ron` is a path: `./mine` and `mine.ron` are the file `mine.ron` in the working folder. Any other
+    /// name never means the working folder, to which other users may write. The first of these that exists is read:
+    ///
+    /// 1. for `keyboards/arrows`, the shipped file with its folder; for a path, the file there, also with `.ron`,
+    /// 2. for a name without a folder, `NAME.ron` in `layouts`, `gloves` or `arms` of the
     ///    [configuration folder](files::config_folder),
-    /// 4. the shipped file. Its folder and `.ron` are optional: `arrows`, `keyboards/arrows.ron`.
+    /// 3. the shipped file: `arrows`, `keyboards/arrows.ron`.
     ///
-    /// A file that hides a shipped one is logged. A file larger than [`MAX_BYTES`] is rejected without being read to its end.
+    /// A file that hides a shipped one is logged. A file that [other users may change](files::open_trusted) is rejected, and so is
+    /// one larger than [`MAX_BYTES`], without being read to its end.
     pub fn open(name: &str) -> Result<Self, DocumentError> {
         Self::open_relative_to(Path::new(""), name)
     }
@@ -75,26 +80,40 @@ impl Document {
             Some(Found::Shipped(document)) => Ok(document),
             None => {
                 let path = folder.join(name);
-                match fs::metadata(&path) {
-                    Err(error) if is_not_found(&error) => {
-                        let message = search::not_found_message(name);
-                        Err(DocumentError::for_file(name, message))
-                    }
-                    _ => Self::read(&path, name),
+                let is_absent = fs::metadata(&path).is_err_and(|error| is_not_found(&error));
+                if search::is_path(name) && !is_absent {
+                    return Self::read(&path, name);
                 }
+                let message = search::not_found_message(folder, name);
+                Err(DocumentError::for_file(name, message))
             }
         }
     }
 
-    /// Reads the regular file at `path`. Does not fall back to a shipped file.
+    /// Returns the name under which [`open`](Self::open) finds what a file in `folder` means by `name`. A relative path starts in
+    /// `folder`, as with [`open_relative_to`](Self::open_relative_to).
+    ///
+    /// # Errors
+    /// Fails for a name without a folder that stands for nothing, if a file in `folder` was meant.
+    pub fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
+        search::resolve(folder, name).map_err(|message| DocumentError::for_file(name, message))
+    }
+
+    /// Returns the path of the file from which the text was read. `None` for a shipped file or a text.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Reads the regular file at `path`, if no other user may change it. Does not fall back to a shipped file.
     pub fn from_path(path: &str) -> Result<Self, DocumentError> {
         Self::read(Path::new(path), path)
     }
 
     /// Returns the shipped file with that name. Ignores files on the disk.
     pub fn shipped(name: &str) -> Result<Self, DocumentError> {
-        shipped::find(name)
-            .ok_or_else(|| DocumentError::for_file(name, search::not_found_message(name)))
+        shipped::find(name).ok_or_else(|| {
+            DocumentError::for_file(name, search::not_found_message(Path::new(""), name))
+        })
     }
 
     /// Makes a document of a text. `file` names it in errors.
@@ -106,13 +125,14 @@ impl Document {
         Self {
             file: file.into(),
             text,
+            path: None,
         }
     }
 
     fn read(path: &Path, name: &str) -> Result<Self, DocumentError> {
         let file_error = |message: String| DocumentError::for_file(name, message);
         let mut bytes = Vec::new();
-        let file = files::open_regular(path).map_err(|error| file_error(reason(error)))?;
+        let file = files::open_trusted(path).map_err(|error| file_error(reason(error)))?;
         file.take(MAX_BYTES + 1)
             .read_to_end(&mut bytes)
             .map_err(|error| file_error(reason(error.into())))?;
@@ -120,7 +140,10 @@ impl Document {
             return Err(file_error("the file is larger than 1 MiB".into()));
         }
         match String::from_utf8(bytes) {
-            Ok(text) => Ok(Self::new(name, text)),
+            Ok(text) => Ok(Self {
+                path: Some(path.to_owned()),
+                ..Self::new(name, text)
+            }),
             Err(error) => {
                 let offset = error.utf8_error().valid_up_to();
                 let text = String::from_utf8_lossy(error.as_bytes());

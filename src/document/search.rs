@@ -1,11 +1,11 @@
-//! The files that a name stands for: a path, a file in the working folder, one in the configuration folder, a shipped one.
+//! The files that a name stands for: a path, a file in the configuration folder, a shipped one.
 
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf, is_separator};
 
 use super::{Document, shipped};
 use crate::files;
-use crate::message::escape;
+use crate::message::{escape, escape_path};
 use crate::names;
 
 /// The folders of layouts, gloves and arms in the configuration folder.
@@ -22,27 +22,24 @@ pub(super) enum Found {
     Shipped(Document),
 }
 
-/// Returns what a name stands for, in this order: the file at that path in `folder`, with or without `.ron`; a file in the configuration
-/// folder; a shipped file. A file that hides a shipped one is reported.
+/// Returns what a name stands for, in this order: a shipped file with its folder; for a [path](is_path), the file there in `folder`, with
+/// or without `.ron`; a file in the configuration folder; a shipped file. A file that hides a shipped one is reported.
 pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
     let shipped = shipped::find(name);
-    let with_extension = format!("{name}{EXTENSION}");
-    let own = [name, &with_extension]
-        .into_iter()
-        .find_map(|name| {
-            let path = folder.join(name);
-            is_no_directory(&path).then(|| (path, name.to_owned()))
-        })
-        .or_else(|| {
-            let path = in_config_folder(name)?;
-            let name = path.to_string_lossy().into_owned();
-            Some((path, name))
-        });
-    match (own, shipped) {
-        (Some((path, own_name)), shipped) => {
-            if shipped.is_some() && is_bare(name) && !name.ends_with(EXTENSION) {
+    if !is_bare(name) && !name.ends_with(EXTENSION) && shipped.is_some() {
+        return shipped.map(Found::Shipped);
+    }
+    if let Some((path, name)) = file_in(folder, name).filter(|_| is_path(name)) {
+        return Some(Found::File { path, name });
+    }
+    match (in_config_folder(name), shipped) {
+        (Some(path), shipped) => {
+            let own_name = path.to_string_lossy().into_owned();
+            if shipped.is_some() {
                 tracing::info!(
-                    "using {own_name}, which hides the `{name}` that comes with the program"
+                    "using {}, which hides the `{}` that comes with the program",
+                    escape(&own_name),
+                    escape(name)
                 );
             }
             Some(Found::File {
@@ -50,9 +47,57 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
                 name: own_name,
             })
         }
-        (None, Some(document)) => Some(Found::Shipped(document)),
+        (None, Some(document)) => {
+            report_unused(folder, name);
+            Some(Found::Shipped(document))
+        }
         (None, None) => None,
     }
+}
+
+/// Returns the name under which [`find`] without a folder finds what it finds in `folder`, or the message about a file in `folder` that
+/// was meant.
+pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, String> {
+    if !is_path(name) {
+        return match (in_config_folder(name), shipped::find(name)) {
+            (None, None) if file_in(folder, name).is_some() => Err(not_found_message(folder, name)),
+            (None, Some(_)) if !folder.as_os_str().is_empty() => {
+                report_unused(folder, name);
+                Ok(name.to_owned())
+            }
+            _ => Ok(name.to_owned()),
+        };
+    }
+    Ok(match find(folder, name) {
+        Some(Found::File { path, .. }) => path.to_string_lossy().into_owned(),
+        // As a path it would mean the working folder.
+        Some(Found::Shipped(_)) => name.strip_suffix(EXTENSION).unwrap_or(name).to_owned(),
+        None => folder.join(name).to_string_lossy().into_owned(),
+    })
+}
+
+/// Reports a file in `folder` that has the name of a shipped one, and may be meant.
+fn report_unused(folder: &Path, name: &str) {
+    if let Some((path, file)) = file_in(folder, name) {
+        tracing::info!(
+            "`{}` is the one that comes with the program; to use {}, write ./{}",
+            escape(name),
+            escape_path(&path),
+            escape(&file)
+        );
+    }
+}
+
+/// Returns `true` for a name that means a file in a folder: it has a folder, or `.ron`.
+pub(super) fn is_path(name: &str) -> bool {
+    !is_bare(name) || name.ends_with(EXTENSION)
+}
+
+/// Returns the file with a name in a folder, with or without `.ron`, and its name.
+fn file_in(folder: &Path, name: &str) -> Option<(PathBuf, String)> {
+    let names = [name.to_owned(), format!("{name}{EXTENSION}")];
+    let mut files = names.into_iter().map(|name| (folder.join(&name), name));
+    files.find(|(path, _)| is_no_directory(path))
 }
 
 /// Returns the names of the layouts in the configuration folder.
@@ -65,8 +110,15 @@ pub fn own_gloves() -> Vec<String> {
     own_names("gloves")
 }
 
-/// Returns the message for a name that stands for nothing.
-pub(super) fn not_found_message(name: &str) -> String {
+/// Returns the message for a name that stands for nothing. In `folder`, there may be a file with that name.
+pub(super) fn not_found_message(folder: &Path, name: &str) -> String {
+    if let Some((_, file)) = file_in(folder, name).filter(|_| !is_path(name)) {
+        return format!(
+            "a name without a folder stands for a file in the configuration folder or for one that comes with the program; to use the \
+             file in this folder, write ./{}",
+            escape(&file)
+        );
+    }
     let own = FOLDERS.iter().flat_map(|folder| own_names(folder));
     let candidates: Vec<String> = shipped::names().map(str::to_owned).chain(own).collect();
     let stem = shipped::file_name(name.strip_suffix(EXTENSION).unwrap_or(name));
@@ -106,11 +158,7 @@ fn in_config_folder(name: &str) -> Option<PathBuf> {
 
 /// Returns `true` for a name without a folder.
 fn is_bare(name: &str) -> bool {
-    let mut components = Path::new(name).components();
-    matches!(
-        (components.next(), components.next()),
-        (Some(Component::Normal(_)), None)
-    )
+    !name.contains(is_separator)
 }
 
 /// Returns `true` if there is a file or device at a path, of whatever kind.

@@ -1,5 +1,5 @@
-//! Access to the files of a person: only regular files are read, and what a person types is written only to files that no
-//! one else can read.
+//! Access to the files of a person: only regular files are read, what a person types is written only to files that no
+//! one else can read, and files that decide what is typed are read only if no one else can write them.
 //!
 //! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
 //! refused before it is opened, and checked again on the open file.
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 mod config;
 mod replace;
 
-pub use config::{config_folder, in_config_folder, state_folder};
+pub use config::{config_folder, in_config_folder, state_folder, transcript_folder};
 pub use replace::{replace_private_text, replace_text};
 
 #[cfg(unix)]
@@ -37,12 +37,23 @@ pub enum FileError {
     /// The path is a symbolic link.
     #[error("this is a symbolic link, name the file itself")]
     IsLink,
-    /// The file belongs to another user, who could read what is written.
+    /// A new file is to be created, and there is something at its path.
+    #[error("the file exists; choose another name or remove it")]
+    Exists,
+    /// The file belongs to another user, who could read what is written or change what is read.
     #[error("this file belongs to another user, use one of your own")]
     OtherOwner,
     /// The file has several names, so that it may lie where another user put it.
     #[error("this file has {0} names (hard links), use one that has a single name")]
     HardLinks(u64),
+    /// Other users may change what is read.
+    #[error("other users may write this file; `chmod go-w` makes it yours alone")]
+    OthersMayWrite,
+    /// Other users may replace the file by another one.
+    #[error(
+        "other users may replace this file, as they may write to its folder; `chmod go-w` makes the folder yours alone, or copy the file to such a folder"
+    )]
+    OthersMayReplace,
     /// Other users may access the folder.
     #[error(
         "other users may access {}; restrict it to yourself: chmod 700 {}",
@@ -70,6 +81,19 @@ pub fn open_regular(path: &Path) -> Result<File, FileError> {
     Ok(file)
 }
 
+/// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Only this user and root
+/// may own it, write it, or replace it by another file in its folder. In a folder with the sticky bit, such as `/tmp`, only
+/// the owner of a file replaces it.
+pub fn open_trusted(path: &Path) -> Result<File, FileError> {
+    let file = open_regular(path)?;
+    system::check_writers(&file.metadata()?)?;
+    // A link in one folder may lead to a file in another one.
+    for folder in [folder_of(path), folder_of(&fs::canonicalize(path)?)] {
+        system::check_folder_writers(&fs::metadata(folder)?)?;
+    }
+    Ok(file)
+}
+
 /// Opens a file with a secret for reading: a regular file of this user that no one else can access.
 pub fn open_secret(path: &Path) -> Result<File, FileError> {
     let file = open_regular(path)?;
@@ -81,9 +105,39 @@ pub fn open_secret(path: &Path) -> Result<File, FileError> {
     }
 }
 
-/// Creates a file that only its owner can access. Fails if anything exists at the path.
+/// Creates a file that only its owner can access. Fails if anything exists at the path, also a link that leads nowhere.
 pub fn create_private(path: &Path) -> Result<File, FileError> {
-    Ok(system::create_private(path)?)
+    created(path, system::create_private(path))
+}
+
+/// Creates a file with the usual permissions. Fails as [`create_private`] does.
+pub fn create_new(path: &Path) -> Result<File, FileError> {
+    created(path, File::create_new(path))
+}
+
+/// Creates a file as [`create_new`] does, in place of an existing regular file, which is removed: nothing is written through a
+/// symbolic link, or to another name of the file.
+pub fn replace(path: &Path) -> Result<File, FileError> {
+    match create_new(path) {
+        Err(FileError::Exists) => {
+            fs::remove_file(path)?;
+            create_new(path)
+        }
+        created => created,
+    }
+}
+
+/// Returns the file, or the reason why a new one cannot be created: what there is at its path.
+fn created(path: &Path, created: io::Result<File>) -> Result<File, FileError> {
+    match created {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            let metadata = fs::symlink_metadata(path)?;
+            check_no_link(&metadata)?;
+            check_regular(metadata.file_type())?;
+            Err(FileError::Exists)
+        }
+        created => Ok(created?),
+    }
 }
 
 /// Opens a file that only its owner can access for writing, or creates it. The content of an existing file stays.
@@ -120,10 +174,14 @@ pub fn append_private(path: &Path) -> Result<File, FileError> {
 /// Returns the bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does not
 /// tell.
 pub fn free_bytes(path: &Path) -> Option<u64> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    system::free_bytes(folder.unwrap_or(Path::new(".")))
+    system::free_bytes(folder_of(path))
+}
+
+/// Returns the folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent();
+    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
 }
 
 /// Creates a folder that only its owner can access. An existing one must be such a folder.
@@ -132,6 +190,11 @@ pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error.into()),
         _ => {}
     }
+    check_private_folder(path)
+}
+
+/// Checks that a path is a folder that only this user can access.
+pub fn check_private_folder(path: &Path) -> Result<(), FileError> {
     match system::is_private_folder(&fs::symlink_metadata(path)?) {
         true => Ok(()),
         false => Err(FileError::OpenFolder(path.into())),
@@ -151,12 +214,17 @@ pub fn own_target(path: &Path) -> Result<PathBuf, FileError> {
 }
 
 fn check_own(metadata: &Metadata) -> Result<(), FileError> {
-    if metadata.is_symlink() {
-        return Err(FileError::IsLink);
-    }
+    check_no_link(metadata)?;
     check_regular(metadata.file_type())?;
     system::check_owner(metadata)?;
     system::check_names(metadata)
+}
+
+fn check_no_link(metadata: &Metadata) -> Result<(), FileError> {
+    match metadata.is_symlink() {
+        true => Err(FileError::IsLink),
+        false => Ok(()),
+    }
 }
 
 fn check_regular(kind: FileType) -> Result<(), FileError> {

@@ -121,3 +121,59 @@ fn links_and_files_of_other_users_are_not_written() {
         (0o644, b"old".to_vec())
     );
 }
+
+#[test]
+fn a_file_is_trusted_if_no_other_user_can_write_or_replace_it() {
+    let folder = Folder::new();
+    let path = folder.file("layout", 0o644);
+    let set = |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    for (mode, is_trusted) in [(0o644, true), (0o600, true), (0o646, false), (0o666, false)] {
+        set(&path, mode);
+        assert_eq!(open_trusted(&path).is_ok(), is_trusted, "{mode:o}");
+    }
+    set(&path, 0o644);
+    for (mode, is_trusted) in [
+        (0o755, true),
+        (0o777, false),
+        (0o707, false),
+        (0o1777, true),
+    ] {
+        set(folder.0.path(), mode);
+        assert_eq!(open_trusted(&path).is_ok(), is_trusted, "{mode:o}");
+    }
+    let inner = folder.at("shared");
+    fs::create_dir(&inner).unwrap();
+    fs::rename(&path, inner.join("layout")).unwrap();
+    symlink("shared/layout", &path).unwrap();
+    set(&inner, 0o777);
+    assert!(matches!(
+        open_trusted(&path),
+        Err(FileError::OthersMayReplace)
+    ));
+}
+
+#[test]
+fn a_new_file_replaces_none_and_is_not_created_through_a_link() {
+    let folder = Folder::new();
+    let file = folder.file("file", 0o644);
+    symlink(folder.at("absent"), folder.at("dangling")).unwrap();
+    symlink(&file, folder.at("link")).unwrap();
+    fs::hard_link(&file, folder.at("name")).unwrap();
+    for create in [create_private, create_new] {
+        assert!(matches!(create(&file), Err(FileError::Exists)));
+        assert!(matches!(
+            create(folder.0.path()),
+            Err(FileError::IsDirectory)
+        ));
+        for link in ["dangling", "link"] {
+            assert!(matches!(create(&folder.at(link)), Err(FileError::IsLink)));
+        }
+    }
+    for link in ["dangling", "link"] {
+        assert!(matches!(replace(&folder.at(link)), Err(FileError::IsLink)));
+    }
+    assert!(!folder.at("absent").exists());
+    replace(&folder.at("name")).unwrap();
+    assert_eq!(fs::read(&file).unwrap(), b"old");
+    assert_eq!(fs::read(folder.at("name")).unwrap(), b"");
+}

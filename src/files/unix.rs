@@ -6,11 +6,16 @@ use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt,
 use std::path::Path;
 
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
-use rustix::process::geteuid;
+use rustix::process::{getegid, geteuid};
 
 use super::FileError;
 
 const OWNER_ONLY: u32 = 0o600;
+
+/// Permissions to write of the group and of all others, and the sticky bit.
+const GROUP_WRITES: u32 = 0o020;
+const OTHERS_WRITE: u32 = 0o002;
+const STICKY: u32 = 0o1000;
 
 /// Opens a file for reading. A pipe that took its place does not block, and a terminal does not become the controlling
 /// one.
@@ -60,6 +65,34 @@ pub fn check_owner(metadata: &Metadata) -> Result<(), FileError> {
         true => Ok(()),
         false => Err(FileError::OtherOwner),
     }
+}
+
+/// Checks that only the user of this process and root decide on the content of a file.
+pub fn check_writers(metadata: &Metadata) -> Result<(), FileError> {
+    if metadata.uid() != 0 {
+        check_owner(metadata)?;
+    }
+    match is_writable_by_others(metadata) {
+        true => Err(FileError::OthersMayWrite),
+        false => Ok(()),
+    }
+}
+
+/// Checks that only the user of this process and root can replace their files in a folder.
+pub fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
+    match is_writable_by_others(metadata) && metadata.mode() & STICKY == 0 {
+        true => Err(FileError::OthersMayReplace),
+        false => Ok(()),
+    }
+}
+
+/// Returns whether others than the owner may write. The group with the number of the user is the user's own: many systems
+/// create one for each user, and make new files writable by it.
+fn is_writable_by_others(metadata: &Metadata) -> bool {
+    let (user, group) = (geteuid().as_raw(), getegid().as_raw());
+    let is_own_group = user == group && metadata.gid() == group;
+    let mode = metadata.mode();
+    mode & OTHERS_WRITE != 0 || mode & GROUP_WRITES != 0 && !is_own_group
 }
 
 /// Checks that a file has one name.

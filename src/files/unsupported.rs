@@ -34,6 +34,14 @@ pub fn check_owner(_: &Metadata) -> Result<(), FileError> {
     Ok(())
 }
 
+pub fn check_writers(_: &Metadata) -> Result<(), FileError> {
+    Ok(())
+}
+
+pub fn check_folder_writers(_: &Metadata) -> Result<(), FileError> {
+    Ok(())
+}
+
 pub fn check_names(_: &Metadata) -> Result<(), FileError> {
     Ok(())
 }

@@ -145,7 +145,7 @@ const FORMAT: Format = Format {
 };
 
 impl Layout {
-    /// Loads for the design hand the file at a path, or the shipped layout with that name: `qwerty-flat`, `keyboards/qwerty-flat`; `.ron` is optional.
+    /// Loads for the design hand the layout with a name, such as `qwerty-flat`, or at a path, such as `./mine.ron`; see [`Document::open`].
     pub fn load(name_or_path: &str) -> Result<Self, DocumentError> {
         Self::from_document(Document::open(name_or_path)?)
     }

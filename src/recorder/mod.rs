@@ -49,15 +49,9 @@ pub enum RecordError {
 
 /// Returns the error of a file of a recording that cannot be created.
 pub fn cannot_create(path: &Path, error: FileError) -> RecordError {
-    let reason = match error {
-        FileError::Io(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            "the file exists; choose another name or remove it".to_owned()
-        }
-        error => error.to_string(),
-    };
     RecordError::Create {
         path: path.to_owned(),
-        reason,
+        reason: error.to_string(),
     }
 }
 

@@ -1,6 +1,5 @@
 //! A setup with all files that it names.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError, kind};
@@ -211,7 +210,9 @@ impl LoadedSetup {
 
     /// Returns the path of the file of a layout, or `None` if it comes with the program or a recording.
     pub fn layout_path<'a>(&self, layout: &'a Layout) -> Option<&'a str> {
-        let is_file = self.has_files && Path::new(&layout.file).is_file();
+        let mut documents = self.documents.iter();
+        let (_, document) = documents.find(|(_, document)| document.file == layout.file)?;
+        let is_file = self.has_files && document.path().is_some();
         is_file.then_some(layout.file.as_str())
     }
 
@@ -255,12 +256,9 @@ impl LoadedSetup {
 
     /// Returns the path of the glove file of the first hand, or `None` if it comes with the program or a recording.
     pub fn glove_path(&self) -> Option<&str> {
-        let file = self.glove_document()?.file.as_str();
-        let name = self.setup.glove_name()?;
-        // In the folder of the sources there is a file at the path of the shipped one.
-        let is_shipped = Document::shipped(name).is_ok_and(|shipped| shipped.file == file);
-        let is_own = name == file || !is_shipped;
-        (is_own && self.has_files && Path::new(file).is_file()).then_some(file)
+        let document = self.glove_document()?;
+        let is_file = self.has_files && document.path().is_some();
+        is_file.then_some(document.file.as_str())
     }
 
     /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
@@ -379,6 +377,8 @@ pub fn layout_instance(layout: &Layout) -> LayoutInstance {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]

@@ -3,6 +3,7 @@
 mod check;
 mod kind;
 mod loaded;
+mod outputs;
 mod reach;
 mod recorded;
 mod simulated;
@@ -55,7 +56,7 @@ pub struct Setup {
     pub layout: String,
     /// Further layouts that keys and commands can activate.
     pub profiles: Vec<ProfileSetup>,
-    /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, ….
+    /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
     pub output: String,
     /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. Those of a recording are not used.
     pub share: Vec<ShareTarget>,
@@ -242,18 +243,19 @@ impl Default for ArmSetup {
 }
 
 impl Setup {
-    /// Loads a setup file. Names of files in its folder become paths.
+    /// Loads a setup file. Paths in it become relative to the working folder, and transcripts get a new file in the
+    /// [`transcript_folder`](crate::files::transcript_folder).
     pub fn load(path: &str) -> Result<Self, SetupError> {
         let document = Document::open(path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;
         setup.check().map_err(|error| error.at_field(&document))?;
-        let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        let folder = document.path().and_then(Path::parent);
+        let folder = folder.unwrap_or(Path::new(""));
         for name in setup.file_names() {
-            let paths = [folder.join(&*name), folder.join(format!("{name}.ron"))];
-            if let Some(path) = paths.iter().find(|path| path.is_file()) {
-                *name = path.to_string_lossy().into_owned();
-            }
+            *name = Document::resolve(folder, name)?;
         }
+        setup.output = outputs::with_new_transcripts(&setup.output)
+            .map_err(|error| error.at_field(&document))?;
         Ok(setup)
     }
 

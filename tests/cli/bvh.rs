@@ -38,7 +38,7 @@ fn an_existing_file_is_not_overwritten() {
     let path = file(&folder, "hand.bvh", "mine");
     let ended = run(["export", &path, "--source", "typist:hi"]);
     assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("it exists"), "{}", ended.err);
+    assert!(ended.err.contains("the file exists"), "{}", ended.err);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
 }
 

@@ -1,4 +1,4 @@
-//! Files by name: path, working folder, configuration folder, shipped; and the setup that is found by itself.
+//! Files by name: path, configuration folder, shipped; and the setup that is found by itself.
 
 use std::fs;
 use std::path::Path;
@@ -47,7 +47,7 @@ fn layout(name: &str, key: &str) -> String {
 }
 
 #[test]
-fn a_path_precedes_the_working_folder_the_configuration_folder_and_a_shipped_layout() {
+fn a_path_precedes_the_configuration_folder_and_this_one_a_shipped_layout() {
     let home = Home::new();
     let is_drawn = |line: &str, label: &str| {
         let out = home.run(&format!("layout show {line}")).done().out;
@@ -60,9 +60,10 @@ fn a_path_precedes_the_working_folder_the_configuration_folder_and_a_shipped_lay
     );
     is_drawn("media", " A ");
     home.write("work/media.ron", layout("working folder", "B"));
-    is_drawn("media", " B ");
     home.write("work/media", layout("path", "C"));
-    is_drawn("media", " C ");
+    is_drawn("media", " A ");
+    is_drawn("media.ron", " B ");
+    is_drawn("./media", " C ");
     is_drawn("./media.ron", " B ");
     // The name with its folder is that of the shipped file.
     is_drawn("panels/media", "Seek");
@@ -74,17 +75,27 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
     assert_eq!(home.run("layout check media").done().err, "");
     home.write("work/media.ron", layout("mine", "A"));
     let ended = home.run("layout check media").done();
-    let expected = "using media.ron, which hides the `media` that comes with the program";
+    let expected =
+        "`media` is the one that comes with the program; to use media.ron, write ./media.ron";
     assert!(ended.err.contains(expected), "{}", ended.err);
+    assert_eq!(home.run("layout check media.ron").done().err, "");
+    let own = "config/ademan/layouts/media.ron";
+    home.write(own, layout("mine", "A"));
+    let ended = home.run("layout check media").done();
+    let expected = format!(
+        "using {}, which hides the `media` that comes with the program",
+        home.config("layouts/media.ron")
+    );
+    assert!(ended.err.contains(&expected), "{}", ended.err);
     home.write("work/other.ron", layout("other", "A"));
-    assert_eq!(home.run("layout check other").done().err, "");
+    assert_eq!(home.run("layout check other.ron").done().err, "");
 }
 
 #[test]
 fn a_new_layout_is_found_by_its_name_and_one_that_is_missing_suggests_it() {
     let home = Home::new();
     home.run("layout new mine --from numpad").done();
-    home.run("run --source typist:1 --layout mine").done();
+    home.run("run --source typist:1 --layout mine.ron").done();
     fs::rename(
         home.0.path().join("work/mine.ron"),
         home.config("layouts/mine.ron"),
@@ -128,7 +139,7 @@ fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_name
         "work/other.ron",
         "Setup(source: \"typist:2\", layout: \"numpad\")",
     );
-    let ended = home.run("run other").done();
+    let ended = home.run("run other.ron").done();
     assert!(!ended.err.contains("using"), "{}", ended.err);
     assert!(ended.out.contains("down Numpad2"), "{}", ended.out);
     home.write("config/ademan/setup.ron", "Setup(stall_timeout_ms: 5)");
@@ -147,9 +158,9 @@ fn files_to_start_from_come_with_the_program_and_are_valid() {
     home.run("glove new my-glove --from unam-hc11-left").done();
     home.run("script new my-script --from media").done();
     home.run("layout new my-layout --from media").done();
-    home.run("demo --layout my-layout --script my-script.txt")
+    home.run("demo --layout my-layout.ron --script my-script.txt")
         .done();
-    home.run("run my-setup --source typist:a").done();
+    home.run("run my-setup.ron --source typist:a").done();
     let glove = fs::read_to_string(home.0.path().join("work/my-glove.ron")).unwrap();
     assert!(glove.contains("name: \"my-glove\""), "{glove}");
     for line in [

@@ -275,12 +275,25 @@ fn root_is_refused_without_allow_root_but_may_use_other_commands() {
         println!("SKIPPED: only root is refused");
         return;
     }
-    let refused = run(&["run", "--source", "typist:hi"]);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert_eq!(refused.out, "");
-    for part in ["refusing to run as root", "--allow-root"] {
-        assert!(refused.err.contains(part), "{}", refused.err);
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("hi.mcap");
+    let recording = recording.to_str().expect("UTF-8");
+    run(&["record", recording, "--source", "typist:hi"]).done();
+    let refused = [
+        &["run", "--source", "typist:hi"][..],
+        &["replay", recording, "--output", "desktop"],
+        &["replay", recording, "--output", "transcript,uinput"],
+        &["demo", "--text", "hi", "--output", "desktop"],
+    ];
+    for arguments in refused {
+        let refused = run(arguments);
+        assert_eq!(refused.code, Some(2), "{arguments:?}: {}", refused.err);
+        assert_eq!(refused.out, "");
+        for part in ["refusing to run as root", "--allow-root"] {
+            assert!(refused.err.contains(part), "{}", refused.err);
+        }
     }
+    run(&["replay", recording]).done();
     run(&["run", "--source", "typist:hi", "--allow-root"]).done();
     run(&["trace", "events", "--source", "typist:hi"]).done();
 }

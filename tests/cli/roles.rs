@@ -172,3 +172,29 @@ fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
     wait_for(by_layout);
     wait_for(ARMED);
 }
+
+#[test]
+fn a_recipe_of_the_guides_that_listens_names_one_address_and_the_role_of_a_pointer() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let guides = std::fs::read_dir(root.join("docs")).expect("the guides");
+    let guides = guides.flatten().map(|entry| entry.path());
+    let readmes = ["README.md", "layouts/README.md"].map(|path| root.join(path));
+    let mut recipes = 0;
+    for path in guides.chain(readmes) {
+        if path.extension().is_none_or(|extension| extension != "md") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).expect("a guide");
+        let listens = |line: &&str| {
+            ["-listen:", "-LISTEN:", "nc -l"]
+                .iter()
+                .any(|it| line.contains(it))
+        };
+        for line in text.lines().filter(listens) {
+            recipes += 1;
+            assert!(line.contains("bind="), "{path:?}: {line}");
+            assert!(line.contains("--role pointer"), "{path:?}: {line}");
+        }
+    }
+    assert!(recipes > 0, "the guide to LucidGloves has one");
+}

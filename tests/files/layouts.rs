@@ -326,19 +326,25 @@ fn activation_and_debounce_are_read_from_the_file() {
 }
 
 #[test]
-fn a_file_takes_precedence_over_a_shipped_layout_with_its_name() {
+fn a_path_takes_precedence_over_a_shipped_layout_and_a_name_never_means_a_file_in_the_folder() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(
-        folder.path().join("arrows"),
-        board("rows: [(at_mm: (0, 0), keys: \"A\")]"),
-    )
-    .unwrap();
+    let text = board("rows: [(at_mm: (0, 0), keys: \"A\")]");
+    fs::create_dir(folder.path().join("keyboards")).unwrap();
+    for name in ["arrows", "keyboards/arrows.ron"] {
+        fs::write(folder.path().join(name), &text).unwrap();
+    }
     let keys = |folder: &Path, name| {
         let document = Document::open_relative_to(folder, name).unwrap();
         Layout::from_document(document).unwrap().keys.len()
     };
-    assert_eq!(keys(folder.path(), "arrows"), 1);
+    assert_eq!(keys(folder.path(), "arrows"), 4);
+    assert_eq!(keys(folder.path(), "./arrows"), 1);
     assert_eq!(keys(folder.path(), "arrows.ron"), 4);
+    fs::write(folder.path().join("arrows.ron"), &text).unwrap();
+    assert_eq!(keys(folder.path(), "arrows.ron"), 1);
+    assert_eq!(keys(folder.path(), "arrows"), 4);
+    assert_eq!(keys(folder.path(), "keyboards/arrows"), 4);
+    assert_eq!(keys(folder.path(), "keyboards/arrows.ron"), 1);
     // A folder with that name is ignored.
     fs::create_dir(folder.path().join("numpad")).unwrap();
     assert_eq!(keys(folder.path(), "numpad"), 17);

@@ -4,22 +4,23 @@ use std::env;
 use std::ffi::OsStr;
 use std::process::Command;
 
-/// Returns the command `ademan` with these arguments. A run is allowed as root, as containers run tests as root.
+/// Returns the command `ademan` with these arguments. It may type as root, as containers run tests as root.
 pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
     // Set in a virtual machine, where the binary is not at the path at which it was built.
     let program = env::var_os("ADEMAN_PROGRAM");
     let program = program.unwrap_or_else(|| env!("CARGO_BIN_EXE_ademan").into());
     let mut command = Command::new(program);
     let mut arguments = arguments.into_iter().peekable();
-    let is_run = arguments
-        .peek()
-        .is_some_and(|first| first.as_ref() == "run");
+    let may_type = arguments.peek().is_some_and(|first| {
+        let commands = ["run", "replay", "demo"];
+        commands.iter().any(|command| first.as_ref() == *command)
+    });
     command.args(arguments);
     // The files and settings of the person who runs the tests have no effect.
     command
         .env("XDG_CONFIG_HOME", "/nowhere")
         .env_remove("RUST_LOG");
-    if is_run {
+    if may_type {
         command.arg("--allow-root");
     }
     command

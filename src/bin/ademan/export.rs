@@ -1,11 +1,11 @@
 //! `ademan export`: the poses of a source as a BVH file.
 
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use ademan::command::Command;
-use ademan::files::{self, FileError};
+use ademan::files;
 use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
@@ -63,13 +63,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// Creates a file that only its owner can read: it shows what a hand typed.
 fn create(path: &Path) -> Result<File, Failure> {
     files::create_private(path).map_err(|error| {
-        let reason = match error {
-            FileError::Io(error) if error.kind() == ErrorKind::AlreadyExists => {
-                "it exists; choose another name or remove it".to_owned()
-            }
-            error => error.to_string(),
-        };
-        Failure::wrong_use(format!("cannot create {}: {reason}", escape_path(path)))
+        Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
     })
 }
 

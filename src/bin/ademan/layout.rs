@@ -13,7 +13,7 @@ use crate::{complete, key_list, layout_check, new_file, picture};
 /// Create, check, list and draw layouts
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan layout new my-board --from qwerty-arc\n  ademan layout check my-board"
+    after_help = "Examples:\n  ademan layout new my-board --from qwerty-arc\n  ademan layout check my-board.ron"
 )]
 pub struct Args {
     #[command(subcommand)]

@@ -60,6 +60,7 @@ mod record;
 mod recording_size;
 mod release_keys;
 mod replay;
+mod root_args;
 mod run;
 mod script;
 mod session;

@@ -1,9 +1,10 @@
 //! `ademan man`: manual pages.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use ademan::files;
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
@@ -28,15 +29,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();
-    fs::create_dir_all(&folder)
-        .and_then(|()| write_pages(&command, &folder))
-        .map_err(|error| {
-            let message = format!("cannot write to {}: {error}", escape_path(&folder));
-            Failure::wrong_use(message)
-        })
+    fs::create_dir_all(&folder).map_err(|error| cannot_write(&folder, error))?;
+    write_pages(&command, &folder)
 }
 
-fn write_pages(command: &Command, folder: &Path) -> io::Result<()> {
+/// Writes the pages in place of those of another version.
+fn write_pages(command: &Command, folder: &Path) -> Result<(), Failure> {
     let subcommands = command.get_subcommands();
     for subcommand in subcommands.filter(|subcommand| !subcommand.is_hide_set()) {
         write_pages(subcommand, folder)?;
@@ -60,11 +58,18 @@ fn write_pages(command: &Command, folder: &Path) -> io::Result<()> {
         write_examples(&help.to_string(), &mut page)?;
     }
     man.render_version_section(&mut page)?;
-    fs::write(folder.join(man.get_filename()), page)
+    let path = folder.join(man.get_filename());
+    let mut file = files::replace(&path).map_err(|error| cannot_write(&path, error))?;
+    file.write_all(&page)
+        .map_err(|error| cannot_write(&path, error))
+}
+
+fn cannot_write(path: &Path, error: impl std::fmt::Display) -> Failure {
+    Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
 }
 
 /// Writes the end of the help. Examples are indented lines, or follow `Example: `.
-fn write_examples(help: &str, page: &mut impl Write) -> io::Result<()> {
+fn write_examples(help: &str, page: &mut impl Write) -> std::io::Result<()> {
     writeln!(page, ".SH EXAMPLES")?;
     for line in help.lines() {
         let example = line.strip_prefix("  ").or(line.strip_prefix("Example: "));

@@ -1,9 +1,9 @@
 //! Files that a person starts from: copies of those that come with the program.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use ademan::files::{self, FileError};
 use ademan::message::{escape, escape_path, shell_word};
 
 use crate::failure::Failure;
@@ -25,16 +25,12 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
 
 /// Creates a file, says of what it is a copy, and the commands that use it. Fails if it exists.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
-    let cannot_write = |error: io::Error| {
-        let remedy = match error.kind() {
-            io::ErrorKind::AlreadyExists => "; choose another name or remove it",
-            _ => "",
-        };
-        let path = escape_path(path);
-        Failure::wrong_use(format!("cannot write {path}: {error}{remedy}"))
+    let cannot_write = |error: FileError| {
+        Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
     };
-    let mut file = File::create_new(path).map_err(cannot_write)?;
-    file.write_all(text.as_bytes()).map_err(cannot_write)?;
+    let mut file = files::create_new(path).map_err(cannot_write)?;
+    let written = file.write_all(text.as_bytes());
+    written.map_err(|error| cannot_write(error.into()))?;
     let mut out = io::stdout().lock();
     let shown = escape_path(path);
     writeln!(out, "wrote {shown}, a copy of {}", escape(original))?;

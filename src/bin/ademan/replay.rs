@@ -11,6 +11,7 @@ use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
+use crate::root_args::RootArgs;
 use crate::setup_args::number_in;
 use crate::{complete, session, stats, watchdog};
 
@@ -39,10 +40,13 @@ pub struct Args {
     /// Playback speed, 1 for real time. The default is 1 for an output that types, and as fast as possible for a transcript
     #[arg(long, value_parser = speed, allow_negative_numbers = true)]
     speed: Option<f64>,
+    #[command(flatten)]
+    root: RootArgs,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let has_effect = output::has_effect(&args.output);
+    args.root.check(has_effect)?;
     let mut replay = Replay::open(&args.file)?;
     if has_effect {
         replay = replay.without_packet_period();

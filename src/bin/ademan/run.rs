@@ -9,11 +9,12 @@ use ademan::message::escape;
 use ademan::session::{ControlSocket, SessionOptions};
 use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
-use ademan::{advice, doctor, output, priority};
+use ademan::{output, priority};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
+use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
 use crate::{complete, messages, pause_signals, recording_size, session, stats, watchdog};
@@ -56,9 +57,8 @@ pub struct Args {
     /// Type from the first reading on, without waiting until the hand is clear of every key
     #[arg(long)]
     armed: bool,
-    /// Run as root
-    #[arg(long)]
-    allow_root: bool,
+    #[command(flatten)]
+    root: RootArgs,
     /// Control socket for `ademan ctl` and `ademan watch`, or `off`. The default is in $XDG_RUNTIME_DIR
     #[arg(long, value_name = "PATH|off")]
     control: Option<PathBuf>,
@@ -68,9 +68,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    if doctor::is_running_as_root() && !args.allow_root {
-        return Err(Failure::wrong_use(advice::running_as_root().to_string()));
-    }
+    args.root.check(true)?;
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     let is_output_given = args.output.is_some();
     setup.output = args.output.unwrap_or(setup.output);

@@ -24,6 +24,11 @@ pub fn state_folder() -> Option<PathBuf> {
     Some(system::state_folder()?.join("ademan"))
 }
 
+/// Returns the folder for the transcripts that setup files name, which may not exist: `transcripts` in the [`state_folder`].
+pub fn transcript_folder() -> Option<PathBuf> {
+    Some(state_folder()?.join("transcripts"))
+}
+
 /// Returns the path of a file of a person in the configuration folder, if the file exists.
 pub fn in_config_folder(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = config_folder()?.join(path);

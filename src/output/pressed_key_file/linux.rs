@@ -111,7 +111,11 @@ impl AbandonedKeys {
         folder.map_or_else(Vec::new, |folder| Self::find_in(folder, &display()))
     }
 
+    /// Returns the abandoned keys of a display, and none if another user could have put a file into the folder.
     fn find_in(folder: &Path, display: &str) -> Vec<Self> {
+        if files::check_private_folder(folder).is_err() {
+            return Vec::new();
+        }
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let paths = entries.map(|entry| entry.path()).filter(|path| {
             let name = path.file_name().unwrap_or_default();
@@ -124,7 +128,7 @@ impl AbandonedKeys {
 
     /// Reads a file. `None` if its process runs or it is of another display.
     fn read(path: PathBuf, display: &str) -> io::Result<Option<Self>> {
-        let mut file = files::open_regular(&path).map_err(io::Error::other)?;
+        let mut file = files::open_secret(&path).map_err(io::Error::other)?;
         if file.try_lock().is_err() {
             return Ok(None);
         }
@@ -199,6 +203,37 @@ mod tests {
         );
         found.forget();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_record_that_another_user_may_have_written_is_ignored() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let inside = path.parent().unwrap().to_owned();
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        file.record(key("A"), KeyDirection::Press);
+        let copy = file.file.try_clone().unwrap();
+        std::mem::forget(file);
+        copy.unlock().unwrap();
+        let is_found = || !AbandonedKeys::find_in(&inside, ":7").is_empty();
+        assert!(is_found());
+        let set = |path: &Path, mode| {
+            fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+        };
+        for (path, open, private) in [(&inside, 0o777, 0o700), (&path, 0o666, 0o600)] {
+            set(path, open);
+            assert!(!is_found(), "{path:?}");
+            set(path, private);
+            assert!(is_found(), "{path:?}");
+        }
+        for owned in [&path, &inside] {
+            if std::os::unix::fs::chown(owned, Some(65_534), None).is_err() {
+                println!("SKIPPED: only root can give a file to another user");
+                return;
+            }
+            assert!(!is_found(), "{owned:?}");
+            std::os::unix::fs::chown(owned, Some(0), None).unwrap();
+        }
     }
 
     #[test]

@@ -14,11 +14,13 @@ pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
 
 impl fmt::Display for EventLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |target| escape(&self.1.get(target).to_string()).into_owned();
+        let name = |target| quoted(&self.1.get(target).to_string());
         write_time(f, self.0.time)?;
         match self.0.kind {
             EventKind::KeyDown(key) => write!(f, "down {key}"),
             EventKind::KeyUp(key) => write!(f, "up   {key}"),
+            // As a literal of Rust, without an apostrophe inside of the quotes.
+            EventKind::Character('\'') => write!(f, r"write '\u{{27}}'"),
             EventKind::Character(character) => write!(f, "write {character:?}"),
             EventKind::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
             EventKind::MoveTo(x, y) => write!(f, "position {x:.4} {y:.4}"),
@@ -41,7 +43,7 @@ impl fmt::Display for CommandLine<'_> {
         write_time(f, self.0.time)?;
         match &self.0.command {
             command @ Command::Scale { factor } => write!(f, "{} {factor:.3}", command.name()),
-            command => write!(f, "{command}"),
+            command => f.write_str(&quoted(&command.to_string())),
         }
     }
 }
@@ -57,7 +59,56 @@ impl fmt::Display for MissedLine {
     }
 }
 
+/// Returns a name without control characters, in quotes if a character has a meaning to a shell: a layout of another person
+/// chooses the name, and a transcript may get to where a shell reads it.
+fn quoted(name: &str) -> String {
+    let is_plain =
+        |character: char| !character.is_ascii_punctuation() || "-_.,:+/@%".contains(character);
+    let name = escape(name);
+    match name.chars().all(is_plain) {
+        true => name.into_owned(),
+        false => format!("'{}'", name.replace('\'', r"'\''")),
+    }
+}
+
 /// Writes the first column of a line.
 fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
     write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::TargetId;
+
+    fn line(kind: EventKind, names: &TargetNames) -> String {
+        let event = OutputEvent {
+            time: Timestamp(0),
+            kind,
+        };
+        EventLine(&event, names).to_string().trim_start().to_owned()
+    }
+
+    #[test]
+    fn names_and_characters_mean_nothing_to_a_shell() {
+        let select = |name: &str| {
+            let names = TargetNames::new([name.to_owned()]);
+            line(EventKind::Select(TargetId(0)), &names)
+        };
+        for plain in ["Q", "Volume up", "½", "a-b_c.d,e:f+g/h@i%"] {
+            assert_eq!(select(plain), format!("0.000 select {plain}"));
+        }
+        for (name, quoted) in [
+            (";touch a;", "';touch a;'"),
+            ("$(a)", "'$(a)'"),
+            ("a'b", r"'a'\''b'"),
+            ("';a;'", r"''\'';a;'\'''"),
+            ("a\nb", r"'a\nb'"),
+        ] {
+            assert_eq!(select(name), format!("0.000 select {quoted}"));
+        }
+        let write = |character| line(EventKind::Character(character), &TargetNames::default());
+        assert_eq!(write('$'), "0.000 write '$'");
+        assert_eq!(write('\''), r"0.000 write '\u{27}'");
+    }
 }

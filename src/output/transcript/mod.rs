@@ -16,6 +16,7 @@ mod line;
 mod missed_lines;
 mod thread;
 
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -25,7 +26,8 @@ use crate::advice;
 use crate::contact::TargetNames;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
-use crate::files;
+use crate::files::{self, FileError};
+use crate::message::escape;
 use crate::time::Timestamp;
 use line::MissedLine;
 use missed_lines::MissedLines;
@@ -45,18 +47,30 @@ pub const BACKEND: Backend = Backend {
     open,
 };
 
-/// Opens a transcript on the standard output, or in a file that only its owner can read, and whose content it replaces.
+/// Opens a transcript on the standard output, or in a new file that only its owner can read.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     let writer: Box<dyn Write + Send> = match request.argument {
         None => Box::new(io::stdout()),
         Some(path) => {
-            let file = files::replace_private(Path::new(path));
+            let file = create(Path::new(path));
             Box::new(file.map_err(|error| OutputError::open(request.name, error))?)
         }
     };
     let thread = TranscriptThread::start(request.name, BufWriter::new(writer));
     let no_thread = |error: io::Error| OutputError::open(request.name, advice::no_thread(&error));
     Ok(Box::new(thread.map_err(no_thread)?))
+}
+
+/// Creates a file. Its folder is created if it is that of the transcripts of setups.
+fn create(path: &Path) -> Result<File, FileError> {
+    if let Some(folder) = files::transcript_folder().filter(|own| path.parent() == Some(own)) {
+        if let Some(parent) = folder.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        files::create_private_folder(&folder)?;
+        tracing::info!("the transcript is {}", escape(&path.to_string_lossy()));
+    }
+    files::create_private(path)
 }
 
 /// A sink that writes one line per event and flushes after each step.

@@ -6,7 +6,7 @@
 mod tokens;
 
 use std::ops::{Range, RangeInclusive};
-use std::path::Path;
+use std::path::{Path, is_separator};
 use std::time::Duration;
 
 use parry3d::math::Vec2;
@@ -76,8 +76,8 @@ pub struct Script {
 impl Script {
     /// Reads a script for targets with these names: the file at a path, or the text itself.
     ///
-    /// An existing path is read as a file. Any other text is a script if it has more than one word or is an action;
-    /// otherwise it is the path of a missing file.
+    /// A text is a script if it has more than one word or is an action, and the path of a file otherwise. With a folder or `.txt`, it
+    /// is the path of a file that exists, also if it has several words.
     pub fn open(path_or_text: &str, names: &TargetNames) -> Result<Self, DocumentError> {
         if path_or_text.trim().is_empty() {
             let message = "the script is empty; name a file, or write an action such as `tap NAME`";
@@ -86,7 +86,8 @@ impl Script {
         let is_action = path_or_text.parse::<Verb>().is_ok();
         let has_words = path_or_text.contains([' ', '\t', '\n', ';']);
         let is_text = is_action || has_words;
-        match is_text && !Path::new(path_or_text).is_file() {
+        let is_path = path_or_text.contains(is_separator) || path_or_text.ends_with(".txt");
+        match is_text && !(is_path && Path::new(path_or_text).is_file()) {
             true => Self::parse(Document::new(INLINE, path_or_text), names),
             false => Self::parse(Document::from_path(path_or_text)?, names),
         }

@@ -104,14 +104,11 @@ pub enum SaveError {
 impl EditedFile {
     /// Returns the file of a document that was read by name. That of a layout that comes with the program is none, even in the folder
     /// of its sources, where a file has the name that messages give it.
-    pub fn open(name: &str, document: &Document) -> Self {
-        let path = PathBuf::from(&document.file);
-        let is_shipped = Document::shipped(name).is_ok_and(|shipped| shipped.file == document.file);
-        let is_named = name == document.file || Path::new(name).is_file();
-        let is_file = path.is_file() && (is_named || !is_shipped);
+    pub fn open(document: &Document) -> Self {
+        let path = document.path();
         Self {
-            stamp: is_file.then(|| stamp(&path)).flatten(),
-            path: is_file.then_some(path),
+            stamp: path.and_then(stamp),
+            path: path.map(Path::to_owned),
             ..Self::unsaved(&document.file).with_text(&document.text)
         }
     }

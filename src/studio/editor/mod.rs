@@ -105,7 +105,7 @@ impl LayoutEditor {
     /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons.
     pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
         let document = Document::open(name)?;
-        let file = EditedFile::open(name, &document);
+        let file = EditedFile::open(&document);
         Ok(Self::new(file, document.text, fit))
     }
 

@@ -4,3 +4,4 @@ mod files;
 mod recordings;
 mod replays;
 mod sockets;
+mod strangers;

@@ -22,7 +22,7 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Opens the window. `FOLDER` in the output stands for a temporary folder.
+    /// Opens the window. A transcript in the output is in a temporary folder.
     fn start(output: &str) -> Option<Self> {
         Self::start_with(output, |_| {})
     }
@@ -32,11 +32,11 @@ impl Session {
         let server = XServer::start()?;
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().display().to_string();
-        let output = output.replace("FOLDER", &path);
         let setup = format!("Setup(output: \"{output}\")");
         fs::write(folder.path().join("setup.ron"), setup).expect("space on the disk");
         let setup = format!("{path}/setup.ron");
         let mut command = studio(&server, &[&setup, "--allow-root"]);
+        command.env("XDG_STATE_HOME", &path);
         change(&mut command);
         let program = Program::from_command(command);
         program.wait_for_line("armed", 1);
@@ -50,7 +50,7 @@ impl Session {
 
     /// Returns the number of events of this kind in the transcript.
     fn count(&self, kind: &str) -> usize {
-        let events = fs::read_to_string(self.folder.path().join("events"));
+        let events = fs::read_to_string(self.folder.path().join("ademan/transcripts/events"));
         events.unwrap_or_default().matches(kind).count()
     }
 
@@ -82,7 +82,7 @@ impl Session {
 }
 
 /// Output into a file, which does not need the X server of the window.
-pub(super) const TRANSCRIPT: &str = "transcript:FOLDER/events";
+pub(super) const TRANSCRIPT: &str = "transcript:events";
 
 #[test]
 fn typing_goes_on_while_the_window_hangs() {

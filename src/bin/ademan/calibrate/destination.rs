@@ -5,6 +5,8 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 
+use ademan::document::Document;
+use ademan::files::{self, FileError};
 use ademan::message::{escape_path, shell_word};
 
 use crate::failure::Failure;
@@ -17,17 +19,16 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// Chooses the file: `out`, or else the file `glove` itself, or a file in the present folder for a glove that comes with the
-    /// program.
+    /// Chooses the file: `out`, or else the file from which `glove` was read, or a new one in the working folder for a glove that
+    /// comes with the program or in a recording.
     ///
     /// # Errors
     /// Fails if the file exists and the question whether to replace it cannot be asked.
-    pub fn new(out: Option<PathBuf>, glove: &str, is_forced: bool) -> Result<Self, Failure> {
-        let own = Path::new(glove);
-        let path = match out {
-            Some(path) => new_file::with_extension(&path, "ron"),
-            None if own.is_file() => own.to_owned(),
-            None => PathBuf::from(format!("my-{}.ron", glove_name(own))),
+    pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
+        let path = match (out, glove.path()) {
+            (Some(path), _) => new_file::with_extension(&path, "ron"),
+            (None, Some(own)) => own.to_owned(),
+            (None, None) => PathBuf::from(format!("my-{}.ron", glove_name(&glove.file))),
         };
         let destination = Self { path, is_forced };
         if destination.path.exists() && !is_forced && !io::stdin().is_terminal() {
@@ -54,9 +55,12 @@ impl Destination {
             return Ok(false);
         }
         if existed {
-            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error))?;
+            // Of a symbolic link, the link is renamed, and its target stays.
+            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error.into()))?;
         }
-        fs::write(&self.path, text).map_err(|error| self.failure(&error))?;
+        let file = files::create_new(&self.path);
+        let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+        written.map_err(|error| self.failure(&error))?;
         println!("wrote {shown}");
         match existed {
             true => {
@@ -91,7 +95,7 @@ impl Destination {
         escape_path(&self.path)
     }
 
-    fn failure(&self, error: &io::Error) -> Failure {
+    fn failure(&self, error: &FileError) -> Failure {
         Failure::wrong_use(format!(
             "cannot write {}: {error}; name another file with --out",
             self.shown()
@@ -103,8 +107,8 @@ fn command_word(path: &Path) -> String {
     shell_word(&path.to_string_lossy()).into_owned()
 }
 
-fn glove_name(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default();
+fn glove_name(file: &str) -> String {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
@@ -115,4 +119,25 @@ fn ask(question: &str) -> Result<bool, Failure> {
     let mut answer = String::new();
     io::stdin().lock().read_line(&mut answer)?;
     Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_glove_that_was_read_from_a_file_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("victim.ron");
+        fs::write(&path, "Glove()").unwrap();
+        let file = path.to_str().unwrap();
+        let destination = |glove: &Document| Destination::new(None, glove, true).unwrap().path;
+        assert_eq!(destination(&Document::from_path(file).unwrap()), path);
+        // As a recording names it.
+        let recorded = Document::new(file, "Glove()");
+        assert_eq!(destination(&recorded), Path::new("my-victim.ron"));
+        // In the folder of the sources there is a file with the path of the shipped one.
+        let shipped = Document::shipped("unam-hc11").unwrap();
+        assert_eq!(destination(&shipped), Path::new("my-unam-hc11.ron"));
+    }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use ademan::calibrate::{self, DISCOVERY_POSES, Discovery, Procedure};
+use ademan::document::Document;
 use ademan::hand::Side;
 use ademan::layout::Glove;
 
@@ -19,7 +20,7 @@ const NAME: &str = "glove";
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.load_setup()?;
-    let destination = Destination::new(args.out, NAME, args.force)?;
+    let destination = Destination::new(args.out, &Document::new(NAME, ""), args.force)?;
     messages::start()?;
     signals::install()?;
     let worn = Glove::load(match args.hand {

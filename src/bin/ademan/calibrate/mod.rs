@@ -126,7 +126,7 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
         _ => glove_document(&args.load_setup()?)?,
     };
     let start = Start::new(document)?;
-    let destination = Destination::new(args.out, &start.document.file, args.force)?;
+    let destination = Destination::new(args.out, &start.document, args.force)?;
     let observations =
         calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
     if start.finish(&observations, &destination)? {
@@ -142,7 +142,7 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
     }
     let lengths = args.lengths.both()?;
     let start = Start::new(glove_document(&setup)?)?;
-    let destination = Destination::new(args.out, &start.document.file, args.force)?;
+    let destination = Destination::new(args.out, &start.document, args.force)?;
     messages::start()?;
     signals::install()?;
     let feed = open_feed(&setup, &start.glove, args.demo)?;

@@ -24,6 +24,7 @@ use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 use crate::complete;
 use crate::failure::Failure;
 use crate::output_list::OutputList;
+use crate::root_args::RootArgs;
 use crate::setup_args::number_in;
 use crate::view::{self, LiveView, Views};
 use crate::{messages, session, signals, stats, watchdog};
@@ -64,9 +65,12 @@ pub struct Args {
     /// Seed of the noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    root: RootArgs,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
+    args.root.check(output::has_effect(&args.output))?;
     messages::start()?;
     signals::install()?;
     // The players come and go, and signals have one action.

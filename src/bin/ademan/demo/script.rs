@@ -1,6 +1,6 @@
 //! The scripts of shipped layouts, which the demo plays on layouts that do not type.
 
-use std::path::Path;
+use ademan::document::Document;
 
 /// Pairs the name of each layout with the text of `examples/scripts/NAME.txt`.
 macro_rules! scripts {
@@ -37,12 +37,10 @@ pub fn text(layout: &str) -> Option<&'static str> {
     script.map(|(_, text)| *text)
 }
 
-/// Returns the script for a layout that comes with the program, if it has one. A file of the same name has none.
+/// Returns the script for a layout that comes with the program, if it has one. A file of a person has none.
 pub fn for_layout(layout: &str) -> Option<&'static str> {
-    let script = SCRIPTS.iter().find(|(name, _)| *name == layout);
-    script
-        .filter(|_| !Path::new(layout).exists())
-        .map(|(_, text)| *text)
+    let document = Document::open(layout).ok()?;
+    text(layout).filter(|_| document.path().is_none())
 }
 
 /// Returns the comment at the start of a script, which describes it, in one line.
@@ -55,6 +53,7 @@ pub fn title(script: &str) -> String {
 mod tests {
     use std::collections::BTreeSet;
     use std::fs;
+    use std::path::Path;
 
     use ademan::document::shipped_layouts;
 

@@ -2,10 +2,11 @@
 
 mod png;
 
-use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write};
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use ademan::files::{self, FileError};
 use ademan::layout::{Layout, Wearer};
 use ademan::message::{escape_lines, escape_path};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
@@ -110,16 +111,17 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
         return Ok(());
     }
     let file = match overwrite {
-        true => File::create(path),
-        false => File::create_new(path),
+        true => files::replace(path),
+        false => files::create_new(path),
     };
-    let written = file.and_then(|mut file| file.write_all(picture));
-    written.map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => exists(path),
-        _ => Failure::wrong_use(format!(
+    let written = file.and_then(|mut file| Ok(file.write_all(picture)?));
+    written.map_err(|error| match error {
+        FileError::Exists => exists(path),
+        FileError::Io(error) => Failure::wrong_use(format!(
             "cannot write {}: {error}; name a file in a folder that you can write to",
             escape_path(path)
         )),
+        error => Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path))),
     })?;
     say!("wrote {}", escape_path(path));
     Ok(())

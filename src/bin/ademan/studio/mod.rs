@@ -20,6 +20,7 @@ use ademan::capture::SourceUri;
 
 use crate::complete;
 use crate::failure::Failure;
+use crate::root_args::RootArgs;
 use crate::source_value::{self, SourceValue};
 
 /// Watch a hand, its boards and its sensors in a window
@@ -45,9 +46,8 @@ pub struct Args {
     /// Move the overlay and choose its opacity, typing into no program; both are kept
     #[arg(long, requires = "overlay")]
     place: bool,
-    /// Run as root with an output that types
-    #[arg(long)]
-    allow_root: bool,
+    #[command(flatten)]
+    root: RootArgs,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {

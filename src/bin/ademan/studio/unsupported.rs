@@ -12,7 +12,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
         recording: _,
         overlay: _,
         place: _,
-        allow_root: _,
+        root: _,
     } = args;
     Err(Failure::wrong_use(
         "this program is built without windows; build it with `cargo install --path . --features studio`, or watch the session with `ademan run --view board`",

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
-use ademan::{advice, doctor, output};
 
 use super::{Args, mesa, source};
 use crate::failure::Failure;
@@ -28,17 +28,14 @@ pub fn open(args: Args) -> Result<(), Failure> {
         report_status: true,
         ..SessionOptions::default()
     };
-    let is_root_allowed = args.allow_root;
+    let root = args.root;
     let is_overlay = args.overlay;
     let is_placed = args.place;
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
     let setup = load(args, &mut options)?;
-    let may_type = output::has_effect(&setup.setup.output);
-    if may_type && !is_root_allowed && doctor::is_running_as_root() {
-        return Err(Failure::wrong_use(advice::running_as_root().to_string()));
-    }
+    root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     options.watchdog = Some(watchdog::program(Command::Pause)?);
     options.use_panic_keys = setup.setup.output != NO_OUTPUT;
