@@ -10,7 +10,6 @@ use crate::capture::{
 use crate::hand::{HandPart, Side};
 use crate::message::escape;
 use crate::network::{self, TokenRole, tokens};
-use crate::output;
 use crate::pipeline::{SourcePermissions, SourceRole};
 
 /// A source that the setup names.
@@ -244,13 +243,7 @@ impl LoadedSetup {
     ) -> Result<Box<dyn Source>, SetupError> {
         let format = Hc11Format::default();
         Ok(match source {
-            SourceUri::Recording { path } => {
-                let replay = Replay::open(path)?;
-                match output::has_effect(&self.setup.output) {
-                    true => Box::new(replay.without_packet_period()),
-                    false => Box::new(replay),
-                }
-            }
+            SourceUri::Recording { path } => Box::new(Replay::open(path)?.without_packet_period()),
             SourceUri::Typist { text, format: None } => {
                 Box::new(self.typist(text, &format, 0.0, 0)?)
             }

@@ -23,6 +23,7 @@ use mcap::records::{Channel, Metadata};
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::files;
+use crate::time::Timestamp;
 use records::{Content, Records, Stop};
 
 /// Topic of the channel of readings.
@@ -114,6 +115,9 @@ pub struct Truncation {
 
 /// A recording as a source, which returns readings without delay.
 ///
+/// Their times never decrease, as in every recording of this program: a time that goes back would stop the clock by which a
+/// gap is noticed.
+///
 /// Reads the file piece by piece, so its size does not matter. After all complete readings of a truncated file,
 /// [`Source::next`] returns [`SourceEvent::End`] and [`truncation`](Self::truncation) states the position.
 ///
@@ -129,6 +133,8 @@ pub struct Replay<R = File> {
     commands: Option<MessageChannel>,
     pending: Option<SourceEvent>,
     readings: u64,
+    /// Time of the latest reading.
+    time: Timestamp,
     truncation: SharedTruncation,
     has_ended: bool,
 }
@@ -167,6 +173,7 @@ impl<R: Read + Send> Replay<R> {
             commands: None,
             pending: None,
             readings: 0,
+            time: Timestamp::default(),
             truncation: SharedTruncation::default(),
             has_ended: false,
         };
@@ -182,8 +189,8 @@ impl<R: Read + Send> Replay<R> {
         &self.setup
     }
 
-    /// Removes the recorded packet period, which raises the stall timeout: for outputs whose keys a recording must not hold
-    /// for longer than the person permits who replays it.
+    /// Removes the recorded packet period, which raises the stall timeout: for sessions in which a recording must not hold a
+    /// key for longer than the setup of the person permits.
     #[must_use]
     pub fn without_packet_period(mut self) -> Self {
         self.setup
@@ -350,11 +357,15 @@ impl MessageChannel {
 
 impl<R: Read + Send> Source for Replay<R> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let event = match self.pending.take() {
+        let mut event = match self.pending.take() {
             Some(event) => Some(event),
             None => self.next_event()?,
         };
-        self.readings += u64::from(matches!(event, Some(SourceEvent::Reading(_))));
+        if let Some(SourceEvent::Reading(reading)) = &mut event {
+            self.readings += 1;
+            reading.time = reading.time.max(self.time);
+            self.time = reading.time;
+        }
         Ok(event.unwrap_or(SourceEvent::End))
     }
 
