@@ -1,21 +1,21 @@
 //! Whole files that are written at once.
 
-use std::fs::{self, Permissions};
+use std::fs::{self, Metadata};
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::{FileError, create_private, own_target};
+use super::{FileError, create_private, own_target, system};
 
 /// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
-/// full disk. Permissions and symbolic links are kept.
+/// full disk. The group, permissions, extended attributes and symbolic links are kept.
 pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
     let path = own_target(path)?;
-    let permissions = fs::metadata(&path)?.permissions();
-    if permissions.readonly() {
+    let metadata = fs::metadata(&path)?;
+    if metadata.permissions().readonly() {
         let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
         return Err(error.into());
     }
-    write_and_rename(&path, text, Some(permissions))
+    write_and_rename(&path, text, Some(&metadata))
 }
 
 /// Writes a file that only its owner can access, atomically as [`replace_text`]. Whatever file has the name is replaced.
@@ -23,16 +23,15 @@ pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_and_rename(path, text, None)
 }
 
-fn write_and_rename(
-    path: &Path,
-    text: &str,
-    permissions: Option<Permissions>,
-) -> Result<(), FileError> {
+/// Writes a file beside `path` and gives it that name, and the attributes of the file with this metadata.
+fn write_and_rename(path: &Path, text: &str, replaced: Option<&Metadata>) -> Result<(), FileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
     let mut file = create_private(&temporary)?;
-    let permitted = permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions));
-    let written = permitted
+    let kept = replaced.map_or(Ok(()), |replaced| {
+        system::copy_attributes(path, replaced, &file)
+    });
+    let written = kept
         .and_then(|()| file.write_all(text.as_bytes()))
         .and_then(|()| file.sync_all())
         .and_then(|()| fs::rename(&temporary, path));

@@ -90,6 +90,18 @@ fn live_sources_share_a_clock_that_never_decreases() {
     );
 }
 
+#[test]
+fn no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it() {
+    // Their own clocks are slower than the arrival, so that each hand is behind whenever the other one has a reading.
+    let times = || (0..300).collect();
+    let (readings, _) = merge(TimedSource("live", times()), TimedSource("live", times()));
+    for side in [Side::Left, Side::Right] {
+        let times = readings.iter().filter(|(other, _)| *other == side);
+        let times: Vec<_> = times.map(|(_, time)| *time).collect();
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+    }
+}
+
 /// Live source that gives events at once and then waits.
 struct PartSource(Vec<Result<u64, CaptureError>>);
 
