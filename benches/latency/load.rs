@@ -55,6 +55,7 @@ fn context(commands: CommandSender) -> ServerContext {
         }],
         commands,
         views: None,
+        write_failures: Default::default(),
     }
 }
 

@@ -1,24 +1,24 @@
 //! Whole files that are written at once.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::{FileError, create_private, own_target};
+use super::{FileError, create_private, own_target, system};
 
 /// Most temporary files that killed processes of one number may leave beside a file.
 const MAX_TEMPORARY_FILES: u32 = 1000;
 
 /// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
-/// full disk. Permissions and symbolic links are kept.
+/// full disk. The group, permissions, extended attributes and symbolic links are kept.
 pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
     let path = own_target(path)?;
-    let permissions = fs::metadata(&path)?.permissions();
-    if permissions.readonly() {
+    let metadata = fs::metadata(&path)?;
+    if metadata.permissions().readonly() {
         let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
         return Err(error.into());
     }
-    write_and_rename(&path, text, Some(permissions))
+    write_and_rename(&path, text, Some(&metadata))
 }
 
 /// Writes a file that only its owner can access, atomically as [`replace_text`]. Whatever file has the name is replaced.
@@ -26,14 +26,13 @@ pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_and_rename(path, text, None)
 }
 
-fn write_and_rename(
-    path: &Path,
-    text: &str,
-    permissions: Option<Permissions>,
-) -> Result<(), FileError> {
+/// Writes a file beside `path` and gives it that name, and the attributes of the file with this metadata.
+fn write_and_rename(path: &Path, text: &str, replaced: Option<&Metadata>) -> Result<(), FileError> {
     let (mut file, temporary) = create_temporary(path)?;
-    let permitted = permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions));
-    let written = permitted
+    let kept = replaced.map_or(Ok(()), |replaced| {
+        system::copy_attributes(path, replaced, &file)
+    });
+    let written = kept
         .and_then(|()| file.write_all(text.as_bytes()))
         .and_then(|()| file.sync_all())
         .and_then(|()| fs::rename(&temporary, path));
@@ -51,7 +50,7 @@ fn create_temporary(path: &Path) -> Result<(File, PathBuf), FileError> {
     for attempt in 0..MAX_TEMPORARY_FILES {
         let temporary = path.with_file_name(format!(".{name}.{process}.{attempt}"));
         match create_private(&temporary) {
-            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(FileError::Exists | FileError::IsLink) => {}
             created => return Ok((created?, temporary)),
         }
     }

@@ -3,7 +3,7 @@ use std::fs::Permissions;
 use std::os::unix::fs::{PermissionsExt, chown, symlink};
 use std::os::unix::net::UnixListener;
 
-use rustix::fs::{CWD, Mode};
+use rustix::fs::{CWD, Mode, XattrFlags, getxattr, setxattr};
 
 struct Folder(tempfile::TempDir);
 
@@ -176,4 +176,59 @@ fn a_new_file_replaces_none_and_is_not_created_through_a_link() {
     replace(&folder.at("name")).unwrap();
     assert_eq!(fs::read(&file).unwrap(), b"old");
     assert_eq!(fs::read(folder.at("name")).unwrap(), b"");
+}
+
+/// An access control list in the form of its attribute: the owner may write, user 1234 and the group may read.
+fn access_list() -> Vec<u8> {
+    let entries: [(u16, u16, u32); 5] = [
+        (0x01, 6, u32::MAX),
+        (0x02, 4, 1234),
+        (0x04, 4, u32::MAX),
+        (0x10, 4, u32::MAX),
+        (0x20, 0, u32::MAX),
+    ];
+    let mut list = 2_u32.to_le_bytes().to_vec();
+    for (tag, permissions, id) in entries {
+        list.extend(tag.to_le_bytes());
+        list.extend(permissions.to_le_bytes());
+        list.extend(id.to_le_bytes());
+    }
+    list
+}
+
+#[test]
+fn a_replaced_file_keeps_its_group_mode_attributes_and_access_list() {
+    use std::os::unix::fs::MetadataExt;
+
+    let folder = Folder::new();
+    let path = folder.file("layout.ron", 0o640);
+    const OTHER_GROUP: u32 = 65_534;
+    if chown(&path, None, Some(OTHER_GROUP)).is_err() {
+        println!("SKIPPED in part: only root can give a file to any group");
+    }
+    let list = access_list();
+    let attributes: [(&str, &[u8]); 2] =
+        [("user.origin", b"mine"), ("system.posix_acl_access", &list)];
+    let is_set = |(name, value): &(&str, &[u8])| {
+        let set = setxattr(&path, *name, value, XattrFlags::empty());
+        if let Err(error) = set {
+            println!("SKIPPED in part: no attribute {name} on this file system: {error}");
+        }
+        set.is_ok()
+    };
+    let attributes: Vec<_> = attributes.into_iter().filter(is_set).collect();
+    let state = || {
+        let metadata = fs::metadata(&path).unwrap();
+        (metadata.uid(), metadata.gid(), metadata.mode())
+    };
+    let before = state();
+    replace_text(&path, "new").unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    assert_eq!(state(), before);
+    for (name, value) in attributes {
+        let mut found = vec![0; 1000];
+        let length = getxattr(&path, name, &mut found[..]).unwrap();
+        assert_eq!(&found[..length], value, "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 1);
 }

@@ -5,7 +5,10 @@ use std::io;
 use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+use rustix::fs::{
+    Gid, OFlags, XattrFlags, fchown, fcntl_getfl, fcntl_setfl, fsetxattr, getxattr, listxattr,
+};
+use rustix::io::Errno;
 use rustix::process::{getegid, geteuid};
 
 use super::FileError;
@@ -16,6 +19,12 @@ const OWNER_ONLY: u32 = 0o600;
 const GROUP_WRITES: u32 = 0o020;
 const OTHERS_WRITE: u32 = 0o002;
 const STICKY: u32 = 0o1000;
+/// The longest list of names of extended attributes, and the longest value of one, in bytes (`XATTR_LIST_MAX` and
+/// `XATTR_SIZE_MAX` in linux/limits.h).
+const MAX_ATTRIBUTE_BYTES: usize = 1 << 16;
+
+/// The extended attribute with the access control list of a file.
+const ACCESS_LIST: &[u8] = b"system.posix_acl_access";
 
 /// Opens a file for reading. A pipe that took its place does not block, and a terminal does not become the controlling
 /// one.
@@ -57,6 +66,40 @@ pub fn wait_from_now_on(file: &File) -> io::Result<()> {
 /// Sets the mode of an open file, which the mode at its creation does not do for one that existed.
 pub fn make_private(file: &File) -> io::Result<()> {
     file.set_permissions(Permissions::from_mode(OWNER_ONLY))
+}
+
+/// Gives a new file the group, the mode and the extended attributes of the file at `path`, which it is going to replace. An
+/// access control list is one of them.
+pub fn copy_attributes(path: &Path, replaced: &Metadata, new: &File) -> io::Result<()> {
+    let mut mode = replaced.mode() & 0o777;
+    let group = Some(Gid::from_raw(replaced.gid()));
+    let keeps_group = new.metadata()?.gid() == replaced.gid() || fchown(new, None, group).is_ok();
+    if !keeps_group {
+        // The user is no member of that group; another one gets no more than everybody.
+        mode = mode & 0o707 | (mode & 0o007) << 3;
+    }
+    new.set_permissions(Permissions::from_mode(mode))?;
+    let mut names = vec![0; MAX_ATTRIBUTE_BYTES];
+    let length = match listxattr(path, &mut names[..]) {
+        Err(Errno::NOTSUP) => 0,
+        length => length?,
+    };
+    let names = names[..length].split(|byte| *byte == 0);
+    let is_kept = |name: &&[u8]| !name.is_empty() && (keeps_group || *name != ACCESS_LIST);
+    for name in names.filter(is_kept) {
+        let copied = copy_attribute(path, name, new);
+        // The system sets those of its security modules, and permits few users to change them.
+        if !name.starts_with(b"security.") {
+            copied?;
+        }
+    }
+    Ok(())
+}
+
+fn copy_attribute(path: &Path, name: &[u8], new: &File) -> io::Result<()> {
+    let mut value = vec![0; MAX_ATTRIBUTE_BYTES];
+    let length = getxattr(path, name, &mut value[..])?;
+    Ok(fsetxattr(new, name, &value[..length], XattrFlags::empty())?)
 }
 
 /// Checks that a file belongs to the user of this process.

@@ -105,6 +105,9 @@ pub struct OpenRequest<'a> {
     pub watchdog: Option<&'a WatchdogSettings>,
 }
 
+/// A function that receives the error of a log. It must not block.
+pub type LogFailureReceiver = Box<dyn Fn(&OutputError) + Send>;
+
 /// A receiver of events.
 ///
 /// Dropping a sink releases every pressed key, as [`close`](Self::close) does.
@@ -142,6 +145,9 @@ pub trait Sink: Send {
 
     /// Makes a log drop lines, and count them, when its reader is too slow. A log is lossless before: it waits.
     fn drop_when_full(&mut self) {}
+
+    /// Sets the receiver of the error of a log that fails while the other outputs continue, see [`Router`].
+    fn on_log_failure(&mut self, _: LogFailureReceiver) {}
 
     /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
@@ -190,6 +196,10 @@ impl Sink for Box<dyn Sink> {
 
     fn drop_when_full(&mut self) {
         (**self).drop_when_full();
+    }
+
+    fn on_log_failure(&mut self, receiver: LogFailureReceiver) {
+        (**self).on_log_failure(receiver);
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {

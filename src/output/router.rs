@@ -1,6 +1,6 @@
 //! One stream of events to several outputs.
 
-use super::{OutputError, Sink};
+use super::{LogFailureReceiver, OutputError, Sink};
 use crate::contact::TargetNames;
 use crate::device::{Capabilities, Capability, EventKind, Events, OutputEvent, TimedCommand};
 
@@ -27,17 +27,26 @@ pub(super) fn route(routes: &[Route], capability: Capability) -> Option<usize> {
 /// The output depends on the kind of the event only, so a release goes to the output that received the press. Events
 /// that require no capability, such as depths and values, go to all outputs, and logs receive every event. A failed
 /// output does not keep events from the others; the first error is returned.
+///
+/// A log next to an output with an effect may fail, as on a full disk, without an end of the others: its error is
+/// [reported](Sink::on_log_failure) at once and returned by [`close`](Sink::close). A pipe that its reader has closed is an end
+/// that was asked for.
 pub struct Router {
     sinks: Vec<Box<dyn Sink>>,
     routes: Vec<Route>,
     buffer: Events,
+    has_effect: bool,
+    /// Whether the output at an index is a log that has failed.
+    failed_logs: Vec<bool>,
+    on_log_failure: Option<LogFailureReceiver>,
 }
 
 impl Router {
     /// Creates a router; earlier sinks take precedence. Logs next to a sink with an effect
     /// [drop lines](Sink::drop_when_full) rather than delay its releases.
     pub fn new(mut sinks: Vec<Box<dyn Sink>>) -> Self {
-        if sinks.iter().any(|sink| sink.has_effect()) {
+        let has_effect = sinks.iter().any(|sink| sink.has_effect());
+        if has_effect {
             sinks.iter_mut().for_each(|sink| sink.drop_when_full());
         }
         let route = |sink: &dyn Sink| Route {
@@ -46,8 +55,27 @@ impl Router {
         };
         Self {
             routes: sinks.iter().map(|sink| route(&**sink)).collect(),
+            failed_logs: vec![false; sinks.len()],
             sinks,
             buffer: Events::new(),
+            has_effect,
+            on_log_failure: None,
+        }
+    }
+
+    /// Sends the buffer to the output at `index`. The error of a log that may fail is reported.
+    fn send_buffer(&mut self, index: usize) -> Result<(), OutputError> {
+        let sent = self.sinks[index].send(&self.buffer);
+        let may_fail = self.has_effect && self.routes[index].is_log;
+        match sent {
+            Err(error) if may_fail && !matches!(error, OutputError::BrokenPipe { .. }) => {
+                self.failed_logs[index] = true;
+                if let Some(report) = &self.on_log_failure {
+                    report(&error);
+                }
+                Ok(())
+            }
+            sent => sent,
         }
     }
 }
@@ -55,19 +83,22 @@ impl Router {
 impl Sink for Router {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         let mut result = Ok(());
-        for (index, sink) in self.sinks.iter_mut().enumerate() {
+        for index in 0..self.sinks.len() {
+            if self.failed_logs[index] {
+                continue;
+            }
             self.buffer.clear();
             for event in events {
                 if !receives(&self.routes, index, event.kind) {
                     continue;
                 }
                 if self.buffer.is_full() {
-                    result = result.and(sink.send(&self.buffer));
+                    result = result.and(self.send_buffer(index));
                     self.buffer.clear();
                 }
                 self.buffer.push(*event);
             }
-            result = result.and(sink.send(&self.buffer));
+            result = result.and(self.send_buffer(index));
         }
         result
     }
@@ -81,7 +112,11 @@ impl Sink for Router {
     }
 
     fn has_effect(&self) -> bool {
-        self.sinks.iter().any(|sink| sink.has_effect())
+        self.has_effect
+    }
+
+    fn on_log_failure(&mut self, receiver: LogFailureReceiver) {
+        self.on_log_failure = Some(receiver);
     }
 
     fn drop_when_full(&mut self) {
@@ -235,13 +270,30 @@ mod tests {
         let (mut router, log) =
             router(&[("transcript", true), ("desktop", true), ("uinput", false)]);
         let error = router.send(&[up(1, "A"), up(1, "PadSouth")]).unwrap_err();
-        assert_eq!(error.to_string(), "the output `transcript` failed: gone");
+        assert_eq!(error.to_string(), "the output `desktop` failed: gone");
         let expected = ["transcript -A -PadSouth", "desktop -A", "uinput -PadSouth"];
         assert_eq!(lines(&log), expected);
         let error = router.close().unwrap_err();
         assert_eq!(error.to_string(), "the output `transcript` failed: gone");
         let expected = ["transcript closed", "desktop closed", "uinput closed"];
         assert_eq!(lines(&log), expected);
+    }
+
+    #[test]
+    fn a_log_that_fails_next_to_a_desktop_is_reported_once_and_the_desktop_continues() {
+        let (mut router, log) = router(&[("transcript", true), ("desktop", false)]);
+        let reports = Log::default();
+        let reported = Arc::clone(&reports);
+        let report = move |error: &OutputError| reported.lock().unwrap().push(error.to_string());
+        router.on_log_failure(Box::new(report));
+        for event in [down(1, "A"), up(2, "A")] {
+            router.send(&[event]).unwrap();
+        }
+        let expected = ["transcript +A", "desktop +A", "desktop -A"];
+        assert_eq!(lines(&log), expected);
+        let failed = "the output `transcript` failed: gone";
+        assert_eq!(lines(&reports), [failed]);
+        assert_eq!(router.close().unwrap_err().to_string(), failed);
     }
 
     #[test]

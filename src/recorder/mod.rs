@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 use crate::capture::Reading;
 use crate::capture::recording::message::{self, encode_command, encode_reading};
 use crate::capture::recording::{
-    COMMANDS_TOPIC, FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING,
-    READINGS_TOPIC, RecordedSetup, SETUP_RECORD,
+    COMMANDS_TOPIC, FORMAT_RECORD, FORMAT_VERSION, MESSAGE_ENCODING, READINGS_TOPIC, RecordedSetup,
+    SETUP_RECORD,
 };
 use crate::files::{self, FileError};
-use crate::message::{escape, escape_line, escape_path};
+use crate::message::{escape_line, escape_path};
 use crate::snapshot::Snapshot;
 use container::Container;
 use messages::{encode_angles, encode_event, encode_touch};
@@ -83,7 +83,7 @@ impl Recorder {
             path: path.to_owned(),
             reason,
         };
-        check(setup).map_err(invalid)?;
+        setup.check_size().map_err(invalid)?;
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let started = start(file, setup).map_err(|error| invalid(error.to_string()));
         let (container, channels) = started?;
@@ -189,22 +189,6 @@ fn add_reading(container: &mut Container<File>, channels: &Channels, reading: &R
     container.add_message(channels.readings, reading.time, |out| {
         encode_reading(reading, out);
     });
-}
-
-/// Checks that the reader will accept the records of the setup.
-fn check(setup: &RecordedSetup) -> Result<(), String> {
-    // Lengths and keys of a record take less than 1 KiB.
-    let limit = MAX_RECORD_BYTES - 1024;
-    for entry in &setup.entries {
-        let size = entry.kind.len() + entry.name.len() + entry.text.len();
-        if size > limit {
-            let (kind, name) = (escape(&entry.kind), escape(&entry.name));
-            return Err(format!(
-                "the {kind} {name} has {size} bytes, more than the limit of {limit}"
-            ));
-        }
-    }
-    Ok(())
 }
 
 fn start(file: File, setup: &RecordedSetup) -> io::Result<(Container<File>, Channels)> {

@@ -36,6 +36,7 @@ mod source;
 mod status;
 pub mod view;
 mod waker;
+mod write_failures;
 mod writer_thread;
 
 use std::io;
@@ -80,6 +81,7 @@ pub use self::replay::{first_view, replay};
 pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};
 pub use self::run_pipeline::run_pipeline;
 pub use self::sensor_link::SensorLink;
+pub use self::write_failures::WriteFailures;
 pub use crate::pipeline::CommandError;
 
 /// Reason why a session could not start or ended early.
@@ -135,6 +137,7 @@ pub struct Session {
     commands: CommandReceiver,
     command_sender: CommandSender,
     notices: NoticeThread,
+    write_failures: WriteFailures,
     /// `None` once the owner has dropped the receiver.
     snapshots: Option<Sender<Snapshot>>,
     views: ViewPublisher,
@@ -166,6 +169,7 @@ impl Session {
         let (hub, views) = start_view_hub(&setup, &options)?;
         let on_notice = show_in_views(options.on_notice.take(), hub.clone());
         let notices = NoticeThread::start(on_notice)?;
+        let write_failures = WriteFailures::new(notices.sender());
         let socket_path = options.control_socket.path();
         let mut control = socket_path
             .as_deref()
@@ -186,6 +190,7 @@ impl Session {
                 profiles: profiles(&setup),
                 commands: command_sender.clone(),
                 views: Some(hub.clone()),
+                write_failures: write_failures.clone(),
             })?;
         }
         let is_recorded = options.record_to.is_some();
@@ -197,6 +202,7 @@ impl Session {
             commands,
             command_sender: command_sender.clone(),
             notices,
+            write_failures,
             snapshots: Some(snapshots),
             views,
             start_signal: None,
@@ -233,7 +239,9 @@ impl Session {
         // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
         let has_effect = sink.has_effect();
         let may_wait = !is_live && !has_effect;
-        let mut recordings = Recordings::default();
+        let failures = self.write_failures.clone();
+        sink.on_log_failure(Box::new(move |error| failures.report(error.to_string())));
+        let mut recordings = Recordings::new(self.write_failures.clone());
         if let Some(path) = &self.options.record_to {
             let recorded = self.setup.recorded_setup();
             let recorded = recorded.with_packet_period(source.packet_period());

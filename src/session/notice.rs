@@ -79,6 +79,8 @@ pub enum Notice {
     HandFound(Side),
     /// The watchdog exited unexpectedly or does not respond.
     WatchdogLost,
+    /// A file that the session writes is incomplete, for this reason.
+    FileIncomplete(String),
     /// Outcome of a change to a layout.
     Layout(LayoutReport),
     /// Notices of one kind and source that were held back, as there was one of them a short time ago.
@@ -169,6 +171,7 @@ impl fmt::Display for Notice {
             Self::WatchdogLost => {
                 f.write_str("the watchdog exited or hangs: everything is released")
             }
+            Self::FileIncomplete(reason) => write!(f, "{reason}; the session goes on without it"),
             Self::Layout(report) => report.fmt(f),
             Self::HeldBack(held_back) => held_back.fmt(f),
             Self::Missed(count) => write!(

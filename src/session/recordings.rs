@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use crossbeam_channel::RecvTimeoutError;
 
+use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
 use crate::files;
@@ -33,9 +34,18 @@ const BLOCK_BYTES: usize = 1 << 20;
 pub(super) struct Recordings {
     steps: Option<WriterThread<Snapshot>>,
     poses: Option<WriterThread<HandPose>>,
+    failures: WriteFailures,
 }
 
 impl Recordings {
+    /// Creates no recording yet. A file that becomes incomplete is one of the `failures` at once.
+    pub fn new(failures: WriteFailures) -> Self {
+        Self {
+            failures,
+            ..Self::default()
+        }
+    }
+
     /// Creates a recording of all results. A lossless one delays the session loop when the disk is slow.
     pub fn record_steps(
         &mut self,
@@ -59,7 +69,8 @@ impl Recordings {
                 }
             }
         };
-        self.steps = Some(WriterThread::start(path, is_lossless, write)?);
+        let failures = self.failures.clone();
+        self.steps = Some(WriterThread::start(path, is_lossless, failures, write)?);
         Ok(())
     }
 
@@ -68,7 +79,8 @@ impl Recordings {
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let owned = path.to_owned();
         let write = move |poses| write_bvh(poses, file, owned);
-        self.poses = Some(WriterThread::start(path, is_lossless, write)?);
+        let failures = self.failures.clone();
+        self.poses = Some(WriterThread::start(path, is_lossless, failures, write)?);
         Ok(())
     }
 

@@ -16,9 +16,17 @@ impl Session {
         };
         let source = match self.options.wait_for_source {
             true => self.wait_for(&uri)?,
-            false => Some(self.setup.open_source(&uri)?),
+            false => Some(self.open_uri(&uri)?),
         };
         Ok(source.map(|source| self.paced(source)))
+    }
+
+    /// Opens a source of the setup. Outputs do not hold a key for longer than the setup permits.
+    fn open_uri(&self, uri: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        match &self.options.output {
+            Some(output) if !output.has_effect() => self.setup.open_source(uri),
+            _ => self.setup.open_source_for_outputs(uri),
+        }
     }
 
     /// A live source has a pace of its own.
@@ -35,7 +43,7 @@ impl Session {
         let mut reported = String::new();
         let mut back_off = BackOff::default();
         loop {
-            let reason = match self.setup.open_source(uri) {
+            let reason = match self.open_uri(uri) {
                 Err(SetupError::Capture(error @ CaptureError::Open { .. })) if uri.is_device() => {
                     error.to_string()
                 }

@@ -3,12 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
+use super::write_failures::WriteFailures;
 use crate::advice;
 use crate::recorder::RecordError;
 
@@ -29,6 +30,9 @@ pub(super) struct WriterThread<T> {
     written: Arc<AtomicU64>,
     is_lossless: bool,
     missed: u64,
+    /// The session waits for the end of the writer, and returns its error.
+    is_finishing: Arc<AtomicBool>,
+    failures: WriteFailures,
 }
 
 /// The steps on their way to the file, until the session ends.
@@ -65,10 +69,11 @@ impl<T> QueuedSteps<T> {
 
 impl<T: Send + 'static> WriterThread<T> {
     /// Starts to write to a new file. A lossless one delays the session loop when the disk is slow, which no output with an
-    /// effect allows; any other one drops steps and counts them.
+    /// effect allows; any other one drops steps and counts them. The first step that is missing is one of the `failures`.
     pub fn start(
         path: &Path,
         is_lossless: bool,
+        failures: WriteFailures,
         write: impl FnOnce(QueuedSteps<T>) -> Result<(), RecordError> + Send + 'static,
     ) -> Result<Self, RecordError> {
         let (queue, receiver) = bounded(QUEUE_LENGTH);
@@ -79,9 +84,15 @@ impl<T: Send + 'static> WriterThread<T> {
             written: written.clone(),
             is_first: true,
         };
+        let is_finishing = Arc::new(AtomicBool::new(false));
+        let (is_end, reports) = (is_finishing.clone(), failures.clone());
         let write = move || {
             let _end = end;
-            write(steps)
+            write(steps).inspect_err(|error| {
+                if !is_end.load(Ordering::Relaxed) {
+                    reports.report(error.to_string());
+                }
+            })
         };
         let writer = thread::Builder::new().name("recorder".into()).spawn(write);
         Ok(Self {
@@ -99,38 +110,65 @@ impl<T: Send + 'static> WriterThread<T> {
             written,
             is_lossless,
             missed: 0,
+            is_finishing,
+            failures,
         })
     }
 
     /// Queues the part of a step.
     pub fn push(&mut self, step: T) {
-        let is_queued = match self.is_lossless {
-            true => self.queue.send(step).is_ok(),
-            false => self.queue.try_send(step).is_ok(),
+        let is_full = match self.is_lossless {
+            true => {
+                let sent = self.queue.send(step);
+                self.missed += u64::from(sent.is_err());
+                false
+            }
+            false => {
+                let sent = self.queue.try_send(step);
+                self.missed += u64::from(sent.is_err());
+                matches!(sent, Err(TrySendError::Full(_)))
+            }
         };
-        self.missed += u64::from(!is_queued);
+        // A writer that has ended reports its error itself.
+        if is_full && self.missed == 1 {
+            let error = self.incomplete("the disk is too slow, steps are missing".into());
+            self.failures.report(error.to_string());
+        }
+    }
+
+    fn incomplete(&self, reason: String) -> RecordError {
+        RecordError::Write {
+            path: self.path.clone(),
+            reason,
+        }
     }
 
     /// Waits until everything is written. A disk that accepts nothing for 2 s is given up.
     pub fn finish(self) -> Result<(), RecordError> {
-        drop(self.queue);
-        let stopped = |reason: String| RecordError::Write {
-            path: self.path.clone(),
-            reason,
-        };
-        let written = || self.written.load(Ordering::Relaxed);
+        self.is_finishing.store(true, Ordering::Relaxed);
+        let Self {
+            path,
+            queue,
+            writer,
+            ended,
+            written,
+            missed,
+            ..
+        } = self;
+        drop(queue);
+        let stopped = |reason: String| RecordError::Write { path, reason };
+        let written = || written.load(Ordering::Relaxed);
         let mut before = written();
-        while self.ended.recv_timeout(DISK_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+        while ended.recv_timeout(DISK_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
             if std::mem::replace(&mut before, written()) == written() {
                 return Err(stopped("the disk does not respond".into()));
             }
         }
-        match self.writer.join() {
+        match writer.join() {
             Err(_) => Err(stopped("the recorder thread panicked".into())),
             Ok(Err(error)) => Err(error),
-            Ok(Ok(())) if self.missed > 0 => Err(stopped(format!(
-                "the disk is too slow, {} steps are missing",
-                self.missed
+            Ok(Ok(())) if missed > 0 => Err(stopped(format!(
+                "the disk is too slow, {missed} steps are missing"
             ))),
             Ok(Ok(())) => Ok(()),
         }

@@ -10,7 +10,6 @@ use crate::capture::{
 use crate::hand::{HandPart, Side};
 use crate::message::escape;
 use crate::network::{self, TokenRole, tokens};
-use crate::output;
 use crate::pipeline::{SourcePermissions, SourceRole};
 
 /// A source that the setup names.
@@ -68,6 +67,13 @@ fn use_token_role(
         );
     }
     Ok(())
+}
+
+/// The packet period of a recording, on which the stall timeout depends.
+#[derive(Clone, Copy)]
+enum PacketPeriod {
+    Recorded,
+    Unknown,
 }
 
 impl LoadedSetup {
@@ -175,10 +181,27 @@ impl LoadedSetup {
 
     /// Opens a source, merged with all others of the setup.
     pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        self.open_merged_source(source, PacketPeriod::Recorded)
+    }
+
+    /// Opens a source as [`open_source`](Self::open_source) does, for the outputs of the setup: a recording does not raise its
+    /// stall timeout.
+    pub fn open_source_for_outputs(
+        &self,
+        source: &SourceUri,
+    ) -> Result<Box<dyn Source>, SetupError> {
+        self.open_merged_source(source, PacketPeriod::Unknown)
+    }
+
+    fn open_merged_source(
+        &self,
+        source: &SourceUri,
+        period: PacketPeriod,
+    ) -> Result<Box<dyn Source>, SetupError> {
         let mut parts = self.parts(source);
         if parts.len() == 1 {
             let part = parts.remove(0);
-            return self.open_single_source(part.uri, part.sides);
+            return self.open_single_source(part.uri, part.sides, period);
         }
         let mut sources = ArrayVec::new();
         for OpenedPart { uri, sides, part } in parts {
@@ -187,7 +210,7 @@ impl LoadedSetup {
                 _ => None,
             };
             sources.push(PartialSource {
-                source: self.open_single_source(uri, sides)?,
+                source: self.open_single_source(uri, sides, period)?,
                 side,
                 part,
                 delay: uri.delay(),
@@ -198,7 +221,7 @@ impl LoadedSetup {
 
     /// Opens a source for the first hand, without the others of the setup.
     pub fn open_source_alone(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        self.open_single_source(source, [self.arm.side()])
+        self.open_single_source(source, [self.arm.side()], PacketPeriod::Recorded)
     }
 
     /// Returns what each source measures. `first` replaces the first source of the setup.
@@ -242,15 +265,16 @@ impl LoadedSetup {
         &self,
         source: &SourceUri,
         sides: impl IntoIterator<Item = Side>,
+        period: PacketPeriod,
     ) -> Result<Box<dyn Source>, SetupError> {
         let format = Hc11Format::default();
         Ok(match source {
             SourceUri::Recording { path } => {
                 let replay = Replay::open(path)?;
-                match output::has_effect(&self.setup.output) {
-                    true => Box::new(replay.without_packet_period()),
-                    false => Box::new(replay),
-                }
+                Box::new(match period {
+                    PacketPeriod::Recorded => replay,
+                    PacketPeriod::Unknown => replay.without_packet_period(),
+                })
             }
             SourceUri::Typist { text, format: None } => {
                 Box::new(self.typist(text, &format, 0.0, 0)?)

@@ -55,6 +55,30 @@ impl GappedReplay {
     }
 }
 
+/// A replay whose disk stops to respond while a key is held, until the key is released.
+struct HangingReplay(GappedReplay);
+
+impl Source for HangingReplay {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        let replay = &self.0;
+        if replay.parts[0].len() == 0 && replay.parts[1].len() > 0 {
+            while !replay.is_released.load(Ordering::Relaxed) {
+                assert!(replay.started_at.elapsed() < TIMEOUT, "the key is held");
+                thread::sleep(Duration::from_millis(1));
+            }
+        }
+        self.0.next()
+    }
+
+    fn name(&self) -> &str {
+        "a recording on a disk that hangs"
+    }
+
+    fn is_live(&self) -> bool {
+        false
+    }
+}
+
 impl Source for GappedReplay {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let [before, after] = &mut self.parts;
@@ -111,6 +135,13 @@ impl Sink for NotingSink {
 
 /// Plays the recording. Returns its events and the number of stalls.
 fn play(is_paced: bool) -> (Vec<OutputEvent>, u64) {
+    play_source(|is_released| GappedReplay::new(is_paced, is_released))
+}
+
+/// Plays a source that is told of the release.
+fn play_source<S: Source + 'static>(
+    source: impl FnOnce(&Arc<AtomicBool>) -> S,
+) -> (Vec<OutputEvent>, u64) {
     let setup = Setup {
         arm_immediately: true,
         ..Setup::default()
@@ -123,7 +154,7 @@ fn play(is_paced: bool) -> (Vec<OutputEvent>, u64) {
         is_released: Arc::clone(&is_released),
     };
     let ended = run_pipeline(
-        GappedReplay::new(is_paced, &is_released),
+        source(&is_released),
         &mut setup.pipeline(),
         &mut sink,
         &CommandReceiver::disconnected(),
@@ -146,4 +177,16 @@ fn a_key_is_released_in_the_gap_of_a_paced_replay_with_the_time_of_the_stall() {
     assert!(matches!(down.kind, EventKind::KeyDown(_)), "{paced:?}");
     assert!(matches!(up.kind, EventKind::KeyUp(_)), "{paced:?}");
     assert!(up.time.since(down.time) < GAP, "{paced:?}");
+}
+
+#[test]
+fn a_key_is_released_while_the_disk_of_a_recording_hangs() {
+    let (events, stalls) =
+        play_source(|is_released| HangingReplay(GappedReplay::new(false, is_released)));
+    assert_eq!(stalls, 1);
+    let [down, up] = events[..] else {
+        panic!("{events:?}");
+    };
+    assert!(matches!(down.kind, EventKind::KeyDown(_)), "{events:?}");
+    assert!(matches!(up.kind, EventKind::KeyUp(_)), "{events:?}");
 }

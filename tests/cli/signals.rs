@@ -126,3 +126,71 @@ fn a_run_continues_when_its_standard_error_is_closed() {
     assert_eq!(ended.status.code(), Some(0));
     assert_eq!(String::from_utf8(ended.stdout).unwrap().lines().count(), 4);
 }
+
+/// Returns the state letter of a process in procfs: `T` if it is stopped.
+#[cfg(target_os = "linux")]
+fn process_state(process: u32) -> char {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
+    let after_name = stat.rsplit(") ").next().unwrap();
+    after_name.chars().next().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_is_continued_before_it_has_stopped_goes_on() {
+    let text = format!("typist:{}", "a text that takes longer ".repeat(20));
+    let mut run = Running::start(&["run", "--source", &text, "--armed"]);
+    let mut out = BufReader::new(run.0.stdout.take().unwrap());
+    assert!(line(&mut out).contains("down A"));
+    for _ in 0..3 {
+        run.signal("TSTP");
+        run.signal("CONT");
+        // The work before a stop takes 50 ms and more.
+        for _ in 0..60 {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+            assert_ne!(process_state(run.0.id()), 'T', "it is stopped");
+        }
+    }
+    run.signal("TSTP");
+    let start = std::time::Instant::now();
+    while process_state(run.0.id()) != 'T' {
+        assert!(start.elapsed().as_secs() < 60, "it does not stop");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    run.signal("CONT");
+    run.signal("INT");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal() {
+    let text = "typist:a text that takes longer than this test";
+    let program = ademan(["run", "--source", text, "--armed"]);
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
+        .arg(program.get_program())
+        .args(program.get_args())
+        .env("XDG_CONFIG_HOME", "/nowhere")
+        .env_remove("DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
+    let mut run = Running(command.spawn().unwrap());
+    let mut out = BufReader::new(run.0.stdout.take().unwrap());
+    assert!(line(&mut out).contains("down A"));
+    run.signal("HUP");
+    loop {
+        let line = line(&mut out);
+        assert_ne!(line, "", "the run has ended");
+        if line.contains("down T") {
+            break;
+        }
+    }
+    run.signal("TERM");
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+}

@@ -585,3 +585,86 @@ fn chunks_that_are_not_what_they_state_are_refused() {
         "{foreign}"
     );
 }
+
+#[test]
+fn times_of_a_recording_never_decrease() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("back.mcap");
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    for time in [100_000_000, 5, 99_000_000, 100_000_000, 101_000_000] {
+        let reading = Reading {
+            time: Timestamp(time),
+            ..reading(1)
+        };
+        recorder.write_reading(&reading).unwrap();
+    }
+    recorder.finish().unwrap();
+    let (replayed, _) = readings_and_error(Replay::open(&path).unwrap());
+    let times: Vec<_> = replayed.iter().map(|reading| reading.time.0).collect();
+    let latest = 100_000_000;
+    assert_eq!(times, [latest, latest, latest, latest, 101_000_000]);
+}
+
+/// Returns a metadata record with a setup text.
+fn setup_record(kind: &str, text: &str) -> Vec<u8> {
+    let mut fields = Vec::new();
+    let mut put = |fields: &mut Vec<u8>, text: &str| {
+        fields.extend((text.len() as u32).to_le_bytes());
+        fields.extend(text.as_bytes());
+    };
+    for (key, value) in [("kind", kind), ("name", "a name"), ("text", text)] {
+        put(&mut fields, key);
+        put(&mut fields, value);
+    }
+    let mut content = Vec::new();
+    put(&mut content, "ademan.setup");
+    content.extend((fields.len() as u32).to_le_bytes());
+    content.extend(fields);
+    const METADATA: u8 = 12;
+    let length = (content.len() as u64).to_le_bytes();
+    [&[METADATA][..], &length, &content].concat()
+}
+
+/// Returns the bytes of the setup texts that a replay keeps.
+fn setup_bytes(replay: &Replay<impl Read + Send>) -> usize {
+    let entries = replay.setup().entries.iter();
+    entries.map(|entry| entry.text.len()).sum()
+}
+
+#[test]
+fn setup_texts_that_expand_come_late_or_repeat_a_kind_take_no_memory() {
+    let bytes = recorded();
+    let first = chunks(&bytes)[0].start;
+    let own = setup_bytes(&replay(&bytes).unwrap());
+    let text = "x".repeat(1_000_000);
+
+    let repeated = setup_record("layout", &text).repeat(50);
+    let repeated = [&bytes[..first], &repeated, &bytes[first..]].concat();
+    assert_eq!(setup_bytes(&replay(&repeated).unwrap()), own);
+
+    let mut late = bytes.clone();
+    late.truncate(chunks(&bytes)[1].end);
+    late.extend((0..50).flat_map(|kind| setup_record(&kind.to_string(), &text)));
+    let mut late = replay(&late).unwrap();
+    while late.next().unwrap() != SourceEvent::End {}
+    assert_eq!(setup_bytes(&late), own);
+
+    let content = setup_record("expanding", &text);
+    let chunk = with_chunk("", content.len() as u64, &content);
+    assert_eq!(setup_bytes(&replay(&chunk).unwrap()), own);
+}
+
+#[test]
+fn setup_texts_beyond_the_limits_are_refused() {
+    let bytes = recorded();
+    let first = chunks(&bytes)[0].start;
+    let text = "x".repeat(1_000_000);
+    let many: Vec<u8> = (0..50)
+        .flat_map(|kind| setup_record(&kind.to_string(), &text))
+        .collect();
+    let many = error(&[&bytes[..first], &many].concat());
+    assert!(many.contains("more than the limit of 33554432"), "{many}");
+    let large = setup_record("large", &"x".repeat(2_000_000));
+    let large = error(&[&bytes[..first], &large].concat());
+    assert!(large.contains("more than the limit of 1048576"), "{large}");
+}

@@ -186,8 +186,13 @@ fn state_text(reply: &Value) -> String {
             ranges["percent"]
         );
     }
+    let incomplete = reply["incomplete"].as_array().into_iter().flatten();
+    let incomplete = incomplete.filter_map(plain_text);
+    let incomplete: String = incomplete
+        .map(|file| format!("\nfiles      {file}"))
+        .collect();
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses{learned}",
+        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses{learned}{incomplete}",
         or_unknown(&reply["profile"]),
         or_unknown(&reply["layout"]),
         reply["steps"],

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{RecvTimeoutError, bounded};
 
 use super::event::{CaptureEvent, EventSource};
-use super::event_queue::{EventBuffer, EventQueue, QUEUE_CAPACITY};
+use super::event_queue::{EventBuffer, EventQueue, LIVE_CAPACITY};
 use super::wake_up::WakeUp;
 use super::{Source, SourceWait};
 
@@ -35,7 +35,7 @@ impl InPlaceCapture {
     pub fn new(mut source: Box<dyn Source>) -> Result<Self, Box<dyn Source>> {
         match WakeUp::new() {
             Some(wake_up) if source.set_polled() => Ok(Self {
-                queue: EventQueue::new(VecDeque::with_capacity(QUEUE_CAPACITY), source.is_live()),
+                queue: EventQueue::new(VecDeque::with_capacity(LIVE_CAPACITY), source.is_live()),
                 source: Some(EventSource::new(source)),
                 wake_up,
             }),

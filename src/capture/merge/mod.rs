@@ -256,8 +256,10 @@ impl Source for MergedSource {
             false => self.next_in_time()?,
         };
         if let Some(mut reading) = reading {
-            // The parts of a hand have one clock, on which no two moments are the same.
-            let earliest = self.time.0 + u64::from(reading.part.is_some());
+            // The parts of a hand have one clock, on which no two moments are the same. Nor are two live readings of a hand
+            // that the clock of the other one has overtaken.
+            let is_later = self.is_live || reading.part.is_some();
+            let earliest = self.time.0 + u64::from(is_later);
             reading.time = reading.time.max(Timestamp(earliest));
             self.time = reading.time;
             return Ok(SourceEvent::Reading(reading));

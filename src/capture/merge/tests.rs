@@ -1,3 +1,6 @@
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::*;
 use crate::capture::{Channels, Sample};
 
@@ -88,6 +91,18 @@ fn live_sources_share_a_clock_that_never_decreases() {
         readings[5].1 < 4_000_000,
         "not the time since the start: {readings:?}"
     );
+}
+
+#[test]
+fn no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it() {
+    // Their own clocks are slower than the arrival, so that each hand is behind whenever the other one has a reading.
+    let times = || (0..300).collect();
+    let (readings, _) = merge(TimedSource("live", times()), TimedSource("live", times()));
+    for side in [Side::Left, Side::Right] {
+        let times = readings.iter().filter(|(other, _)| *other == side);
+        let times: Vec<_> = times.map(|(_, time)| *time).collect();
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+    }
 }
 
 /// Live source that gives events at once and then waits.
@@ -185,4 +200,95 @@ fn the_loss_of_a_source_names_its_part_and_the_other_continues() {
         panic!("{error:?}");
     };
     assert_eq!((*side, *part), (Some(Side::Right), Some(HandPart::Arm)));
+}
+
+/// Readings of a hand without pauses, until the other hand has ended.
+struct Flood(u64, Arc<AtomicU64>);
+
+/// Readings of a hand whose consumer has received all but four of them.
+struct Steady {
+    sent: u64,
+    received: Arc<AtomicU64>,
+    started_at: Instant,
+}
+
+const STEADY_READINGS: u64 = 100;
+
+fn empty_reading(time: u64) -> SourceEvent {
+    let angles = Default::default();
+    SourceEvent::Reading(Reading::new(
+        Timestamp(time),
+        None,
+        Sample::Angles { angles },
+    ))
+}
+
+impl Source for Flood {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        self.0 += 1;
+        match self.1.load(Ordering::Relaxed) {
+            STEADY_READINGS.. => Ok(SourceEvent::End),
+            _ => Ok(empty_reading(self.0)),
+        }
+    }
+
+    fn name(&self) -> &str {
+        "flood"
+    }
+}
+
+impl Source for Steady {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        let received = self.received.load(Ordering::Relaxed);
+        if self.sent == STEADY_READINGS || self.started_at.elapsed() > Duration::from_secs(20) {
+            self.received.store(STEADY_READINGS, Ordering::Relaxed);
+            return Ok(SourceEvent::End);
+        }
+        if self.sent >= received + 4 {
+            std::thread::sleep(Duration::from_millis(1));
+            return Ok(SourceEvent::Idle);
+        }
+        self.sent += 1;
+        Ok(empty_reading(self.sent))
+    }
+
+    fn name(&self) -> &str {
+        "steady"
+    }
+}
+
+#[test]
+fn a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods() {
+    let received = Arc::new(AtomicU64::new(0));
+    let steady = Steady {
+        sent: 0,
+        received: received.clone(),
+        started_at: Instant::now(),
+    };
+    let sources: [(Side, Box<dyn Source>); 2] = [
+        (Side::Left, Box::new(Flood(0, received.clone()))),
+        (Side::Right, Box::new(steady)),
+    ];
+    let sources = sources.map(|(side, source)| PartialSource {
+        source,
+        side: Some(side),
+        part: None,
+        delay: Duration::ZERO,
+    });
+    let merged = MergedSource::start(sources.into_iter().collect()).unwrap();
+    let capture = spawn(merged).unwrap();
+    let (mut steady, mut flooded) = (0, 0);
+    for event in capture.events() {
+        match event {
+            CaptureEvent::Reading { reading, .. } if reading.side == Some(Side::Right) => {
+                steady += 1;
+                received.fetch_max(steady, Ordering::Relaxed);
+            }
+            CaptureEvent::Reading { .. } => flooded += 1,
+            _ => continue,
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(steady, STEADY_READINGS, "beside {flooded} readings");
+    assert!(flooded > STEADY_READINGS, "{flooded}");
 }

@@ -1,7 +1,8 @@
 //! Recordings: MCAP files with readings, the results of the pipeline and the setup.
 //!
 //! A recording is an [MCAP](https://mcap.dev/spec) file. Its records, in order: a metadata record [`FORMAT_RECORD`], a
-//! metadata record [`SETUP_RECORD`] per setup text, the channels, and chunks of [messages](message). Readings are on the
+//! metadata record [`SETUP_RECORD`] per setup text, the channels, and chunks of [messages](message). Of several setup texts of
+//! a kind the first one counts. Readings are on the
 //! channel [`READINGS_TOPIC`]. A chunk has the messages of less than a second, so a truncated file keeps all but those of
 //! its last second.
 //!
@@ -12,6 +13,7 @@ mod json;
 mod lengths;
 pub mod message;
 mod records;
+mod setup;
 
 use std::fs::File;
 use std::io::Read;
@@ -23,7 +25,10 @@ use mcap::records::{Channel, Metadata};
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::files;
+use crate::time::Timestamp;
 use records::{Content, Records, Stop};
+
+pub use setup::{RecordedSetup, SetupText};
 
 /// Topic of the channel of readings.
 pub const READINGS_TOPIC: &str = "/readings";
@@ -55,54 +60,6 @@ pub const SETUP_RECORD: &str = "ademan.setup";
 /// Largest size of a record and of a chunk in bytes: enough for the largest setup text.
 pub const MAX_RECORD_BYTES: usize = 4 << 20;
 
-/// Kind of the setup text with the shortest time between two readings, in microseconds.
-const PACKET_PERIOD: &str = "packet-period";
-
-/// Texts that describe how a recording was made: glove, arm, layouts and settings.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct RecordedSetup {
-    /// The texts in the order of the file.
-    pub entries: Vec<SetupText>,
-}
-
-/// One text of a setup.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SetupText {
-    /// Subject of the text: `glove`, `arm`, `layout`, `setup`, ….
-    pub kind: String,
-    /// Path or built-in name.
-    pub name: String,
-    /// The text itself.
-    pub text: String,
-}
-
-impl RecordedSetup {
-    /// Adds a text.
-    #[must_use]
-    pub fn with(mut self, kind: &str, name: &str, text: &str) -> Self {
-        self.entries.push(SetupText {
-            kind: kind.into(),
-            name: name.into(),
-            text: text.into(),
-        });
-        self
-    }
-
-    /// Adds the shortest time between two readings of the source, on which the stall timeout depends.
-    #[must_use]
-    pub fn with_packet_period(self, period: Option<Duration>) -> Self {
-        match period {
-            Some(period) => self.with(PACKET_PERIOD, "µs", &period.as_micros().to_string()),
-            None => self,
-        }
-    }
-
-    /// Returns the first text of this kind.
-    pub fn get(&self, kind: &str) -> Option<&SetupText> {
-        self.entries.iter().find(|entry| entry.kind == kind)
-    }
-}
-
 /// Premature end of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truncation {
@@ -113,6 +70,9 @@ pub struct Truncation {
 }
 
 /// A recording as a source, which returns readings without delay.
+///
+/// Their times never decrease, as in every recording of this program: a time that goes back would stop the clock by which a
+/// gap is noticed.
 ///
 /// Reads the file piece by piece, so its size does not matter. After all complete readings of a truncated file,
 /// [`Source::next`] returns [`SourceEvent::End`] and [`truncation`](Self::truncation) states the position.
@@ -128,7 +88,11 @@ pub struct Replay<R = File> {
     /// The channel of commands.
     commands: Option<MessageChannel>,
     pending: Option<SourceEvent>,
+    /// The first reading or command was read, so that the setup is complete.
+    has_started: bool,
     readings: u64,
+    /// Time of the latest reading.
+    time: Timestamp,
     truncation: SharedTruncation,
     has_ended: bool,
 }
@@ -166,7 +130,9 @@ impl<R: Read + Send> Replay<R> {
             channel: None,
             commands: None,
             pending: None,
+            has_started: false,
             readings: 0,
+            time: Timestamp::default(),
             truncation: SharedTruncation::default(),
             has_ended: false,
         };
@@ -182,13 +148,11 @@ impl<R: Read + Send> Replay<R> {
         &self.setup
     }
 
-    /// Removes the recorded packet period, which raises the stall timeout: for outputs whose keys a recording must not hold
-    /// for longer than the person permits who replays it.
+    /// Removes the recorded packet period, which raises the stall timeout: for sessions in which a recording must not hold a
+    /// key for longer than the setup of the person permits.
     #[must_use]
     pub fn without_packet_period(mut self) -> Self {
-        self.setup
-            .entries
-            .retain(|entry| entry.kind != PACKET_PERIOD);
+        self.setup.remove_packet_period();
         self
     }
 
@@ -224,7 +188,10 @@ impl<R: Read + Send> Replay<R> {
             };
             match decoded {
                 Ok(None) => {}
-                Ok(event) => return Ok(event),
+                Ok(event) => {
+                    self.has_started = true;
+                    return Ok(event);
+                }
                 Err(reason) => return Err(self.malformed(reason)),
             }
         }
@@ -272,14 +239,11 @@ impl<R: Read + Send> Replay<R> {
                      `{FORMAT_VERSION}`; use the version that wrote it"
                 ))
             }
-            SETUP_RECORD => {
-                self.setup.entries.push(SetupText {
-                    kind: field("kind"),
-                    name: field("name"),
-                    text: field("text"),
-                });
-                Ok(())
-            }
+            SETUP_RECORD if !self.has_started => self.setup.add(SetupText {
+                kind: field("kind"),
+                name: field("name"),
+                text: field("text"),
+            }),
             _ => Ok(()),
         }
     }
@@ -350,11 +314,15 @@ impl MessageChannel {
 
 impl<R: Read + Send> Source for Replay<R> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let event = match self.pending.take() {
+        let mut event = match self.pending.take() {
             Some(event) => Some(event),
             None => self.next_event()?,
         };
-        self.readings += u64::from(matches!(event, Some(SourceEvent::Reading(_))));
+        if let Some(SourceEvent::Reading(reading)) = &mut event {
+            self.readings += 1;
+            reading.time = reading.time.max(self.time);
+            self.time = reading.time;
+        }
         Ok(event.unwrap_or(SourceEvent::End))
     }
 
@@ -364,8 +332,7 @@ impl<R: Read + Send> Source for Replay<R> {
 
     /// Returns the period of the recorded source, if that knew it.
     fn packet_period(&self) -> Option<Duration> {
-        let microseconds = self.setup.get(PACKET_PERIOD)?.text.parse().ok()?;
-        Some(Duration::from_micros(microseconds))
+        self.setup.packet_period()
     }
 
     fn is_live(&self) -> bool {

@@ -115,11 +115,15 @@ impl<R: Read> Records<R> {
         Ok(())
     }
 
-    /// Reads the next record.
+    /// Reads the next record. Metadata do not belong into chunks and are left out there: compressed, they could be of any size.
     pub fn next(&mut self) -> Result<Content<'_>, Stop> {
         let (opcode, data) = loop {
             if !self.rest.is_empty() {
-                break self.next_in_chunk()?;
+                let record = self.next_in_chunk()?;
+                if record.0 == op::METADATA {
+                    return Ok(Content::Other);
+                }
+                break record;
             }
             let opcode = self.read_record()?;
             if opcode != op::CHUNK {

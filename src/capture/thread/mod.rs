@@ -59,7 +59,7 @@ fn start(
     let no_pipe = |error| format!("no pipe for it: {error}; close other programs");
     let (cancel, token) = cancel_token().map_err(|error| open_error(no_pipe(error)))?;
     source.set_cancel_token(&token);
-    let queue = EventQueue::new(EventChannel::new(), is_live);
+    let queue = EventQueue::new(EventChannel::new(is_live), is_live);
     let events = queue.buffer.receiver().clone();
     let (end_of_thread, ended) = bounded(0);
     let mut sender = EventSender {

@@ -39,6 +39,9 @@ const SEND_BUFFER: usize = 8192;
 /// Longest time in which a server accepts a connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 
+/// Attempts to lock a file that other processes remove at the same time.
+const MAX_LOCK_ATTEMPTS: u32 = 100;
+
 /// A failure to create a socket. The messages contain the cause; the remedy depends on the purpose of the socket.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SocketError {
@@ -79,8 +82,8 @@ pub(crate) struct Listener {
     path: PathBuf,
     /// Device and inode of the socket file.
     inode: (u64, u64),
-    /// Locked while the socket exists. Its file is never removed, as that would race with another process opening it.
-    _lock: File,
+    /// Locked while the socket exists.
+    lock: SocketLock,
 }
 
 impl Listener {
@@ -96,7 +99,7 @@ impl Listener {
             let folder = path.parent().unwrap_or(Path::new("."));
             files::create_private_folder(folder).map_err(SocketError::other)?;
         }
-        let lock = lock(path)?;
+        let lock = SocketLock::acquire(path)?;
         remove_stale(path)?;
         let socket = bind_private(path).map_err(io::Error::from)?;
         let metadata = fs::symlink_metadata(path)?;
@@ -104,7 +107,7 @@ impl Listener {
             socket,
             path: path.into(),
             inode: (metadata.dev(), metadata.ino()),
-            _lock: lock,
+            lock,
         };
         match metadata.mode() & 0o077 {
             0 => Ok(listener),
@@ -144,13 +147,12 @@ impl Listener {
         self.remove();
     }
 
-    /// Removes the socket file unless another process has replaced it.
+    /// Removes the socket file, and then its lock, unless another process has replaced it.
     pub fn remove(&self) {
-        let is_own = fs::symlink_metadata(&self.path)
-            .is_ok_and(|found| (found.dev(), found.ino()) == self.inode);
-        if is_own {
+        if inode_at(&self.path) == Some(self.inode) {
             let _ = fs::remove_file(&self.path);
         }
+        self.lock.remove();
     }
 }
 
@@ -208,20 +210,66 @@ fn stream_socket() -> rustix::io::Result<OwnedFd> {
     socket_with(AddressFamily::UNIX, SocketType::STREAM, flags, None)
 }
 
-/// Locks the file beside a socket. The owner of the lock owns the socket; the kernel drops the lock when the process
-/// exits.
-fn lock(path: &Path) -> Result<File, SocketError> {
-    let mut lock_path = path.as_os_str().to_owned();
-    lock_path.push(".lock");
-    let lock_path = Path::new(&lock_path);
-    let lock = files::open_private(lock_path).map_err(|error| {
-        SocketError::Other(format!("cannot open {}: {error}", escape_path(&lock_path)))
-    })?;
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(TryLockError::WouldBlock) => Err(SocketError::InUse),
-        Err(TryLockError::Error(error)) => Err(error.into()),
+/// A locked file beside a socket. Its owner owns the socket; the kernel drops the lock when the process exits.
+///
+/// The file is removed with the lock. Another process may have opened it before and locks it then, so a lock counts only if
+/// its file still has the name.
+struct SocketLock {
+    file: File,
+    path: PathBuf,
+}
+
+impl SocketLock {
+    /// Locks the file beside the socket at `socket`.
+    fn acquire(socket: &Path) -> Result<Self, SocketError> {
+        let mut path = socket.as_os_str().to_owned();
+        path.push(".lock");
+        let path = PathBuf::from(path);
+        for _ in 0..MAX_LOCK_ATTEMPTS {
+            let file = files::open_private(&path).map_err(|error| {
+                SocketError::Other(format!("cannot open {}: {error}", escape_path(&path)))
+            })?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Err(SocketError::InUse),
+                Err(TryLockError::Error(error)) => return Err(error.into()),
+            }
+            let lock = Self {
+                file,
+                path: path.clone(),
+            };
+            if lock.has_name() {
+                return Ok(lock);
+            }
+        }
+        Err(SocketError::InUse)
     }
+
+    /// Returns whether the locked file is the one at the path.
+    fn has_name(&self) -> bool {
+        let own = self.file.metadata().ok();
+        let own = own.map(|own| (own.dev(), own.ino()));
+        own.is_some() && own == inode_at(&self.path)
+    }
+
+    /// Removes the file while it is locked.
+    fn remove(&self) {
+        if self.has_name() {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+impl Drop for SocketLock {
+    fn drop(&mut self) {
+        self.remove();
+    }
+}
+
+/// Returns the device and the inode of the file at a path.
+fn inode_at(path: &Path) -> Option<(u64, u64)> {
+    let found = fs::symlink_metadata(path).ok()?;
+    Some((found.dev(), found.ino()))
 }
 
 /// Removes a socket left behind by a dead process. The caller must have the lock.
@@ -263,6 +311,42 @@ mod tests {
         assert_eq!(mode & 0o777, 0o600);
         listener.close();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_socket_that_is_closed_or_refused_leaves_no_file_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = || fs::read_dir(folder.path()).unwrap().count();
+        let listener = Listener::open(&folder.path().join("c.sock")).unwrap();
+        assert_eq!(files(), 2, "the socket and its lock");
+        listener.close();
+        assert_eq!(files(), 0);
+        let next = Listener::open(&folder.path().join("c.sock")).unwrap();
+        listener.remove();
+        drop(listener);
+        assert_eq!(files(), 2, "they belong to the next process");
+        next.close();
+
+        let notes = folder.path().join("notes");
+        fs::write(&notes, "mine").unwrap();
+        assert!(Listener::open(&notes).is_err());
+        assert_eq!(files(), 1, "only the notes");
+    }
+
+    #[test]
+    fn a_lock_whose_file_was_removed_does_not_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.sock");
+        let first = SocketLock::acquire(&path).unwrap();
+        assert!(matches!(
+            SocketLock::acquire(&path),
+            Err(SocketError::InUse)
+        ));
+        fs::remove_file(&first.path).unwrap();
+        assert!(!first.has_name());
+        let second = SocketLock::acquire(&path).unwrap();
+        drop(first);
+        assert!(second.has_name(), "it is the lock of another process");
     }
 
     #[test]

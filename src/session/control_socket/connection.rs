@@ -82,7 +82,10 @@ impl ClientConnection<'_> {
         match self.context.commands.request(command) {
             Ok(Reply::Done) => response::success(None),
             Ok(Reply::Text(text)) => response::success(Some(&text)),
-            Ok(Reply::State(status)) => response::state(&status, &self.context.profiles),
+            Ok(Reply::State(status)) => {
+                let incomplete = self.context.write_failures.reasons();
+                response::state(&status, &self.context.profiles, &incomplete)
+            }
             Err(error) => response::failure(&error.to_string()),
         }
     }

@@ -3,6 +3,7 @@
 use super::ProfileInfo;
 use crate::session::command_channel::CommandSender;
 use crate::session::view::ViewHub;
+use crate::session::write_failures::WriteFailures;
 
 /// The session that a control socket serves.
 pub struct ServerContext {
@@ -12,4 +13,6 @@ pub struct ServerContext {
     pub commands: CommandSender,
     /// Views of the session, if it has any.
     pub views: Option<ViewHub>,
+    /// Files that became incomplete.
+    pub write_failures: WriteFailures,
 }

@@ -29,8 +29,12 @@ pub(super) fn failure(error: &str) -> JsonLine {
     json(&Failure { ok: false, error })
 }
 
-/// Returns the response to `state`.
-pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
+/// Returns the response to `state`; `incomplete` has the reasons why files are.
+pub(super) fn state(
+    status: &SessionStatus,
+    profiles: &[ProfileInfo],
+    incomplete: &[String],
+) -> JsonLine {
     let profile = profiles.get(status.profile);
     let rejected: u64 = status.stats.rejected.iter().sum();
     json(&StateResponse {
@@ -45,6 +49,7 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
         dropped_presses: status.stats.dropped_presses,
         pointer: status.cursor.as_ref().map(CursorJson::from),
         learned: status.learned.as_ref().map(LearnedJson::from),
+        incomplete,
     })
 }
 
@@ -141,6 +146,8 @@ struct StateResponse<'a> {
     pointer: Option<CursorJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     learned: Option<LearnedJson>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    incomplete: &'a [String],
 }
 
 /// The ranges of sensors that were learned: their number, and the joint and the widening of the widest one.

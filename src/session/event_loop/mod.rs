@@ -31,6 +31,10 @@ use crate::time::{NO_DEADLINE, Timestamp};
 /// recording may claim any period.
 const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
 
+/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time:
+/// the disk of a recording hangs. Only a machine that is very busy delays its thread for a part of it.
+const MAX_SILENCE: Duration = Duration::from_secs(1);
+
 /// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
 /// without a heartbeat.
 const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
@@ -104,7 +108,7 @@ struct SessionLoop<'a> {
     /// Time of the latest message or capture event. A clock costs as much as a stage of the pipeline, so it is read once for
     /// each of them.
     now: Instant,
-    /// Arrival of the last accepted reading; `None` after a stall.
+    /// Arrival of the last accepted reading; `None` after a stall. The latest sign of a source that is not live.
     last_reading_at: Option<Instant>,
     /// Statistics up to the present step, which observers see.
     stats: Stats,
@@ -190,12 +194,18 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Time until a live source without readings counts as stalled.
+    /// Time until a source without readings counts as stalled. One that is not live has the times of its readings for this,
+    /// and a deadline only if keys stay pressed outside of this process meanwhile.
     fn time_to_stall(&self) -> Duration {
+        let timeout = self.pipeline.stall_timeout();
+        let timeout = match self.capture.is_live() {
+            true => timeout,
+            false if self.sink.0.has_effect() => timeout.max(MAX_SILENCE),
+            false => return NO_DEADLINE,
+        };
         match self.last_reading_at {
-            Some(last) if self.capture.is_live() && self.pipeline.expects_readings() => {
-                let deadline = last + self.pipeline.stall_timeout();
-                deadline.saturating_duration_since(self.now)
+            Some(last) if self.pipeline.expects_readings() => {
+                (last + timeout).saturating_duration_since(self.now)
             }
             _ => NO_DEADLINE,
         }
@@ -282,7 +292,9 @@ impl SessionLoop<'_> {
         let is_accepted = output.is_ok();
         let has_commands = output.is_ok_and(|output| !output.commands.is_empty());
         if is_accepted {
-            self.last_reading_at = Some(received_at);
+            // The readings of a source that is not live may have waited for this loop.
+            let is_live = self.capture.is_live();
+            self.last_reading_at = Some(if is_live { received_at } else { self.now });
         }
         if has_commands {
             let commands = &self.pipeline.output_for(reading).commands;
@@ -405,6 +417,7 @@ impl SessionLoop<'_> {
         self.events.clear();
         let is_stalled = self.pipeline.stall_if_overdue(time, &mut self.events);
         self.send_events()?;
+        self.last_reading_at = self.last_reading_at.map(|_| self.now);
         if is_stalled {
             self.last_reading_at = None;
             self.publish(None, false, None);

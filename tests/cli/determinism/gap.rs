@@ -2,10 +2,13 @@
 
 use std::time::Duration;
 
+use ademan::capture::recording::RecordedSetup;
+use ademan::recorder::Recorder;
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 use super::{assert_same, record_source, replay_by_program};
+use crate::ademan;
 use crate::support::press::{Posture, Press, glove_format, reading};
 use crate::support::recording::Readings;
 
@@ -43,4 +46,53 @@ fn a_recording_with_a_gap_gives_the_same_bytes_at_any_speed() {
         let found = replay_by_program(&path, Some(speed));
         assert_same("gap", &format!("speed {speed}"), &found, &first);
     }
+}
+
+#[test]
+fn a_run_of_a_recording_keeps_the_stall_limit_of_the_setup_whatever_period_the_recording_states() {
+    let press = Press::for_text("h");
+    let mut time = Timestamp(0);
+    let mut next = |posture: &Posture| {
+        time = time + glove_format().packet_period();
+        reading(time, posture)
+    };
+    let mut readings: Vec<_> = (0..80).map(|_| next(&press.clear())).collect();
+    readings.extend(press.approach.iter().map(&mut next));
+    let last = readings[readings.len() - 1].time;
+    readings.extend(press.lift.iter().map(&mut next));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("period.mcap");
+    let setup = RecordedSetup::default().with_packet_period(Some(Duration::from_secs(1)));
+    let mut recorder = Recorder::create(&path, &setup).expect("a file");
+    for mut reading in readings {
+        if reading.time > last {
+            reading.time = reading.time + GAP;
+        }
+        recorder.write_reading(&reading).expect("room on the disk");
+    }
+    recorder.finish().expect("room on the disk");
+    let source = format!("recording:{}", path.display());
+    let output = ademan([
+        "run",
+        "--source",
+        &source,
+        "--output",
+        "transcript",
+        "--control",
+        "off",
+    ])
+    .output()
+    .expect("the program starts");
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    let time_of = |event: &str| {
+        let line = text.lines().find(|line| line.contains(event));
+        let time = line.and_then(|line| line.split_whitespace().next());
+        time.and_then(|time| time.parse::<f64>().ok())
+            .unwrap_or_else(|| panic!("no {event}: {text}"))
+    };
+    let released_after = time_of("up   H") - last.0 as f64 / 1e3;
+    assert!(
+        (150.0..=250.0).contains(&released_after),
+        "{released_after} ms: {text}"
+    );
 }

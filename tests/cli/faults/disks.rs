@@ -4,7 +4,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::process::{Command, Output, Stdio};
 
+use crossbeam_channel::RecvTimeoutError;
+
 use crate::support::binary::ademan;
+use crate::support::process::{Process, signal};
+use crate::support::run::{TIMEOUT, line_receiver};
 
 const TEXT: &str = "typist:hola y adios";
 
@@ -98,6 +102,83 @@ fn a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing() {
             .next()
             .is_none()
     );
+}
+
+#[test]
+fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let disk = folder.path().join("disk");
+    fs::create_dir(&disk).expect("a folder");
+    let before = format!(
+        "mount -t tmpfs -o size=64k none {} || exit 77;",
+        disk.display()
+    );
+    let (recording, socket) = (disk.join("run.mcap"), folder.path().join("c.sock"));
+    let (recording, socket) = (recording.to_str(), socket.to_str());
+    let (recording, socket) = (recording.expect("a path"), socket.expect("a path"));
+    // Typing goes on until the test ends it.
+    let text = format!("typist:{}", "hola y adios ".repeat(200));
+    let arguments = [
+        "run",
+        "--source",
+        &text,
+        "--record",
+        recording,
+        "--control",
+        socket,
+    ];
+    let mut command = in_shell("unshare", &before, &arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut run = match Process::start(&mut command) {
+        Err(error) => {
+            println!("SKIPPED: no file system of its own: {error}");
+            return;
+        }
+        Ok(run) => run,
+    };
+    let out = line_receiver(run.0.stdout.take().expect("it is piped"));
+    let err = line_receiver(run.0.stderr.take().expect("it is piped"));
+    let mut messages = Vec::new();
+    let notice = loop {
+        let line = match err.recv_timeout(TIMEOUT) {
+            Ok(line) => line,
+            Err(RecvTimeoutError::Timeout) => panic!("no notice: {messages:#?}"),
+            Err(RecvTimeoutError::Disconnected) => {
+                let code = run.0.wait().expect("it has ended").code();
+                let is_refused = messages
+                    .iter()
+                    .any(|line: &String| line.starts_with("unshare:"));
+                assert!(is_refused || code == Some(77), "no notice: {messages:#?}");
+                println!("SKIPPED: no file system of its own: {messages:?}");
+                return;
+            }
+        };
+        if line.contains("incomplete") {
+            break line;
+        }
+        messages.push(line);
+    };
+    assert!(notice.contains("No space left"), "{notice}");
+    assert!(notice.contains("the session goes on"), "{notice}");
+    out.try_iter().for_each(drop);
+    for _ in 0..4 {
+        out.recv_timeout(TIMEOUT).expect("typing goes on");
+    }
+    let state = |arguments: &[&str]| {
+        let state = ademan([&["ctl", "--socket", socket], arguments].concat()).output();
+        String::from_utf8(state.expect("the program starts").stdout).expect("UTF-8")
+    };
+    let line = state(&["state"]);
+    assert!(line.contains("\nfiles      the recording"), "{line}");
+    let json = state(&["state", "--json"]);
+    assert!(json.contains("\"incomplete\":[\"the recording"), "{json}");
+    signal("INT", run.0.id());
+    let mut last = notice;
+    while let Ok(line) = err.recv_timeout(TIMEOUT) {
+        last = line;
+    }
+    assert!(last.contains("No space left"), "{last}");
+    assert_eq!(run.0.wait().expect("it ends").code(), Some(1));
 }
 
 #[test]

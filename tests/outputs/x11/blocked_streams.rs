@@ -8,7 +8,7 @@ use crate::support::binary::ademan;
 use crate::support::full_pipe::full_pipe;
 use crate::support::glove::Glove;
 use crate::support::press::{Press, x11_code};
-use crate::support::process::Process;
+use crate::support::process::{Process, collect_lines, signal};
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 #[test]
@@ -66,4 +66,62 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
         "in order, and not by the time limit"
     );
     assert_eq!(server.pressed_keys(), [0; 0]);
+}
+
+#[test]
+fn a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::for_text("h");
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("glove");
+    let glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let arguments = [
+        "run",
+        "--armed",
+        "--output",
+        "transcript,desktop",
+        "--source",
+        &source,
+    ];
+    let mut command = ademan(arguments);
+    command
+        .args(["--control", "off"])
+        .env("DISPLAY", server.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR")
+        .stdin(Stdio::null())
+        .stdout(full.expect("Linux has /dev/full"))
+        .stderr(Stdio::piped());
+    let mut program = Process::start(&mut command).expect("the program starts");
+    let messages = collect_lines(program.0.stderr.take().expect("it is piped"));
+    let is_reported = || {
+        let messages = messages.lock().unwrap();
+        messages.iter().any(|line| {
+            line.contains("No space left") && line.contains("the session goes on without it")
+        })
+    };
+    // The first press fills the disk, the others come after the report.
+    for _ in 0..3 {
+        assert!(wait_for(|| {
+            glove.play(&press.approach);
+            wait_at_most(Duration::from_secs(5), || {
+                server.pressed_keys() == [x11_code("H")]
+            })
+        }));
+        glove.play(&press.lift);
+        assert!(server.wait_for_keys(&[]));
+        assert!(wait_for(is_reported), "{messages:?}");
+    }
+    assert!(program.0.try_wait().expect("a child process").is_none());
+    signal("INT", program.0.id());
+    let mut status = None;
+    wait_for(|| {
+        status = program.0.try_wait().expect("a child process");
+        status.is_some()
+    });
+    assert_eq!(status.expect("it ends").code(), Some(1));
 }

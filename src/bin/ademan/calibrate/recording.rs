@@ -4,15 +4,19 @@ use std::path::Path;
 
 use ademan::calibrate::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text};
 use ademan::capture::recording::{RecordedSetup, Replay, SetupText};
-use ademan::capture::{Reading, Sample, Source, SourceEvent};
+use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent};
 use ademan::document::Document;
 use ademan::recorder::Recorder;
+use ademan::time::Timestamp;
 
 use super::session::Readings;
 use crate::failure::Failure;
 
 /// The kind of the setup text with the glove file.
 const GLOVE_KIND: &str = "glove";
+
+/// Largest size of the readings in memory, beyond that of their file: a compressed one could expand to any size.
+const MAX_EXPANSION_BYTES: u64 = 64 << 20;
 
 /// A recorded calibration.
 pub struct RecordedCalibration {
@@ -53,6 +57,14 @@ pub fn read(path: &Path) -> Result<RecordedCalibration, Failure> {
             SourceEvent::Reading(reading) => {
                 if let Sample::Channels(channels) = reading.sample {
                     readings.push((reading.time, channels));
+                }
+                let bytes = (readings.len() * size_of::<(Timestamp, Channels)>()) as u64;
+                if bytes > MAX_EXPANSION_BYTES + replay.stats().bytes {
+                    return Err(Failure::wrong_use(format!(
+                        "{} has more than {} readings; calibrate with a shorter recording",
+                        escape_path(path),
+                        readings.len()
+                    )));
                 }
             }
             SourceEvent::Idle | SourceEvent::Command(_) => {}

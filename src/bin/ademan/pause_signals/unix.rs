@@ -1,12 +1,16 @@
 //! SIGUSR1 and SIGTSTP on Unix systems.
 
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use ademan::command::{Command, CommandOrigin};
 use ademan::priority;
 use ademan::session::{CommandSender, Reply};
-use signal_hook::consts::signal::{SIGTSTP, SIGUSR1};
+use signal_hook::consts::signal::{SIGCONT, SIGTSTP, SIGUSR1};
+use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
@@ -19,9 +23,33 @@ const REPLY_TIMEOUT: Duration = Duration::from_millis(500);
 /// Time for outputs with threads of their own to release all keys.
 const OUTPUT_DELAY: Duration = Duration::from_millis(50);
 
+/// Values of [`LastRequest`].
+const CONTINUE: usize = 0;
+const STOP: usize = 1;
+
+/// The last one of the signals that stop and continue the process. The system discards a stop when a SIGCONT follows, and so
+/// does this program, which has work to do before it stops.
+#[derive(Clone)]
+struct LastRequest(Arc<AtomicUsize>);
+
+impl LastRequest {
+    /// Notes the signals from now on. To be called before another handler of SIGTSTP is installed.
+    fn watch() -> io::Result<Self> {
+        let last = Arc::new(AtomicUsize::new(CONTINUE));
+        flag::register_usize(SIGTSTP, last.clone(), STOP)?;
+        flag::register_usize(SIGCONT, last.clone(), CONTINUE)?;
+        Ok(Self(last))
+    }
+
+    fn is_stop(&self) -> bool {
+        self.0.load(Ordering::SeqCst) == STOP
+    }
+}
+
 /// Handles the signals until the program ends.
 pub fn install(commands: CommandSender) -> Result<(), Failure> {
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
+    let last = LastRequest::watch().map_err(failed)?;
     let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
     let pause = commands.with_origin(CommandOrigin::Signal);
     let suspended = commands.with_origin(CommandOrigin::Suspend);
@@ -31,7 +59,7 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
         for signal in &mut signals {
             match signal {
                 SIGUSR1 => _ = pause.send(Command::Pause),
-                _ => suspend(&suspended),
+                _ => suspend(&suspended, &last),
             }
         }
     };
@@ -42,15 +70,16 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
 /// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped.
 pub fn install_without_session() -> Result<(), Failure> {
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
+    let last = LastRequest::watch().map_err(failed)?;
     let mut signals = Signals::new([SIGTSTP]).map_err(failed)?;
-    let handle = move || signals.forever().for_each(|_| stop_process());
+    let handle = move || signals.forever().for_each(|_| stop_process(&last));
     let thread = thread::Builder::new().name("signals".into());
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
 /// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was
-/// in effect before or was requested meanwhile.
-fn suspend(commands: &CommandSender) {
+/// in effect before or was requested in the meantime.
+fn suspend(commands: &CommandSender, last: &LastRequest) {
     let request = |command| commands.request_with_timeout(command, REPLY_TIMEOUT);
     let was_paused =
         matches!(request(Command::State), Ok(Reply::State(status)) if status.paused_by.is_some());
@@ -58,16 +87,18 @@ fn suspend(commands: &CommandSender) {
         let _ = request(Command::Pause);
     }
     thread::sleep(OUTPUT_DELAY);
-    stop_process();
+    stop_process(last);
     if !was_paused {
         let _ = request(Command::Resume);
     }
 }
 
-/// Stops the process until it is continued. The view is closed meanwhile.
-fn stop_process() {
+/// Stops the process until it is continued, unless it was continued already. The view is closed meanwhile.
+fn stop_process(last: &LastRequest) {
     let was_viewed = view::suspend();
-    if let Err(error) = emulate_default_handler(SIGTSTP) {
+    if last.is_stop()
+        && let Err(error) = emulate_default_handler(SIGTSTP)
+    {
         complain!("cannot stop this process: {error}");
     }
     if was_viewed {

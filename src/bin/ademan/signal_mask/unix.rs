@@ -1,5 +1,7 @@
 //! The signal mask on Unix systems. Threads inherit it, so it is set before the first is started.
 
+use std::fs;
+
 use nix::errno::Errno;
 use nix::sys::signal::{SigSet, Signal};
 
@@ -40,7 +42,21 @@ pub fn block_unused() -> Result<(), Failure> {
     for signal in USED {
         unused.remove(*signal);
     }
+    if is_hangup_ignored() {
+        // The handler of this program would replace the choice of `nohup`; a blocked signal does not reach it.
+        unused.add(Signal::SIGHUP);
+    }
     unused.thread_block().map_err(failed)
+}
+
+/// Returns whether the parent process has set SIGHUP to be ignored, as `nohup` does. `false` without procfs.
+fn is_hangup_ignored() -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status
+        .lines()
+        .find_map(|line| line.strip_prefix("SigIgn:"))
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & 1 << (Signal::SIGHUP as u32 - 1) != 0)
 }
 
 fn failed(error: Errno) -> Failure {

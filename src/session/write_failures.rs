@@ -1,0 +1,39 @@
+//! Files that became incomplete while the session goes on.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::notice::{Notice, NoticeSender};
+
+/// The reasons why files of a session are incomplete: a notice at once, and a line in its state.
+#[derive(Clone, Default)]
+pub struct WriteFailures {
+    reasons: Arc<Mutex<Vec<String>>>,
+    notices: Option<NoticeSender>,
+}
+
+impl WriteFailures {
+    /// Creates an empty list whose additions are noticed.
+    pub(super) fn new(notices: NoticeSender) -> Self {
+        Self {
+            reasons: Arc::default(),
+            notices: Some(notices),
+        }
+    }
+
+    /// Adds a reason, from any thread.
+    pub(super) fn report(&self, reason: String) {
+        self.lock().push(reason.clone());
+        if let Some(notices) = &self.notices {
+            notices.send(Notice::FileIncomplete(reason));
+        }
+    }
+
+    /// Returns the reasons so far.
+    pub(super) fn reasons(&self) -> Vec<String> {
+        self.lock().clone()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<String>> {
+        self.reasons.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
