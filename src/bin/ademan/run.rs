@@ -16,7 +16,9 @@ use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
-use crate::{complete, messages, pause_signals, recording_size, session, stats, watchdog};
+use crate::{
+    complete, messages, pause_signals, recording_size, release_keys, session, stats, watchdog,
+};
 
 /// The output without any other.
 const TRANSCRIPT: &str = "transcript";
@@ -104,8 +106,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
     };
-    if let Ok(count @ 1..) = output::release_abandoned_keys() {
-        say!("released the keys of a killed run ({count})");
+    if let Ok(result) = output::release_abandoned_keys() {
+        release_keys::report(&result);
     }
     let setup = setup.load_files()?;
     if view == ViewKind::Board {

@@ -6,21 +6,36 @@ use crate::output::desktop::worker::Injector;
 use crate::output::pressed_key_file::AbandonedKeys;
 use crate::output::watchdog::ReleaseTarget;
 
-/// Releases the keys that processes without a watchdog have left pressed on the display of the session. Returns their
-/// number.
+/// The result of [`release_abandoned_keys`].
+#[derive(Debug, Default)]
+pub struct AbandonedRelease {
+    /// The number of released keys.
+    pub released: usize,
+    /// One line for each record whose keys were not released.
+    pub skipped: Vec<String>,
+}
+
+/// Releases the keys that processes without a watchdog have left pressed on the display of the session.
 ///
 /// # Errors
 /// If the display cannot be reached, or a release failed. Then a further call tries again.
-pub fn release_abandoned_keys() -> Result<usize, String> {
-    let mut count = 0;
-    for abandoned in AbandonedKeys::find() {
+pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
+    let mut result = AbandonedRelease::default();
+    for record in AbandonedKeys::find() {
+        let abandoned = match record {
+            Ok(abandoned) => abandoned,
+            Err(reason) => {
+                result.skipped.push(reason);
+                continue;
+            }
+        };
         if !abandoned.keys.is_empty() {
             release(&abandoned.keys)?;
-            count += abandoned.keys.count();
+            result.released += abandoned.keys.count();
         }
         abandoned.forget();
     }
-    Ok(count)
+    Ok(result)
 }
 
 fn release(keys: &PressedKeys) -> Result<(), String> {
