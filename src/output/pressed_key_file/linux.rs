@@ -152,6 +152,11 @@ impl AbandonedKeys {
         paths.filter_map(read).collect()
     }
 
+    /// Returns the name of the display, which a connection to it accepts.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
     /// Returns the reason why these keys are not released on `display`.
     fn other_display(&self, display: &str) -> String {
         format!(

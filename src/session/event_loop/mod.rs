@@ -23,7 +23,7 @@ use crate::contact::TargetNames;
 use crate::device::{Events, TimedCommand};
 use crate::names::UnknownName;
 use crate::output::Sink;
-use crate::pipeline::{CommandError, Pipeline, PipelineState};
+use crate::pipeline::{CommandError, Pipeline};
 use crate::snapshot::Stats;
 use crate::time::{NO_DEADLINE, Timestamp};
 

@@ -14,7 +14,7 @@ mod idle;
 #[cfg(target_os = "linux")]
 mod lost_watchdog;
 #[cfg(target_os = "linux")]
-mod output_stalls;
+pub mod output_stalls;
 #[cfg(target_os = "linux")]
 mod watchdog;
 mod gap;

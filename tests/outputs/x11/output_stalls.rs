@@ -41,23 +41,44 @@ fn layout_with_lock(folder: &Path) -> PathBuf {
     path
 }
 
+/// Returns the arguments of a run with that layout, which does not stall if it is stopped for less than 5 s.
+pub fn arguments(folder: &Path) -> [String; 3] {
+    let setup = folder.join("setup.ron");
+    fs::write(&setup, "(stall_timeout_ms: 5000)").expect("space on the disk");
+    let layout = layout_with_lock(folder);
+    let [setup, layout] = [setup, layout].map(|path| path.display().to_string());
+    [setup, "--layout".into(), layout]
+}
+
+/// Returns the movement that locks Control and then holds H.
+pub fn lock_and_hold(h: &Press) -> Vec<Posture> {
+    let g = Press::for_text("g");
+    [&g.approach[..], &g.lift, &h.approach].concat()
+}
+
+/// Returns the movement of a finger that holds H to release it, and to press it again without a pause.
+pub fn release_and_press(h: &Press) -> Vec<Posture> {
+    let near = &h.approach[h.approach.len() - WIGGLE..];
+    let up: Vec<_> = near.iter().rev().copied().collect();
+    [&up[..], near].concat()
+}
+
+/// Waits until a glove has sent these postures, and the receiver of a key has it.
+pub fn wait_for_movement(postures: &[Posture]) {
+    sleep(glove_format().packet_period() * postures.len() as u32 + Duration::from_millis(500));
+}
+
 impl Locking {
     fn start() -> Option<Self> {
         let server = XServer::start()?;
         let log = KeyLog::start(&server);
         let folder = tempfile::tempdir().expect("a folder");
-        let (port, setup) = (folder.path().join("glove"), folder.path().join("setup.ron"));
-        // A program that is stopped for less than that does not stall.
-        fs::write(&setup, "(stall_timeout_ms: 5000)").expect("space on the disk");
-        let layout = layout_with_lock(folder.path());
+        let port = folder.path().join("glove");
         let h = Press::for_text("h");
         let glove = Glove::plug_in(&port, h.clear());
         let source = format!("serial:{}", port.display());
-        let [setup, layout] = [setup, layout].map(|path| path.display().to_string());
-        let run = [
-            "run", "--output", "desktop", "--source", &source, "--setup", &setup, "--layout",
-            &layout,
-        ];
+        let run = ["run", "--output", "desktop", "--source", &source].map(String::from);
+        let run = run.into_iter().chain(arguments(folder.path()));
         let program = Program::start(&server, run);
         program.wait_for_line("armed", 1);
         Some(Self {
@@ -70,20 +91,12 @@ impl Locking {
         })
     }
 
-    /// Returns the movement that locks Control and then holds H.
-    fn lock_and_hold(&self) -> Vec<Posture> {
-        let g = Press::for_text("g");
-        [&g.approach[..], &g.lift, &self.h.approach].concat()
-    }
-
     /// Releases and presses H without a pause, and checks that no press arrives.
     fn check_that_no_press_arrives(&self, what: &str) {
         let (armed, before) = (self.program.count_lines("armed"), self.log.len());
-        let (_, near) = self.h.approach.split_at(self.h.approach.len() - WIGGLE);
-        let up: Vec<_> = near.iter().rev().copied().collect();
-        let wiggle = [&up[..], near].concat();
-        self.glove.play(&wiggle);
-        sleep(glove_format().packet_period() * wiggle.len() as u32 + Duration::from_millis(500));
+        let movement = release_and_press(&self.h);
+        self.glove.play(&movement);
+        wait_for_movement(&movement);
         // A machine that delays the packets may let the hand be clear for long enough.
         let is_armed = self.program.count_lines("armed") > armed;
         let presses = self.log.presses_after(before);
@@ -118,10 +131,10 @@ fn no_bare_key_follows_a_lock_that_the_server_has_not_executed() {
     let Some(run) = Locking::start() else {
         return;
     };
-    let movement = run.lock_and_hold();
+    let movement = lock_and_hold(&run.h);
     run.server.freeze();
     run.glove.play(&movement);
-    sleep(glove_format().packet_period() * movement.len() as u32 + Duration::from_millis(500));
+    wait_for_movement(&movement);
     run.server.thaw();
     run.program.wait_for_line("dropped", 1);
     run.check_that_no_press_arrives("the server hung");
@@ -133,7 +146,7 @@ fn no_bare_key_follows_a_lock_that_the_watchdog_has_released() {
     let Some(run) = Locking::start() else {
         return;
     };
-    run.glove.play(&run.lock_and_hold());
+    run.glove.play(&lock_and_hold(&run.h));
     let mut held = [x11_code("ControlLeft"), x11_code("H")];
     held.sort_unstable();
     assert!(

@@ -82,7 +82,8 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
         glove.play(&press.approach);
         assert!(log.wait_for_press(before), "no key arrives");
         program.signal(&["KILL"]);
-        assert_eq!(program.wait_for_exit().code(), None);
+        let code = program.wait_for_exit().code();
+        assert_eq!(code, None, "{:#?}", program.stderr_lines());
         assert!(
             server.wait_for_keys(&[]),
             "{round}: {:?}",

@@ -51,9 +51,9 @@ impl KeyWriter for End {
 
 impl AnswerReader for End {
     fn wait_for_answer(&mut self, _: Instant) -> bool {
-        let is_slow = self.0.0.lock().unwrap().direct.is_slow;
+        let is_slow = || self.0.0.lock().unwrap().direct.is_slow;
         let start = Instant::now();
-        while is_slow && self.discard_events() && start.elapsed() < SLOW_ANSWER {
+        while is_slow() && self.discard_events() && start.elapsed() < SLOW_ANSWER {
             thread::yield_now();
         }
         !self.0.0.lock().unwrap().direct.hangs && self.discard_events()
@@ -194,8 +194,9 @@ fn a_release_that_is_not_executed_is_repeated_by_the_thread() {
 #[test]
 fn what_was_written_together_with_a_revoked_press_is_revoked_too() {
     let (display, mut sink, gate) = open_sink();
-    display.set_direct(|direct| direct.hangs = true);
+    display.set_direct(|direct| (direct.hangs, direct.is_slow) = (true, true));
     sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
+    display.set_direct(|direct| direct.is_slow = false);
     drop(gate);
     wait_until_idle(&sink);
     assert_eq!(sink.dropped_presses(), 2);

@@ -14,6 +14,7 @@ use super::{WatchdogMessage, WatchdogReply};
 use crate::output::watchdog::{
     MAX_REPLY_AGE, MAX_UNANSWERED, MAX_UNANSWERED_PROBES, OnRelease, PROBE_INTERVAL,
 };
+use crate::priority;
 
 /// Number of heartbeats whose times are kept: more than may be unanswered.
 const KEPT: u64 = 8;
@@ -99,6 +100,8 @@ pub fn receive(socket: &UnixStream, replies: Arc<Replies>) -> io::Result<Receive
         .name("watchdog".into())
         .spawn(move || {
             let _end = end;
+            // A press may wait for the reply.
+            priority::raise_thread_priority();
             receive_until_lost(&socket, &replies);
         })?;
     Ok(exited)

@@ -1,10 +1,9 @@
 //! The release of keys whose process was killed together with its watchdog.
 
-use super::releaser::KeyReleaser;
-use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::device::pressed_keys::KeyDirection;
+use crate::output::desktop::connect;
 use crate::output::desktop::worker::Injector;
 use crate::output::pressed_key_file::AbandonedKeys;
-use crate::output::watchdog::ReleaseTarget;
 
 /// The result of [`release_abandoned_keys`].
 #[derive(Debug, Default)]
@@ -30,7 +29,7 @@ pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
             }
         };
         if !abandoned.keys.is_empty() {
-            release(&abandoned.keys)?;
+            release(&abandoned)?;
             result.released += abandoned.keys.count();
         }
         abandoned.forget();
@@ -38,11 +37,11 @@ pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
     Ok(result)
 }
 
-fn release(keys: &PressedKeys) -> Result<(), String> {
-    let mut releaser = KeyReleaser::connect(&ReleaseTarget::Display)?;
-    for key in keys.release_order() {
-        releaser.inject(key, KeyDirection::Release)?;
+fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
+    let mut display = connect(Some(abandoned.display()), false)?;
+    for key in abandoned.keys.release_order() {
+        display.inject(key, KeyDirection::Release)?;
     }
     // The display answers when it has executed the releases. A key of a real keyboard may still be pressed.
-    releaser.query_pressed(keys).map(drop)
+    display.query_pressed(&abandoned.keys).map(drop)
 }
