@@ -51,7 +51,8 @@ impl KeyWriter for End {
 
 impl AnswerReader for End {
     fn wait_for_answer(&mut self, _: Instant) -> bool {
-        let is_slow = || self.0.0.lock().unwrap().direct.is_slow;
+        let display = self.0.clone();
+        let is_slow = || display.0.lock().unwrap().direct.is_slow;
         let start = Instant::now();
         while is_slow() && self.discard_events() && start.elapsed() < SLOW_ANSWER {
             thread::yield_now();
