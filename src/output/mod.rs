@@ -33,7 +33,7 @@ pub use open::{
 pub use router::Router;
 pub use transcript::Transcript;
 use watchdog::WatchdogSettings;
-pub use watchdog_process::{release_abandoned_keys, run as run_watchdog};
+pub use watchdog_process::{AbandonedRelease, release_abandoned_keys, run as run_watchdog};
 
 /// All backends of this build, in the order in which messages and help texts list them.
 pub const BACKENDS: &[&Backend] = &[
@@ -153,8 +153,17 @@ pub trait Sink: Send {
     fn set_target_names(&mut self, _: &TargetNames) {}
 
     /// Makes presses and characters void that have been sent but not yet delivered; called before the releases of a
-    /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Sinks without a queue ignore it.
+    /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Ends a [stall](Self::has_stalled) of the sink.
+    /// Sinks without a queue and without a watchdog ignore it.
     fn void_presses(&mut self) {}
+
+    /// Returns whether a press was dropped, or the watchdog has released keys, since the last call of
+    /// [`void_presses`](Self::void_presses). The receiver does not have the state that the events so far describe: a
+    /// modifier may be up that counts as pressed. The sink drops presses until everything is released and
+    /// `void_presses` is called.
+    fn has_stalled(&self) -> bool {
+        false
+    }
 
     /// Releases everything that is pressed and waits until all events are delivered, at most 1 s; a lossless log waits
     /// for its reader.
@@ -208,6 +217,10 @@ impl Sink for Box<dyn Sink> {
 
     fn void_presses(&mut self) {
         (**self).void_presses();
+    }
+
+    fn has_stalled(&self) -> bool {
+        (**self).has_stalled()
     }
 
     fn close(&mut self) -> Result<(), OutputError> {

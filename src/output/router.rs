@@ -137,6 +137,10 @@ impl Sink for Router {
         }
     }
 
+    fn has_stalled(&self) -> bool {
+        self.sinks.iter().any(|sink| sink.has_stalled())
+    }
+
     /// Closes every output, one after the other.
     fn close(&mut self) -> Result<(), OutputError> {
         let mut result = Ok(());

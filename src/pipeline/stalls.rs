@@ -45,6 +45,18 @@ impl Pipeline {
         is_overdue
     }
 
+    /// Releases everything because an output has dropped a press, or its watchdog has released keys: a locked modifier may
+    /// be up for the receiver, and later keys would arrive without it.
+    ///
+    /// Output is armed again after the hand has been clear of every control.
+    pub fn stall_output(&mut self, events: &mut Events) {
+        let state = match self.state {
+            PipelineState::Running => PipelineState::Paused,
+            state => state,
+        };
+        self.disarm(self.time, state, events);
+    }
+
     /// Releases what a hand holds because the source of it, or of a part of it, was lost. The other hand, and what the other
     /// part drives, continue. Everything [stalls](Self::stall) if nothing is left.
     pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {

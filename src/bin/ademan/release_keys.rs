@@ -1,6 +1,6 @@
 //! `ademan release-keys`: releases the keys of a run that was killed together with its watchdog.
 
-use ademan::output;
+use ademan::output::{self, AbandonedRelease};
 
 use crate::failure::Failure;
 
@@ -12,10 +12,17 @@ pub const COMMAND: &str = "release-keys";
 pub struct Args {}
 
 pub fn run(_: Args) -> Result<(), Failure> {
-    match output::release_abandoned_keys() {
-        Ok(0) => {}
-        Ok(count) => say!("released the keys of a killed run ({count})"),
-        Err(error) => return Err(Failure::job(format!("cannot release keys: {error}"))),
-    }
+    let failed = |error| Failure::job(format!("cannot release keys: {error}"));
+    report(&output::release_abandoned_keys().map_err(failed)?);
     Ok(())
+}
+
+/// Reports what was released, and what was not.
+pub fn report(result: &AbandonedRelease) {
+    if result.released > 0 {
+        say!("released the keys of a killed run ({})", result.released);
+    }
+    for reason in &result.skipped {
+        complain!("keys of a killed run may still be pressed: {reason}");
+    }
 }

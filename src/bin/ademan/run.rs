@@ -17,7 +17,9 @@ use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
-use crate::{complete, messages, pause_signals, recording_size, session, stats, watchdog};
+use crate::{
+    complete, messages, pause_signals, recording_size, release_keys, session, stats, watchdog,
+};
 
 /// The output without any other.
 const TRANSCRIPT: &str = "transcript";
@@ -102,8 +104,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
     };
-    if let Ok(count @ 1..) = output::release_abandoned_keys() {
-        say!("released the keys of a killed run ({count})");
+    if let Ok(result) = output::release_abandoned_keys() {
+        release_keys::report(&result);
     }
     let setup = setup.load_files()?;
     if view == ViewKind::Board {

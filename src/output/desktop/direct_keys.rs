@@ -42,6 +42,11 @@ pub struct DirectKeys {
 }
 
 impl DirectKeys {
+    /// Returns `false` if the watchdog may have released keys without the knowledge of this process.
+    pub fn may_press(&self, now: Instant) -> bool {
+        self.reporter.has_fresh_reply(now)
+    }
+
     /// Writes a key event. Returns the number of the connection, or `None` if nothing was written.
     pub fn write(&mut self, key: KeyCode, direction: KeyDirection) -> Option<ConnectionNumber> {
         let is_press = direction == KeyDirection::Press;

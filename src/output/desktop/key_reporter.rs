@@ -1,6 +1,7 @@
 //! The reports of pressed keys to those who release them if this process cannot.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
@@ -26,6 +27,12 @@ impl KeyReporter {
     /// Replaces the watchdog. Copies keep the earlier one.
     pub fn set_watchdog(&mut self, watchdog: Option<&WatchdogClient>) {
         self.watchdog = watchdog.map(WatchdogClient::reports);
+    }
+
+    /// Returns `false` if the watchdog may have released keys, or may not work, without the knowledge of this process.
+    pub fn has_fresh_reply(&self, now: Instant) -> bool {
+        let watchdog = self.watchdog.as_ref();
+        watchdog.is_none_or(|watchdog| watchdog.has_fresh_reply(now))
     }
 
     /// Returns `true` if a report may wait for a disk. One to the watchdog never waits.

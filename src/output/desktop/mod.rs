@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::watchdog::{WatchdogClient, WatchdogSettings};
+use super::watchdog::{OnRelease, WatchdogClient, WatchdogSettings};
 use super::{Backend, OpenRequest, OutputError, Sink};
 use crate::advice;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
@@ -77,7 +77,8 @@ const CHECK_DELAY: Duration = Duration::from_millis(100);
 ///
 /// While the queue is more than half full, presses and characters are dropped and
 /// [counted](Sink::dropped_presses), as are those that the display has not executed within 250 ms or that a
-/// [call](Sink::void_presses) made void. The release of a dropped press is ignored; no other release is. While the queue
+/// [call](Sink::void_presses) made void. After a dropped press, and after the watchdog has released keys, the sink
+/// [has stalled](Sink::has_stalled). The release of a dropped press is ignored; no other release is. While the queue
 /// is three quarters full, motion is [coalesced](Sink::coalesced_motions): the last position counts, relative motion
 /// and scrolls are summed. Pending motion is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
@@ -96,6 +97,8 @@ pub struct Desktop {
     opened_direct_keys: Receiver<DirectKeys>,
     accepted: PressedKeys,
     dropped_presses: u64,
+    /// The generation of the tickets of presses. Another one is valid after a stall.
+    generation: u64,
     motion: PendingMotion,
     coalesced_motions: u64,
     status: Arc<WorkerStatus>,
@@ -140,6 +143,8 @@ impl Desktop {
         let (end, thread_ended) = bounded::<()>(0);
         let status = Arc::new(WorkerStatus::new(max_press_age));
         let worker_status = Arc::clone(&status);
+        let released_status = Arc::clone(&status);
+        let on_release: OnRelease = Arc::new(move || _ = released_status.tickets.void());
         let (direct_answers, opened_direct_keys) = DirectAnswers::new();
         let settings = watchdog.cloned();
         let thread = thread::Builder::new()
@@ -147,8 +152,10 @@ impl Desktop {
             .spawn(move || {
                 let _end = end;
                 let with_watchdog = |injector: C| {
-                    let start =
-                        |settings| WatchdogClient::start(settings, injector.release_target());
+                    let start = |settings| {
+                        let target = injector.release_target();
+                        WatchdogClient::start(settings, target, on_release)
+                    };
                     let watchdog = settings.as_ref().map(start).transpose()?;
                     Ok((injector, watchdog))
                 };
@@ -183,6 +190,7 @@ impl Desktop {
             opened_direct_keys,
             accepted: PressedKeys::default(),
             dropped_presses: 0,
+            generation: 0,
             motion: PendingMotion::default(),
             coalesced_motions: 0,
             status,
@@ -196,7 +204,7 @@ impl Desktop {
             return Ok(());
         }
         self.send_motion()?;
-        let ticket = self.status.tickets.issue();
+        let ticket = self.status.tickets.issue(self.generation);
         let direct = self.write_directly(key, KeyDirection::Press, ticket);
         self.request(direct.unwrap_or(WorkerRequest::Press(key, ticket)))
     }
@@ -206,14 +214,17 @@ impl Desktop {
             return Ok(());
         }
         self.send_motion()?;
-        let ticket = self.status.tickets.issue();
+        let ticket = self.status.tickets.issue(self.generation);
         self.request(WorkerRequest::Type(character, ticket))
     }
 
     /// Returns `true` if the queue has room for a press, and counts a dropped press otherwise.
     fn accept_press(&mut self) -> Result<bool, OutputError> {
         let has_room = self.queue_length()? < PRESS_LIMIT;
-        self.dropped_presses += u64::from(!has_room);
+        if !has_room {
+            self.dropped_presses += 1;
+            self.status.tickets.void();
+        }
         Ok(has_room)
     }
 
@@ -222,7 +233,7 @@ impl Desktop {
             return Ok(());
         }
         let moved = self.send_motion();
-        let ticket = self.status.tickets.issue();
+        let ticket = self.status.tickets.issue(self.generation);
         let direct = self.write_directly(key, KeyDirection::Release, ticket);
         let release = direct.unwrap_or(WorkerRequest::Release(key));
         self.request(release).and(moved)
@@ -237,14 +248,20 @@ impl Desktop {
         ticket: PressTicket,
     ) -> Option<WorkerRequest> {
         // The thread reports a release after it. If the key were pressed again before, the watchdog would not know that press.
-        let follows_release = direction == KeyDirection::Press && self.has_written_release;
-        if !self.is_thread_idle || follows_release {
+        let is_press = direction == KeyDirection::Press;
+        let follows_release = is_press && self.has_written_release;
+        if !self.is_thread_idle || follows_release || (is_press && self.has_stalled()) {
             return None;
         }
         if let Ok(opened) = self.opened_direct_keys.try_recv() {
             self.direct_keys = Some(opened);
         }
-        let connection = self.direct_keys.as_mut()?.write(key, direction);
+        let direct_keys = self.direct_keys.as_mut()?;
+        if is_press && !direct_keys.may_press(ticket.queued_at()) {
+            // The thread waits for a reply of the watchdog.
+            return None;
+        }
+        let connection = direct_keys.write(key, direction);
         match (connection, direction) {
             (None, _) => self.direct_keys = None,
             (Some(_), KeyDirection::Press) => self.requested_with_direct_press = self.requested + 1,
@@ -355,11 +372,15 @@ impl Sink for Desktop {
     }
 
     fn void_presses(&mut self) {
-        self.status.tickets.void();
+        self.generation = self.status.tickets.void();
         if self.status.executed.load(Ordering::Acquire) < self.requested_with_direct_press {
             // Closing the connection revokes what the display has not read.
             self.direct_keys = None;
         }
+    }
+
+    fn has_stalled(&self) -> bool {
+        self.generation != self.status.tickets.generation()
     }
 
     fn dropped_presses(&self) -> u64 {

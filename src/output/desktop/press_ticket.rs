@@ -23,6 +23,13 @@ pub struct PressTickets {
     max_age: Duration,
 }
 
+impl PressTicket {
+    /// Returns the time at which the press was queued.
+    pub fn queued_at(&self) -> Instant {
+        self.queued_at
+    }
+}
+
 impl PressTickets {
     /// Creates an issuer of tickets that are valid for `max_age`.
     pub fn new(max_age: Duration) -> Self {
@@ -32,12 +39,17 @@ impl PressTickets {
         }
     }
 
-    /// Returns a ticket for a press that is queued now.
-    pub fn issue(&self) -> PressTicket {
+    /// Returns a ticket for a press that is queued now, on the basis of the state in this generation.
+    pub fn issue(&self, generation: u64) -> PressTicket {
         PressTicket {
-            generation: self.generation.load(Ordering::Acquire),
+            generation,
             queued_at: Instant::now(),
         }
+    }
+
+    /// Returns the generation of valid tickets.
+    pub fn generation(&self) -> u64 {
+        self.generation.load(Ordering::Acquire)
     }
 
     /// Returns the time after which the press is too old.
@@ -47,9 +59,21 @@ impl PressTickets {
         deadline.unwrap_or_else(|| ticket.queued_at + NO_DEADLINE)
     }
 
-    /// Invalidates all tickets so far.
-    pub fn void(&self) {
-        self.generation.fetch_add(1, Ordering::AcqRel);
+    /// Invalidates all tickets of the generations so far. Returns the next generation.
+    pub fn void(&self) -> u64 {
+        self.generation.fetch_add(1, Ordering::AcqRel) + 1
+    }
+
+    /// Invalidates all tickets of the generation of a press that was dropped: those after it rely on its effect. Does nothing
+    /// if they are invalid already.
+    pub fn void_with(&self, dropped: PressTicket) {
+        let generation = dropped.generation;
+        let _ = self.generation.compare_exchange(
+            generation,
+            generation + 1,
+            Ordering::AcqRel,
+            Ordering::Acquire,
+        );
     }
 
     /// Returns `true` if the press may still be sent.
@@ -66,14 +90,25 @@ mod tests {
     #[test]
     fn a_ticket_is_valid_until_it_is_void_or_too_old() {
         let tickets = PressTickets::new(Duration::from_secs(3600));
-        let first = tickets.issue();
+        let first = tickets.issue(0);
         assert!(tickets.is_valid(first));
-        tickets.void();
-        let second = tickets.issue();
+        let generation = tickets.void();
+        let second = tickets.issue(generation);
         assert!(!tickets.is_valid(first) && tickets.is_valid(second));
+        assert!(!tickets.is_valid(tickets.issue(0)));
         let expired = PressTickets::new(Duration::ZERO);
-        let ticket = expired.issue();
+        let ticket = expired.issue(0);
         std::thread::sleep(Duration::from_millis(1));
         assert!(!expired.is_valid(ticket));
+    }
+
+    #[test]
+    fn a_dropped_press_makes_those_after_it_void_once() {
+        let tickets = PressTickets::new(Duration::from_secs(3600));
+        let (first, second) = (tickets.issue(0), tickets.issue(0));
+        tickets.void_with(first);
+        tickets.void_with(second);
+        assert!(!tickets.is_valid(second));
+        assert_eq!(tickets.generation(), 1);
     }
 }

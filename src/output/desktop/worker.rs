@@ -12,13 +12,12 @@ use crossbeam_channel::{Receiver, never, select};
 use super::direct_keys::{ConnectionNumber, DirectAnswers, DirectConnection};
 use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
-use super::press_ticket::{PressTicket, PressTickets};
+use super::press_ticket::{MAX_PRESS_AGE, PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
-use crate::time::NO_DEADLINE;
 
 /// A connection to a display, which presses and releases keys and buttons.
 pub trait Injector {
@@ -27,6 +26,11 @@ pub trait Injector {
 
     /// Performs an action that leaves nothing pressed.
     fn perform(&mut self, action: StatelessAction) -> Result<(), String>;
+
+    /// Reads what the display has sent, without waiting. Fails if the connection is closed.
+    fn check_connection(&mut self) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Waits until the display has executed all requests, so that the next is executed at once.
     fn wait_until_responsive(&mut self) -> Result<(), String> {
@@ -63,6 +67,10 @@ impl Injector for Box<dyn Injector> {
         (**self).perform(action)
     }
 
+    fn check_connection(&mut self) -> Result<(), String> {
+        (**self).check_connection()
+    }
+
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         (**self).wait_until_responsive()
     }
@@ -93,6 +101,12 @@ pub enum WorkerRequest {
 
 /// Longest time without a call from the loop while a key is pressed. After it the watchdog receives no heartbeats.
 const LOOP_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Time after the last request for which heartbeats continue, so that the next press need not wait for a reply.
+const ACTIVE_TIME: Duration = Duration::from_secs(1);
+
+/// Interval at which an idle thread checks the connection to the display.
+const CHECK_INTERVAL: Duration = Duration::from_millis(400);
 
 /// State shared by the loop and the thread.
 pub struct WorkerStatus {
@@ -142,6 +156,7 @@ struct Liveness {
     last_heartbeat: Instant,
     loop_calls: u64,
     last_loop_call: Instant,
+    last_request: Instant,
 }
 
 impl<'a, C: Injector> Worker<'a, C> {
@@ -168,6 +183,7 @@ impl<'a, C: Injector> Worker<'a, C> {
                 last_heartbeat: now,
                 loop_calls: 0,
                 last_loop_call: now,
+                last_request: now,
             },
         }
     }
@@ -191,11 +207,12 @@ impl<'a, C: Injector> Worker<'a, C> {
                             self.fail("the connection to the display panicked");
                         }
                         self.status.executed.fetch_add(1, Ordering::Release);
+                        self.liveness.last_request = Instant::now();
                     }
                     Err(_) => break,
                 },
                 recv(watchdog_exited) -> _ => self.is_watchdog_lost = true,
-                default(self.poll_timeout()) => {}
+                default(self.poll_timeout()) => self.check_connection(),
             }
             self.send_heartbeat_if_due();
             if self.is_watchdog_lost {
@@ -223,26 +240,41 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
-    /// Returns the time until the next heartbeat is due.
+    /// Returns the time until the next heartbeat or check is due.
     fn poll_timeout(&self) -> Duration {
-        match self.watchdog.is_some() && !self.pressed.is_empty() {
+        match self.watchdog.is_some() && self.is_active(Instant::now()) {
             true => HEARTBEAT_INTERVAL.saturating_sub(self.liveness.last_heartbeat.elapsed()),
-            false => NO_DEADLINE,
+            false => CHECK_INTERVAL,
+        }
+    }
+
+    /// Returns whether a key is pressed, or something was requested a short time ago.
+    fn is_active(&self, now: Instant) -> bool {
+        !self.pressed.is_empty() || now - self.liveness.last_request < ACTIVE_TIME
+    }
+
+    /// Fails if the display is gone, which otherwise shows only at the next request.
+    fn check_connection(&mut self) {
+        if self.status.failure.get().is_none()
+            && let Err(reason) = self.injector.check_connection()
+        {
+            self.fail(&reason);
         }
     }
 
     fn send_heartbeat_if_due(&mut self) {
+        let now = Instant::now();
+        let is_active = self.is_active(now);
         let Some(watchdog) = &mut self.watchdog else {
             return;
         };
-        let now = Instant::now();
         let calls = self.status.loop_calls.load(Ordering::Relaxed);
         // A loop need not call while no key is pressed.
         if calls != self.liveness.loop_calls || self.pressed.is_empty() {
             self.liveness.loop_calls = calls;
             self.liveness.last_loop_call = now;
         }
-        if self.pressed.is_empty() || now - self.liveness.last_heartbeat < HEARTBEAT_INTERVAL {
+        if !is_active || now - self.liveness.last_heartbeat < HEARTBEAT_INTERVAL {
             return;
         }
         self.liveness.last_heartbeat = now;
@@ -290,13 +322,17 @@ impl<'a, C: Injector> Worker<'a, C> {
         match request {
             WorkerRequest::Release(key) => self.release(key),
             WorkerRequest::Confirm(key, direction, connection, ticket) => {
-                let deadline = self.status.tickets.deadline(ticket);
-                self.confirm(key, direction, connection, deadline);
+                self.confirm(key, direction, connection, ticket);
             }
             _ if self.status.failure.get().is_some() => {}
             WorkerRequest::Press(key, ticket) => {
+                if !self.may_send(ticket) {
+                    return;
+                }
                 // The watchdog could not release a key that it does not know.
-                if self.may_send(ticket) && self.report_key(key, KeyDirection::Press) {
+                if !self.report_key(key, KeyDirection::Press) {
+                    self.drop_press(ticket);
+                } else {
                     // Added first: a press that failed may have arrived.
                     self.pressed.press(key);
                     self.inject(key, KeyDirection::Press);
@@ -321,21 +357,22 @@ impl<'a, C: Injector> Worker<'a, C> {
         key: KeyCode,
         direction: KeyDirection,
         connection: ConnectionNumber,
-        deadline: Instant,
+        ticket: PressTicket,
     ) {
         let is_press = direction == KeyDirection::Press;
         if is_press {
             self.pressed.press(key);
         }
+        let deadline = self.status.tickets.deadline(ticket);
         let is_executed = self.direct.wait(connection, deadline);
         if is_executed && !is_press {
             self.pressed.release(key);
             self.report_key(key, direction);
         }
         if !is_executed {
-            self.status
-                .void_presses
-                .fetch_add(is_press.into(), Ordering::Relaxed);
+            if is_press {
+                self.drop_press(ticket);
+            }
             self.release(key);
             self.refresh_direct_connection();
         }
@@ -355,12 +392,34 @@ impl<'a, C: Injector> Worker<'a, C> {
             self.fail(&reason);
             return false;
         }
-        let is_valid = self.status.tickets.is_valid(ticket);
-        let dropped = u64::from(!is_valid);
-        self.status
-            .void_presses
-            .fetch_add(dropped, Ordering::Relaxed);
+        let is_valid = self.wait_for_watchdog(ticket) && self.status.tickets.is_valid(ticket);
+        if !is_valid {
+            self.drop_press(ticket);
+        }
         is_valid
+    }
+
+    /// Waits until the watchdog has replied, unless it has a short time ago: it may be stopped, or have released keys. Returns
+    /// `false` if it does not while the press is valid.
+    fn wait_for_watchdog(&mut self, ticket: PressTicket) -> bool {
+        let tickets = &self.status.tickets;
+        let Some(watchdog) = self.watchdog.as_mut().filter(|_| tickets.is_valid(ticket)) else {
+            return true;
+        };
+        let deadline = tickets.deadline(ticket).min(Instant::now() + MAX_PRESS_AGE);
+        match watchdog.wait_for_fresh_reply(deadline) {
+            Ok(has_reply) => has_reply,
+            Err(_) => {
+                self.is_watchdog_lost = true;
+                false
+            }
+        }
+    }
+
+    /// Counts a dropped press or character. Those that follow it are dropped too, until the loop has noticed.
+    fn drop_press(&self, ticket: PressTicket) {
+        self.status.void_presses.fetch_add(1, Ordering::Relaxed);
+        self.status.tickets.void_with(ticket);
     }
 
     /// Performs an action. It is not repeated, as one that failed may have arrived.

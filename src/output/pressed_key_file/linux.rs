@@ -11,7 +11,8 @@ use rustix::fs::fstatfs;
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
-use crate::files;
+use crate::files::{self, FileError};
+use crate::message::{escape, escape_path};
 use crate::output::socket;
 
 /// Start of the names of the files.
@@ -26,6 +27,9 @@ const MAX_OUTPUTS: u32 = 16;
 /// Longest name of a display that is read, in bytes.
 const MAX_NAME: u64 = 4096;
 
+/// Start of the path of the socket of an X server, which may stand in its place in `DISPLAY`.
+const X11_SOCKET: &str = "/tmp/.X11-unix/X";
+
 /// Types of file systems in memory, as in `linux/magic.h`: tmpfs and ramfs.
 const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 
@@ -37,13 +41,25 @@ pub struct PressedKeyFile {
 }
 
 impl PressedKeyFile {
-    /// Creates a file for the display of the session. `None` without a runtime folder.
+    /// Creates a file for the display of the session. `None` without a runtime folder, and with a message if the folder
+    /// accepts no file.
     pub fn create() -> Option<Self> {
         let process = std::process::id();
         let path = |number| socket::default_path(&format!("{PREFIX}{process}-{number}"));
+        let folder = path(0)?.parent()?.to_owned();
         let mut paths = (0..MAX_OUTPUTS).map_while(path);
-        let unused = paths.find(|path| !path.exists())?;
-        Self::create_at(unused, &display()).ok()
+        let created = match paths.find(|path| !path.exists()) {
+            Some(unused) => Self::create_at(unused, &display()),
+            None => Err(io::ErrorKind::AlreadyExists.into()),
+        };
+        created
+            .inspect_err(|error| {
+                tracing::warn!(
+                    "cannot record pressed keys in {}: {error}; they stay pressed if the program and its watchdog are killed in the same instant",
+                    escape(&folder.to_string_lossy())
+                );
+            })
+            .ok()
     }
 
     /// Creates a file for `display`.
@@ -55,9 +71,12 @@ impl PressedKeyFile {
         let _ = fs::remove_file(&unnamed);
         let file = files::create_private(&unnamed).map_err(io::Error::other)?;
         file.try_lock()?;
-        file.set_len(KEY_COUNT as u64)?;
-        file.write_all_at(display.as_bytes(), KEY_COUNT as u64)?;
-        fs::rename(unnamed, &path)?;
+        // All bytes are written, so that a full disk shows here and not at a press.
+        let content = [&[0; KEY_COUNT], display.as_bytes()].concat();
+        let written = file
+            .write_all_at(&content, 0)
+            .and_then(|()| fs::rename(&unnamed, &path));
+        written.inspect_err(|_| _ = fs::remove_file(&unnamed))?;
         Ok(Self {
             file,
             path,
@@ -98,36 +117,65 @@ impl Drop for PressedKeyFile {
 pub struct AbandonedKeys {
     /// The keys and buttons.
     pub keys: PressedKeys,
+    display: String,
     path: PathBuf,
     /// Keeps other processes from releasing the keys too.
     _lock: File,
 }
 
 impl AbandonedKeys {
-    /// Returns the abandoned keys of the display of the session.
-    pub fn find() -> Vec<Self> {
+    /// Returns the abandoned keys of the display of the session, and the reason for each record that is skipped although keys
+    /// may be pressed.
+    pub fn find() -> Vec<Result<Self, String>> {
         let folder = socket::default_path(PREFIX);
         let folder = folder.as_deref().and_then(Path::parent);
         folder.map_or_else(Vec::new, |folder| Self::find_in(folder, &display()))
     }
 
-    /// Returns the abandoned keys of a display, and none if another user could have put a file into the folder.
-    fn find_in(folder: &Path, display: &str) -> Vec<Self> {
-        if files::check_private_folder(folder).is_err() {
-            return Vec::new();
+    /// Returns the records of a folder. None is used if another user could have put a file into it.
+    fn find_in(folder: &Path, display: &str) -> Vec<Result<Self, String>> {
+        match files::check_private_folder(folder) {
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => return Vec::new(),
+            Err(error) => return vec![Err(format!("cannot read {}: {error}", escape_path(folder)))],
+            Ok(()) => {}
         }
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let paths = entries.map(|entry| entry.path()).filter(|path| {
             let name = path.file_name().unwrap_or_default();
             name.to_string_lossy().starts_with(PREFIX) && path.extension().is_none()
         });
-        paths
-            .filter_map(|path| Self::read(path, display).ok().flatten())
-            .collect()
+        let read = |path: PathBuf| {
+            let name = escape_path(&path);
+            let abandoned = match Self::read(path) {
+                Ok(abandoned) => abandoned?,
+                Err(error) => return Some(Err(format!("cannot read {name}: {error}"))),
+            };
+            if abandoned.display == display {
+                return Some(Ok(abandoned));
+            }
+            (!abandoned.keys.is_empty()).then(|| Err(abandoned.other_display(display)))
+        };
+        paths.filter_map(read).collect()
     }
 
-    /// Reads a file. `None` if its process runs or it is of another display.
-    fn read(path: PathBuf, display: &str) -> io::Result<Option<Self>> {
+    /// Returns the name of the display, which a connection to it accepts.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
+    /// Returns the reason why these keys are not released on `display`.
+    fn other_display(&self, display: &str) -> String {
+        format!(
+            "{} on the display `{}`, and this is `{}`; repeat `ademan release-keys` on that display, or delete {}",
+            self.keys.count(),
+            escape(&self.display),
+            escape(display),
+            escape_path(&self.path),
+        )
+    }
+
+    /// Reads a file. `None` if its process runs.
+    fn read(path: PathBuf) -> io::Result<Option<Self>> {
         let mut file = files::open_secret(&path).map_err(io::Error::other)?;
         if file.try_lock().is_err() {
             return Ok(None);
@@ -136,15 +184,13 @@ impl AbandonedKeys {
         file.read_exact(&mut bytes)?;
         let mut name = String::new();
         (&file).take(MAX_NAME).read_to_string(&mut name)?;
-        if name != display {
-            return Ok(None);
-        }
         let mut keys = PressedKeys::default();
         for key in KeyCode::all().filter(|key| bytes[usize::from(key.event_code())] == 1) {
             keys.press(key);
         }
         Ok(Some(Self {
             keys,
+            display: name,
             path,
             _lock: file,
         }))
@@ -156,17 +202,41 @@ impl AbandonedKeys {
     }
 }
 
-/// Returns the name of the display of the session.
+/// Returns the name of the display of the session. Each display has one name, however the environment spells it.
 fn display() -> String {
-    let name = |variable| env::var_os(variable).filter(|name| !name.is_empty());
-    let name = name("WAYLAND_DISPLAY").or_else(|| name("DISPLAY"));
-    name.unwrap_or_default().to_string_lossy().into_owned()
+    let value = |variable| env::var_os(variable).filter(|value| !value.is_empty());
+    if let Some(compositor) = value("WAYLAND_DISPLAY") {
+        let folder = value("XDG_RUNTIME_DIR").unwrap_or_default();
+        return Path::new(&folder).join(compositor).to_string_lossy().into_owned();
+    }
+    let name = value("DISPLAY").unwrap_or_default();
+    canonical_x_display(&name.to_string_lossy())
+}
+
+/// Returns the name of an X server without its screen, and `:N` for a server of this machine: `unix:1.0` is `:1`.
+fn canonical_x_display(name: &str) -> String {
+    if let Some(number) = name.strip_prefix(X11_SOCKET) {
+        return format!(":{}", without_screen(number));
+    }
+    let Some((host, number)) = name.rsplit_once(':') else {
+        return name.to_owned();
+    };
+    let host = match host {
+        "unix" | "unix/" | "unix/unix" => "",
+        host => host,
+    };
+    format!("{host}:{}", without_screen(number))
+}
+
+fn without_screen(number: &str) -> &str {
+    number.split_once('.').map_or(number, |(number, _)| number)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::tests::key;
+    use std::io::Write;
     use std::os::unix::fs::PermissionsExt;
     use std::process::Command;
 
@@ -192,9 +262,14 @@ mod tests {
         let copy = file.file.try_clone().unwrap();
         std::mem::forget(file);
         copy.unlock().unwrap();
-        assert!(AbandonedKeys::find_in(&inside, ":8").is_empty());
+        let skipped = AbandonedKeys::find_in(&inside, ":8").pop();
+        let reason = skipped.expect("a reason").err().expect("another display");
+        assert!(
+            reason.starts_with("1 on the display `:7`, and this is `:8`"),
+            "{reason}"
+        );
         let mut found = AbandonedKeys::find_in(&inside, ":7");
-        let found = found.pop().expect("an abandoned file");
+        let found = found.pop().expect("an abandoned file").expect("its keys");
         let keys: Vec<_> = found.keys.release_order().collect();
         assert_eq!(keys, [key("MouseLeft")]);
         assert!(
@@ -215,7 +290,10 @@ mod tests {
         let copy = file.file.try_clone().unwrap();
         std::mem::forget(file);
         copy.unlock().unwrap();
-        let is_found = || !AbandonedKeys::find_in(&inside, ":7").is_empty();
+        let is_found = || {
+            let mut found = AbandonedKeys::find_in(&inside, ":7").into_iter();
+            found.any(|record| record.is_ok())
+        };
         assert!(is_found());
         let set = |path: &Path, mode| {
             fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
@@ -234,6 +312,43 @@ mod tests {
             assert!(!is_found(), "{owned:?}");
             std::os::unix::fs::chown(owned, Some(0), None).unwrap();
         }
+    }
+
+    #[test]
+    fn an_x_server_has_one_name() {
+        let names = [
+            ":7",
+            ":7.0",
+            "unix:7",
+            "unix:7.1",
+            "unix/:7",
+            "unix/unix:7.0",
+            "/tmp/.X11-unix/X7.0",
+        ];
+        for name in names {
+            assert_eq!(canonical_x_display(name), ":7", "{name}");
+        }
+        let others = [
+            ("other:7.0", "other:7"),
+            ("localhost:10.0", "localhost:10"),
+            ("", ""),
+            ("wrong", "wrong"),
+        ];
+        for (name, expected) in others {
+            assert_eq!(canonical_x_display(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_read_is_reported() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        files::create_private_folder(path.parent().unwrap()).unwrap();
+        let mut file = files::create_private(&path).unwrap();
+        file.write_all(b"short").unwrap();
+        let found = AbandonedKeys::find_in(path.parent().unwrap(), ":7").pop();
+        let reason = found.expect("a reason").err().expect("no keys");
+        assert!(reason.starts_with("cannot read "), "{reason}");
     }
 
     #[test]

@@ -4,7 +4,11 @@
 //! receiver, including the kernel, keeps the keys of a stopped process pressed. A process that presses keys therefore
 //! starts a watchdog and reports every key to it, before the press and after the release. The watchdog releases all
 //! pressed keys if the process exits for any reason, or sends no heartbeat for 200 ms while a key is pressed. It replies
-//! to each heartbeat: if it does not for 300 ms, the process releases all keys and replaces it.
+//! to each heartbeat: if it does not for 300 ms, the process releases all keys and replaces it. While no heartbeats are
+//! sent, it replies to a probe every 0.4 s.
+//!
+//! The reply says whether the watchdog has released keys. A process that was stopped for a moment believes that they are
+//! pressed, so it presses a key only if the last reply is recent.
 //!
 //! On X11 the watchdog has a connection of its own. A compositor and the kernel accept a release only from the device
 //! that sent the press, so there it has a duplicate of the connection or of the device (see `ReleaseTarget`).
@@ -25,7 +29,7 @@ pub(crate) use linux::scope_name;
 #[cfg(target_os = "linux")]
 pub(super) use linux::{
     DeviceHandle, READY, ReleaseTarget, WatchdogClient, WatchdogLost, WatchdogMessage,
-    WatchdogReports,
+    WatchdogReply, WatchdogReports,
 };
 
 #[cfg(not(target_os = "linux"))]
@@ -44,6 +48,27 @@ pub(super) const HEARTBEAT_TIMEOUT: Duration = Duration::from_millis(200);
 /// counted instead of timed, as this process may have been stopped itself.
 #[cfg_attr(not(target_os = "linux"), expect(dead_code))]
 pub(super) const MAX_UNANSWERED: u64 = 6;
+
+/// Interval of the probes while no reply arrives.
+#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+pub(super) const PROBE_INTERVAL: Duration = Duration::from_millis(400);
+
+/// Number of probes without a reply after which the watchdog counts as lost.
+#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+pub(super) const MAX_UNANSWERED_PROBES: u32 = 3;
+
+/// Age of the last answered heartbeat up to which the watchdog can neither be stopped for long nor have released keys:
+/// below [`HEARTBEAT_TIMEOUT`].
+#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+pub(super) const MAX_REPLY_AGE: Duration = Duration::from_millis(150);
+
+/// Name of the process. It does not contain the name of the program, so that a signal to all processes of that name
+/// (`killall`, `pkill`, `pidof`) does not reach both.
+#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+pub(super) const PROCESS_NAME: &str = "key-watchdog";
+
+/// Called when the watchdog has released keys of this process, before the process can press another one.
+pub(super) type OnRelease = Arc<dyn Fn() + Send + Sync>;
 
 /// The command with which a process starts its watchdog.
 #[derive(Clone)]

@@ -1,10 +1,11 @@
 //! The stand-in on operating systems that have no watchdog yet.
 
 use std::convert::Infallible;
+use std::time::Instant;
 
 use crossbeam_channel::Receiver;
 
-use super::WatchdogSettings;
+use super::{OnRelease, WatchdogSettings};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
 
@@ -23,13 +24,17 @@ impl WatchdogReports {
     pub fn report_key(&self, _: KeyCode, _: KeyDirection) -> Result<(), WatchdogLost> {
         match self.0 {}
     }
+
+    pub fn has_fresh_reply(&self, _: Instant) -> bool {
+        match self.0 {}
+    }
 }
 
 /// The watchdog has exited.
 pub struct WatchdogLost;
 
 impl WatchdogClient {
-    pub fn start(_: &WatchdogSettings, _: ReleaseTarget) -> Result<Self, String> {
+    pub fn start(_: &WatchdogSettings, _: ReleaseTarget, _: OnRelease) -> Result<Self, String> {
         Err("cannot start the watchdog: it needs Linux".into())
     }
 
@@ -38,6 +43,10 @@ impl WatchdogClient {
     }
 
     pub fn send_heartbeat(&mut self) -> Result<(), WatchdogLost> {
+        match self.0 {}
+    }
+
+    pub fn wait_for_fresh_reply(&mut self, _: Instant) -> Result<bool, WatchdogLost> {
         match self.0 {}
     }
 

@@ -3,9 +3,9 @@
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(target_os = "linux")]
-pub use linux::{release_abandoned_keys, run};
+pub use linux::{AbandonedRelease, release_abandoned_keys, run};
 
 #[cfg(not(target_os = "linux"))]
 mod unsupported;
 #[cfg(not(target_os = "linux"))]
-pub use unsupported::{release_abandoned_keys, run};
+pub use unsupported::{AbandonedRelease, release_abandoned_keys, run};

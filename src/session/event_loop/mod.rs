@@ -2,6 +2,7 @@
 
 mod capture;
 mod layouts;
+mod output;
 mod publish;
 
 use std::time::{Duration, Instant};
@@ -23,7 +24,7 @@ use crate::device::{Events, TimedCommand};
 use crate::message::escape;
 use crate::names::UnknownName;
 use crate::output::Sink;
-use crate::pipeline::{CommandError, Pipeline, PipelineState};
+use crate::pipeline::{CommandError, Pipeline};
 use crate::snapshot::Stats;
 use crate::time::{NO_DEADLINE, Timestamp};
 
@@ -38,6 +39,9 @@ const MAX_SILENCE: Duration = Duration::from_secs(1);
 /// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
 /// without a heartbeat.
 const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
+
+/// Longest time without a call of the output while none are expected: the output reports there that its display is gone.
+const IDLE_PERIOD: Duration = Duration::from_millis(400);
 
 /// Runs as [`run_pipeline`](super::run_pipeline) does. `observe` sees the pipeline after every step, too.
 pub(super) fn run_observed(
@@ -181,7 +185,7 @@ impl SessionLoop<'_> {
         self.capture.wait(timeout);
         if !self.capture.has_events() {
             self.now = Instant::now();
-            self.sink.0.send(&[])?;
+            self.keep_output_alive()?;
             self.stall_if_overdue()?;
         }
         Ok(())
@@ -190,7 +194,7 @@ impl SessionLoop<'_> {
     fn time_to_heartbeat(&self) -> Duration {
         match self.pipeline.expects_readings() {
             true => HEARTBEAT_PERIOD,
-            false => NO_DEADLINE,
+            false => IDLE_PERIOD,
         }
     }
 
@@ -482,19 +486,6 @@ impl SessionLoop<'_> {
             self.set_source_stats(&stats);
         }
         self.drop_readings(dropped);
-    }
-
-    /// Hands the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier
-    /// failure at the next call.
-    fn send_events(&mut self) -> Result<(), SessionError> {
-        // A press that still waits in a queue must not follow the releases of a pause or stall.
-        if matches!(
-            self.pipeline.state(),
-            PipelineState::Paused | PipelineState::Stalled
-        ) {
-            self.sink.0.void_presses();
-        }
-        Ok(self.sink.0.send(&self.events)?)
     }
 }
 

@@ -40,7 +40,7 @@ fn both_killed(scene: &mut Scene, press: &HandMotion) {
     // The stopped program cannot release a key when the watchdog is killed first.
     scene
         .machine
-        .run("kill -STOP $(cat /tmp/ademan.pid); kill -KILL $(pidof ademan)");
+        .run("kill -STOP $(cat /tmp/ademan.pid); kill -KILL $(pidof key-watchdog) $(pidof ademan)");
     released(scene, &evtest);
     scene
         .libinput

@@ -153,6 +153,12 @@ impl Compositor {
         self.signal("CONT");
     }
 
+    /// Kills the process.
+    pub fn kill(&mut self) {
+        self.process.0.kill().expect("the compositor runs");
+        self.process.0.wait().expect("the compositor exits");
+    }
+
     fn signal(&self, name: &str) {
         let process = self.process.0.id().to_string();
         let mut kill = Command::new("sh");

@@ -15,13 +15,13 @@ use crate::support::x11::{wait_at_most, wait_for};
 /// A run with a glove.
 pub(super) struct GloveRun {
     pub(super) program: Program,
-    glove: Glove,
+    pub(super) glove: Glove,
     _folder: TempDir,
 }
 
 impl GloveRun {
     /// Starts a run whose wearer keeps the hand clear of all keys.
-    fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
+    pub(super) fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
         let glove = Glove::plug_in(&port, press.clear());

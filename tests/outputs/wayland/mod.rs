@@ -7,6 +7,7 @@ mod attacks;
 mod compositor;
 mod ends;
 mod floods;
+mod output_stalls;
 mod pointer;
 mod refusals;
 mod text;

@@ -132,3 +132,50 @@ fn keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_next_run(
     let _run = Process::start(&mut run).expect("it starts");
     assert!(killed.is_released(), "{:?}", killed.server.pressed_keys());
 }
+
+#[test]
+fn keys_of_a_killed_run_are_released_however_the_display_is_spelled() {
+    let Some(killed) = Killed::new() else {
+        return;
+    };
+    let display = format!("unix{}.0", killed.server.display());
+    let mut command = killed.command(["release-keys"]);
+    let output = command.env("DISPLAY", display).output();
+    let output = output.expect("it starts");
+    assert!(killed.is_released(), "{output:?}");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[test]
+fn keys_of_a_killed_run_on_another_display_are_reported() {
+    let (Some(killed), Some(other)) = (Killed::new(), XServer::start()) else {
+        return;
+    };
+    let mut command = killed.command(["release-keys"]);
+    let output = command.env("DISPLAY", other.display()).output();
+    let output = output.expect("it starts");
+    let err = String::from_utf8_lossy(&output.stderr);
+    let part = format!("2 on the display `{}`", killed.server.display());
+    assert!(err.contains(&part), "{err}");
+    assert_eq!(killed.server.pressed_keys(), held_keys());
+}
+
+#[test]
+fn a_runtime_folder_that_accepts_no_record_is_reported() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let runtime = tempfile::tempdir().expect("a folder");
+    fs::write(runtime.path().join("ademan"), "").expect("space on the disk");
+    let control = runtime.path().join("control").display().to_string();
+    let source = [
+        "run",
+        "--source",
+        "script:wait 60000",
+        "--output",
+        "desktop",
+    ];
+    let run = ademan(source.into_iter().chain(["--control", &control]));
+    let program = Program::from_command(in_session(run, &server, runtime.path()));
+    program.wait_for_line("cannot record pressed keys in", 1);
+}

@@ -73,7 +73,7 @@ fn a_stopped_watchdog_is_noticed_and_replaced() {
 }
 
 /// Returns the command of a copy of the program.
-fn copied(program: &Path, arguments: &[&str]) -> Command {
+pub fn copied(program: &Path, arguments: &[&str]) -> Command {
     let original = ademan(arguments);
     fs::copy(original.get_program(), program).expect("space on the disk");
     let mut command = Command::new(program);

@@ -10,7 +10,11 @@ mod doctor;
 mod ends;
 mod grabs;
 #[cfg(target_os = "linux")]
+mod idle;
+#[cfg(target_os = "linux")]
 mod lost_watchdog;
+#[cfg(target_os = "linux")]
+pub mod output_stalls;
 #[cfg(target_os = "linux")]
 mod watchdog;
 mod gap;

@@ -53,7 +53,7 @@ fn the_loop_the_output_and_the_watchdog_have_the_priority_that_the_doctor_report
     let watchdog = typing.program.children();
     let watchdog = threads(watchdog[0]);
     assert!(
-        watchdog.contains(&("ademan".to_owned(), nice)),
+        watchdog.contains(&("key-watchdog".to_owned(), nice)),
         "{watchdog:?}"
     );
 }

@@ -2,14 +2,17 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use super::ends::{Typing, held_keys};
+use super::lost_watchdog::copied;
 use super::{hold, wait_for_release};
+use crate::support::binary::ademan;
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, x11_code};
-use crate::support::process::signal;
+use crate::support::process::{Process, signal};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
 
@@ -79,7 +82,8 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
         glove.play(&press.approach);
         assert!(log.wait_for_press(before), "no key arrives");
         program.signal(&["KILL"]);
-        assert_eq!(program.wait_for_exit().code(), None);
+        let code = program.wait_for_exit().code();
+        assert_eq!(code, None, "{:#?}", program.stderr_lines());
         assert!(
             server.wait_for_keys(&[]),
             "{round}: {:?}",
@@ -90,6 +94,15 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
         assert_eq!(server.pressed_keys(), [0; 0], "{round}");
         assert!(log.pressed().is_empty(), "{round}: {:?}", log.pressed());
     }
+}
+
+/// Makes a command use an X server.
+fn on_display(mut command: Command, server: &XServer) -> Command {
+    command
+        .env("DISPLAY", server.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR");
+    command
 }
 
 /// Returns `true` if the process exists and has not exited.
@@ -267,4 +280,75 @@ fn sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent() {
     assert!(is_alive(watchdog) && typing.program.is_running());
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+}
+
+#[test]
+fn a_kill_of_all_processes_with_the_name_of_the_program_leaves_the_watchdog() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    // A name that no other process has.
+    let name = format!("ademan-{}", std::process::id());
+    let (port, file) = (folder.path().join("glove"), folder.path().join(&name));
+    let press = Press::for_text("H");
+    let glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let command = copied(&file, &["run", "--output", "desktop", "--source", &source]);
+    let mut program = Program::from_command(on_display(command, &server));
+    program.wait_for_line("armed", 1);
+    hold(&server, &program, &glove, &press, &held_keys());
+    let [watchdog] = program.children()[..] else {
+        panic!("one child: {:?}", program.children());
+    };
+    for file in ["comm", "cmdline"] {
+        let text = fs::read_to_string(format!("/proc/{watchdog}/{file}")).expect("it runs");
+        assert!(!text.contains("ademan"), "{file}: {text:?}");
+    }
+    let mut pkill = Command::new("pkill");
+    let killed = Process::start(pkill.args(["-KILL", "-f", &name]));
+    match killed {
+        Ok(mut pkill) => _ = pkill.0.wait().expect("pkill exits"),
+        Err(error) => {
+            println!("SKIPPED: pkill: {error}");
+            program.signal(&["KILL"]);
+        }
+    }
+    assert_eq!(program.wait_for_exit().code(), None);
+    assert!(server.wait_for_keys(&[]), "{:?}", server.pressed_keys());
+}
+
+#[test]
+fn signals_that_the_parent_has_blocked_stop_the_typing_and_the_program() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("glove");
+    let press = Press::for_text("H");
+    let glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let run = ademan(["run", "--output", "desktop", "--source", &source]);
+    let mut blocked = Command::new("env");
+    blocked
+        .args([
+            "--block-signal=USR1,INT,TERM,HUP,TSTP",
+            "XDG_CONFIG_HOME=/nowhere",
+        ])
+        .arg(run.get_program())
+        .args(run.get_args());
+    let mut program = Program::from_command(on_display(blocked, &server));
+    let is_started = || program.count_lines("armed") > 0 || program.count_lines("block-signal") > 0;
+    assert!(wait_for(is_started), "{:#?}", program.stderr_lines());
+    if program.count_lines("block-signal") > 0 {
+        println!("SKIPPED: this `env` cannot block signals");
+        return;
+    }
+    hold(&server, &program, &glove, &press, &held_keys());
+    let start = Instant::now();
+    program.signal(&["USR1"]);
+    wait_for_release(&server, start, "USR1, blocked by the parent");
+    program.wait_for_line("paused by a signal", 1);
+    program.signal(&["TERM"]);
+    assert_eq!(program.wait_for_exit().code(), Some(0));
 }

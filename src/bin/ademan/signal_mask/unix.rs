@@ -1,4 +1,7 @@
 //! The signal mask on Unix systems. Threads inherit it, so it is set before the first is started.
+//!
+//! A process inherits the mask of its parent. The mask is replaced, because a parent that blocks SIGUSR1, SIGINT or SIGTERM
+//! would otherwise disable the emergency stop.
 
 use std::fs;
 
@@ -33,10 +36,10 @@ const USED: &[Signal] = &[
 
 /// Ignores every signal that can be ignored: no signal to all processes of this program may end the watchdog.
 pub fn block_all() -> Result<(), Failure> {
-    SigSet::all().thread_block().map_err(failed)
+    SigSet::all().thread_set_mask().map_err(failed)
 }
 
-/// Ignores the signals that this program has no use for.
+/// Ignores the signals that this program has no use for, and receives all others.
 pub fn block_unused() -> Result<(), Failure> {
     let mut unused = SigSet::all();
     for signal in USED {
@@ -46,7 +49,7 @@ pub fn block_unused() -> Result<(), Failure> {
         // The handler of this program would replace the choice of `nohup`; a blocked signal does not reach it.
         unused.add(Signal::SIGHUP);
     }
-    unused.thread_block().map_err(failed)
+    unused.thread_set_mask().map_err(failed)
 }
 
 /// Returns whether the parent process has set SIGHUP to be ignored, as `nohup` does. `false` without procfs.

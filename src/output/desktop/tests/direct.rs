@@ -51,9 +51,10 @@ impl KeyWriter for End {
 
 impl AnswerReader for End {
     fn wait_for_answer(&mut self, _: Instant) -> bool {
-        let is_slow = self.0.0.lock().unwrap().direct.is_slow;
+        let display = self.0.clone();
+        let is_slow = || display.0.lock().unwrap().direct.is_slow;
         let start = Instant::now();
-        while is_slow && self.discard_events() && start.elapsed() < SLOW_ANSWER {
+        while is_slow() && self.discard_events() && start.elapsed() < SLOW_ANSWER {
             thread::yield_now();
         }
         !self.0.0.lock().unwrap().direct.hangs && self.discard_events()
@@ -83,7 +84,7 @@ impl TestDisplay {
         set(&mut self.0.lock().unwrap().direct);
     }
 
-    fn wait_for_lines(&self, count: usize) {
+    pub fn wait_for_lines(&self, count: usize) {
         while self.lines().len() < count {
             thread::yield_now();
         }
@@ -160,6 +161,8 @@ fn a_press_that_is_not_executed_is_revoked_and_the_next_one_has_a_new_connection
     wait_until_idle(&sink);
     display.set_direct(|direct| direct.hangs = false);
     assert_eq!(sink.dropped_presses(), 1);
+    assert!(sink.has_stalled());
+    sink.void_presses();
     sink.send(&[up(2, "A")]).unwrap();
     wait_until_idle(&sink);
     sink.send(&[down(3, "B")]).unwrap();
@@ -192,8 +195,9 @@ fn a_release_that_is_not_executed_is_repeated_by_the_thread() {
 #[test]
 fn what_was_written_together_with_a_revoked_press_is_revoked_too() {
     let (display, mut sink, gate) = open_sink();
-    display.set_direct(|direct| direct.hangs = true);
+    display.set_direct(|direct| (direct.hangs, direct.is_slow) = (true, true));
     sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
+    display.set_direct(|direct| direct.is_slow = false);
     drop(gate);
     wait_until_idle(&sink);
     assert_eq!(sink.dropped_presses(), 2);
@@ -245,4 +249,18 @@ fn a_press_that_becomes_void_before_it_is_confirmed_is_revoked() {
     assert_eq!(display.lines(), lines);
     let state = display.0.lock().unwrap();
     assert_eq!((state.direct.opened, state.direct.closed_ends), (2, 2));
+}
+
+#[test]
+fn the_loop_writes_no_press_after_a_dropped_one() {
+    let (display, mut sink, gate) = open_sink();
+    drop(gate);
+    display.set_direct(|direct| direct.hangs = true);
+    sink.send(&[down(1, "ControlLeft")]).unwrap();
+    wait_until_idle(&sink);
+    display.set_direct(|direct| direct.hangs = false);
+    sink.send(&[down(2, "W")]).unwrap();
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["loop: Press ControlLeft", "-ControlLeft"]);
+    assert_eq!(sink.dropped_presses(), 2);
 }

@@ -93,6 +93,7 @@ pub struct Spacenav {
     time: Timestamp,
     is_pressed: [bool; BUTTON_COUNT],
     dropped_presses: u64,
+    has_stalled: bool,
     coalesced_motions: u64,
     thread: Option<JoinHandle<()>>,
     thread_ended: Receiver<()>,
@@ -160,6 +161,7 @@ impl Spacenav {
             time: Timestamp(0),
             is_pressed: [false; BUTTON_COUNT],
             dropped_presses: 0,
+            has_stalled: false,
             coalesced_motions: 0,
             thread: None,
             thread_ended,
@@ -171,7 +173,8 @@ impl Spacenav {
         let Some(button) = button_number(key).filter(|button| !self.is_pressed[*button]) else {
             return Ok(());
         };
-        if self.queue_length()? >= PRESS_LIMIT {
+        self.has_stalled |= self.queue_length()? >= PRESS_LIMIT;
+        if self.has_stalled {
             self.dropped_presses += 1;
             return Ok(());
         }
@@ -255,6 +258,14 @@ impl Sink for Spacenav {
 
     fn capabilities(&self) -> Capabilities {
         capabilities()
+    }
+
+    fn void_presses(&mut self) {
+        self.has_stalled = false;
+    }
+
+    fn has_stalled(&self) -> bool {
+        self.has_stalled
     }
 
     fn close(&mut self) -> Result<(), OutputError> {

@@ -41,6 +41,8 @@ pub struct Uinput<N: DeviceNode = UinputNode> {
     /// that reads both devices may otherwise process the click before the motion.
     active_pointer: DeviceKind,
     dropped_presses: u64,
+    /// A press was dropped, or keys were released, because of the watchdog.
+    has_stalled: bool,
     watchdog: Option<WatchdogSupervisor>,
 }
 
@@ -83,6 +85,7 @@ impl<N: DeviceNode> Uinput<N> {
             devices: specs.map(device).collect::<io::Result<_>>()?,
             active_pointer: DeviceKind::Mouse,
             dropped_presses: 0,
+            has_stalled: false,
             watchdog: None,
         })
     }
@@ -103,12 +106,14 @@ impl<N: DeviceNode> Uinput<N> {
         let Some(watchdog) = &mut self.watchdog else {
             return Ok(());
         };
+        self.has_stalled |= watchdog.take_released();
         if !watchdog.is_lost() {
             return match watchdog.failure() {
                 None => Ok(()),
                 Some(reason) => Err(io::Error::other(reason)),
             };
         }
+        self.has_stalled = true;
         let released = self.for_each_device(TrackedDevice::release_all);
         if let Some(watchdog) = &mut self.watchdog {
             watchdog.restart();
@@ -119,6 +124,10 @@ impl<N: DeviceNode> Uinput<N> {
     /// Reports an event to the watchdog before it is sent. Returns `false` if the watchdog does not know of it, so that
     /// it must not be sent.
     fn report_before(&mut self, event: EventKind) -> bool {
+        let is_press = matches!(event, EventKind::KeyDown(_));
+        if is_press && self.has_stalled {
+            return false;
+        }
         match (&mut self.watchdog, event) {
             (Some(watchdog), EventKind::KeyDown(key)) => watchdog.report_press(key),
             (Some(watchdog), EventKind::Axis(_, value)) if value != 0.0 => {
@@ -195,6 +204,7 @@ impl<N: DeviceNode> Sink for Uinput<N> {
                 false => {
                     let is_press = matches!(event.kind, EventKind::KeyDown(_));
                     self.dropped_presses += u64::from(is_press);
+                    self.has_stalled |= is_press;
                 }
             }
         }
@@ -205,6 +215,14 @@ impl<N: DeviceNode> Sink for Uinput<N> {
 
     fn capabilities(&self) -> Capabilities {
         capabilities()
+    }
+
+    fn void_presses(&mut self) {
+        self.has_stalled = false;
+    }
+
+    fn has_stalled(&self) -> bool {
+        self.has_stalled
     }
 
     fn close(&mut self) -> Result<(), OutputError> {

@@ -1,5 +1,7 @@
 //! The watchdog of the devices, as the loop uses it.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
@@ -8,7 +10,8 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded, never};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::watchdog::{
-    HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost, WatchdogSettings,
+    HEARTBEAT_INTERVAL, MAX_REPLY_AGE, ReleaseTarget, WatchdogClient, WatchdogLost,
+    WatchdogSettings,
 };
 
 /// A watchdog, what has been reported to it, and its restart. No method blocks after the start.
@@ -23,27 +26,39 @@ pub struct WatchdogSupervisor {
     /// The watchdog did not accept a message, or does not reply.
     is_unresponsive: bool,
     last_heartbeat: Instant,
+    /// The time of the first report after nothing was pressed.
+    active_since: Instant,
+    /// The watchdog has released keys of this process while it did not respond.
+    has_released: Arc<AtomicBool>,
 }
 
 impl WatchdogSupervisor {
     /// Starts a watchdog and waits until it is ready.
     pub fn start(settings: &WatchdogSettings, target: ReleaseTarget) -> Result<Self, String> {
+        let has_released = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&has_released);
+        let on_release = Arc::new(move || flag.store(true, Ordering::Release));
         Ok(Self {
-            client: Some(WatchdogClient::start(settings, target)?),
+            client: Some(WatchdogClient::start(settings, target, on_release)?),
             restarted: never(),
             failure: None,
             reported_keys: PressedKeys::default(),
             is_deflection_reported: false,
             is_unresponsive: false,
             last_heartbeat: Instant::now(),
+            active_since: Instant::now(),
+            has_released,
         })
     }
 
-    /// Reports a key before its press. Returns `false` if the watchdog does not know of it: then it must not be
-    /// pressed, as it could stay down.
+    /// Reports a key before its press. Returns `false` if the watchdog does not know of it, or may have released what is
+    /// pressed: then it must not be pressed.
     pub fn report_press(&mut self, key: KeyCode) -> bool {
         if self.reported_keys.contains(key) {
             return true;
+        }
+        if !self.is_state_known() {
+            return false;
         }
         let is_reported = self.report(|client| client.report_key(key, KeyDirection::Press));
         if is_reported {
@@ -52,9 +67,32 @@ impl WatchdogSupervisor {
         is_reported
     }
 
+    /// Returns and clears whether the watchdog has released keys.
+    pub fn take_released(&self) -> bool {
+        // Nearly always it has not, and a load costs less than an exchange.
+        self.has_released.load(Ordering::Acquire) && self.has_released.swap(false, Ordering::AcqRel)
+    }
+
+    /// Returns whether what is pressed cannot have been released by the watchdog, which a gap between two heartbeats causes.
+    fn is_state_known(&mut self) -> bool {
+        let now = Instant::now();
+        if self.is_idle() {
+            self.active_since = now;
+        }
+        let has_reply = |client: &WatchdogClient| client.has_fresh_reply(now);
+        now - self.active_since < MAX_REPLY_AGE || self.client.as_ref().is_none_or(has_reply)
+    }
+
+    fn is_idle(&self) -> bool {
+        self.reported_keys.is_empty() && !self.is_deflection_reported
+    }
+
     /// Reports that an axis leaves its center, with the result of [`report_press`](Self::report_press).
     pub fn report_deflection(&mut self) -> bool {
         if !self.is_deflection_reported {
+            if self.is_idle() {
+                self.active_since = Instant::now();
+            }
             self.is_deflection_reported = self.report(|client| client.report_axes(true));
         }
         self.is_deflection_reported
@@ -74,8 +112,7 @@ impl WatchdogSupervisor {
                 self.report(|client| client.report_key(key, KeyDirection::Release));
             }
         }
-        let is_idle = self.reported_keys.is_empty() && !self.is_deflection_reported;
-        if !is_idle && self.last_heartbeat.elapsed() >= HEARTBEAT_INTERVAL {
+        if !self.is_idle() && self.last_heartbeat.elapsed() >= HEARTBEAT_INTERVAL {
             self.last_heartbeat = Instant::now();
             let sent = self.client.as_mut().map(WatchdogClient::send_heartbeat);
             self.is_unresponsive |= sent == Some(Err(WatchdogLost));

@@ -3,20 +3,21 @@
 use std::io::{self, Read};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
+use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, bounded};
 use rustix::net::{SendFlags, send};
 
+use super::replies::{self, Replies};
 use super::{READY, ReleaseTarget, WatchdogMessage};
 use crate::advice;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
-use crate::output::watchdog::{MAX_UNANSWERED, WatchdogSettings};
+use crate::output::watchdog::{MAX_UNANSWERED, OnRelease, PROCESS_NAME, WatchdogSettings};
 
 /// Longest time in which a watchdog connects to the display.
 const START_TIMEOUT: Duration = Duration::from_secs(5);
@@ -43,16 +44,22 @@ pub struct WatchdogClient {
     exited: Receiver<()>,
     started: Instant,
     is_replacement: bool,
-    sent_heartbeats: u64,
-    replies: Arc<AtomicU64>,
+    on_release: OnRelease,
+    replies: Arc<Replies>,
 }
 
 impl WatchdogClient {
     /// Starts a watchdog and waits until it is ready to release keys on `target`. On a display, the calling thread must not
-    /// end before this is dropped: the watchdog releases keys when it does.
-    pub fn start(settings: &WatchdogSettings, target: ReleaseTarget) -> Result<Self, String> {
+    /// end before this is dropped: the watchdog releases keys when it does. Calls `on_release` when the watchdog has
+    /// released keys while this process did not respond; it must not block.
+    pub fn start(
+        settings: &WatchdogSettings,
+        target: ReleaseTarget,
+        on_release: OnRelease,
+    ) -> Result<Self, String> {
         let (socket, watchdog_end) = UnixStream::pair().map_err(start_error)?;
         let process = Command::new(&settings.program)
+            .arg0(PROCESS_NAME)
             .args(&settings.arguments)
             .stdin(Stdio::from(OwnedFd::from(watchdog_end)))
             .stdout(Stdio::null())
@@ -66,8 +73,8 @@ impl WatchdogClient {
             socket: Arc::new(socket),
             started: Instant::now(),
             is_replacement: false,
-            sent_heartbeats: 0,
-            replies: Arc::default(),
+            replies: Arc::new(Replies::new(Arc::clone(&on_release))),
+            on_release,
         };
         let thread = watchdog.target.thread_handle();
         watchdog
@@ -76,7 +83,7 @@ impl WatchdogClient {
             .map_err(start_error)?;
         watchdog.wait_until_ready()?;
         let replies = Arc::clone(&watchdog.replies);
-        watchdog.exited = receive_replies(&watchdog.socket, replies).map_err(spawn_error)?;
+        watchdog.exited = replies::receive(&watchdog.socket, replies).map_err(spawn_error)?;
         Ok(watchdog)
     }
 
@@ -87,7 +94,10 @@ impl WatchdogClient {
 
     /// Returns a way to report keys from another thread. It ends with this watchdog.
     pub fn reports(&self) -> WatchdogReports {
-        WatchdogReports(Arc::clone(&self.socket))
+        WatchdogReports {
+            socket: Arc::clone(&self.socket),
+            replies: Arc::clone(&self.replies),
+        }
     }
 
     /// Reports deflected axes: `true` before the first leaves its center, `false` after the last is centered.
@@ -100,16 +110,27 @@ impl WatchdogClient {
 
     /// Sends a heartbeat. Fails if too many have no reply.
     pub fn send_heartbeat(&mut self) -> Result<(), WatchdogLost> {
-        if self
-            .sent_heartbeats
-            .saturating_sub(self.replies.load(Ordering::Relaxed))
-            >= MAX_UNANSWERED
-        {
+        if self.replies.unanswered() >= MAX_UNANSWERED {
             return Err(WatchdogLost);
         }
-        self.send(WatchdogMessage::Heartbeat)?;
-        self.sent_heartbeats += 1;
-        Ok(())
+        self.replies.note_heartbeat();
+        self.send(WatchdogMessage::Heartbeat)
+    }
+
+    /// Returns whether a heartbeat that was sent a short time before `now` was answered. Then the watchdog has not
+    /// released keys, or has reported it.
+    pub fn has_fresh_reply(&self, now: Instant) -> bool {
+        self.replies.are_fresh(now)
+    }
+
+    /// Sends a heartbeat unless there is a [fresh reply](Self::has_fresh_reply), and waits for the reply until `deadline`.
+    /// Returns whether it came.
+    pub fn wait_for_fresh_reply(&mut self, deadline: Instant) -> Result<bool, WatchdogLost> {
+        if self.has_fresh_reply(Instant::now()) {
+            return Ok(true);
+        }
+        self.send_heartbeat()?;
+        Ok(self.replies.wait_until_fresh(deadline))
     }
 
     /// Returns a channel that is closed when the watchdog has exited.
@@ -128,7 +149,8 @@ impl WatchdogClient {
                 "the watchdog was lost a second time within 10 s; start the run again".into(),
             );
         }
-        *self = Self::start(&self.settings, std::mem::take(&mut self.target))?;
+        let target = std::mem::take(&mut self.target);
+        *self = Self::start(&self.settings, target, Arc::clone(&self.on_release))?;
         self.is_replacement = true;
         Ok(())
     }
@@ -158,17 +180,28 @@ impl WatchdogClient {
 
 /// The reports of keys to a watchdog.
 #[derive(Clone)]
-pub struct WatchdogReports(Arc<UnixStream>);
+pub struct WatchdogReports {
+    socket: Arc<UnixStream>,
+    replies: Arc<Replies>,
+}
 
 impl WatchdogReports {
     /// Reports a key: before a press and after a release.
     pub fn report_key(&self, key: KeyCode, direction: KeyDirection) -> Result<(), WatchdogLost> {
-        send_message(&self.0, WatchdogMessage::from_key(key, direction))
+        send_message(&self.socket, WatchdogMessage::from_key(key, direction))
+    }
+
+    /// Returns the result of [`WatchdogClient::has_fresh_reply`].
+    pub fn has_fresh_reply(&self, now: Instant) -> bool {
+        self.replies.are_fresh(now)
     }
 }
 
 /// Sends a message without blocking: a watchdog that does not read is lost.
-fn send_message(socket: &UnixStream, message: WatchdogMessage) -> Result<(), WatchdogLost> {
+pub(super) fn send_message(
+    socket: &UnixStream,
+    message: WatchdogMessage,
+) -> Result<(), WatchdogLost> {
     match send(socket, &message.to_bytes(), SendFlags::DONTWAIT) {
         Ok(WatchdogMessage::BYTES) => Ok(()),
         _ => Err(WatchdogLost),
@@ -184,21 +217,6 @@ impl Drop for WatchdogClient {
         }
         // One that still runs releases keys on a display that does not respond; it exits afterwards.
     }
-}
-
-/// Counts the replies to heartbeats. Returns a channel that is closed when the other end of the socket is.
-fn receive_replies(socket: &UnixStream, replies: Arc<AtomicU64>) -> io::Result<Receiver<()>> {
-    let (end, exited) = bounded::<()>(0);
-    let mut socket = socket.try_clone()?;
-    thread::Builder::new()
-        .name("watchdog".into())
-        .spawn(move || {
-            let _end = end;
-            while let Ok(count @ 1..) = socket.read(&mut [0; 16]) {
-                replies.fetch_add(count as u64, Ordering::Relaxed);
-            }
-        })?;
-    Ok(exited)
 }
 
 fn spawn_error(error: io::Error) -> String {

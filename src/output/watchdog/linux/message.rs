@@ -17,8 +17,39 @@ pub enum WatchdogMessage {
     AxesDeflected,
     /// All axes are centered.
     AxesCentered,
-    /// The process is alive. The watchdog replies with one byte.
+    /// The process is alive. The watchdog replies with [`WatchdogReply::Alive`] or [`WatchdogReply::Released`].
     Heartbeat,
+    /// A question whether the watchdog is alive, which says nothing about the process. The reply is
+    /// [`WatchdogReply::Probed`].
+    Probe,
+}
+
+/// A reply of the watchdog, one byte.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WatchdogReply {
+    /// To a heartbeat.
+    Alive,
+    /// To the first heartbeat after the watchdog has released the keys of the process.
+    Released,
+    /// To a probe.
+    Probed,
+}
+
+impl WatchdogReply {
+    /// Encodes the reply.
+    pub fn to_byte(self) -> u8 {
+        match self {
+            Self::Alive => b'a',
+            Self::Released => b'r',
+            Self::Probed => b'p',
+        }
+    }
+
+    /// Decodes a reply. Returns `None` for an unknown one.
+    pub fn from_byte(byte: u8) -> Option<Self> {
+        let mut all = [Self::Alive, Self::Released, Self::Probed].into_iter();
+        all.find(|reply| reply.to_byte() == byte)
+    }
 }
 
 impl WatchdogMessage {
@@ -41,6 +72,7 @@ impl WatchdogMessage {
             Self::AxesDeflected => (b'x', 0),
             Self::AxesCentered => (b'c', 0),
             Self::Heartbeat => (b'a', 0),
+            Self::Probe => (b'p', 0),
         };
         let [high, low] = code.to_be_bytes();
         [kind, high, low]
@@ -55,6 +87,7 @@ impl WatchdogMessage {
             b'x' => Some(Self::AxesDeflected),
             b'c' => Some(Self::AxesCentered),
             b'a' => Some(Self::Heartbeat),
+            b'p' => Some(Self::Probe),
             _ => None,
         }
     }
@@ -72,6 +105,7 @@ mod tests {
             WatchdogMessage::AxesDeflected,
             WatchdogMessage::AxesCentered,
             WatchdogMessage::Heartbeat,
+            WatchdogMessage::Probe,
         ];
         for message in down.chain(up).chain(others) {
             let decoded = WatchdogMessage::from_bytes(message.to_bytes());

@@ -1,33 +1,47 @@
 //! The release of keys whose process was killed together with its watchdog.
 
-use super::releaser::KeyReleaser;
-use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::device::pressed_keys::KeyDirection;
+use crate::output::desktop::connect;
 use crate::output::desktop::worker::Injector;
 use crate::output::pressed_key_file::AbandonedKeys;
-use crate::output::watchdog::ReleaseTarget;
 
-/// Releases the keys that processes without a watchdog have left pressed on the display of the session. Returns their
-/// number.
+/// The result of [`release_abandoned_keys`].
+#[derive(Debug, Default)]
+pub struct AbandonedRelease {
+    /// The number of released keys.
+    pub released: usize,
+    /// One line for each record whose keys were not released.
+    pub skipped: Vec<String>,
+}
+
+/// Releases the keys that processes without a watchdog have left pressed on the display of the session.
 ///
 /// # Errors
 /// If the display cannot be reached, or a release failed. Then a further call tries again.
-pub fn release_abandoned_keys() -> Result<usize, String> {
-    let mut count = 0;
-    for abandoned in AbandonedKeys::find() {
+pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
+    let mut result = AbandonedRelease::default();
+    for record in AbandonedKeys::find() {
+        let abandoned = match record {
+            Ok(abandoned) => abandoned,
+            Err(reason) => {
+                result.skipped.push(reason);
+                continue;
+            }
+        };
         if !abandoned.keys.is_empty() {
-            release(&abandoned.keys)?;
-            count += abandoned.keys.count();
+            release(&abandoned)?;
+            result.released += abandoned.keys.count();
         }
         abandoned.forget();
     }
-    Ok(count)
+    Ok(result)
 }
 
-fn release(keys: &PressedKeys) -> Result<(), String> {
-    let mut releaser = KeyReleaser::connect(&ReleaseTarget::Display)?;
-    for key in keys.release_order() {
-        releaser.inject(key, KeyDirection::Release)?;
+fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
+    let mut display = connect(Some(abandoned.display()), false)?;
+    for key in abandoned.keys.release_order() {
+        display.inject(key, KeyDirection::Release)?;
     }
     // The display answers when it has executed the releases. A key of a real keyboard may still be pressed.
-    releaser.query_pressed(keys).map(drop)
+    display.query_pressed(&abandoned.keys).map(drop)
 }

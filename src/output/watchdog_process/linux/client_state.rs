@@ -12,13 +12,10 @@ use rustix::io::Errno;
 use rustix::net::{SendFlags, send};
 
 use super::record::SharedRecord;
-use crate::output::watchdog::{HEARTBEAT_TIMEOUT, WatchdogMessage};
+use crate::output::watchdog::{HEARTBEAT_TIMEOUT, WatchdogMessage, WatchdogReply};
 
 /// Shortest time-out of a wait, so that messages that have already arrived are read before the client counts as hung.
 const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
-
-/// The byte that replies to a heartbeat.
-const REPLY: u8 = b'a';
 
 /// The loss of the client.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +33,8 @@ pub struct ClientState {
     thread: Option<OwnedFd>,
     record: Arc<SharedRecord>,
     last_message: Instant,
+    /// Keys were released since the last reply to a heartbeat, because the client was hung.
+    has_released: bool,
     /// The bytes of an incomplete message.
     incomplete: Vec<u8>,
 }
@@ -48,6 +47,7 @@ impl ClientState {
             thread,
             record,
             last_message: Instant::now(),
+            has_released: false,
             incomplete: Vec::new(),
         }
     }
@@ -56,6 +56,7 @@ impl ClientState {
     pub fn wait_for_loss(&mut self) -> ClientLoss {
         let loss = self.receive_until_loss();
         self.record.set_client_lost(true);
+        self.has_released |= loss == ClientLoss::Hung;
         loss
     }
 
@@ -68,9 +69,10 @@ impl ClientState {
             match self.socket.read(&mut bytes) {
                 Ok(0) => return ClientLoss::Exited,
                 Ok(count) => {
-                    self.last_message = Instant::now();
-                    self.record.set_client_lost(false);
-                    self.decode(&bytes[..count]);
+                    if self.decode(&bytes[..count]) {
+                        self.last_message = Instant::now();
+                        self.record.set_client_lost(false);
+                    }
                 }
                 Err(error) => match error.kind() {
                     ErrorKind::Interrupted => {}
@@ -106,7 +108,9 @@ impl ClientState {
         can_hang.then_some(remaining.max(MIN_READ_TIMEOUT))
     }
 
-    fn decode(&mut self, bytes: &[u8]) {
+    /// Handles messages. Returns whether one of them is a sign of life of the client.
+    fn decode(&mut self, bytes: &[u8]) -> bool {
+        let mut is_alive = false;
         self.incomplete.extend(bytes);
         let complete = self.incomplete.len() - self.incomplete.len() % WatchdogMessage::BYTES;
         for bytes in self.incomplete[..complete].as_chunks().0 {
@@ -114,16 +118,24 @@ impl ClientState {
                 continue;
             };
             self.record.lock().apply(message);
-            if message == WatchdogMessage::Heartbeat {
-                // A client that does not read replies is stopped; the next read shows it.
-                let _ = send(
-                    &self.socket,
-                    &[REPLY],
-                    SendFlags::DONTWAIT | SendFlags::NOSIGNAL,
-                );
+            is_alive |= message != WatchdogMessage::Probe;
+            match message {
+                WatchdogMessage::Heartbeat if std::mem::take(&mut self.has_released) => {
+                    self.reply(WatchdogReply::Released);
+                }
+                WatchdogMessage::Heartbeat => self.reply(WatchdogReply::Alive),
+                WatchdogMessage::Probe => self.reply(WatchdogReply::Probed),
+                _ => {}
             }
         }
         self.incomplete.drain(..complete);
+        is_alive
+    }
+
+    fn reply(&self, reply: WatchdogReply) {
+        // A client that does not read replies is stopped; the next read shows it.
+        let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
+        let _ = send(&self.socket, &[reply.to_byte()], flags);
     }
 }
 
@@ -212,7 +224,37 @@ mod tests {
         drop(client);
         let mut replies = Vec::new();
         socket.read_to_end(&mut replies).unwrap();
-        assert_eq!(replies, [REPLY; 3]);
+        assert_eq!(replies, [WatchdogReply::Alive.to_byte(); 3]);
+    }
+
+    #[test]
+    fn the_first_reply_after_a_release_says_so() {
+        let (mut socket, mut client) = client();
+        send(&socket, &[WatchdogMessage::KeyDown(key("A"))]);
+        assert_eq!(client.wait_for_loss(), ClientLoss::Hung);
+        send(&socket, &[WatchdogMessage::Heartbeat; 2]);
+        socket.shutdown(std::net::Shutdown::Write).unwrap();
+        while client.wait_for_loss() != ClientLoss::Exited {}
+        drop(client);
+        let mut replies = Vec::new();
+        socket.read_to_end(&mut replies).unwrap();
+        let expected = [WatchdogReply::Released, WatchdogReply::Alive];
+        assert_eq!(replies, expected.map(WatchdogReply::to_byte));
+    }
+
+    #[test]
+    fn a_probe_has_a_reply_and_is_no_sign_of_life() {
+        let (mut socket, mut client) = client();
+        send(&socket, &[WatchdogMessage::KeyDown(key("A"))]);
+        assert_eq!(client.wait_for_loss(), ClientLoss::Hung);
+        send(&socket, &[WatchdogMessage::Probe]);
+        socket.shutdown(std::net::Shutdown::Write).unwrap();
+        // A sign of life would make it hang a second time.
+        assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
+        drop(client);
+        let mut replies = Vec::new();
+        socket.read_to_end(&mut replies).unwrap();
+        assert_eq!(replies, [WatchdogReply::Probed.to_byte()]);
     }
 
     /// A busy machine may delay the heartbeats, so the test searches the times at which they were sent for a gap.

@@ -7,13 +7,14 @@ mod release_thread;
 mod releaser;
 mod scope;
 
+use std::fs;
 use std::io::Write;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 
-use crate::output::watchdog::{READY, ReleaseTarget};
+use crate::output::watchdog::{PROCESS_NAME, READY, ReleaseTarget};
 use crate::priority;
-pub use abandoned::release_abandoned_keys;
+pub use abandoned::{AbandonedRelease, release_abandoned_keys};
 use client_state::{ClientLoss, ClientState};
 use record::SharedRecord;
 use release_thread::ReleaseThread;
@@ -24,6 +25,8 @@ use releaser::KeyReleaser;
 ///
 /// `log` receives messages for the user and must not block; they do not contain the names of keys.
 pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
+    // The name of the file is `exe`. Without the folder `/proc` the process could not have been started.
+    let _ = fs::write("/proc/self/comm", PROCESS_NAME);
     let stdin = rustix::stdio::stdin().try_clone_to_owned();
     let mut socket = UnixStream::from(stdin.map_err(|error| error.to_string())?);
     if socket.peer_addr().is_err() {

@@ -31,7 +31,7 @@ impl Record {
             WatchdogMessage::KeyUp(key) => _ = self.pressed.release(key),
             WatchdogMessage::AxesDeflected => self.are_axes_deflected = true,
             WatchdogMessage::AxesCentered => self.are_axes_deflected = false,
-            WatchdogMessage::Heartbeat => {}
+            WatchdogMessage::Heartbeat | WatchdogMessage::Probe => {}
         }
     }
 }

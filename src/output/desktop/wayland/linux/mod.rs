@@ -176,6 +176,10 @@ impl Injector for WaylandInjector {
         self.connection.flush()
     }
 
+    fn check_connection(&mut self) -> Result<(), String> {
+        self.connection.dispatch()
+    }
+
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         self.connection.roundtrip()
     }

@@ -182,6 +182,10 @@ impl Injector for X11Injector {
             .map_err(message)
     }
 
+    fn check_connection(&mut self) -> Result<(), String> {
+        self.discard_events().map_err(message)
+    }
+
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         self.wait().map_err(message)
     }

@@ -1,18 +1,14 @@
 //! Devices that record their reports.
 
+mod watchdog;
+
 use super::*;
 use crate::contact::TargetId;
 use crate::device::Axis;
 use crate::output::tests::{down, event, key, up};
-use crate::output::watchdog::HEARTBEAT_INTERVAL;
 use evdev::InputEvent;
-use std::fs;
 use std::os::fd::OwnedFd;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 /// Records the reports of all its devices, after a number of failures.
 #[derive(Clone, Default)]
@@ -315,165 +311,4 @@ fn the_kernel_accepts_every_device() {
     ];
     devices.send(&events).unwrap();
     devices.close().unwrap();
-}
-
-/// A watchdog process that writes the messages to a file and releases nothing.
-struct RecordedWatchdog {
-    folder: tempfile::TempDir,
-    losses: Arc<AtomicUsize>,
-}
-
-impl RecordedWatchdog {
-    fn new() -> Self {
-        Self {
-            folder: tempfile::tempdir().unwrap(),
-            losses: Arc::default(),
-        }
-    }
-
-    fn settings(&self) -> WatchdogSettings {
-        let losses = self.losses.clone();
-        let path = self.path().display().to_string();
-        // Sends READY, skips the target, and copies every message.
-        let script = format!(
-            "printf . >&0; head -c 6 >/dev/null; echo $$ >{path}.process; exec cat >>{path}"
-        );
-        WatchdogSettings {
-            program: "sh".into(),
-            arguments: vec!["-c".into(), script.into()],
-            on_lost: Arc::new(move || _ = losses.fetch_add(1, Ordering::Relaxed)),
-        }
-    }
-
-    fn path(&self) -> PathBuf {
-        self.folder.path().join("messages")
-    }
-
-    /// Returns the path of the file with its process id, which has a line once it is ready.
-    fn process_path(&self) -> PathBuf {
-        format!("{}.process", self.path().display()).into()
-    }
-
-    /// Returns the first letters of all messages so far.
-    fn messages(&self) -> String {
-        let bytes = fs::read(self.path()).unwrap_or_default();
-        bytes
-            .chunks(3)
-            .map(|message| char::from(message[0]))
-            .collect()
-    }
-
-    /// Waits until the messages without heartbeats, whose number depends on time, are `expected`.
-    fn wait_for_messages(&self, expected: &str) {
-        wait_for(expected, || self.messages().replace('a', "") == expected);
-    }
-
-    fn kill(&self) {
-        let path = self.process_path();
-        let process = fs::read_to_string(&path).unwrap();
-        fs::remove_file(path).unwrap();
-        let process = rustix::process::Pid::from_raw(process.trim().parse().unwrap()).unwrap();
-        rustix::process::kill_process(process, rustix::process::Signal::KILL).unwrap();
-    }
-
-    fn is_ready(&self) -> bool {
-        // The shell creates the file before it writes.
-        fs::read_to_string(self.process_path()).is_ok_and(|text| text.ends_with('\n'))
-    }
-}
-
-fn wait_for(what: &str, condition: impl Fn() -> bool) {
-    let start = Instant::now();
-    while !condition() {
-        assert!(start.elapsed() < Duration::from_secs(10), "no {what}");
-        sleep(Duration::from_millis(1));
-    }
-}
-
-#[test]
-fn presses_are_reported_to_the_watchdog_before_and_releases_after_they_are_sent() {
-    let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut devices = recorder.devices(&[code("A"), Capability::Axis(Axis::LeftX)]);
-    devices.start_watchdog(&watchdog.settings()).unwrap();
-    let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
-    devices.send(&[down(1, "A"), down(1, "Z")]).unwrap();
-    // A key that is not required is not pressed, so it is reported as released.
-    watchdog.wait_for_messages("ddu");
-    recorder.fail(4);
-    devices.send(&[up(2, "A"), stick(1.0)]).unwrap_err();
-    devices.send(&[stick(0.5)]).unwrap();
-    watchdog.wait_for_messages("ddux");
-    sleep(HEARTBEAT_INTERVAL);
-    devices.send(&[]).unwrap();
-    wait_for("heartbeat", || watchdog.messages().ends_with('a'));
-    devices.close().unwrap();
-    watchdog.wait_for_messages("dduxcu");
-    let messages = watchdog.messages();
-    sleep(HEARTBEAT_INTERVAL);
-    devices.send(&[]).unwrap();
-    drop(devices);
-    assert_eq!(watchdog.messages(), messages, "no heartbeat without a key");
-}
-
-#[test]
-fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted() {
-    let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A", "B"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
-    wait_for("watchdog", || watchdog.is_ready());
-    keyboard.send(&[down(1, "A")]).unwrap();
-    watchdog.kill();
-    let start = Instant::now();
-    while recorder.report_count() < 2 {
-        assert!(start.elapsed() < Duration::from_secs(10));
-        keyboard.send(&[]).unwrap();
-    }
-    keyboard.send(&[down(2, "B")]).unwrap();
-    assert_eq!(
-        recorder.reports(),
-        ["keyboard: key 30=1", "keyboard: key 30=0"]
-    );
-    assert_eq!(keyboard.dropped_presses(), 1);
-    wait_for("second watchdog", || watchdog.is_ready());
-    assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
-    while recorder.report_count() == 0 {
-        assert!(start.elapsed() < Duration::from_secs(20));
-        keyboard.send(&[down(3, "B")]).unwrap();
-    }
-    watchdog.kill();
-    let error = loop {
-        assert!(start.elapsed() < Duration::from_secs(30));
-        if let Err(error) = keyboard.send(&[]) {
-            break error.to_string();
-        }
-    };
-    assert!(error.contains("a second time"), "{error}");
-    assert_eq!(
-        recorder.reports(),
-        ["keyboard: key 48=1", "keyboard: key 48=0"]
-    );
-}
-
-#[test]
-fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
-    let watchdog = RecordedWatchdog::new();
-    let recorder = Recorder::default();
-    let mut keyboard = recorder.keyboard(&["A"]);
-    keyboard.start_watchdog(&watchdog.settings()).unwrap();
-    wait_for("watchdog", || watchdog.is_ready());
-    keyboard.send(&[down(1, "A")]).unwrap();
-    fs::remove_file(watchdog.process_path()).unwrap();
-    let start = Instant::now();
-    while recorder.report_count() < 2 {
-        assert!(start.elapsed() < Duration::from_secs(10));
-        keyboard.send(&[]).unwrap();
-    }
-    assert_eq!(
-        recorder.reports(),
-        ["keyboard: key 30=1", "keyboard: key 30=0"]
-    );
-    wait_for("replacement", || watchdog.is_ready());
-    assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
 }

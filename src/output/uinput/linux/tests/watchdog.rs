@@ -1,0 +1,226 @@
+//! A watchdog that records what it is told.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::*;
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, MAX_REPLY_AGE};
+
+/// A watchdog process that writes the messages to a file and releases nothing.
+struct RecordedWatchdog {
+    folder: tempfile::TempDir,
+    losses: Arc<AtomicUsize>,
+    replies: bool,
+}
+
+impl RecordedWatchdog {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+            losses: Arc::default(),
+            replies: true,
+        }
+    }
+
+    /// Creates one that replies to nothing.
+    fn mute() -> Self {
+        Self {
+            replies: false,
+            ..Self::new()
+        }
+    }
+
+    fn settings(&self) -> WatchdogSettings {
+        let losses = self.losses.clone();
+        let path = self.path().display().to_string();
+        // Sends READY, skips the target, and copies every message.
+        let copy = match self.replies {
+            true => format!("tee -a {path} >&0"),
+            false => format!("cat >>{path}"),
+        };
+        let script =
+            format!("printf . >&0; head -c 6 >/dev/null; echo $$ >{path}.process; exec {copy}");
+        WatchdogSettings {
+            program: "sh".into(),
+            arguments: vec!["-c".into(), script.into()],
+            on_lost: Arc::new(move || _ = losses.fetch_add(1, Ordering::Relaxed)),
+        }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("messages")
+    }
+
+    /// Returns the path of the file with its process id, which has a line once it is ready.
+    fn process_path(&self) -> PathBuf {
+        format!("{}.process", self.path().display()).into()
+    }
+
+    /// Returns the first letters of all messages so far without probes, whose number depends on time.
+    fn messages(&self) -> String {
+        let bytes = fs::read(self.path()).unwrap_or_default();
+        bytes
+            .chunks(3)
+            .map(|message| char::from(message[0]))
+            .filter(|letter| *letter != 'p')
+            .collect()
+    }
+
+    /// Waits until the messages without heartbeats, whose number depends on time, are `expected`.
+    fn wait_for_messages(&self, expected: &str) {
+        wait_for(expected, || self.messages().replace('a', "") == expected);
+    }
+
+    fn kill(&self) {
+        let path = self.process_path();
+        let process = fs::read_to_string(&path).unwrap();
+        fs::remove_file(path).unwrap();
+        let process = rustix::process::Pid::from_raw(process.trim().parse().unwrap()).unwrap();
+        rustix::process::kill_process(process, rustix::process::Signal::KILL).unwrap();
+    }
+
+    fn is_ready(&self) -> bool {
+        // The shell creates the file before it writes.
+        fs::read_to_string(self.process_path()).is_ok_and(|text| text.ends_with('\n'))
+    }
+}
+
+fn wait_for(what: &str, mut condition: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < Duration::from_secs(10), "no {what}");
+        sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn presses_are_reported_to_the_watchdog_before_and_releases_after_they_are_sent() {
+    let watchdog = RecordedWatchdog::new();
+    let recorder = Recorder::default();
+    let mut devices = recorder.devices(&[code("A"), Capability::Axis(Axis::LeftX)]);
+    devices.start_watchdog(&watchdog.settings()).unwrap();
+    let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
+    devices.send(&[down(1, "A"), down(1, "Z")]).unwrap();
+    // A key that is not required is not pressed, so it is reported as released.
+    watchdog.wait_for_messages("ddu");
+    recorder.fail(4);
+    devices.send(&[up(2, "A"), stick(1.0)]).unwrap_err();
+    devices.send(&[stick(0.5)]).unwrap();
+    watchdog.wait_for_messages("ddux");
+    sleep(HEARTBEAT_INTERVAL);
+    devices.send(&[]).unwrap();
+    wait_for("heartbeat", || watchdog.messages().ends_with('a'));
+    devices.close().unwrap();
+    watchdog.wait_for_messages("dduxcu");
+    let messages = watchdog.messages();
+    sleep(HEARTBEAT_INTERVAL);
+    devices.send(&[]).unwrap();
+    drop(devices);
+    assert_eq!(watchdog.messages(), messages, "no heartbeat without a key");
+}
+
+#[test]
+fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted() {
+    let watchdog = RecordedWatchdog::new();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["A", "B"]);
+    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    wait_for("watchdog", || watchdog.is_ready());
+    keyboard.send(&[down(1, "A")]).unwrap();
+    watchdog.kill();
+    let start = Instant::now();
+    while recorder.report_count() < 2 {
+        assert!(start.elapsed() < Duration::from_secs(10));
+        keyboard.send(&[]).unwrap();
+    }
+    assert!(keyboard.has_stalled());
+    keyboard.void_presses();
+    keyboard.send(&[down(2, "B")]).unwrap();
+    assert!(keyboard.has_stalled());
+    assert_eq!(
+        recorder.reports(),
+        ["keyboard: key 30=1", "keyboard: key 30=0"]
+    );
+    assert_eq!(keyboard.dropped_presses(), 1);
+    wait_for("second watchdog", || watchdog.is_ready());
+    assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
+    while recorder.report_count() == 0 {
+        assert!(start.elapsed() < Duration::from_secs(20));
+        keyboard.void_presses();
+        keyboard.send(&[down(3, "B")]).unwrap();
+    }
+    watchdog.kill();
+    let error = loop {
+        assert!(start.elapsed() < Duration::from_secs(30));
+        if let Err(error) = keyboard.send(&[]) {
+            break error.to_string();
+        }
+    };
+    assert!(error.contains("a second time"), "{error}");
+    assert_eq!(
+        recorder.reports(),
+        ["keyboard: key 48=1", "keyboard: key 48=0"]
+    );
+}
+
+#[test]
+fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
+    let watchdog = RecordedWatchdog::mute();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["A"]);
+    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    wait_for("watchdog", || watchdog.is_ready());
+    keyboard.send(&[down(1, "A")]).unwrap();
+    fs::remove_file(watchdog.process_path()).unwrap();
+    let start = Instant::now();
+    while recorder.report_count() < 2 {
+        assert!(start.elapsed() < Duration::from_secs(10));
+        keyboard.send(&[]).unwrap();
+    }
+    assert_eq!(
+        recorder.reports(),
+        ["keyboard: key 30=1", "keyboard: key 30=0"]
+    );
+    wait_for("replacement", || watchdog.is_ready());
+    assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
+}
+
+#[test]
+fn a_watchdog_that_is_lost_while_nothing_is_pressed_is_replaced() {
+    let watchdog = RecordedWatchdog::mute();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["A"]);
+    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    wait_for("loss", || {
+        keyboard.send(&[]).unwrap();
+        watchdog.losses.load(Ordering::Relaxed) == 1
+    });
+    assert!(keyboard.has_stalled());
+}
+
+#[test]
+fn no_key_is_pressed_beside_one_that_the_watchdog_may_have_released() {
+    let watchdog = RecordedWatchdog::new();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["ControlLeft", "W"]);
+    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    keyboard.send(&[down(1, "ControlLeft")]).unwrap();
+    // As while the process is stopped.
+    sleep(MAX_REPLY_AGE);
+    keyboard.send(&[down(2, "W")]).unwrap();
+    assert_eq!(recorder.reports(), ["keyboard: key 29=1"]);
+    assert!(keyboard.has_stalled());
+    assert_eq!(keyboard.dropped_presses(), 1);
+    keyboard
+        .send(&[up(3, "ControlLeft"), down(3, "W")])
+        .unwrap();
+    assert_eq!(recorder.reports(), ["keyboard: key 29=0"]);
+    keyboard.void_presses();
+    keyboard.send(&[up(4, "W"), down(4, "W")]).unwrap();
+    assert_eq!(recorder.reports(), ["keyboard: key 17=1"]);
+    assert!(!keyboard.has_stalled());
+}

@@ -1,0 +1,186 @@
+//! The replies of the watchdog, and the age of the last answered heartbeat.
+
+use std::io::{self, ErrorKind, Read};
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::Instant;
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+
+use super::client::send_message;
+use super::{WatchdogMessage, WatchdogReply};
+use crate::output::watchdog::{
+    MAX_REPLY_AGE, MAX_UNANSWERED, MAX_UNANSWERED_PROBES, OnRelease, PROBE_INTERVAL,
+};
+use crate::priority;
+
+/// Number of heartbeats whose times are kept: more than may be unanswered.
+const KEPT: u64 = 8;
+const _: () = assert!(KEPT > MAX_UNANSWERED);
+
+/// The heartbeats and their replies. One thread sends heartbeats at a time.
+pub struct Replies {
+    start: Instant,
+    sent: AtomicU64,
+    /// Times of the latest heartbeats, in microseconds after `start`.
+    sent_at: [AtomicU64; KEPT as usize],
+    answered: AtomicU64,
+    arrivals: (Sender<()>, Receiver<()>),
+    on_release: OnRelease,
+}
+
+impl Replies {
+    /// Creates it without a heartbeat.
+    pub fn new(on_release: OnRelease) -> Self {
+        Self {
+            start: Instant::now(),
+            sent: AtomicU64::new(0),
+            sent_at: Default::default(),
+            answered: AtomicU64::new(0),
+            arrivals: bounded(1),
+            on_release,
+        }
+    }
+
+    /// Returns the number of heartbeats without a reply.
+    pub fn unanswered(&self) -> u64 {
+        let answered = self.answered.load(Ordering::Acquire);
+        self.sent.load(Ordering::Relaxed).saturating_sub(answered)
+    }
+
+    /// Notes a heartbeat before it is sent.
+    pub fn note_heartbeat(&self) {
+        let sent = self.sent.load(Ordering::Relaxed);
+        let time = self.start.elapsed().as_micros() as u64;
+        self.sent_at[(sent % KEPT) as usize].store(time, Ordering::Relaxed);
+        self.sent.store(sent + 1, Ordering::Release);
+    }
+
+    /// Returns whether the last answered heartbeat was sent a short time before `now`.
+    pub fn are_fresh(&self, now: Instant) -> bool {
+        let Some(last) = self.answered.load(Ordering::Acquire).checked_sub(1) else {
+            return false;
+        };
+        let sent_at = self.sent_at[(last % KEPT) as usize].load(Ordering::Relaxed);
+        let age = now.saturating_duration_since(self.start).as_micros() as u64;
+        age.saturating_sub(sent_at) < MAX_REPLY_AGE.as_micros() as u64
+    }
+
+    /// Waits for a reply that makes them [fresh](Self::are_fresh), until `deadline`. Returns whether it came.
+    pub fn wait_until_fresh(&self, deadline: Instant) -> bool {
+        while !self.are_fresh(Instant::now()) {
+            if self.arrivals.1.recv_deadline(deadline).is_err() {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn receive(&self, reply: WatchdogReply) {
+        match reply {
+            WatchdogReply::Probed => return,
+            WatchdogReply::Released => (self.on_release)(),
+            WatchdogReply::Alive => {}
+        }
+        self.answered.fetch_add(1, Ordering::Release);
+        // A signal that waits already has the same effect.
+        let _ = self.arrivals.0.try_send(());
+    }
+}
+
+/// Receives replies on a thread, and sends probes while none arrive. Returns a channel that is closed when the watchdog has
+/// closed the socket or does not reply to probes.
+pub fn receive(socket: &UnixStream, replies: Arc<Replies>) -> io::Result<Receiver<()>> {
+    let (end, exited) = bounded::<()>(0);
+    let socket = socket.try_clone()?;
+    socket.set_read_timeout(Some(PROBE_INTERVAL))?;
+    thread::Builder::new()
+        .name("watchdog".into())
+        .spawn(move || {
+            let _end = end;
+            // A press may wait for the reply.
+            priority::raise_thread_priority();
+            receive_until_lost(&socket, &replies);
+        })?;
+    Ok(exited)
+}
+
+fn receive_until_lost(mut socket: &UnixStream, replies: &Replies) {
+    let mut unanswered_probes = 0;
+    let mut bytes = [0; 16];
+    loop {
+        match socket.read(&mut bytes) {
+            Ok(0) => return,
+            Ok(count) => {
+                unanswered_probes = 0;
+                let received = bytes[..count].iter();
+                received
+                    .filter_map(|byte| WatchdogReply::from_byte(*byte))
+                    .for_each(|reply| replies.receive(reply));
+            }
+            // Counted and not timed, as this process may have been stopped itself.
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                let is_lost = unanswered_probes == MAX_UNANSWERED_PROBES;
+                if is_lost || send_message(socket, WatchdogMessage::Probe).is_err() {
+                    return;
+                }
+                unanswered_probes += 1;
+            }
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(_) => return,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+    use std::time::Duration;
+
+    fn replies() -> (Replies, Arc<AtomicBool>) {
+        let is_released = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&is_released);
+        let on_release = Arc::new(move || flag.store(true, Ordering::Relaxed));
+        (Replies::new(on_release), is_released)
+    }
+
+    #[test]
+    fn a_reply_is_as_old_as_its_heartbeat_and_not_as_its_arrival() {
+        let (replies, _) = replies();
+        assert!(!replies.are_fresh(Instant::now()));
+        replies.note_heartbeat();
+        let sent = Instant::now();
+        assert!(!replies.are_fresh(sent));
+        replies.receive(WatchdogReply::Probed);
+        assert_eq!(replies.unanswered(), 1);
+        replies.receive(WatchdogReply::Alive);
+        assert!(replies.are_fresh(replies.start));
+        assert!(!replies.are_fresh(sent + MAX_REPLY_AGE));
+        assert!(replies.wait_until_fresh(sent) || sent.elapsed() > MAX_REPLY_AGE);
+    }
+
+    #[test]
+    fn a_reply_that_reports_releases_does_so_before_it_counts() {
+        let (replies, is_released) = replies();
+        replies.note_heartbeat();
+        replies.receive(WatchdogReply::Released);
+        assert!(is_released.load(Ordering::Relaxed));
+        assert_eq!(replies.unanswered(), 0);
+    }
+
+    #[test]
+    fn a_watchdog_that_replies_to_no_probe_is_lost() {
+        let (socket, mut watchdog) = UnixStream::pair().unwrap();
+        let exited = receive(&socket, Arc::new(replies().0)).unwrap();
+        let ended = exited.recv_timeout(Duration::from_secs(30));
+        assert!(ended.unwrap_err().is_disconnected());
+        drop(socket);
+        let mut probes = Vec::new();
+        watchdog.read_to_end(&mut probes).unwrap();
+        let expected = [WatchdogMessage::Probe.to_bytes(); MAX_UNANSWERED_PROBES as usize];
+        assert_eq!(probes, expected.concat());
+    }
+}

@@ -1,0 +1,124 @@
+//! Faults while nothing is pressed: the watchdog is stopped, the server dies.
+
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use super::watchdog::is_alive;
+use crate::support::glove::Glove;
+use crate::support::key_log::KeyLog;
+use crate::support::press::{Press, glove_format};
+use crate::support::process::signal;
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_at_most, wait_for};
+
+/// Longer than the time after a press for which the program still asks the watchdog often.
+const IDLE_TIME: Duration = Duration::from_millis(1500);
+
+/// An armed run with the hand clear of all keys.
+struct Idle {
+    server: XServer,
+    program: Program,
+    glove: Glove,
+    press: Press,
+    _folder: TempDir,
+}
+
+impl Idle {
+    fn start() -> Option<Self> {
+        let server = XServer::start()?;
+        let folder = tempfile::tempdir().expect("a folder");
+        let port = folder.path().join("glove");
+        let press = Press::for_text("H");
+        let glove = Glove::plug_in(&port, press.clear());
+        let source = format!("serial:{}", port.display());
+        let run = ["run", "--output", "desktop", "--source", &source];
+        let program = Program::start(&server, run);
+        program.wait_for_line("armed", 1);
+        sleep(IDLE_TIME);
+        Some(Self {
+            server,
+            program,
+            glove,
+            press,
+            _folder: folder,
+        })
+    }
+
+    /// Returns the process id of the watchdog.
+    fn watchdog(&self) -> u32 {
+        let children = self.program.children();
+        let watchdog = children.into_iter().find(|child| is_alive(*child));
+        watchdog.expect("a watchdog")
+    }
+
+    /// Waits until the program has ended because the server is gone.
+    fn check_end(mut self, start: Instant) {
+        assert_eq!(self.program.wait_for_exit().code(), Some(1));
+        println!("ended {:.1?} after the server", start.elapsed());
+        let lines = self.program.stderr_lines();
+        let is_reported = |line: &String| line.contains("the connection to the X server failed");
+        assert!(lines.iter().any(is_reported), "{lines:#?}");
+    }
+}
+
+#[test]
+fn a_watchdog_that_is_stopped_while_nothing_is_pressed_is_noticed_and_replaced() {
+    let Some(mut idle) = Idle::start() else {
+        return;
+    };
+    let first = idle.watchdog();
+    let start = Instant::now();
+    signal("STOP", first);
+    idle.program.wait_for_line("paused", 2);
+    println!("noticed after {:.1?}", start.elapsed());
+    assert!(wait_for(|| !is_alive(first)), "the first watchdog exists");
+    assert_ne!(idle.watchdog(), first);
+    idle.program.signal(&["TERM"]);
+    assert_eq!(idle.program.wait_for_exit().code(), Some(0));
+}
+
+#[test]
+fn no_key_is_pressed_while_the_watchdog_is_stopped() {
+    let Some(mut idle) = Idle::start() else {
+        return;
+    };
+    let log = KeyLog::start(&idle.server);
+    let approach = glove_format().packet_period() * idle.press.approach.len() as u32;
+    idle.glove.play(&idle.press.approach);
+    // The key follows soon, before the loss of an idle watchdog is noticed.
+    sleep(approach.saturating_sub(Duration::from_millis(400)));
+    signal("STOP", idle.watchdog());
+    let is_pressed = || log.presses_after(0) > 0;
+    let timeout = Duration::from_secs(2);
+    if wait_at_most(timeout, is_pressed) {
+        sleep(Duration::from_millis(280));
+    }
+    idle.program.signal(&["KILL"]);
+    assert_eq!(idle.program.wait_for_exit().code(), None);
+    sleep(Duration::from_millis(500));
+    assert_eq!(idle.server.pressed_keys(), [0; 0], "{:?}", log.events());
+}
+
+#[test]
+fn the_death_of_the_server_while_nothing_is_pressed_ends_the_run() {
+    let Some(mut idle) = Idle::start() else {
+        return;
+    };
+    let start = Instant::now();
+    idle.server.kill();
+    idle.check_end(start);
+}
+
+#[test]
+fn the_death_of_the_server_while_no_reading_arrives_ends_the_run() {
+    let Some(mut idle) = Idle::start() else {
+        return;
+    };
+    idle.glove.stop_sending();
+    idle.program.wait_for_line("stalled", 1);
+    let start = Instant::now();
+    idle.server.kill();
+    idle.check_end(start);
+}
