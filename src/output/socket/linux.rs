@@ -79,7 +79,7 @@ pub(crate) struct Listener {
     /// Device and inode of the socket file.
     inode: (u64, u64),
     /// Locked while the socket exists. Its file is never removed, as that would race with another process opening it.
-    _lock: File,
+    lock: File,
 }
 
 impl Listener {
@@ -103,7 +103,7 @@ impl Listener {
             socket,
             path: path.into(),
             inode: (metadata.dev(), metadata.ino()),
-            _lock: lock,
+            lock,
         };
         match metadata.mode() & 0o077 {
             0 => Ok(listener),
@@ -134,6 +134,11 @@ impl Listener {
         }
         set_socket_send_buffer_size(&stream, SEND_BUFFER)?;
         Ok(stream)
+    }
+
+    /// Returns another file descriptor of the lock. Dropping it makes a descriptor free.
+    pub fn spare_descriptor(&self) -> io::Result<File> {
+        self.lock.try_clone()
     }
 
     /// Removes the socket file and wakes a thread that blocks in [`accept`](Self::accept). Clients stay connected.
