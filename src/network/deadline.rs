@@ -3,15 +3,23 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::Stream;
+
+/// Most bytes that are read at once without waiting. The library for TLS reads on while a client sends records without content.
+const MAX_BURST_BYTES: usize = 1 << 16;
 
 /// A TCP connection that can be shut down by the holder of another reference to it.
 #[derive(Debug)]
 pub(crate) struct DeadlineStream {
     stream: Arc<TcpStream>,
     deadline: Option<Instant>,
+    /// Reads do not wait.
+    is_nonblocking: AtomicBool,
+    /// Bytes that were read without waiting since a read has failed.
+    burst_bytes: usize,
 }
 
 impl DeadlineStream {
@@ -21,6 +29,8 @@ impl DeadlineStream {
         Ok(Self {
             stream,
             deadline: Some(Instant::now() + limit),
+            is_nonblocking: AtomicBool::new(false),
+            burst_bytes: 0,
         })
     }
 
@@ -42,7 +52,21 @@ impl Read for DeadlineStream {
             }
             self.stream.set_read_timeout(Some(left))?;
         }
-        (&*self.stream).read(buffer)
+        if !self.is_nonblocking.load(Ordering::Relaxed) {
+            return (&*self.stream).read(buffer);
+        }
+        if self.burst_bytes >= MAX_BURST_BYTES {
+            self.burst_bytes = 0;
+            return Err(ErrorKind::WouldBlock.into());
+        }
+        let read = (&*self.stream).read(buffer);
+        let count = *read.as_ref().unwrap_or(&0);
+        self.burst_bytes = if count > 0 {
+            self.burst_bytes + count
+        } else {
+            0
+        };
+        read
     }
 }
 
@@ -58,6 +82,47 @@ impl Write for DeadlineStream {
 
 impl Stream for DeadlineStream {
     fn set_nonblocking(&self, is_nonblocking: bool) -> io::Result<()> {
-        self.stream.set_nonblocking(is_nonblocking)
+        self.stream.set_nonblocking(is_nonblocking)?;
+        self.is_nonblocking.store(is_nonblocking, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+    use std::thread;
+
+    use super::*;
+
+    #[test]
+    fn reads_of_a_flood_are_interrupted_if_the_server_does_not_wait() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let server = Arc::new(listener.accept().unwrap().0);
+        let mut stream = DeadlineStream::new(server, Duration::from_secs(60)).unwrap();
+        stream.end_deadline(Duration::from_secs(60)).unwrap();
+        stream.set_nonblocking(true).unwrap();
+        let flood = vec![0; 256 * MAX_BURST_BYTES];
+        let length = flood.len();
+        let sender = thread::spawn(move || client.write_all(&flood));
+        let mut buffer = vec![0; MAX_BURST_BYTES / 4];
+        let (mut bursts, mut burst) = (Vec::new(), 0);
+        loop {
+            match stream.read(&mut buffer) {
+                Ok(0) => break,
+                Ok(count) => burst += count,
+                Err(error) => {
+                    assert_eq!(error.kind(), ErrorKind::WouldBlock);
+                    bursts.push(std::mem::take(&mut burst));
+                    // The buffers of the connection fill.
+                    thread::sleep(Duration::from_millis(2));
+                }
+            }
+        }
+        sender.join().unwrap().unwrap();
+        assert_eq!(bursts.iter().sum::<usize>() + burst, length);
+        let longest = bursts.into_iter().max().unwrap();
+        assert!(longest <= MAX_BURST_BYTES + buffer.len(), "{longest}");
     }
 }

@@ -16,6 +16,7 @@
 
 mod address;
 mod deadline;
+mod descriptors;
 mod memory_stream;
 pub mod zenoh;
 
@@ -31,6 +32,7 @@ pub use self::unsupported::{Gatekeeper, connect, tokens};
 
 pub use self::address::{canonical, check_listen_address, parse_loopback};
 pub(crate) use self::deadline::DeadlineStream;
+pub(crate) use self::descriptors::max_connections;
 pub use self::memory_stream::MemoryStream;
 
 use std::io::{self, Read, Write};

@@ -13,9 +13,11 @@ use super::listener::Connection;
 use super::rounds::Rounds;
 use super::step::SharedStep;
 use super::target::ShareTarget;
+use crate::network::max_connections;
 use crate::time::NO_DEADLINE;
 
-/// Most clients of a server at once. Further ones are disconnected.
+/// Most clients of a server at once. The one that has been silent for the longest time makes room for another; if there is
+/// none, the other is disconnected.
 const MAX_CLIENTS: usize = 128;
 
 /// Interval at which the requests of clients are read.
@@ -33,6 +35,8 @@ pub(super) struct Broadcast {
     servers: Vec<ShareTarget>,
     senders: Vec<DatagramSender>,
     clients: Vec<Client>,
+    /// Most clients of all servers.
+    max_clients: usize,
     /// The number of clients, for the session.
     count: Arc<AtomicUsize>,
     encoder: LineEncoder,
@@ -57,6 +61,7 @@ impl Broadcast {
             servers,
             senders,
             clients: Vec::new(),
+            max_clients: max_connections(),
             count,
             encoder,
             rounds: Rounds::default(),
@@ -107,12 +112,38 @@ impl Broadcast {
 
     fn add(&mut self, connection: Connection) {
         let server = connection.server;
-        let others = self.clients.iter().filter(|it| it.server == server);
-        if others.count() < MAX_CLIENTS {
-            // The lines before it came are not its own.
-            self.end_round();
-            let client = Client::new(connection, &self.servers[server]);
-            self.clients.push(client);
+        if !self.make_room(server) {
+            tracing::debug!("a client of {} is one too many", self.servers[server]);
+            return;
+        }
+        // The lines before it came are not its own.
+        self.end_round();
+        let client = Client::new(connection, &self.servers[server]);
+        self.clients.push(client);
+    }
+
+    /// Disconnects the client that has been silent for the longest time, if there are too many. Returns `false` if no client
+    /// is silent.
+    fn make_room(&mut self, server: usize) -> bool {
+        let clients = self.clients.iter();
+        let is_server_full = clients.filter(|it| it.server == server).count() >= MAX_CLIENTS;
+        if !is_server_full && self.clients.len() < self.max_clients {
+            return true;
+        }
+        loop {
+            let clients = self.clients.iter().enumerate();
+            let silent = clients
+                .filter(|(_, client)| !is_server_full || client.server == server)
+                .filter_map(|(index, client)| Some((client.silent_since()?, index)));
+            let Some((_, index)) = silent.min() else {
+                return false;
+            };
+            // Its request may have arrived since the last round.
+            let client = &mut self.clients[index];
+            if client.receive().is_err() || client.silent_since().is_some() {
+                self.clients.remove(index);
+                return true;
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! A client of a server.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 
@@ -12,9 +13,15 @@ use super::listener::Connection;
 use super::outbox::{Chunk, Outbox};
 use super::request::Subscription;
 use super::step::SharedStep;
-use super::stream::{Disconnected, Received};
+use super::stream::{Disconnected, Received, RoundInput};
 use super::target::ShareTarget;
 use crate::network::Stream;
+
+/// Most bytes that are read of a client in one round: two of the longest requests of HTTP.
+const MAX_ROUND_BYTES: usize = 1 << 14;
+
+/// Longest time without a request, of a client that receives nothing without one. A person may type it.
+const REQUEST_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A connected client.
 pub(super) struct Client {
@@ -26,6 +33,8 @@ pub(super) struct Client {
     conversation: Conversation,
     /// `None` until the first request.
     subscription: Option<Subscription>,
+    /// The time of the connection or of the last request.
+    requested_at: Instant,
     /// Lines that were dropped and not yet reported to the client.
     dropped: u64,
     /// Lines that were dropped in all.
@@ -42,9 +51,20 @@ impl Client {
             outbox: Outbox::new(),
             conversation: Conversation::new(target),
             subscription: LineKind::of_target(target).map(Subscription::to),
+            requested_at: Instant::now(),
             dropped: 0,
             all_dropped: 0,
         }
+    }
+
+    /// Returns the time since which the client has asked for nothing; `None` if it receives lines. The one that has been
+    /// silent for the longest time makes room for another client.
+    pub fn silent_since(&self) -> Option<Instant> {
+        let is_silent = self
+            .subscription
+            .as_ref()
+            .is_none_or(Subscription::is_empty);
+        is_silent.then_some(self.requested_at)
     }
 
     /// Adds the kinds that it wants of a step.
@@ -110,20 +130,50 @@ impl Client {
         !self.outbox.is_empty()
     }
 
-    /// Receives what the client has sent. Fails if it has gone, or sends what it may not.
+    /// Receives what the client has sent, as far as one round reads it. Fails if it has gone, or sends what it may not.
     pub fn receive(&mut self) -> Result<(), Disconnected> {
+        let refused = match self.receive_requests()? {
+            None if self.is_overdue() => {
+                Some(format!("no request within {} s", REQUEST_TIMEOUT.as_secs()))
+            }
+            refused => refused,
+        };
+        if let Some(reason) = refused {
+            self.refuse(&reason);
+            // The rest is read, or closing the connection would take the reason back.
+            self.receive_requests()?;
+        }
+        Ok(())
+    }
+
+    /// Receives requests. Returns the reason why the client is disconnected, if there is one.
+    fn receive_requests(&mut self) -> Result<Option<String>, Disconnected> {
+        let mut input = RoundInput::new(&mut self.stream, MAX_ROUND_BYTES);
         loop {
-            match self.conversation.receive(&mut *self.stream) {
-                Received::Nothing => return Ok(()),
-                Received::Reply(bytes) => self.outbox.push(Arc::<[u8]>::from(bytes)),
+            match self.conversation.receive(&mut input) {
+                Received::Nothing => return Ok(None),
+                Received::Reply(bytes) => {
+                    let bytes = bytes.into();
+                    self.outbox.push(Chunk { bytes, lines: 0 });
+                }
                 Received::Request(request) => match Subscription::parse(&request) {
-                    Ok(subscription) => self.subscription = Some(subscription),
-                    Err(reason) => self.refuse(&reason),
+                    Ok(subscription) => {
+                        self.subscription = Some(subscription);
+                        self.requested_at = Instant::now();
+                    }
+                    Err(reason) => return Ok(Some(reason)),
                 },
-                Received::Refused(reason) => self.refuse(&reason),
+                Received::Refused(reason) => return Ok(Some(reason)),
                 Received::Gone => return Err(Disconnected),
             }
         }
+    }
+
+    /// Returns whether the client has sent no request for too long.
+    fn is_overdue(&self) -> bool {
+        let is_closing = matches!(self.conversation, Conversation::Closing);
+        let is_silent = |since: Instant| since.elapsed() > REQUEST_TIMEOUT;
+        !is_closing && self.silent_since().is_some_and(is_silent)
     }
 
     /// Sends the reason, and disconnects the client once it has read it.
@@ -176,15 +226,43 @@ mod tests {
     use crate::layout::Layout;
     use crate::network::MemoryStream;
 
-    #[test]
-    fn a_client_that_reads_late_is_told_how_many_lines_it_has_missed() {
-        let stream = MemoryStream::new(0);
-        let target = "json:127.0.0.1:1".parse().unwrap();
+    fn client(format: &str, stream: &MemoryStream) -> Client {
+        let target = format!("{format}:127.0.0.1:1").parse().unwrap();
         let connection = Connection {
             server: 0,
             stream: Box::new(stream.clone()),
         };
-        let mut client = Client::new(connection, &target);
+        Client::new(connection, &target)
+    }
+
+    #[test]
+    fn a_client_that_asks_for_nothing_in_time_is_told_the_reason_and_disconnected() {
+        let late = Instant::now().checked_sub(2 * REQUEST_TIMEOUT).unwrap();
+        for (format, request, is_late) in [
+            ("json", "", true),
+            ("json", "{\"kinds\":[]}\n", false),
+            ("json", "{\"kinds\":[\"pose\"]}\n", false),
+            ("pose", "", false),
+        ] {
+            let stream = MemoryStream::new(usize::MAX);
+            let mut client = client(format, &stream);
+            client.requested_at = late;
+            stream.send(request.as_bytes());
+            assert!(client.receive().is_ok());
+            assert_eq!(client.flush().is_err(), is_late, "{format} {request}");
+            let answer = String::from_utf8(stream.take_received()).unwrap();
+            assert_eq!(
+                answer.contains("no request within 30 s"),
+                is_late,
+                "{answer}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_client_that_reads_late_is_told_how_many_lines_it_has_missed() {
+        let stream = MemoryStream::new(0);
+        let mut client = client("json", &stream);
         let layout = Layout::load("numpad").unwrap();
         let mut encoder = LineEncoder::new(Side::Right, layout.into());
         stream.send(b"{\"kinds\":[\"layout\"]}\n");

@@ -1,25 +1,25 @@
 //! The part of a connection that the client speaks.
 
+use std::io::Read;
 use std::sync::Arc;
 
 use super::lines::Line;
-use super::request::RequestLimit;
+use super::request::{MAX_REQUESTS_PER_SECOND, RateLimit};
 use super::request_lines::RequestLines;
 use super::stream::{Input, Received, read};
 use super::target::{ShareFormat, ShareTarget};
 use super::web::{Answer, Head, SocketReader};
-use crate::network::Stream;
 
 /// The state of a conversation.
 pub(super) enum Conversation {
     /// The client sends nothing.
     Silent,
     /// The client sends requests as lines.
-    Lines(RequestLines, RequestLimit),
+    Lines(RequestLines, RateLimit),
     /// The client sends the request of a page or a WebSocket.
     Head(Box<Head>),
     /// The client sends requests as messages of a WebSocket.
-    Socket(Box<SocketReader>, RequestLimit),
+    Socket(Box<SocketReader>, RateLimit),
     /// The client is disconnected once it has read the last line.
     Closing,
 }
@@ -28,7 +28,7 @@ impl Conversation {
     /// Creates the conversation of a new client of a target.
     pub fn new(target: &ShareTarget) -> Self {
         match target.format {
-            ShareFormat::Json => Self::Lines(RequestLines::default(), RequestLimit::new()),
+            ShareFormat::Json => Self::Lines(RequestLines::default(), request_limit()),
             ShareFormat::Ws => Self::Head(Box::new(Head::new(target.address, false))),
             ShareFormat::Web => Self::Head(Box::new(Head::new(target.address, true))),
             _ => Self::Silent,
@@ -48,12 +48,12 @@ impl Conversation {
         }
     }
 
-    /// Receives the next part of what the client has sent.
-    pub fn receive(&mut self, stream: &mut dyn Stream) -> Received {
+    /// Receives the next part of what the client has sent. The end of its input is the end of the connection, also of a
+    /// client that only listens: a client that has gone looks the same until something is sent to it.
+    pub fn receive(&mut self, stream: &mut dyn Read) -> Received {
         match self {
             Self::Silent => match read(stream, &mut [0; 1]) {
-                // A client that will never send has closed its half of the connection.
-                Input::Bytes(0) | Input::Nothing => Received::Nothing,
+                Input::Nothing => Received::Nothing,
                 Input::Bytes(_) | Input::Lost => Received::Gone,
             },
             Self::Lines(lines, limit) => limited(lines.receive(stream), limit),
@@ -61,7 +61,7 @@ impl Conversation {
                 Ok(None) => Received::Nothing,
                 Ok(Some(Answer { bytes, socket })) => {
                     *self = match socket {
-                        Some(socket) => Self::Socket(Box::new(socket), RequestLimit::new()),
+                        Some(socket) => Self::Socket(Box::new(socket), request_limit()),
                         None => Self::Closing,
                     };
                     Received::Reply(bytes)
@@ -69,7 +69,8 @@ impl Conversation {
                 Err(_) => Received::Gone,
             },
             Self::Socket(reader, limit) => limited(reader.receive(stream), limit),
-            // The rest is read, or closing the connection would take the last line back.
+            // The rest is read, or closing the connection would take the last line back. It is written even if the client
+            // has closed its half of the connection.
             Self::Closing => match read(stream, &mut [0; 4096]) {
                 Input::Lost => Received::Gone,
                 Input::Bytes(_) | Input::Nothing => Received::Nothing,
@@ -78,8 +79,12 @@ impl Conversation {
     }
 }
 
+fn request_limit() -> RateLimit {
+    RateLimit::new(MAX_REQUESTS_PER_SECOND, "requests")
+}
+
 /// Refuses a request if it is one too many.
-fn limited(received: Received, limit: &mut RequestLimit) -> Received {
+fn limited(received: Received, limit: &mut RateLimit) -> Received {
     if !matches!(received, Received::Request(_)) {
         return received;
     }

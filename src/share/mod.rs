@@ -11,6 +11,10 @@
 //! steps through a bounded queue and waits for nothing. Connections are accepted on threads of their own, one for each port,
 //! and passed on as streams of bytes.
 //!
+//! No client occupies the thread: a round reads a limited number of bytes of each one, a WebSocket may send a limited number of
+//! frames in a second, and lines beyond a limit are dropped. The number of clients is limited, too; one that asks for nothing
+//! makes room for another.
+//!
 //! A plain address is one of this machine, because the angles of a typing hand tell what is typed. A program on another
 //! machine shows a token behind TLS ([`crate::network`]), or receives what a router of zenoh passes on. A client of a format
 //! without requests is disconnected when it sends anything, so that no web page can make a request of it.

@@ -11,6 +11,9 @@ use crate::network::Stream;
 /// Most bytes that wait for a client: a tenth of a second of everything that a fast glove causes.
 const MAX_BYTES: usize = 1 << 18;
 
+/// Most chunks that wait for a client: short lines take more memory than their bytes.
+const MAX_CHUNKS: usize = 4096;
+
 /// Longest time in which a client reads nothing while lines wait for it.
 const READ_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -68,17 +71,23 @@ impl Outbox {
         std::mem::take(&mut self.dropped)
     }
 
-    /// Adds lines. While too much waits, the oldest chunk that was not begun is dropped and its lines are counted.
+    /// Adds lines. While too much waits, the oldest chunk that was not begun is dropped and its lines are counted. An empty
+    /// chunk is none: to write no bytes looks like the end of the connection.
     pub fn push(&mut self, chunk: impl Into<Chunk>) {
+        let chunk = chunk.into();
+        if chunk.bytes.is_empty() {
+            return;
+        }
         if self.chunks.is_empty() {
             self.progress_at = Instant::now();
         }
-        let chunk = chunk.into();
         self.bytes += chunk.bytes.len();
         self.chunks.push_back(chunk);
         let first = usize::from(self.written > 0);
         // The new chunk stays, however long it is.
-        while self.bytes > MAX_BYTES && self.chunks.len() > first + 1 {
+        while (self.bytes > MAX_BYTES || self.chunks.len() > MAX_CHUNKS)
+            && self.chunks.len() > first + 1
+        {
             if let Some(chunk) = self.chunks.remove(first) {
                 self.bytes -= chunk.bytes.len();
                 self.dropped += chunk.lines;
@@ -155,5 +164,19 @@ mod tests {
         let first: String = received.lines().map(|line| &line[..1]).collect();
         assert_eq!(first, "067");
         assert!(received.lines().all(|line| line.len() == MAX_BYTES / 4));
+    }
+
+    #[test]
+    fn short_lines_are_dropped_by_their_number_and_empty_ones_do_not_end_the_connection() {
+        let mut outbox = Outbox::new();
+        for _ in 0..3 * MAX_CHUNKS {
+            outbox.push(Arc::<[u8]>::from(&b""[..]));
+            outbox.push(Arc::<[u8]>::from(&b"\n"[..]));
+        }
+        assert_eq!(outbox.chunks.len(), MAX_CHUNKS);
+        assert_eq!(outbox.take_dropped(), 2 * MAX_CHUNKS as u64);
+        let mut stream = MemoryStream::new(usize::MAX);
+        assert!(outbox.flush(&mut stream).is_ok());
+        assert_eq!(stream.take_received().len(), MAX_CHUNKS);
     }
 }

@@ -15,7 +15,7 @@ use crate::time::Timestamp;
 pub(super) const MAX_REQUEST_BYTES: usize = 4096;
 
 /// Most requests of a client in a second.
-const MAX_REQUESTS_PER_SECOND: u32 = 10;
+pub(super) const MAX_REQUESTS_PER_SECOND: u32 = 10;
 
 /// Range of the rate limit.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=10_000.0;
@@ -88,6 +88,11 @@ impl Subscription {
         }
     }
 
+    /// Returns whether it is a subscription to nothing.
+    pub fn is_empty(&self) -> bool {
+        self.kinds == KindSet::default()
+    }
+
     /// Returns whether a line of the present step is wanted.
     pub fn wants(&self, line: &Line) -> bool {
         self.kinds.contains(line.kind) && (self.is_due || !line.is_continuous)
@@ -123,33 +128,36 @@ impl Subscription {
     }
 }
 
-/// The limit of the number of requests.
-pub(super) struct RequestLimit {
+/// A limit of the number of something within a second.
+pub(super) struct RateLimit {
+    max: u32,
+    /// The name of what is counted, in the plural.
+    name: &'static str,
     second: Instant,
     count: u32,
 }
 
-impl RequestLimit {
-    /// Creates a limit before the first request.
-    pub fn new() -> Self {
+impl RateLimit {
+    /// Creates a limit before the first one.
+    pub fn new(max: u32, name: &'static str) -> Self {
         Self {
+            max,
+            name,
             second: Instant::now(),
             count: 0,
         }
     }
 
-    /// Counts a request. The error is the reason why it is one too many.
+    /// Counts one. The error is the reason why it is one too many.
     pub fn count(&mut self) -> Result<(), String> {
         if self.second.elapsed() >= Duration::from_secs(1) {
-            *self = Self::new();
+            (self.second, self.count) = (Instant::now(), 0);
         }
-        self.count += 1;
-        match self.count <= MAX_REQUESTS_PER_SECOND {
-            true => Ok(()),
-            false => Err(format!(
-                "more than {MAX_REQUESTS_PER_SECOND} requests in a second"
-            )),
+        self.count = self.count.saturating_add(1);
+        if self.count > self.max {
+            return Err(format!("more than {} {} in a second", self.max, self.name));
         }
+        Ok(())
     }
 }
 
@@ -182,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_eleventh_request_of_a_second_is_refused() {
-        let mut limit = RequestLimit::new();
+        let mut limit = RateLimit::new(MAX_REQUESTS_PER_SECOND, "requests");
         assert!((0..10).all(|_| limit.count().is_ok()));
         assert!(limit.count().is_err());
     }

@@ -1,8 +1,9 @@
 //! Requests of a client as lines.
 
+use std::io::Read;
+
 use super::request::MAX_REQUEST_BYTES;
 use super::stream::{Input, Received, read};
-use crate::network::Stream;
 
 /// The bytes of requests that were not handled yet.
 #[derive(Default)]
@@ -12,7 +13,7 @@ pub(super) struct RequestLines {
 
 impl RequestLines {
     /// Receives the next request.
-    pub fn receive(&mut self, stream: &mut dyn Stream) -> Received {
+    pub fn receive(&mut self, stream: &mut dyn Read) -> Received {
         let mut buffer = [0; MAX_REQUEST_BYTES];
         loop {
             if let Some(end) = self.bytes.iter().position(|&byte| byte == b'\n') {
@@ -25,10 +26,9 @@ impl RequestLines {
                 return Received::Refused(reason);
             }
             match read(stream, &mut buffer) {
-                // A client that has no further request has closed its half of the connection.
-                Input::Bytes(0) | Input::Nothing => return Received::Nothing,
+                Input::Nothing => return Received::Nothing,
+                Input::Bytes(0) | Input::Lost => return Received::Gone,
                 Input::Bytes(count) => self.bytes.extend_from_slice(&buffer[..count]),
-                Input::Lost => return Received::Gone,
             }
         }
     }

@@ -1,8 +1,6 @@
 //! Reading from the stream of a client.
 
-use std::io::ErrorKind;
-
-use crate::network::Stream;
+use std::io::{self, ErrorKind, Read};
 
 /// The client has to be disconnected.
 #[derive(Debug)]
@@ -32,8 +30,38 @@ pub(super) enum Input {
     Lost,
 }
 
+/// The bytes of a client that one round reads. Further bytes wait for the next round, so that no client occupies the thread.
+pub(super) struct RoundInput<'a> {
+    stream: &'a mut dyn Read,
+    /// Bytes that may still be read.
+    left: usize,
+}
+
+impl<'a> RoundInput<'a> {
+    /// Limits a round to a number of bytes.
+    pub fn new(stream: &'a mut dyn Read, max_bytes: usize) -> Self {
+        Self {
+            stream,
+            left: max_bytes,
+        }
+    }
+}
+
+impl Read for RoundInput<'_> {
+    /// Fails with [`ErrorKind::WouldBlock`] after the last byte of the round: the connection has not ended.
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let most = buffer.len().min(self.left);
+        if most == 0 {
+            return Err(ErrorKind::WouldBlock.into());
+        }
+        let count = self.stream.read(&mut buffer[..most])?;
+        self.left -= count;
+        Ok(count)
+    }
+}
+
 /// Reads the bytes that have arrived.
-pub(super) fn read(stream: &mut dyn Stream, buffer: &mut [u8]) -> Input {
+pub(super) fn read(stream: &mut dyn Read, buffer: &mut [u8]) -> Input {
     match stream.read(buffer) {
         Ok(count) => Input::Bytes(count),
         Err(error) if is_temporary(error.kind()) => Input::Nothing,
@@ -44,4 +72,25 @@ pub(super) fn read(stream: &mut dyn Stream, buffer: &mut [u8]) -> Input {
 /// Returns whether a stream without data failed with this kind of error.
 pub(super) fn is_temporary(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_round_reads_a_part_of_a_flood_and_notices_the_end() {
+        let mut flood: &[u8] = &[b'x'; 25];
+        let counts = [1, 2, 3].map(|_| {
+            let mut round = RoundInput::new(&mut flood, 10);
+            let reads = std::iter::from_fn(|| match read(&mut round, &mut [0; 4]) {
+                Input::Bytes(0) | Input::Nothing | Input::Lost => None,
+                Input::Bytes(count) => Some(count),
+            });
+            reads.collect::<Vec<_>>()
+        });
+        assert_eq!(counts, [vec![4, 4, 2], vec![4, 4, 2], vec![4, 1]]);
+        let mut round = RoundInput::new(&mut flood, 10);
+        assert!(matches!(read(&mut round, &mut [0; 4]), Input::Bytes(0)));
+    }
 }

@@ -140,6 +140,11 @@ impl Listener {
         Ok(stream)
     }
 
+    /// Returns another file descriptor of the lock. Dropping it makes a descriptor free.
+    pub fn spare_descriptor(&self) -> io::Result<File> {
+        self.lock.try_clone()
+    }
+
     /// Removes the socket file and wakes a thread that blocks in [`accept`](Self::accept). Clients stay connected.
     pub fn close(&self) {
         // Only a client can end an `accept`.

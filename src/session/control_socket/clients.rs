@@ -81,6 +81,11 @@ impl Clients {
         })
     }
 
+    /// Disconnects the client that has been idle for the longest time. Returns `false` if no client is idle.
+    pub fn disconnect_idle(&self) -> bool {
+        self.lock().disconnect_idle().is_some()
+    }
+
     fn lock(&self) -> MutexGuard<'_, ClientList> {
         let list = self.0.list.lock();
         list.unwrap_or_else(PoisonError::into_inner)
@@ -103,7 +108,6 @@ impl ClientList {
         if idlest.activity >= Activity::Busy {
             return None;
         }
-        // Nothing is written to an idle client, so its writer is not locked.
         self.clients.swap_remove(index).writer.shutdown();
         Some(())
     }

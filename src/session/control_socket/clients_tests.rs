@@ -20,7 +20,7 @@ impl Peer {
 
 fn connect(clients: &Clients) -> Option<(Peer, ClientSlot)> {
     let (peer, stream) = UnixStream::pair().unwrap();
-    let slot = clients.add(Arc::new(LineWriter::new(&stream).unwrap()))?;
+    let slot = clients.add(Arc::new(LineWriter::new(Arc::new(stream)).unwrap()))?;
     Some((Peer(peer), slot))
 }
 

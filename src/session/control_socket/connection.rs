@@ -20,7 +20,7 @@ use crate::session::view::Viewer;
 
 /// Serves a client until it disconnects or stops reading.
 pub(super) fn serve(
-    stream: Stream,
+    stream: &Stream,
     writer: Arc<LineWriter>,
     slot: &ClientSlot,
     context: &ServerContext,
@@ -194,13 +194,13 @@ enum ReceivedLine<'a> {
 }
 
 /// The reading end of a connection.
-struct LineReader {
-    reader: BufReader<Stream>,
+struct LineReader<'a> {
+    reader: BufReader<&'a Stream>,
     line: Vec<u8>,
 }
 
-impl LineReader {
-    fn new(stream: Stream) -> Self {
+impl<'a> LineReader<'a> {
+    fn new(stream: &'a Stream) -> Self {
         Self {
             reader: BufReader::new(stream),
             line: Vec::with_capacity(MAX_LINE_BYTES),

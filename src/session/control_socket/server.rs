@@ -1,5 +1,6 @@
 //! The server of the control socket, with one thread per client.
 
+use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -17,6 +18,9 @@ use crate::output::socket::{Listener, Stream};
 
 /// Delay after a failure to accept a client, such as a lack of file descriptors.
 const RETRY_DELAY: Duration = Duration::from_millis(100);
+
+/// Time in which the thread of a disconnected client closes the connection.
+const DISCONNECT_DELAY: Duration = Duration::from_millis(5);
 
 /// A control socket. Dropping it removes the socket.
 pub struct ControlServer {
@@ -60,7 +64,8 @@ impl ControlServer {
         let Some(queue) = self.queue.take() else {
             return Ok(());
         };
-        let acceptor = Acceptor {
+        let mut acceptor = Acceptor {
+            spare: self.listener.spare_descriptor().ok(),
             listener: self.listener.clone(),
             is_closed: self.is_closed.clone(),
             subscribers: queue.subscribers.clone(),
@@ -86,10 +91,12 @@ struct Acceptor {
     subscribers: Subscribers,
     context: Arc<ServerContext>,
     clients: Clients,
+    /// A file descriptor for a client that comes when there are no others.
+    spare: Option<File>,
 }
 
 impl Acceptor {
-    fn run(&self) {
+    fn run(&mut self) {
         loop {
             let accepted = self.listener.accept();
             if self.is_closed.load(Ordering::Relaxed) {
@@ -97,17 +104,34 @@ impl Acceptor {
             }
             let started = accepted.and_then(|stream| self.serve_client(stream));
             match started {
+                Ok(()) if self.spare.is_none() => {
+                    self.spare = self.listener.spare_descriptor().ok();
+                }
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
                     tracing::warn!("control socket: {error}");
                 }
-                Err(_) => thread::sleep(RETRY_DELAY),
+                Err(_) => self.free_descriptor(),
             }
         }
     }
 
+    /// Makes a file descriptor free for the client that could not be accepted, so that a command gets through.
+    fn free_descriptor(&mut self) {
+        if self.spare.take().is_some() {
+            return;
+        }
+        let is_disconnected = self.clients.disconnect_idle();
+        thread::sleep(if is_disconnected {
+            DISCONNECT_DELAY
+        } else {
+            RETRY_DELAY
+        });
+    }
+
     fn serve_client(&self, stream: Stream) -> io::Result<()> {
-        let writer = Arc::new(LineWriter::new(&stream)?);
+        let stream = Arc::new(stream);
+        let writer = Arc::new(LineWriter::new(stream.clone())?);
         let Some(slot) = self.clients.add(writer.clone()) else {
             let error = format!("all {MAX_CLIENTS} connections are in use; try again later");
             // The buffer of a new connection has room for this line.
@@ -116,7 +140,7 @@ impl Acceptor {
         };
         let (context, subscribers) = (self.context.clone(), self.subscribers.clone());
         spawn("control client", move || {
-            connection::serve(stream, writer, &slot, &context, &subscribers);
+            connection::serve(&stream, writer, &slot, &context, &subscribers);
         })
     }
 }

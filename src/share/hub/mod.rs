@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 
 use crate::advice;
 use crate::hand::Side;
@@ -26,8 +26,11 @@ use crate::time::Timestamp;
 /// Steps that wait for the thread.
 const MAX_STEPS: usize = 64;
 
-/// Connections that wait for the thread.
-const MAX_CONNECTIONS: usize = 32;
+/// Connections that wait for the thread. Further ones wait in the kernel, where they take no file descriptors.
+const MAX_CONNECTIONS: usize = 4;
+
+/// Longest time in which the thread ends.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The servers and receivers of a session, until it is dropped.
 pub struct ShareHub {
@@ -43,6 +46,8 @@ pub struct ShareHub {
     _listeners: Vec<Listener>,
     /// `None` without targets.
     thread: Option<JoinHandle<()>>,
+    /// Disconnected when the thread ends.
+    thread_ended: Receiver<()>,
 }
 
 impl ShareHub {
@@ -54,6 +59,7 @@ impl ShareHub {
     ) -> Result<Self, ShareError> {
         let (steps, step_receiver) = bounded(MAX_STEPS);
         let (connections, connection_receiver) = bounded(MAX_CONNECTIONS);
+        let (end, thread_ended) = bounded(0);
         let clients = Arc::new(AtomicUsize::new(0));
         let mut hub = Self {
             targets: targets.to_vec(),
@@ -64,6 +70,7 @@ impl ShareHub {
             started_at: Instant::now(),
             _listeners: Vec::new(),
             thread: None,
+            thread_ended,
         };
         if targets.is_empty() {
             return Ok(hub);
@@ -96,7 +103,10 @@ impl ShareHub {
         let (steps, connections) = (step_receiver, connection_receiver);
         let mut broadcast = Broadcast::new(steps, connections, servers, senders, encoder, clients);
         let thread = thread::Builder::new().name("share".into());
-        let spawned = thread.spawn(move || broadcast.run());
+        let spawned = thread.spawn(move || {
+            let _end: Sender<()> = end;
+            broadcast.run();
+        });
         hub.thread = Some(
             spawned.map_err(|error| ShareError::NoThread(advice::no_thread(&error).to_string()))?,
         );
@@ -135,11 +145,19 @@ impl ShareHub {
 }
 
 impl Drop for ShareHub {
-    /// Writes what the clients accept at once, and closes all connections.
+    /// Writes what the clients accept at once, and closes all connections. Waits for 1 s at most: the end of the program
+    /// closes them too.
     fn drop(&mut self) {
         self.steps = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
+        let Some(thread) = self.thread.take() else {
+            return;
+        };
+        match self.thread_ended.recv_timeout(CLOSE_TIMEOUT) {
+            Err(RecvTimeoutError::Timeout) => tracing::warn!(
+                "the servers of --share did not end within {} s; their clients may miss the last lines",
+                CLOSE_TIMEOUT.as_secs()
+            ),
+            _ => _ = thread.join(),
         }
     }
 }

@@ -97,6 +97,56 @@ fn a_client_that_sends_is_disconnected() {
     assert!(rest.iter().all(|byte| *byte != b'<'));
 }
 
+/// Shares steps until the client receives something.
+fn wait_for_lines(hub: &ShareHub, client: &mut TcpStream) {
+    let interval = Some(Duration::from_millis(10));
+    client.set_read_timeout(interval).unwrap();
+    let start = Instant::now();
+    let is_served = std::iter::repeat_with(|| {
+        hub.send(step(1));
+        client.read(&mut [0; 1024])
+    });
+    let served = is_served.take_while(|_| start.elapsed() < TIMEOUT);
+    let first = served.flatten().next();
+    assert!(first.is_some_and(|count| count > 0), "{first:?}");
+}
+
+#[test]
+fn a_client_that_closes_its_connection_has_gone_also_without_a_step() {
+    for format in ["json", "pose"] {
+        let mut hub = hub(&[&format!("{format}:127.0.0.1:0")]);
+        let clients: Vec<_> = (1..=128).map(|number| hub.connect(number)).collect();
+        drop(clients);
+        let start = Instant::now();
+        while hub.clients.load(Ordering::Relaxed) > 0 {
+            assert!(start.elapsed() < TIMEOUT, "{format}");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+#[test]
+fn the_client_that_has_been_silent_for_the_longest_time_makes_room_for_another() {
+    let mut hub = hub(&["json:127.0.0.1:0"]);
+    let request = b"{\"kinds\":[\"pose\"]}\n";
+    let mut served = hub.connect(1);
+    served.write_all(request).unwrap();
+    wait_for_lines(&hub, &mut served);
+    let mut silent: Vec<_> = (2..=128).map(|number| hub.connect(number)).collect();
+    let mut others: Vec<_> = (0..2)
+        .map(|_| TcpStream::connect(hub.targets[0].address).unwrap())
+        .collect();
+    for index in [0, 1] {
+        assert_eq!(silent[index].read(&mut [0]).unwrap(), 0, "{index}");
+    }
+    silent.drain(..2);
+    for client in others.iter_mut().chain(&mut silent[..2]) {
+        client.write_all(request).unwrap();
+        wait_for_lines(&hub, client);
+    }
+    wait_for_lines(&hub, &mut served);
+}
+
 #[test]
 fn the_last_lines_of_a_session_reach_its_clients() {
     let mut hub = hub(&["pose:127.0.0.1:0"]);

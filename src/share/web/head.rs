@@ -1,5 +1,6 @@
 //! The request of a client of HTTP, up to the empty line, and its answer.
 
+use std::io::Read;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,6 @@ use tungstenite::handshake::server::{Request, create_response, write_response};
 use super::pages;
 use super::socket::SocketReader;
 use crate::capture::transport::websocket::Admission;
-use crate::network::Stream;
 use crate::share::stream::{Disconnected, Input, read};
 
 /// Longest request, in bytes: that of a browser has some 600.
@@ -55,7 +55,7 @@ impl Head {
 
     /// Receives bytes. Returns the answer once the request is complete or wrong. Fails if the client has gone, or takes
     /// too long.
-    pub fn receive(&mut self, stream: &mut dyn Stream) -> Result<Option<Answer>, Disconnected> {
+    pub fn receive(&mut self, stream: &mut dyn Read) -> Result<Option<Answer>, Disconnected> {
         let mut buffer = [0; 1024];
         loop {
             match read(stream, &mut buffer) {

@@ -1,5 +1,6 @@
 //! WebSockets, and the pages of the viewer.
 
+mod frame_limit;
 mod head;
 mod pages;
 mod socket;

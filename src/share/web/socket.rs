@@ -1,40 +1,52 @@
 //! Messages of a WebSocket.
 
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 
 use tungstenite::Message;
 use tungstenite::protocol::{Role, WebSocketConfig, WebSocketContext};
 
-use crate::network::Stream;
+use super::frame_limit::FrameLimit;
 use crate::share::request::MAX_REQUEST_BYTES;
 use crate::share::stream::{Received, is_temporary};
+
+/// Bytes of one read. Each client has a buffer for them.
+const READ_BYTES: usize = 4096;
 
 /// The reader of the messages of a client.
 pub(in crate::share) struct SocketReader {
     context: WebSocketContext,
+    limit: FrameLimit,
 }
 
 impl SocketReader {
     /// Creates a reader after the handshake. `rest` are the bytes that came with it.
     pub fn new(rest: Vec<u8>) -> Self {
         let config = WebSocketConfig::default()
+            .read_buffer_size(READ_BYTES)
             .max_message_size(Some(MAX_REQUEST_BYTES))
             .max_frame_size(Some(MAX_REQUEST_BYTES));
+        let mut limit = FrameLimit::new();
+        limit.push(&rest);
         Self {
             context: WebSocketContext::from_partially_read(rest, Role::Server, Some(config)),
+            limit,
         }
     }
 
     /// Receives a message. The replies of the protocol itself are bytes to send.
-    pub fn receive(&mut self, stream: &mut dyn Stream) -> Received {
+    pub fn receive(&mut self, stream: &mut dyn Read) -> Received {
         let mut replies = Vec::new();
         let mut pipe = Pipe {
             stream,
             replies: &mut replies,
+            limit: &mut self.limit,
         };
         let message = self.context.read(&mut pipe);
         // It fails only where the read has failed.
         let _ = self.context.flush(&mut pipe);
+        if let Some(reason) = self.limit.exceeded() {
+            return Received::Refused(reason.to_owned());
+        }
         match message {
             Ok(Message::Text(text)) => Received::Request(text.as_bytes().to_vec()),
             Ok(Message::Binary(_)) => Received::Refused("a request is a text message".into()),
@@ -47,13 +59,20 @@ impl SocketReader {
 
 /// The connection, with a buffer in place of its output: a reply must not come between the bytes of another frame.
 struct Pipe<'a> {
-    stream: &'a mut dyn Stream,
+    stream: &'a mut dyn Read,
     replies: &'a mut Vec<u8>,
+    limit: &'a mut FrameLimit,
 }
 
 impl Read for Pipe<'_> {
+    /// Counts the frames: a read of the library returns none of the parts of a message, and reads on after each of them.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.stream.read(buffer)
+        if self.limit.exceeded().is_some() {
+            return Err(ErrorKind::WouldBlock.into());
+        }
+        let count = self.stream.read(buffer)?;
+        self.limit.push(&buffer[..count]);
+        Ok(count)
     }
 }
 

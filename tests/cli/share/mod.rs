@@ -3,6 +3,8 @@
 mod blender;
 mod command;
 mod datagrams;
+#[cfg(target_os = "linux")]
+mod floods;
 mod json;
 mod page;
 mod websocket;

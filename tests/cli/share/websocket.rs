@@ -119,6 +119,11 @@ fn only_the_pages_of_this_address_are_served_and_only_to_it() {
         ("/viewer.css", &own, "200 OK"),
         ("/../Cargo.toml", &own, "404 Not Found"),
         ("/ws", &own, "426 Upgrade Required"),
+        ("http://example.com/ws", &own, "403 Forbidden"),
+        (&format!("http://{address}/"), &own, "403 Forbidden"),
+        ("//example.com/ws", &own, "403 Forbidden"),
+        ("*", &own, "403 Forbidden"),
+        (&address, &own, "403 Forbidden"),
         ("/", "", "403 Forbidden"),
         ("/", "Host: example.com\r\n", "403 Forbidden"),
         (

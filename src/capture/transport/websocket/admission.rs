@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 
 use tungstenite::handshake::server::Request;
+use tungstenite::http::Uri;
 
 use crate::message::escape;
 
@@ -20,7 +21,7 @@ pub(crate) struct Admission {
 }
 
 impl Admission {
-    /// Checks `Host` and `Origin`. The reason states what to do.
+    /// Checks the target of the request, `Host` and `Origin`. The reason states what to do.
     pub fn check(&self, request: &Request) -> Result<(), String> {
         let header = |name| {
             let mut values = request.headers().get_all(name).iter();
@@ -30,6 +31,9 @@ impl Admission {
                 None => first,
             }
         };
+        if !is_path(request.uri()) {
+            return Err("its request is not for a path of this server, such as /ws".into());
+        }
         let hosts = [
             self.address.to_string(),
             format!("localhost:{}", self.address.port()),
@@ -45,6 +49,45 @@ impl Admission {
                 format!("it is the page {}; {}", escape(origin), self.remedy),
             ),
             _ => Ok(()),
+        }
+    }
+}
+
+/// Returns whether a request target is a path, without another server in it: a proxy sends `http://HOST/ws`.
+fn is_path(target: &Uri) -> bool {
+    let path = target.path();
+    target.authority().is_none() && path.starts_with('/') && !path.starts_with("//")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_path_of_this_server_is_a_request_target() {
+        let admission = Admission {
+            address: "127.0.0.1:8080".parse().unwrap(),
+            origins: Vec::new(),
+            remedy: "",
+        };
+        let check = |target: &str| {
+            let request = Request::builder().uri(target);
+            let request = request.header("Host", "127.0.0.1:8080").body(()).unwrap();
+            admission.check(&request)
+        };
+        for target in ["/", "/ws", "/ws?a=1", "/ws//b"] {
+            assert_eq!(check(target), Ok(()), "{target}");
+        }
+        for target in [
+            "http://evil/ws",
+            "http://127.0.0.1:8080/ws",
+            "//evil/ws",
+            "evil:80",
+            "127.0.0.1:8080",
+            "*",
+        ] {
+            let reason = check(target).unwrap_err();
+            assert!(reason.contains("not for a path"), "{target}: {reason}");
         }
     }
 }

@@ -1,0 +1,6 @@
+//! Operating systems without such a limit.
+
+/// Returns `None`.
+pub(super) fn limit() -> Option<usize> {
+    None
+}
