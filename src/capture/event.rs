@@ -41,8 +41,8 @@ pub enum CaptureEvent {
     Command(Command),
     /// The [clock](Source::clock) of a source that waits: no reading precedes this time.
     Elapsed(Timestamp),
-    /// Bytes or packets arrive, but none of them belongs to a reading. Sent at most twice a second, and when a live source is
-    /// stopped.
+    /// Bytes or packets arrive, but none of them belongs to a reading. Sent at most twice a second, and if packets
+    /// were refused since then, when a live source is stopped.
     Noise(SourceStats),
     /// The device was lost and the source reconnects, or the readings were interrupted. Never dropped, and always
     /// before the readings that follow it.
@@ -67,8 +67,8 @@ pub(super) struct EventSource<S> {
     is_batched: bool,
     suspend: SuspendDetector,
     suspends: u64,
-    /// Time of the latest event with statistics, and the [bytes and packets](arrived) in them.
-    reported: (Instant, u64),
+    /// Time of the latest event with statistics, and these.
+    reported: (Instant, SourceStats),
 }
 
 impl<S: Source> EventSource<S> {
@@ -80,7 +80,7 @@ impl<S: Source> EventSource<S> {
             source,
             suspend: SuspendDetector::default(),
             suspends: 0,
-            reported: (Instant::now(), 0),
+            reported: (Instant::now(), SourceStats::default()),
         }
     }
 
@@ -137,7 +137,7 @@ impl<S: Source> EventSource<S> {
                 result => other = Some(result),
             }
         }
-        self.reported = (received_at, arrived(&stats));
+        self.reported = (received_at, stats);
         emit(CaptureEvent::Readings {
             readings,
             received_at,
@@ -160,7 +160,7 @@ impl<S: Source> EventSource<S> {
             Ok(SourceEvent::Idle) => self.convert_idle(emit),
             Ok(SourceEvent::Reading(reading)) => {
                 let (received_at, stats) = (Instant::now(), self.stats());
-                self.reported = (received_at, arrived(&stats));
+                self.reported = (received_at, stats);
                 emit(CaptureEvent::Reading {
                     reading,
                     received_at,
@@ -190,25 +190,26 @@ impl<S: Source> EventSource<S> {
             return;
         }
         let stats = self.stats();
-        self.reported = (Instant::now(), arrived(&stats));
-        if arrived(&stats) > reported {
+        self.reported = (Instant::now(), stats);
+        // A packet of an unknown sender has no bytes in the statistics.
+        if stats.bytes > reported.bytes || stats.invalid != reported.invalid {
             emit(CaptureEvent::Noise(stats));
         }
     }
 
-    /// Returns the statistics since the source was opened.
-    pub fn stats(&self) -> SourceStats {
+    /// Returns the statistics if packets were refused since the latest event with statistics.
+    pub fn unreported(&self) -> Option<SourceStats> {
+        let (stats, (_, reported)) = (self.stats(), self.reported);
+        (stats.invalid != reported.invalid).then_some(stats)
+    }
+
+    fn stats(&self) -> SourceStats {
         let stats = self.source.stats();
         SourceStats {
             losses: stats.losses + self.suspends,
             ..stats
         }
     }
-}
-
-/// Returns a number that grows with everything that arrives: a packet of an unknown sender has no bytes in the statistics.
-fn arrived(stats: &SourceStats) -> u64 {
-    stats.bytes + stats.invalid.total()
 }
 
 fn suspended(source_name: &str) -> CaptureError {

@@ -53,10 +53,11 @@ impl InPlaceCapture {
         !self.queue.buffer.is_empty()
     }
 
-    /// Reads no more. The last event has the statistics until now.
+    /// Reads no more. If packets were refused since the latest statistics, the last event has them.
     pub fn stop(&mut self) {
-        if let Some(source) = &self.source {
-            let _ = self.queue.push(CaptureEvent::Noise(source.stats()));
+        let source = self.source.as_ref();
+        if let Some(stats) = source.and_then(|source| source.unreported()) {
+            let _ = self.queue.push(CaptureEvent::Noise(stats));
         }
     }
 

@@ -112,8 +112,8 @@ impl CaptureThread {
         self.is_live
     }
 
-    /// Stops the source and waits for the end of its thread, as dropping does. The last event has the statistics of a live
-    /// source until now.
+    /// Stops the source and waits for the end of its thread, as dropping does. If packets of a live source were refused
+    /// since the latest statistics, its last event has them.
     pub fn stop(&mut self) {
         if self.cancel.take().is_some() {
             let _ = self.ended.recv_timeout(JOIN_TIMEOUT);
@@ -146,8 +146,10 @@ fn capture(mut source: EventSource<impl Source>, sender: &mut EventSender) {
         }
     }
     // The queue of a live source has room for every event.
-    if source.source.is_live() {
-        sender.send(CaptureEvent::Noise(source.stats()));
+    if source.source.is_live()
+        && let Some(stats) = source.unreported()
+    {
+        sender.send(CaptureEvent::Noise(stats));
     }
 }
 

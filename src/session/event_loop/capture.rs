@@ -81,7 +81,8 @@ impl Capture {
         }
     }
 
-    /// Reads no more. The last event has the statistics until now. May wait for a second for a source on a thread.
+    /// Reads no more. If packets were refused since the latest statistics, the last event has them. May wait for a second for a
+    /// source on a thread.
     pub fn stop(&mut self) {
         match &mut self.form {
             CaptureForm::InPlace(capture) => capture.stop(),
