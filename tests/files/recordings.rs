@@ -608,7 +608,7 @@ fn times_of_a_recording_never_decrease() {
 /// Returns a metadata record with a setup text.
 fn setup_record(kind: &str, text: &str) -> Vec<u8> {
     let mut fields = Vec::new();
-    let mut put = |fields: &mut Vec<u8>, text: &str| {
+    let put = |fields: &mut Vec<u8>, text: &str| {
         fields.extend((text.len() as u32).to_le_bytes());
         fields.extend(text.as_bytes());
     };
