@@ -12,6 +12,7 @@ use rustix::fs::fstatfs;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::files;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 use crate::output::socket;
 
 /// Start of the names of the files.
@@ -26,6 +27,12 @@ const MAX_OUTPUTS: u32 = 16;
 /// Longest name of a display that is read, in bytes.
 const MAX_NAME: u64 = 4096;
 
+/// Length of the keysyms of the keys that were added to the keymap: one for each key code.
+const KEYSYMS: usize = 256 * KEYSYM;
+
+/// Length of a keysym, in bytes.
+const KEYSYM: usize = size_of::<u32>();
+
 /// Types of file systems in memory, as in `linux/magic.h`: tmpfs and ramfs.
 const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 
@@ -33,6 +40,8 @@ const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 pub struct PressedKeyFile {
     file: File,
     path: PathBuf,
+    /// Position of the keysyms, behind the name of the display.
+    keysyms: u64,
     is_abandoned: AtomicBool,
 }
 
@@ -55,12 +64,15 @@ impl PressedKeyFile {
         let _ = fs::remove_file(&unnamed);
         let file = files::create_private(&unnamed).map_err(io::Error::other)?;
         file.try_lock()?;
-        file.set_len(KEY_COUNT as u64)?;
+        // Behind the name is a NUL.
+        let keysyms = (KEY_COUNT + display.len() + 1) as u64;
+        file.set_len(keysyms + KEYSYMS as u64)?;
         file.write_all_at(display.as_bytes(), KEY_COUNT as u64)?;
         fs::rename(unnamed, &path)?;
         Ok(Self {
             file,
             path,
+            keysyms,
             is_abandoned: AtomicBool::new(false),
         })
     }
@@ -77,6 +89,17 @@ impl PressedKeyFile {
         let _ = self
             .file
             .write_at(&[u8::from(is_pressed)], key.event_code().into());
+    }
+
+    /// Records a change of the keymap: before a key is added and after it is removed.
+    pub fn record_character_key(&self, key: CharacterKey, change: KeymapChange) {
+        let keysym = match change {
+            KeymapChange::Added => key.keysym,
+            KeymapChange::Removed => 0,
+        };
+        let position = self.keysyms + u64::from(key.code) * KEYSYM as u64;
+        // The watchdog remains if the file cannot be written.
+        let _ = self.file.write_at(&keysym.to_ne_bytes(), position);
     }
 
     /// Leaves the file behind at the end: keys could not be released.
@@ -98,6 +121,8 @@ impl Drop for PressedKeyFile {
 pub struct AbandonedKeys {
     /// The keys and buttons.
     pub keys: PressedKeys,
+    /// The keys that were added to the keymap.
+    pub character_keys: Vec<CharacterKey>,
     path: PathBuf,
     /// Keeps other processes from releasing the keys too.
     _lock: File,
@@ -130,9 +155,14 @@ impl AbandonedKeys {
         }
         let mut bytes = [0; KEY_COUNT];
         file.read_exact(&mut bytes)?;
-        let mut name = String::new();
-        (&file).take(MAX_NAME).read_to_string(&mut name)?;
-        if name != display {
+        let mut rest = Vec::new();
+        (&file)
+            .take(MAX_NAME + KEYSYMS as u64)
+            .read_to_end(&mut rest)?;
+        // An earlier version wrote no more than the name.
+        let end = rest.iter().position(|byte| *byte == 0);
+        let (name, keysyms) = rest.split_at(end.unwrap_or(rest.len()));
+        if name != display.as_bytes() {
             return Ok(None);
         }
         let mut keys = PressedKeys::default();
@@ -141,6 +171,7 @@ impl AbandonedKeys {
         }
         Ok(Some(Self {
             keys,
+            character_keys: character_keys(keysyms.get(1..).unwrap_or_default()),
             path,
             _lock: file,
         }))
@@ -150,6 +181,18 @@ impl AbandonedKeys {
     pub fn forget(self) {
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// Decodes the keys that were added to the keymap.
+fn character_keys(keysyms: &[u8]) -> Vec<CharacterKey> {
+    let keysyms = keysyms.as_chunks().0.iter();
+    let keys = (0..=u8::MAX)
+        .zip(keysyms)
+        .map(|(code, keysym)| CharacterKey {
+            code,
+            keysym: u32::from_ne_bytes(*keysym),
+        });
+    keys.filter(|key| key.keysym != 0).collect()
 }
 
 /// Returns the name of the display of the session.
@@ -199,6 +242,30 @@ mod tests {
         );
         found.forget();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn keys_of_the_keymap_are_abandoned_until_they_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let inside = path.parent().unwrap().to_owned();
+        let key = |code, keysym| CharacterKey { code, keysym };
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        let (first, last) = (key(9, 0x0100_03bb), key(255, 0x0101_f642));
+        for added in [first, key(92, 0xf1), last] {
+            file.record_character_key(added, KeymapChange::Added);
+        }
+        file.record_character_key(key(92, 0xf1), KeymapChange::Removed);
+        file.abandon();
+        drop(file);
+        let found = AbandonedKeys::find_in(&inside, ":7").pop();
+        assert_eq!(found.expect("a file").character_keys, [first, last]);
+
+        // As written by an earlier version.
+        let content = [&[0; KEY_COUNT], &b":7"[..]].concat();
+        fs::write(&path, content).unwrap();
+        let found = AbandonedKeys::find_in(&inside, ":7").pop();
+        assert_eq!(found.expect("a file").character_keys, []);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crossbeam_channel::Receiver;
 use super::WatchdogSettings;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 
 /// No handle is passed to another process.
 #[derive(Debug, Default)]
@@ -21,6 +22,10 @@ pub struct WatchdogReports(Infallible);
 
 impl WatchdogReports {
     pub fn report_key(&self, _: KeyCode, _: KeyDirection) -> Result<(), WatchdogLost> {
+        match self.0 {}
+    }
+
+    pub fn report_character_key(&self, _: CharacterKey, _: KeymapChange) {
         match self.0 {}
     }
 }

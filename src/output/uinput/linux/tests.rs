@@ -4,7 +4,7 @@ use super::*;
 use crate::contact::TargetId;
 use crate::device::Axis;
 use crate::output::tests::{down, event, key, up};
-use crate::output::watchdog::HEARTBEAT_INTERVAL;
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, WatchdogMessage};
 use evdev::InputEvent;
 use std::fs;
 use std::os::fd::OwnedFd;
@@ -358,7 +358,7 @@ impl RecordedWatchdog {
     fn messages(&self) -> String {
         let bytes = fs::read(self.path()).unwrap_or_default();
         bytes
-            .chunks(3)
+            .chunks(WatchdogMessage::BYTES)
             .map(|message| char::from(message[0]))
             .collect()
     }

@@ -16,6 +16,7 @@ use super::{READY, ReleaseTarget, WatchdogMessage};
 use crate::advice;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 use crate::output::watchdog::{MAX_UNANSWERED, WatchdogSettings};
 
 /// Longest time in which a watchdog connects to the display.
@@ -164,6 +165,12 @@ impl WatchdogReports {
     /// Reports a key: before a press and after a release.
     pub fn report_key(&self, key: KeyCode, direction: KeyDirection) -> Result<(), WatchdogLost> {
         send_message(&self.0, WatchdogMessage::from_key(key, direction))
+    }
+
+    /// Reports a change of the keymap: before a key is added and after it is removed.
+    pub fn report_character_key(&self, key: CharacterKey, change: KeymapChange) {
+        // A lost watchdog shows at the next report of a press.
+        let _ = send_message(&self.0, WatchdogMessage::CharacterKey(key, change));
     }
 }
 
