@@ -13,6 +13,14 @@ use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
 
 mod axis_state;
+#[cfg_attr(
+    not(target_os = "linux"),
+    allow(
+        dead_code,
+        reason = "only the connection to an X server on Linux adds keys"
+    )
+)]
+mod character_key;
 pub mod desktop;
 mod null;
 mod open;
@@ -170,7 +178,7 @@ pub trait Sink: Send {
     fn close(&mut self) -> Result<(), OutputError>;
 
     /// Returns the number of presses and characters that were dropped because the queue was full, they became void
-    /// before they were delivered, or the output lacks the key.
+    /// before they were delivered, the output lacks the key, or it cannot type the text that they are part of.
     fn dropped_presses(&self) -> u64 {
         0
     }

@@ -144,7 +144,8 @@ impl fmt::Display for Notice {
             ),
             Self::DroppedPresses(count) => write!(
                 f,
-                "{} dropped: the output did not accept them within 250 ms or before a pause, or has no such key",
+                "{} dropped: the output did not accept them within 250 ms or before a pause, has no such key, or cannot \
+                 type a text now (Control or Alt is held, or the keymap has too few unused keys)",
                 counted(*count, "keystroke")
             ),
             Self::SystemKeysSuppressed(count) => write!(

@@ -8,6 +8,7 @@ use enigo::{
     NewConError, Settings,
 };
 
+use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::system;
 use super::worker::Injector;
@@ -44,7 +45,7 @@ impl EnigoDisplay {
         })
     }
 
-    fn type_character(&mut self, character: char) -> Result<(), String> {
+    fn type_characters(&mut self, text: &str) -> Result<(), String> {
         let mut connection = match self.character_connection.take() {
             Some(connection) => connection,
             None => CharacterConnection {
@@ -52,8 +53,7 @@ impl EnigoDisplay {
                 last_use: Instant::now(),
             },
         };
-        let mut text = [0; 4];
-        let result = connection.enigo.text(character.encode_utf8(&mut text));
+        let result = connection.enigo.text(text);
         connection.last_use = Instant::now();
         self.character_connection = Some(connection);
         result.map_err(message)
@@ -98,7 +98,6 @@ impl Injector for EnigoDisplay {
 
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
         match action {
-            StatelessAction::Character(character) => self.type_character(character),
             StatelessAction::MoveBy(x, y) => {
                 let result = self.enigo.move_mouse(x, y, Coordinate::Rel);
                 result.map_err(message)
@@ -106,6 +105,10 @@ impl Injector for EnigoDisplay {
             StatelessAction::MoveTo(x, y) => self.move_to(x, y),
             StatelessAction::Scroll(right, up) => self.scroll(right, up).map_err(message),
         }
+    }
+
+    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+        self.type_characters(text).map(|()| true)
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{AddedKeys, CharacterKey, KeymapChange};
 use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{WatchdogClient, WatchdogReports};
 
@@ -13,6 +14,7 @@ use crate::output::watchdog::{WatchdogClient, WatchdogReports};
 pub struct KeyReporter {
     watchdog: Option<WatchdogReports>,
     file: Option<Arc<PressedKeyFile>>,
+    added_keys: AddedKeys,
 }
 
 impl KeyReporter {
@@ -21,12 +23,18 @@ impl KeyReporter {
         Self {
             watchdog: watchdog.map(WatchdogClient::reports),
             file: file.map(Arc::new),
+            added_keys: AddedKeys::default(),
         }
     }
 
     /// Replaces the watchdog. Copies keep the earlier one.
     pub fn set_watchdog(&mut self, watchdog: Option<&WatchdogClient>) {
         self.watchdog = watchdog.map(WatchdogClient::reports);
+        if let Some(watchdog) = &self.watchdog {
+            for key in self.added_keys.as_slice() {
+                watchdog.report_character_key(*key, KeymapChange::Added);
+            }
+        }
     }
 
     /// Returns `false` if the watchdog may have released keys, or may not work, without the knowledge of this process.
@@ -47,6 +55,24 @@ impl KeyReporter {
         }
         let report = |watchdog: &WatchdogReports| watchdog.report_key(key, direction).is_ok();
         self.watchdog.as_ref().is_none_or(report)
+    }
+
+    /// Reports a change of the keymap: before a key is added and after it is removed.
+    #[cfg_attr(
+        not(target_os = "linux"),
+        allow(
+            dead_code,
+            reason = "only the connection to an X server on Linux adds keys"
+        )
+    )]
+    pub fn report_character_key(&mut self, key: CharacterKey, change: KeymapChange) {
+        self.added_keys.apply(key, change);
+        if let Some(file) = &self.file {
+            file.record_character_key(key, change);
+        }
+        if let Some(watchdog) = &self.watchdog {
+            watchdog.report_character_key(key, change);
+        }
     }
 
     /// Leaves the file behind at the end: keys could not be released.

@@ -75,12 +75,13 @@ const CHECK_DELAY: Duration = Duration::from_millis(100);
 
 /// A sink that presses keys and buttons, types characters and moves the pointer on a desktop.
 ///
-/// While the queue is more than half full, presses and characters are dropped and
-/// [counted](Sink::dropped_presses), as are those that the display has not executed within 250 ms or that a
-/// [call](Sink::void_presses) made void. After a dropped press, and after the watchdog has released keys, the sink
-/// [has stalled](Sink::has_stalled). The release of a dropped press is ignored; no other release is. While the queue
-/// is three quarters full, motion is [coalesced](Sink::coalesced_motions): the last position counts, relative motion
-/// and scrolls are summed. Pending motion is sent before the next press, so that a click arrives at its position. The
+/// Neighboring characters with one time are a text, which arrives entirely or not at all. While the queue is more than
+/// half full, presses and texts are dropped and [counted](Sink::dropped_presses), as are those that the display has not
+/// executed within 250 ms or that a [call](Sink::void_presses) made void, and texts that the display cannot type now. After
+/// a dropped press, and after the watchdog has released keys, the sink [has stalled](Sink::has_stalled). The release of a
+/// dropped press is ignored; no other release is. While the queue is three quarters full, motion is
+/// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Pending motion
+/// is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
 pub struct Desktop {
     requests: Option<Sender<WorkerRequest>>,
@@ -200,7 +201,7 @@ impl Desktop {
     }
 
     fn press(&mut self, key: KeyCode) -> Result<(), OutputError> {
-        if !self.accept_press()? || !self.accepted.press(key) {
+        if !self.accept_presses(1)? || !self.accepted.press(key) {
             return Ok(());
         }
         self.send_motion()?;
@@ -209,20 +210,30 @@ impl Desktop {
         self.request(direct.unwrap_or(WorkerRequest::Press(key, ticket)))
     }
 
-    fn type_character(&mut self, character: char) -> Result<(), OutputError> {
-        if !self.accept_press()? {
+    /// Types the characters of one text, all or none.
+    fn type_text(&mut self, text: &[OutputEvent]) -> Result<(), OutputError> {
+        if !self.accept_presses(text.len())? {
             return Ok(());
         }
         self.send_motion()?;
         let ticket = self.status.tickets.issue(self.generation);
-        self.request(WorkerRequest::Type(character, ticket))
+        for (event, remaining) in text.iter().zip((0..text.len()).rev()) {
+            if let EventKind::Character(character) = event.kind {
+                self.request(WorkerRequest::Type {
+                    character,
+                    is_last: remaining == 0,
+                    ticket,
+                })?;
+            }
+        }
+        Ok(())
     }
 
-    /// Returns `true` if the queue has room for a press, and counts a dropped press otherwise.
-    fn accept_press(&mut self) -> Result<bool, OutputError> {
-        let has_room = self.queue_length()? < PRESS_LIMIT;
+    /// Returns `true` if the queue has room for this number of presses, and counts them as dropped otherwise.
+    fn accept_presses(&mut self, count: usize) -> Result<bool, OutputError> {
+        let has_room = self.queue_length()? + count <= PRESS_LIMIT;
         if !has_room {
-            self.dropped_presses += 1;
+            self.dropped_presses += count as u64;
             self.status.tickets.void();
         }
         Ok(has_room)
@@ -331,12 +342,13 @@ impl Sink for Desktop {
         self.is_thread_idle = self.status.executed.load(Ordering::Acquire) == self.requested;
         self.has_written_release = false;
         let mut result = Ok(());
-        for event in events {
+        for events in events.chunk_by(are_of_one_text) {
+            let event = events[0];
             let requested = match event.kind {
                 EventKind::KeyUp(key) => self.release(key),
                 _ if self.status.failure.get().is_some() => Ok(()),
                 EventKind::KeyDown(key) => self.press(key),
-                EventKind::Character(character) => self.type_character(character),
+                EventKind::Character(_) => self.type_text(events),
                 EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
                     self.move_pointer(event.kind)
                 }
@@ -396,6 +408,12 @@ impl Drop for Desktop {
     fn drop(&mut self) {
         let _ = self.close();
     }
+}
+
+/// Returns `true` for neighboring characters of one text, which have one time. A text arrives entirely or not at all.
+fn are_of_one_text(first: &OutputEvent, second: &OutputEvent) -> bool {
+    let is_character = |event: &OutputEvent| matches!(event.kind, EventKind::Character(_));
+    is_character(first) && is_character(second) && first.time == second.time
 }
 
 /// Returns the keys and buttons of keyboards and mice that this system has, characters, and the pointer.

@@ -16,8 +16,6 @@ const MAX_PIXELS: i32 = i16::MAX as i32;
 /// An action that leaves no key or button pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StatelessAction {
-    /// Types a character.
-    Character(char),
     /// Moves the pointer to the right and down, by at most 32767 pixels each.
     MoveBy(i32, i32),
     /// Moves the pointer to a position, as fractions 0..=1 of the screen from the left and from the top.

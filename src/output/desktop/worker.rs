@@ -15,6 +15,7 @@ use super::pending_motion::StatelessAction;
 use super::press_ticket::{MAX_PRESS_AGE, PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::character_key::CharacterKey;
 use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
@@ -29,6 +30,24 @@ pub trait Injector {
 
     /// Reads what the display has sent, without waiting. Fails if the connection is closed.
     fn check_connection(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Types a text entirely. Returns `false` if it has typed nothing, as the display cannot type all of it now. Reports
+    /// the keys that it adds to the keymap of the display.
+    fn type_text(&mut self, _text: &str, _reporter: &mut KeyReporter) -> Result<bool, String> {
+        Ok(false)
+    }
+
+    /// Removes the keys that it has added to the keymap, after receivers had time to look them up.
+    fn restore_keymap(&mut self, _reporter: &mut KeyReporter) {}
+
+    /// Removes the keys from the keymap that another process has added, unless the user has changed them since.
+    #[cfg_attr(
+        not(target_os = "linux"),
+        allow(dead_code, reason = "only the watchdog and the next run ask")
+    )]
+    fn remove_character_keys(&mut self, _keys: &[CharacterKey]) -> Result<(), String> {
         Ok(())
     }
 
@@ -71,6 +90,18 @@ impl Injector for Box<dyn Injector> {
         (**self).check_connection()
     }
 
+    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
+        (**self).type_text(text, reporter)
+    }
+
+    fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
+        (**self).restore_keymap(reporter);
+    }
+
+    fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+        (**self).remove_character_keys(keys)
+    }
+
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         (**self).wait_until_responsive()
     }
@@ -92,7 +123,12 @@ impl Injector for Box<dyn Injector> {
 #[derive(Clone, Copy)]
 pub enum WorkerRequest {
     Press(KeyCode, PressTicket),
-    Type(char, PressTicket),
+    /// A character of a text. All characters have one ticket, and the last one has the text typed.
+    Type {
+        character: char,
+        is_last: bool,
+        ticket: PressTicket,
+    },
     Release(KeyCode),
     Perform(StatelessAction),
     /// The loop has written a key event to a connection of its own, whose answers the thread reads.
@@ -120,7 +156,8 @@ pub struct WorkerStatus {
     pub executed: AtomicU64,
     /// The validity of queued presses.
     pub tickets: PressTickets,
-    /// Number of presses and characters that were not sent because their tickets were void.
+    /// Number of presses and characters that were not sent because their tickets were void, or the display cannot type the
+    /// text.
     pub void_presses: AtomicU64,
 }
 
@@ -142,6 +179,8 @@ impl WorkerStatus {
 pub struct Worker<'a, C> {
     injector: C,
     pressed: PressedKeys,
+    /// The characters of a text so far.
+    text: String,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
     reporter: KeyReporter,
@@ -174,6 +213,7 @@ impl<'a, C: Injector> Worker<'a, C> {
         Self {
             injector,
             pressed: PressedKeys::default(),
+            text: String::new(),
             status,
             watchdog,
             reporter,
@@ -226,13 +266,13 @@ impl<'a, C: Injector> Worker<'a, C> {
     /// connection that pressed it is gone.
     fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
         self.release_all();
-        if self.pressed.is_empty() {
-            return;
-        }
-        if let Ok(injector) = connect() {
+        if !self.pressed.is_empty()
+            && let Ok(injector) = connect()
+        {
             self.injector = injector;
             self.release_all();
         }
+        self.injector.restore_keymap(&mut self.reporter);
         let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
         if !stuck.is_empty() {
             let _ = self.status.stuck_keys.set(stuck.join(", "));
@@ -326,12 +366,12 @@ impl<'a, C: Injector> Worker<'a, C> {
             }
             _ if self.status.failure.get().is_some() => {}
             WorkerRequest::Press(key, ticket) => {
-                if !self.may_send(ticket) {
+                if !self.may_send(ticket, 1) {
                     return;
                 }
                 // The watchdog could not release a key that it does not know.
                 if !self.report_key(key, KeyDirection::Press) {
-                    self.drop_press(ticket);
+                    self.drop_presses(ticket, 1);
                 } else {
                     // Added first: a press that failed may have arrived.
                     self.pressed.press(key);
@@ -339,11 +379,14 @@ impl<'a, C: Injector> Worker<'a, C> {
                     self.refresh_direct_connection();
                 }
             }
-            WorkerRequest::Type(character, ticket) => {
-                if self.may_send(ticket) {
-                    self.perform(StatelessAction::Character(character));
-                    // A change of the keymap is sent to every connection.
-                    self.refresh_direct_connection();
+            WorkerRequest::Type {
+                character,
+                is_last,
+                ticket,
+            } => {
+                self.text.push(character);
+                if is_last {
+                    self.type_text(ticket);
                 }
             }
             WorkerRequest::Perform(action) => self.perform(action),
@@ -371,11 +414,32 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
         if !is_executed {
             if is_press {
-                self.drop_press(ticket);
+                self.drop_presses(ticket, 1);
             }
             self.release(key);
             self.refresh_direct_connection();
         }
+    }
+
+    /// Types the text if its ticket is valid, and counts its characters as dropped if it was not typed. It is not
+    /// repeated, as a text that failed may have arrived.
+    fn type_text(&mut self, ticket: PressTicket) {
+        let text = std::mem::take(&mut self.text);
+        let count = text.chars().count() as u64;
+        if !self.may_send(ticket, count) {
+            return;
+        }
+        match self.injector.type_text(&text, &mut self.reporter) {
+            Ok(true) => {}
+            Ok(false) => self.count_dropped(count),
+            Err(reason) => self.fail(&reason),
+        }
+        // A change of the keymap is sent to every connection.
+        self.refresh_direct_connection();
+    }
+
+    fn count_dropped(&self, count: u64) {
+        self.status.void_presses.fetch_add(count, Ordering::Relaxed);
     }
 
     fn refresh_direct_connection(&mut self) {
@@ -383,8 +447,8 @@ impl<'a, C: Injector> Worker<'a, C> {
         self.direct.refresh(connect, &self.reporter);
     }
 
-    /// Returns `true` if a press may be sent, and counts it as dropped otherwise.
-    fn may_send(&mut self, ticket: PressTicket) -> bool {
+    /// Returns `true` if this number of presses or characters may be sent, and counts them as dropped otherwise.
+    fn may_send(&mut self, ticket: PressTicket, count: u64) -> bool {
         // A display that hangs executes a press when it continues, however late that is.
         if self.status.tickets.is_valid(ticket)
             && let Err(reason) = self.injector.wait_until_responsive()
@@ -394,7 +458,7 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
         let is_valid = self.wait_for_watchdog(ticket) && self.status.tickets.is_valid(ticket);
         if !is_valid {
-            self.drop_press(ticket);
+            self.drop_presses(ticket, count);
         }
         is_valid
     }
@@ -416,9 +480,9 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
-    /// Counts a dropped press or character. Those that follow it are dropped too, until the loop has noticed.
-    fn drop_press(&self, ticket: PressTicket) {
-        self.status.void_presses.fetch_add(1, Ordering::Relaxed);
+    /// Counts dropped presses or characters. Those that follow are dropped too, until the loop has noticed.
+    fn drop_presses(&self, ticket: PressTicket, count: u64) {
+        self.count_dropped(count);
         self.status.tickets.void_with(ticket);
     }
 

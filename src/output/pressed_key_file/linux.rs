@@ -13,6 +13,7 @@ use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::files::{self, FileError};
 use crate::message::{escape, escape_path};
+use crate::output::character_key::{CharacterKey, KeymapChange};
 use crate::output::socket;
 
 /// Start of the names of the files.
@@ -29,6 +30,11 @@ const MAX_NAME: u64 = 4096;
 
 /// Start of the path of the socket of an X server, which may stand in its place in `DISPLAY`.
 const X11_SOCKET: &str = "/tmp/.X11-unix/X";
+/// Length of the keysyms of the keys that were added to the keymap: one for each key code.
+const KEYSYMS: usize = 256 * KEYSYM;
+
+/// Length of a keysym, in bytes.
+const KEYSYM: usize = size_of::<u32>();
 
 /// Types of file systems in memory, as in `linux/magic.h`: tmpfs and ramfs.
 const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
@@ -37,6 +43,8 @@ const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 pub struct PressedKeyFile {
     file: File,
     path: PathBuf,
+    /// Position of the keysyms, behind the name of the display.
+    keysyms: u64,
     is_abandoned: AtomicBool,
 }
 
@@ -71,8 +79,8 @@ impl PressedKeyFile {
         let _ = fs::remove_file(&unnamed);
         let file = files::create_private(&unnamed).map_err(io::Error::other)?;
         file.try_lock()?;
-        // All bytes are written, so that a full disk shows here and not at a press.
-        let content = [&[0; KEY_COUNT], display.as_bytes()].concat();
+        // All bytes are written, so that a full disk shows here and not at a press. Behind the name is a NUL.
+        let content = [&[0; KEY_COUNT], display.as_bytes(), &[0; 1 + KEYSYMS]].concat();
         let written = file
             .write_all_at(&content, 0)
             .and_then(|()| fs::rename(&unnamed, &path));
@@ -80,6 +88,7 @@ impl PressedKeyFile {
         Ok(Self {
             file,
             path,
+            keysyms,
             is_abandoned: AtomicBool::new(false),
         })
     }
@@ -96,6 +105,17 @@ impl PressedKeyFile {
         let _ = self
             .file
             .write_at(&[u8::from(is_pressed)], key.event_code().into());
+    }
+
+    /// Records a change of the keymap: before a key is added and after it is removed.
+    pub fn record_character_key(&self, key: CharacterKey, change: KeymapChange) {
+        let keysym = match change {
+            KeymapChange::Added => key.keysym,
+            KeymapChange::Removed => 0,
+        };
+        let position = self.keysyms + u64::from(key.code) * KEYSYM as u64;
+        // The watchdog remains if the file cannot be written.
+        let _ = self.file.write_at(&keysym.to_ne_bytes(), position);
     }
 
     /// Leaves the file behind at the end: keys could not be released.
@@ -117,6 +137,8 @@ impl Drop for PressedKeyFile {
 pub struct AbandonedKeys {
     /// The keys and buttons.
     pub keys: PressedKeys,
+    /// The keys that were added to the keymap.
+    pub character_keys: Vec<CharacterKey>,
     display: String,
     path: PathBuf,
     /// Keeps other processes from releasing the keys too.
@@ -182,15 +204,21 @@ impl AbandonedKeys {
         }
         let mut bytes = [0; KEY_COUNT];
         file.read_exact(&mut bytes)?;
-        let mut name = String::new();
-        (&file).take(MAX_NAME).read_to_string(&mut name)?;
+        let mut rest = Vec::new();
+        (&file)
+            .take(MAX_NAME + KEYSYMS as u64)
+            .read_to_end(&mut rest)?;
+        // An earlier version wrote no more than the name.
+        let end = rest.iter().position(|byte| *byte == 0);
+        let (name, keysyms) = rest.split_at(end.unwrap_or(rest.len()));
         let mut keys = PressedKeys::default();
         for key in KeyCode::all().filter(|key| bytes[usize::from(key.event_code())] == 1) {
             keys.press(key);
         }
         Ok(Some(Self {
             keys,
-            display: name,
+            character_keys: character_keys(keysyms.get(1..).unwrap_or_default()),
+            display: String::from_utf8_lossy(name).into_owned(),
             path,
             _lock: file,
         }))
@@ -200,6 +228,18 @@ impl AbandonedKeys {
     pub fn forget(self) {
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// Decodes the keys that were added to the keymap.
+fn character_keys(keysyms: &[u8]) -> Vec<CharacterKey> {
+    let keysyms = keysyms.as_chunks().0.iter();
+    let keys = (0..=u8::MAX)
+        .zip(keysyms)
+        .map(|(code, keysym)| CharacterKey {
+            code,
+            keysym: u32::from_ne_bytes(*keysym),
+        });
+    keys.filter(|key| key.keysym != 0).collect()
 }
 
 /// Returns the name of the display of the session. Each display has one name, however the environment spells it.
@@ -349,6 +389,30 @@ mod tests {
         let found = AbandonedKeys::find_in(path.parent().unwrap(), ":7").pop();
         let reason = found.expect("a reason").err().expect("no keys");
         assert!(reason.starts_with("cannot read "), "{reason}");
+    }
+
+    #[test]
+    fn keys_of_the_keymap_are_abandoned_until_they_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let inside = path.parent().unwrap().to_owned();
+        let key = |code, keysym| CharacterKey { code, keysym };
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        let (first, last) = (key(9, 0x0100_03bb), key(255, 0x0101_f642));
+        for added in [first, key(92, 0xf1), last] {
+            file.record_character_key(added, KeymapChange::Added);
+        }
+        file.record_character_key(key(92, 0xf1), KeymapChange::Removed);
+        file.abandon();
+        drop(file);
+        let found = AbandonedKeys::find_in(&inside, ":7").pop();
+        assert_eq!(found.expect("a file").expect("its keys").character_keys, [first, last]);
+
+        // As written by an earlier version.
+        let content = [&[0; KEY_COUNT], &b":7"[..]].concat();
+        fs::write(&path, content).unwrap();
+        let found = AbandonedKeys::find_in(&inside, ":7").pop();
+        assert_eq!(found.expect("a file").expect("its keys").character_keys, []);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 
 /// A file that cannot exist.
 pub enum PressedKeyFile {}
@@ -17,6 +18,10 @@ impl PressedKeyFile {
     }
 
     pub fn record(&self, _: KeyCode, _: KeyDirection) {
+        match *self {}
+    }
+
+    pub fn record_character_key(&self, _: CharacterKey, _: KeymapChange) {
         match *self {}
     }
 

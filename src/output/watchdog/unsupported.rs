@@ -8,6 +8,7 @@ use crossbeam_channel::Receiver;
 use super::{OnRelease, WatchdogSettings};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 
 /// No handle is passed to another process.
 #[derive(Debug, Default)]
@@ -26,6 +27,10 @@ impl WatchdogReports {
     }
 
     pub fn has_fresh_reply(&self, _: Instant) -> bool {
+        match self.0 {}
+    }
+
+    pub fn report_character_key(&self, _: CharacterKey, _: KeymapChange) {
         match self.0 {}
     }
 }

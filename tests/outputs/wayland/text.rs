@@ -56,8 +56,55 @@ fn characters_that_are_not_in_the_keymap_arrive_byte_for_byte() {
         sink.send(&[event(EventKind::Character(character))])
             .expect("the queue has room");
     }
+    // As one text.
+    let events = text.chars().map(EventKind::Character).map(event);
+    sink.send(&events.collect::<Vec<_>>())
+        .expect("the queue has room");
     sink.close().expect("everything is sent");
-    assert_eq!(terminal.typed(text), text);
+    let twice = text.repeat(2);
+    assert_eq!(terminal.typed(&twice), twice);
+}
+
+#[test]
+fn characters_arrive_with_caps_lock_and_a_held_control() {
+    let Some(compositor) = Compositor::sway() else {
+        return;
+    };
+    let Some(terminal) = Terminal::start(&compositor) else {
+        return;
+    };
+    let key = |name: &str| name.parse().expect("the name of a key");
+    let (caps_lock, control) = (key("CapsLock"), key("ControlLeft"));
+    let text = || "niño".chars().map(EventKind::Character);
+    let mut events = vec![EventKind::KeyDown(caps_lock), EventKind::KeyUp(caps_lock)];
+    events.extend(text());
+    events.push(EventKind::KeyDown(control));
+    events.extend(text());
+    events.push(EventKind::KeyUp(control));
+    let mut sink = compositor.desktop();
+    let events: Vec<_> = events.into_iter().map(event).collect();
+    sink.send(&events).expect("the queue has room");
+    sink.close().expect("everything is sent");
+    assert_eq!(terminal.typed("niñoniño"), "niñoniño");
+}
+
+#[test]
+fn a_text_with_a_character_that_no_key_types_is_dropped_entirely_and_is_no_failure() {
+    let Some(compositor) = Compositor::sway() else {
+        return;
+    };
+    let Some(terminal) = Terminal::start(&compositor) else {
+        return;
+    };
+    let mut sink = compositor.desktop();
+    for text in ["a\u{fffe}b", "c"] {
+        let events = text.chars().map(EventKind::Character).map(event);
+        sink.send(&events.collect::<Vec<_>>())
+            .expect("the queue has room");
+    }
+    sink.close().expect("the rest is sent");
+    assert_eq!(terminal.typed("c"), "c");
+    assert_eq!(sink.dropped_presses(), 3);
 }
 
 #[test]

@@ -25,7 +25,7 @@ struct Killed {
 }
 
 /// Adds the environment of the user to a command.
-fn in_session(mut command: Command, server: &XServer, runtime: &Path) -> Command {
+pub fn in_session(mut command: Command, server: &XServer, runtime: &Path) -> Command {
     command
         .env("DISPLAY", server.display())
         .env("XDG_RUNTIME_DIR", runtime)

@@ -11,18 +11,24 @@ use crate::support::program::Program;
 use crate::support::x11::{TerminalWindow, XServer};
 
 /// Starts a server with this keymap. Returns `None` with a message if setxkbmap is not installed.
-fn server_with(keymap: &str) -> Option<XServer> {
+pub fn server_with(keymap: &[&str]) -> Option<XServer> {
     let server = XServer::start()?;
+    set_keymap(&server, keymap).then_some(server)
+}
+
+/// Changes the keymap of the server to that of these arguments of setxkbmap. Returns `false` with a message if it is not
+/// installed.
+pub fn set_keymap(server: &XServer, keymap: &[&str]) -> bool {
     let mut command = Command::new("setxkbmap");
-    command.arg("-display").arg(server.display()).arg(keymap);
+    command.arg("-display").arg(server.display()).args(keymap);
     match command.status() {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             println!("SKIPPED: setxkbmap is not installed");
-            None
+            false
         }
         status => {
             assert!(status.expect("setxkbmap starts").success());
-            Some(server)
+            true
         }
     }
 }
@@ -34,7 +40,7 @@ const STALLED: [&str; 2] = ["stalled:", "the typed text differs from the given o
 /// the demo is repeated.
 fn assert_demo_types(keymap: &str, arguments: &[&str], expected: &str) {
     for _ in 0..5 {
-        let Some(server) = server_with(keymap) else {
+        let Some(server) = server_with(&[keymap]) else {
             return;
         };
         let Some(terminal) = TerminalWindow::start(&server) else {
@@ -87,7 +93,7 @@ fn the_german_layout_reaches_levels_two_and_three_of_a_german_keymap() {
 #[test]
 fn characters_arrive_with_every_keymap() {
     for keymap in ["us", "de"] {
-        let Some(server) = server_with(keymap) else {
+        let Some(server) = server_with(&[keymap]) else {
             return;
         };
         let Some(terminal) = TerminalWindow::start(&server) else {

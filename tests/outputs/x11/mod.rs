@@ -6,6 +6,8 @@
 mod blocked_streams;
 #[cfg(target_os = "linux")]
 mod both_killed;
+#[cfg(target_os = "linux")]
+mod characters;
 mod doctor;
 mod ends;
 mod grabs;

@@ -6,6 +6,7 @@ use ademan::calibrate::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text};
 use ademan::capture::recording::{RecordedSetup, Replay, SetupText};
 use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent};
 use ademan::document::Document;
+use ademan::message::escape_path;
 use ademan::recorder::Recorder;
 use ademan::time::Timestamp;
 

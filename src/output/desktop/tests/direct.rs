@@ -138,7 +138,7 @@ fn a_release_follows_what_the_thread_still_has_to_do() {
     sink.send(&[up(2, "A")]).unwrap();
     drop(gate);
     sink.close().unwrap();
-    assert_eq!(display.lines(), ["loop: Press A", "Character('x')", "-A"]);
+    assert_eq!(display.lines(), ["loop: Press A", "type x", "-A"]);
 }
 
 #[test]

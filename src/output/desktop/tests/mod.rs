@@ -5,6 +5,7 @@ mod direct;
 mod reports;
 
 use super::direct_keys::DirectConnection;
+use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::*;
 use crate::device::pressed_keys::KeyDirection;
@@ -103,7 +104,14 @@ impl Injector for Connection {
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
         self.wait_for_gate();
         let mut state = self.display.0.lock().unwrap();
-        if action == StatelessAction::Character('\0') {
+        state.lines.push(format!("{action:?}"));
+        Ok(())
+    }
+
+    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+        let _ = self.gate.recv();
+        let mut state = self.display.0.lock().unwrap();
+        if text == "\0" {
             drop(state);
             panic!("meant to happen");
         }
@@ -111,8 +119,11 @@ impl Injector for Connection {
             state.failures -= 1;
             return Err("busy".into());
         }
-        state.lines.push(format!("{action:?}"));
-        Ok(())
+        let can_type = text.is_ascii();
+        if can_type {
+            state.lines.push(format!("type {text}"));
+        }
+        Ok(can_type)
     }
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
@@ -306,7 +317,7 @@ fn pointer_wheel_characters_and_buttons_stay_in_order() {
         event(1, EventKind::MoveBy(5, -5)),
         up(1, "MouseLeft"),
         event(1, EventKind::Scroll(0, -60)),
-        event(1, EventKind::Character('é')),
+        event(1, EventKind::Character('e')),
     ];
     sink.send(&events).unwrap();
     sink.send(&[event(2, EventKind::Scroll(0, -60)), down(2, "MouseRight")])
@@ -317,7 +328,7 @@ fn pointer_wheel_characters_and_buttons_stay_in_order() {
         "+MouseLeft",
         "MoveBy(5, -5)",
         "-MouseLeft",
-        "Character('é')",
+        "type e",
         "Scroll(0, -1)",
         "+MouseRight",
         "-MouseRight",
@@ -359,6 +370,46 @@ fn a_full_queue_coalesces_motion_and_drops_no_release() {
     assert_eq!((count('+'), count('-')), (keys.len(), keys.len()));
     let last = format!("MoveBy({}, 0)", coalesced + 1);
     assert_eq!(lines.last(), Some(&last));
+}
+
+fn characters(time: u64, text: &str) -> Vec<OutputEvent> {
+    let event = |character| event(time, EventKind::Character(character));
+    text.chars().map(event).collect()
+}
+
+#[test]
+fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    let texts = [
+        characters(1, "abc"),
+        characters(2, "aéc"),
+        characters(3, "d"),
+    ];
+    sink.send(&texts.concat()).unwrap();
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["type abc", "type d"]);
+    assert_eq!(sink.dropped_presses(), 3);
+}
+
+#[test]
+fn a_text_without_room_in_the_queue_is_dropped_entirely() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    let text = "x".repeat(QUEUE / 8);
+    for time in 0..8 {
+        sink.send(&characters(time, &text)).unwrap();
+    }
+    let dropped = sink.dropped_presses() as usize;
+    drop(gate);
+    sink.close().unwrap();
+    let lines = display.lines();
+    assert!(dropped > 0 && dropped % text.len() == 0, "{dropped}");
+    assert_eq!(
+        lines,
+        vec![format!("type {text}"); 8 - dropped / text.len()]
+    );
 }
 
 #[test]

@@ -17,6 +17,7 @@ use super::{READY, ReleaseTarget, WatchdogMessage};
 use crate::advice;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 use crate::output::watchdog::{MAX_UNANSWERED, OnRelease, PROCESS_NAME, WatchdogSettings};
 
 /// Longest time in which a watchdog connects to the display.
@@ -194,6 +195,12 @@ impl WatchdogReports {
     /// Returns the result of [`WatchdogClient::has_fresh_reply`].
     pub fn has_fresh_reply(&self, now: Instant) -> bool {
         self.replies.are_fresh(now)
+    }
+
+    /// Reports a change of the keymap: before a key is added and after it is removed.
+    pub fn report_character_key(&self, key: CharacterKey, change: KeymapChange) {
+        // A lost watchdog shows at the next report of a press.
+        let _ = send_message(&self.socket, WatchdogMessage::CharacterKey(key, change));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
+use crate::output::character_key::{CharacterKey, KeymapChange};
 
 /// The byte that the watchdog sends when it is ready. Any other data is the reason why it cannot work.
 pub const READY: u8 = b'.';
@@ -17,6 +18,8 @@ pub enum WatchdogMessage {
     AxesDeflected,
     /// All axes are centered.
     AxesCentered,
+    /// A key is about to be added to the keymap, or has been removed from it.
+    CharacterKey(CharacterKey, KeymapChange),
     /// The process is alive. The watchdog replies with [`WatchdogReply::Alive`] or [`WatchdogReply::Released`].
     Heartbeat,
     /// A question whether the watchdog is alive, which says nothing about the process. The reply is
@@ -53,8 +56,9 @@ impl WatchdogReply {
 }
 
 impl WatchdogMessage {
-    /// Length of an encoded message: a letter for the kind and the event code of the key, big-endian.
-    pub const BYTES: usize = 3;
+    /// Length of an encoded message: a letter for the kind, the code of the key, and its keysym if it types a character,
+    /// big-endian.
+    pub const BYTES: usize = 7;
 
     /// Returns the message for a key event.
     pub fn from_key(key: KeyCode, direction: KeyDirection) -> Self {
@@ -66,26 +70,35 @@ impl WatchdogMessage {
 
     /// Encodes the message.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
-        let (kind, code) = match self {
-            Self::KeyDown(key) => (b'd', key.event_code()),
-            Self::KeyUp(key) => (b'u', key.event_code()),
-            Self::AxesDeflected => (b'x', 0),
-            Self::AxesCentered => (b'c', 0),
-            Self::Heartbeat => (b'a', 0),
-            Self::Probe => (b'p', 0),
+        let (kind, code, keysym) = match self {
+            Self::KeyDown(key) => (b'd', key.event_code(), 0),
+            Self::KeyUp(key) => (b'u', key.event_code(), 0),
+            Self::AxesDeflected => (b'x', 0, 0),
+            Self::AxesCentered => (b'c', 0, 0),
+            Self::CharacterKey(key, KeymapChange::Added) => (b'k', key.code.into(), key.keysym),
+            Self::CharacterKey(key, KeymapChange::Removed) => (b'r', key.code.into(), key.keysym),
+            Self::Heartbeat => (b'a', 0, 0),
+            Self::Probe => (b'p', 0, 0),
         };
         let [high, low] = code.to_be_bytes();
-        [kind, high, low]
+        let [a, b, c, d] = keysym.to_be_bytes();
+        [kind, high, low, a, b, c, d]
     }
 
     /// Decodes a message. Returns `None` for an unknown kind or key.
-    pub fn from_bytes([kind, high, low]: [u8; Self::BYTES]) -> Option<Self> {
+    pub fn from_bytes([kind, high, low, keysym @ ..]: [u8; Self::BYTES]) -> Option<Self> {
         let key = || KeyCode::from_event_code(u16::from_be_bytes([high, low]));
+        let character_key = CharacterKey {
+            code: low,
+            keysym: u32::from_be_bytes(keysym),
+        };
         match kind {
             b'd' => key().map(Self::KeyDown),
             b'u' => key().map(Self::KeyUp),
             b'x' => Some(Self::AxesDeflected),
             b'c' => Some(Self::AxesCentered),
+            b'k' => Some(Self::CharacterKey(character_key, KeymapChange::Added)),
+            b'r' => Some(Self::CharacterKey(character_key, KeymapChange::Removed)),
             b'a' => Some(Self::Heartbeat),
             b'p' => Some(Self::Probe),
             _ => None,
@@ -101,7 +114,13 @@ mod tests {
     fn every_message_is_decoded_as_it_was_encoded() {
         let down = KeyCode::all().map(WatchdogMessage::KeyDown);
         let up = KeyCode::all().map(WatchdogMessage::KeyUp);
+        let key = CharacterKey {
+            code: 250,
+            keysym: 0x0110_ffff,
+        };
         let others = [
+            WatchdogMessage::CharacterKey(key, KeymapChange::Added),
+            WatchdogMessage::CharacterKey(key, KeymapChange::Removed),
             WatchdogMessage::AxesDeflected,
             WatchdogMessage::AxesCentered,
             WatchdogMessage::Heartbeat,
@@ -111,7 +130,10 @@ mod tests {
             let decoded = WatchdogMessage::from_bytes(message.to_bytes());
             assert_eq!(decoded, Some(message));
         }
-        assert_eq!(WatchdogMessage::from_bytes([b'd', 255, 255]), None);
-        assert_eq!(WatchdogMessage::from_bytes([0, 0, 30]), None);
+        assert_eq!(
+            WatchdogMessage::from_bytes([b'd', 255, 255, 0, 0, 0, 0]),
+            None
+        );
+        assert_eq!(WatchdogMessage::from_bytes([0, 0, 30, 0, 0, 0, 0]), None);
     }
 }

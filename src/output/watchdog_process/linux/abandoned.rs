@@ -14,7 +14,8 @@ pub struct AbandonedRelease {
     pub skipped: Vec<String>,
 }
 
-/// Releases the keys that processes without a watchdog have left pressed on the display of the session.
+/// Releases the keys that processes without a watchdog have left pressed on the display of the session, and removes what
+/// they have left in its keymap.
 ///
 /// # Errors
 /// If the display cannot be reached, or a release failed. Then a further call tries again.
@@ -28,20 +29,23 @@ pub fn release_abandoned_keys() -> Result<AbandonedRelease, String> {
                 continue;
             }
         };
-        if !abandoned.keys.is_empty() {
-            release(&abandoned)?;
-            result.released += abandoned.keys.count();
-        }
+        release(&abandoned)?;
+        result.released += abandoned.keys.count();
         abandoned.forget();
     }
     Ok(result)
 }
 
 fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
+    let (keys, character_keys) = (&abandoned.keys, &abandoned.character_keys);
+    if keys.is_empty() && character_keys.is_empty() {
+        return Ok(());
+    }
     let mut display = connect(Some(abandoned.display()), false)?;
-    for key in abandoned.keys.release_order() {
+    for key in keys.release_order() {
         display.inject(key, KeyDirection::Release)?;
     }
     // The display answers when it has executed the releases. A key of a real keyboard may still be pressed.
-    display.query_pressed(&abandoned.keys).map(drop)
+    display.query_pressed(keys)?;
+    display.remove_character_keys(character_keys)
 }

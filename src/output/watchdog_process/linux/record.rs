@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::device::pressed_keys::PressedKeys;
+use crate::output::character_key::AddedKeys;
 use crate::output::watchdog::WatchdogMessage;
 
 /// Keys and axes that the client may have pressed or deflected, as reported by its messages.
@@ -16,6 +17,8 @@ pub struct Record {
     pub pressed: PressedKeys,
     /// An axis is off its center.
     pub are_axes_deflected: bool,
+    /// The keys that the client has added to the keymap.
+    pub added_keys: AddedKeys,
 }
 
 impl Record {
@@ -31,6 +34,7 @@ impl Record {
             WatchdogMessage::KeyUp(key) => _ = self.pressed.release(key),
             WatchdogMessage::AxesDeflected => self.are_axes_deflected = true,
             WatchdogMessage::AxesCentered => self.are_axes_deflected = false,
+            WatchdogMessage::CharacterKey(key, change) => self.added_keys.apply(key, change),
             WatchdogMessage::Heartbeat | WatchdogMessage::Probe => {}
         }
     }

@@ -10,6 +10,7 @@ use super::client_state::ClientLoss;
 use super::record::{Record, SharedRecord};
 use crate::advice;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::character_key::KEYMAP_LIFETIME;
 use crate::output::desktop::worker::Injector;
 
 /// Time for which keys are released again after the display has responded: requests that a dead client had sent are
@@ -93,6 +94,26 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
             self.handle(ClientLoss::Hung);
         }
         self.handle(ClientLoss::Exited);
+        self.remove_added_keys();
+    }
+
+    /// Removes what the client has added to the keymap, after receivers had time to look it up.
+    fn remove_added_keys(&mut self) {
+        let added = self.record.lock().added_keys.clone();
+        if added.as_slice().is_empty() {
+            return;
+        }
+        thread::sleep(KEYMAP_LIFETIME);
+        if self
+            .releaser
+            .remove_character_keys(added.as_slice())
+            .is_err()
+            && let Ok(releaser) = (self.connect)()
+        {
+            self.releaser = releaser;
+            // A display that is gone has no keymap.
+            let _ = self.releaser.remove_character_keys(added.as_slice());
+        }
     }
 
     fn handle(&mut self, loss: ClientLoss) {
@@ -162,6 +183,7 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
 mod tests {
     use super::*;
     use crate::device::KeyCode;
+    use crate::output::character_key::{CharacterKey, KeymapChange};
     use crate::output::desktop::pending_motion::StatelessAction;
     use crate::output::tests::key;
     use crate::output::watchdog::WatchdogMessage;
@@ -180,6 +202,7 @@ mod tests {
         delayed_press: Option<(usize, KeyCode)>,
         reports_keys: bool,
         failures: usize,
+        removed: Vec<CharacterKey>,
     }
 
     impl Injector for TestDisplay {
@@ -202,6 +225,11 @@ mod tests {
 
         fn perform(&mut self, _: StatelessAction) -> Result<(), String> {
             unreachable!()
+        }
+
+        fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+            self.0.lock().unwrap().removed.extend(keys);
+            Ok(())
         }
 
         fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
@@ -278,6 +306,24 @@ mod tests {
         record.lock().apply(WatchdogMessage::AxesCentered);
         thread.finish();
         assert_eq!(releases(), (2, 2));
+    }
+
+    #[test]
+    fn keys_that_the_client_has_left_in_the_keymap_are_removed_once() {
+        let display = display(DisplayState::default());
+        let key = |code, keysym| CharacterKey { code, keysym };
+        let changes = [
+            (key(93, 0xf1), KeymapChange::Added),
+            (key(97, 0xdf), KeymapChange::Added),
+            (key(97, 0xdf), KeymapChange::Removed),
+            (key(93, 0xfc), KeymapChange::Added),
+        ];
+        let messages = changes.map(|(key, change)| WatchdogMessage::CharacterKey(key, change));
+        let (thread, record) = start(&display, &messages);
+        assert!(record.lock().is_empty(), "no key is pressed");
+        thread.release();
+        thread.finish();
+        assert_eq!(display.0.lock().unwrap().removed, [key(93, 0xfc)]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use super::release_thread::Releaser;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
+use crate::output::character_key::CharacterKey;
 use crate::output::desktop::connect;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::worker::Injector;
@@ -89,6 +90,13 @@ impl Injector for KeyReleaser {
 
     fn perform(&mut self, _: StatelessAction) -> Result<(), String> {
         Err("the watchdog only releases keys".into())
+    }
+
+    fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+        match &mut self.connection {
+            Connection::Display(display) => display.remove_character_keys(keys),
+            Connection::WaylandKeyboard(..) | Connection::Devices(_) => Ok(()),
+        }
     }
 
     fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {

@@ -46,7 +46,8 @@ impl Keymap {
     /// Creates a keymap with one key, [`CHARACTER_KEY`], which types `character`.
     pub fn from_character(character: char) -> Result<Self, String> {
         let context = xkb::Context::new(xkb::CONTEXT_NO_FLAGS);
-        let keymap = compile(&context, single_key_keymap(&keysym(character)));
+        let keymap =
+            keysym(character).and_then(|keysym| compile(&context, single_key_keymap(&keysym)));
         Self::new(&keymap.ok_or("no key can type this character")?)
     }
 
@@ -115,11 +116,12 @@ fn read_text(file: &File, size: u32) -> Result<String, String> {
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Returns the name of the keysym that types a character.
-fn keysym(character: char) -> String {
+/// Returns the name of the keysym that types a character. `None` if there is none, as for U+FFFE.
+fn keysym(character: char) -> Option<String> {
     // The keysym of a line feed is Return.
     let character = if character == '\n' { '\r' } else { character };
-    xkb::keysym_get_name(xkb::utf32_to_keysym(character.into()))
+    let keysym = xkb::utf32_to_keysym(character.into());
+    (keysym != xkb::Keysym::NoSymbol).then(|| xkb::keysym_get_name(keysym))
 }
 
 /// Returns the text of a keymap in which only [`CHARACTER_KEY`] has a keysym.
@@ -156,6 +158,7 @@ mod tests {
             assert_eq!(typed_by(&keymap), character.to_string());
         }
         assert_eq!(typed_by(&Keymap::from_character('\n').unwrap()), "\r");
+        assert!(Keymap::from_character('\u{fffe}').is_err());
     }
 
     #[test]

@@ -21,6 +21,7 @@ use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1:
 
 use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
+use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::worker::Injector;
 use crate::output::watchdog::ReleaseTarget;
@@ -104,11 +105,10 @@ impl WaylandInjector {
         Ok(())
     }
 
-    fn type_character(&mut self, character: char) -> Result<(), String> {
+    fn type_character(&mut self, character: char, keymap: &Keymap) {
         let keyboard = match self.character_keyboard.take() {
             Some(keyboard) if keyboard.character == character => keyboard,
             other => {
-                let keymap = Keymap::from_character(character)?;
                 let keyboard = other.map(|other| other.keyboard);
                 let keyboard = keyboard.unwrap_or_else(|| self.connection.create_keyboard());
                 keymap.assign_to(&keyboard);
@@ -121,7 +121,6 @@ impl WaylandInjector {
         keyboard.keyboard.key(self.now(), CHARACTER_KEY, 1);
         keyboard.keyboard.key(self.now(), CHARACTER_KEY, 0);
         self.character_keyboard = Some(keyboard);
-        Ok(())
     }
 
     fn move_pointer(&self, action: StatelessAction) -> Result<(), String> {
@@ -138,7 +137,6 @@ impl WaylandInjector {
                 scroll(pointer, now, Axis::HorizontalScroll, right);
                 scroll(pointer, now, Axis::VerticalScroll, -up);
             }
-            StatelessAction::Character(_) => {}
         }
         pointer.frame();
         Ok(())
@@ -169,15 +167,26 @@ impl Injector for WaylandInjector {
 
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
         self.connection.dispatch()?;
-        match action {
-            StatelessAction::Character(character) => self.type_character(character)?,
-            motion => self.move_pointer(motion)?,
-        }
+        self.move_pointer(action)?;
         self.connection.flush()
     }
 
     fn check_connection(&mut self) -> Result<(), String> {
         self.connection.dispatch()
+    }
+
+    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+        self.connection.dispatch()?;
+        let keymaps: Result<Vec<_>, _> = text.chars().map(Keymap::from_character).collect();
+        let Ok(keymaps) = keymaps else {
+            return Ok(false);
+        };
+        for (character, keymap) in text.chars().zip(&keymaps) {
+            self.type_character(character, keymap);
+            // The connection holds a few file descriptors only.
+            self.connection.flush()?;
+        }
+        Ok(true)
     }
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {

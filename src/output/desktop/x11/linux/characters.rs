@@ -1,133 +1,179 @@
 //! Characters on an X server: clicks of the keys that type them.
 //!
-//! A character that no key types without a modifier gets a key that the keymap does not use. The receiver of the event
-//! looks the key up in the keymap of the server, so it stays there for a while.
+//! A character that no key types without a modifier, or that a lock or another group would change, gets a key that the keymap
+//! does not use. A receiver looks the key up in the keymap of the server when it handles the event, which may be late: the
+//! key keeps its character for seconds, and it has the character in all groups and levels.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
-use x11rb::connection::Connection;
 use x11rb::errors::ReplyError;
-use x11rb::protocol::xproto::{
-    ConnectionExt as _, GetKeyboardMappingReply, KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
-};
+use x11rb::protocol::xproto::{KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// Keysym of a key without a meaning.
-const NO_SYMBOL: u32 = 0;
+use super::keymap::{self, Keymap};
+use crate::output::character_key::{CharacterKey, KEYMAP_LIFETIME, KeymapChange};
+use crate::output::desktop::key_reporter::KeyReporter;
 
 /// Offset of the keysyms of Unicode characters.
 const UNICODE: u32 = 0x0100_0000;
 
-/// The key code that is 0 as an event code, which receivers ignore.
-const RESERVED_CODE: u8 = 8;
-
-/// Time after its last use for which a key keeps its character, at the end of the connection.
-const KEYMAP_LIFETIME: Duration = Duration::from_millis(200);
+/// Number of key codes.
+const CODES: usize = 256;
 
 /// Time after its last use before a key gets another character.
-const REUSE_DELAY: Duration = Duration::from_millis(50);
+const REUSE_DELAY: Duration = Duration::from_secs(5);
 
-/// The keys that were added to the keymap of the server, in the order of their last use.
-#[derive(Default)]
+/// The keys that were added to the keymap of the server.
 pub struct CharacterKeys {
-    added: Vec<AddedKey>,
+    /// The server has the extension XKB, without which no key can be added.
+    has_xkb: bool,
+    added: Vec<CharacterKey>,
+    /// The time of the last use of each key code.
+    last_uses: [Option<Instant>; CODES],
 }
 
-struct AddedKey {
-    code: u8,
-    last_use: Instant,
+/// The keys that type a text.
+#[derive(Debug, PartialEq)]
+struct Plan {
+    codes: Vec<u8>,
+    /// The keys to add to the keymap before.
+    new: Vec<CharacterKey>,
 }
 
 impl CharacterKeys {
-    /// Types a character and waits until the server has executed it. Returns `false` if no key can type it, as the
-    /// keymap of the user uses all.
+    /// Prepares a connection for changes of the keymap.
+    pub fn new(server: &RustConnection) -> Self {
+        Self::with_xkb(keymap::enable_xkb(server))
+    }
+
+    fn with_xkb(has_xkb: bool) -> Self {
+        Self {
+            has_xkb,
+            added: Vec::new(),
+            last_uses: [None; CODES],
+        }
+    }
+
+    /// Types a text and waits until the server has executed it. Returns `false` if it has typed nothing: the keymap has too
+    /// few unused keys, or a pressed modifier would make shortcuts of the characters.
     ///
-    /// Press and release are in one write: if this process is killed, the server executes both or none.
-    pub fn click(
+    /// All presses and releases are in one write: if this process is killed, the server executes all or none.
+    pub fn type_text(
         &mut self,
         server: &RustConnection,
         root: u32,
-        character: char,
+        text: &str,
+        reporter: &mut KeyReporter,
     ) -> Result<bool, ReplyError> {
-        let Some(code) = self.key_for(server, keysym(character))? else {
+        // Read each time, as the user may change the keymap.
+        let keymap = Keymap::read(server, root)?;
+        self.forget_changed(&keymap, reporter);
+        let Some(plan) = self.plan(&keymap, text, Instant::now()) else {
             return Ok(false);
         };
-        let press = server.xtest_fake_input(KEY_PRESS_EVENT, code, 0, root, 0, 0, 0)?;
-        let release = server.xtest_fake_input(KEY_RELEASE_EVENT, code, 0, root, 0, 0, 0)?;
-        press.check()?;
-        release.check()?;
+        for key in plan.new {
+            reporter.report_character_key(key, KeymapChange::Added);
+            self.added.retain(|other| other.code != key.code);
+            self.added.push(key);
+            match keymap::assign(server, key) {
+                Ok(()) => {}
+                Err(ReplyError::X11Error(_)) => return Ok(false),
+                Err(error) => return Err(error),
+            }
+        }
+        click(server, root, &plan.codes)?;
+        for code in plan.codes {
+            self.last_uses[usize::from(code)] = Some(Instant::now());
+        }
         Ok(true)
     }
 
     /// Removes the added keys from the keymap, after receivers had time to look them up.
-    pub fn remove_from_keymap(&mut self, server: &RustConnection) -> Result<(), ReplyError> {
-        if let Some(last) = self.added.last() {
-            thread::sleep(KEYMAP_LIFETIME.saturating_sub(last.last_use.elapsed()));
+    pub fn restore(
+        &mut self,
+        server: &RustConnection,
+        reporter: &mut KeyReporter,
+    ) -> Result<(), ReplyError> {
+        let last_use = |key: &CharacterKey| self.last_uses[usize::from(key.code)];
+        if let Some(last_use) = self.added.iter().filter_map(last_use).max() {
+            thread::sleep(KEYMAP_LIFETIME.saturating_sub(last_use.elapsed()));
         }
         for key in self.added.drain(..) {
-            assign(server, key.code, NO_SYMBOL)?;
+            keymap::remove(server, key)?;
+            reporter.report_character_key(key, KeymapChange::Removed);
         }
         Ok(())
     }
 
-    /// Returns the key that types a keysym without a modifier; adds one to the keymap if necessary.
-    fn key_for(&mut self, server: &RustConnection, keysym: u32) -> Result<Option<u8>, ReplyError> {
-        let setup = server.setup();
-        let (first, last) = (setup.min_keycode, setup.max_keycode);
-        // Read each time, as the user may change the keymap.
-        let keymap = server
-            .get_keyboard_mapping(first, last - first + 1)?
-            .reply()?;
-        let codes = first..=last;
-        if let Some(code) = codes
-            .clone()
-            .zip(keysyms_by_key(&keymap))
-            .find_map(|(code, keysyms)| (keysyms.first() == Some(&keysym)).then_some(code))
-        {
-            if let Some(index) = self.added.iter().position(|key| key.code == code) {
-                self.added.remove(index);
-                self.remember(code);
+    /// Forgets the keys that have another meaning by now: the user has changed the keymap.
+    fn forget_changed(&mut self, keymap: &Keymap, reporter: &mut KeyReporter) {
+        self.added.retain(|key| {
+            let is_unchanged = keymap.has(*key);
+            if !is_unchanged {
+                reporter.report_character_key(*key, KeymapChange::Removed);
             }
-            return Ok(Some(code));
+            is_unchanged
+        });
+    }
+
+    /// Chooses a key for each character. Returns `None` if not all can be typed.
+    fn plan(&self, keymap: &Keymap, text: &str, now: Instant) -> Option<Plan> {
+        if keymap.is_shortcut() {
+            return None;
         }
-        let is_unused = |(code, keysyms): &(u8, &[u32])| {
-            *code != RESERVED_CODE && keysyms.iter().all(|keysym| *keysym == NO_SYMBOL)
+        let keysyms: Vec<_> = text.chars().map(keysym).collect();
+        let mut free = self.free_codes(keymap, &keysyms, now).into_iter();
+        let is_unmodified = keymap.is_unmodified();
+        let mut plan = Plan {
+            codes: Vec::with_capacity(keysyms.len()),
+            new: Vec::new(),
         };
-        let unused = codes.zip(keysyms_by_key(&keymap)).find(is_unused);
-        let code = match unused {
-            Some((code, _)) => code,
-            None if self.added.is_empty() => return Ok(None),
-            None => {
-                let oldest = self.added.remove(0);
-                thread::sleep(REUSE_DELAY.saturating_sub(oldest.last_use.elapsed()));
-                oldest.code
-            }
-        };
-        self.remember(code);
-        assign(server, code, keysym)?;
-        Ok(Some(code))
+        for keysym in keysyms {
+            let present = is_unmodified.then(|| keymap.unmodified_key(keysym));
+            let has_keysym = |key: &&CharacterKey| key.keysym == keysym;
+            let added = || self.added.iter().chain(&plan.new).find(has_keysym);
+            let code = present.flatten().or_else(|| added().map(|key| key.code));
+            let code = match code {
+                Some(code) => code,
+                None => {
+                    let code = free.next()?;
+                    plan.new.push(CharacterKey { code, keysym });
+                    code
+                }
+            };
+            plan.codes.push(code);
+        }
+        Some(plan)
     }
 
-    fn remember(&mut self, code: u8) {
-        let last_use = Instant::now();
-        self.added.push(AddedKey { code, last_use });
+    /// Returns the keys that may get a character that is not among these: first those that were never used, then those
+    /// whose last use is longer ago. A receiver that is late would read the new character for the earlier one.
+    fn free_codes(&self, keymap: &Keymap, keysyms: &[u32], now: Instant) -> Vec<u8> {
+        if !self.has_xkb {
+            return Vec::new();
+        }
+        let is_needed = |key: &&CharacterKey| keysyms.contains(&key.keysym);
+        let added = self.added.iter().filter(|key| !is_needed(key));
+        let codes = keymap.unused_codes().chain(added.map(|key| key.code));
+        let last_use = |code: &u8| self.last_uses[usize::from(*code)];
+        let is_free = |code: &u8| last_use(code).is_none_or(|time| now - time >= REUSE_DELAY);
+        let mut free: Vec<_> = codes.filter(is_free).collect();
+        free.sort_by_key(last_use);
+        free
     }
 }
 
-/// Returns the keysyms of each key, without and with modifiers.
-fn keysyms_by_key(keymap: &GetKeyboardMappingReply) -> impl Iterator<Item = &[u32]> {
-    keymap
-        .keysyms
-        .chunks(usize::from(keymap.keysyms_per_keycode).max(1))
-}
-
-/// Assigns a keysym to a key and waits until the server has done so.
-fn assign(server: &RustConnection, code: u8, keysym: u32) -> Result<(), ReplyError> {
-    // Two keysyms: with one, the server would add its upper case for Shift.
-    let keymap = server.change_keyboard_mapping(1, code, 2, &[keysym, keysym])?;
-    keymap.check()
+/// Presses and releases keys, all in one write, and waits until the server has done so.
+fn click(server: &RustConnection, root: u32, codes: &[u8]) -> Result<(), ReplyError> {
+    let mut events = Vec::with_capacity(2 * codes.len());
+    for code in codes {
+        for kind in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
+            events.push(server.xtest_fake_input(kind, *code, 0, root, 0, 0, 0)?);
+        }
+    }
+    events.into_iter().try_for_each(|event| event.check())
 }
 
 /// Returns the keysym that types a character (appendix A of the X11 protocol).
@@ -146,7 +192,16 @@ fn keysym(character: char) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keymap::tests::{LOCK, SECOND_GROUP, SHIFT, keymap};
     use super::*;
+
+    /// The first unused key of the keymap of the tests.
+    const UNUSED: u8 = 13;
+
+    fn codes(keys: &CharacterKeys, unused: usize, state: u16, text: &str) -> Option<Vec<u8>> {
+        let plan = keys.plan(&keymap(unused, state), text, Instant::now());
+        plan.map(|plan| plan.codes)
+    }
 
     #[test]
     fn latin_1_is_its_own_keysym_and_other_characters_have_that_of_unicode() {
@@ -162,5 +217,58 @@ mod tests {
         for (character, expected) in table {
             assert_eq!(keysym(character), expected, "{character:?}");
         }
+    }
+
+    #[test]
+    fn a_key_of_the_keymap_is_used_only_without_modifiers_and_in_the_first_group() {
+        let keys = CharacterKeys::with_xkb(true);
+        assert_eq!(codes(&keys, 1, 0, "aa"), Some(vec![9, 9]));
+        for state in [SHIFT, LOCK, SECOND_GROUP] {
+            assert_eq!(codes(&keys, 1, state, "aa"), Some(vec![UNUSED; 2]));
+            assert_eq!(codes(&keys, 0, state, "a"), None);
+        }
+    }
+
+    #[test]
+    fn a_text_has_a_key_for_each_character_or_none_is_typed() {
+        let keys = CharacterKeys::with_xkb(true);
+        let expected = Some(vec![UNUSED, 9, UNUSED + 1, UNUSED]);
+        assert_eq!(codes(&keys, 2, 0, "ñaüñ"), expected);
+        assert_eq!(codes(&keys, 1, 0, "ñaüñ"), None);
+        assert_eq!(codes(&keys, 0, 0, "aaa"), Some(vec![9; 3]));
+        let without_xkb = CharacterKeys::with_xkb(false);
+        assert_eq!(codes(&without_xkb, 1, 0, "ñ"), None);
+        assert_eq!(codes(&without_xkb, 1, 0, "a"), Some(vec![9]));
+    }
+
+    #[test]
+    fn a_key_gets_another_character_only_seconds_after_its_last_use() {
+        let mut keys = CharacterKeys::with_xkb(true);
+        let start = Instant::now();
+        let used = |code: u8, character| CharacterKey {
+            code,
+            keysym: keysym(character),
+        };
+        keys.added = vec![used(UNUSED, 'ñ'), used(UNUSED + 1, 'ü')];
+        keys.last_uses[usize::from(UNUSED)] = Some(start + Duration::from_secs(1));
+        keys.last_uses[usize::from(UNUSED + 1)] = Some(start);
+        // No key of the keymap is unused beside them.
+        let plan = |text, seconds| {
+            let now = start + Duration::from_secs(seconds);
+            keys.plan(&keymap(0, 0), text, now).map(|plan| plan.codes)
+        };
+        assert_eq!(plan("ñü", 1), Some(vec![UNUSED, UNUSED + 1]));
+        assert_eq!(plan("λ", 1), None);
+        assert_eq!(plan("λ", 5), Some(vec![UNUSED + 1]));
+        assert_eq!(plan("λü", 5), None);
+        assert_eq!(plan("λμ", 6), Some(vec![UNUSED + 1, UNUSED]));
+    }
+
+    #[test]
+    fn a_key_that_a_change_of_the_keymap_has_freed_keeps_its_delay() {
+        let mut keys = CharacterKeys::with_xkb(true);
+        keys.last_uses[usize::from(UNUSED)] = Some(Instant::now());
+        assert_eq!(codes(&keys, 2, 0, "λ"), Some(vec![UNUSED + 1]));
+        assert_eq!(codes(&keys, 1, 0, "λ"), None);
     }
 }

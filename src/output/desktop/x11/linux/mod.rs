@@ -5,6 +5,7 @@
 
 mod characters;
 mod direct;
+mod keymap;
 
 use std::ops::RangeInclusive;
 
@@ -19,7 +20,9 @@ use x11rb::rust_connection::RustConnection;
 
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
+use crate::output::character_key::CharacterKey;
 use crate::output::desktop::direct_keys::DirectConnection;
+use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::system;
 use crate::output::desktop::worker::Injector;
@@ -62,8 +65,8 @@ pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
     let injector = X11Injector {
         name: name.map(str::to_owned),
         root: server.setup().roots[screen].root,
+        character_keys: CharacterKeys::new(&server),
         server,
-        character_keys: CharacterKeys::default(),
     };
     Ok(Box::new(injector))
 }
@@ -118,16 +121,6 @@ impl X11Injector {
         self.click(vertical, up.unsigned_abs())
     }
 
-    fn type_character(&mut self, character: char) -> Result<(), String> {
-        let keys = &mut self.character_keys;
-        let is_typed = keys.click(&self.server, self.root, character);
-        self.discard_events().map_err(message)?;
-        match is_typed.map_err(message)? {
-            true => Ok(()),
-            false => Err("the keymap of the X server has no unused key for a character".into()),
-        }
-    }
-
     /// Waits until the server has executed all requests.
     fn wait(&self) -> Result<(), ReplyError> {
         self.discard_events()?;
@@ -172,7 +165,6 @@ impl Injector for X11Injector {
 
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
         let performed = match action {
-            StatelessAction::Character(character) => return self.type_character(character),
             StatelessAction::MoveBy(x, y) => self.move_pointer(RELATIVE, x as i16, y as i16),
             StatelessAction::MoveTo(x, y) => self.move_to(x, y),
             StatelessAction::Scroll(right, up) => self.scroll(right, up),
@@ -186,6 +178,25 @@ impl Injector for X11Injector {
         self.discard_events().map_err(message)
     }
 
+    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
+        let keys = &mut self.character_keys;
+        let is_typed = keys.type_text(&self.server, self.root, text, reporter);
+        self.discard_events().map_err(message)?;
+        is_typed.map_err(message)
+    }
+
+    fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
+        // A server that is gone has no keymap to restore.
+        let _ = self.character_keys.restore(&self.server, reporter);
+    }
+
+    fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+        let mut keys = keys.iter();
+        keys.try_for_each(|key| keymap::remove(&self.server, *key))
+            .and_then(|()| self.discard_events())
+            .map_err(message)
+    }
+
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         self.wait().map_err(message)
     }
@@ -196,13 +207,6 @@ impl Injector for X11Injector {
 
     fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
         self.pressed_among(keys).map(Some).map_err(message)
-    }
-}
-
-impl Drop for X11Injector {
-    fn drop(&mut self) {
-        // A server that is gone has no keymap to restore.
-        let _ = self.character_keys.remove_from_keymap(&self.server);
     }
 }
 

@@ -64,7 +64,7 @@ impl RecordedWatchdog {
     fn messages(&self) -> String {
         let bytes = fs::read(self.path()).unwrap_or_default();
         bytes
-            .chunks(3)
+            .chunks(WatchdogMessage::BYTES)
             .map(|message| char::from(message[0]))
             .filter(|letter| *letter != 'p')
             .collect()
