@@ -157,8 +157,12 @@ impl AbandonedKeys {
     /// Returns the records of a folder. None is used if another user could have put a file into it.
     fn find_in(folder: &Path, display: &str) -> Vec<Result<Self, String>> {
         match files::check_private_folder(folder) {
-            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => return Vec::new(),
-            Err(error) => return vec![Err(format!("cannot read {}: {error}", escape_path(folder)))],
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
+                return Vec::new();
+            }
+            Err(error) => {
+                return vec![Err(format!("cannot read {}: {error}", escape_path(folder)))];
+            }
             Ok(()) => {}
         }
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -247,7 +251,10 @@ fn display() -> String {
     let value = |variable| env::var_os(variable).filter(|value| !value.is_empty());
     if let Some(compositor) = value("WAYLAND_DISPLAY") {
         let folder = value("XDG_RUNTIME_DIR").unwrap_or_default();
-        return Path::new(&folder).join(compositor).to_string_lossy().into_owned();
+        return Path::new(&folder)
+            .join(compositor)
+            .to_string_lossy()
+            .into_owned();
     }
     let name = value("DISPLAY").unwrap_or_default();
     canonical_x_display(&name.to_string_lossy())
@@ -406,7 +413,10 @@ mod tests {
         file.abandon();
         drop(file);
         let found = AbandonedKeys::find_in(&inside, ":7").pop();
-        assert_eq!(found.expect("a file").expect("its keys").character_keys, [first, last]);
+        assert_eq!(
+            found.expect("a file").expect("its keys").character_keys,
+            [first, last]
+        );
 
         // As written by an earlier version.
         let content = [&[0; KEY_COUNT], &b":7"[..]].concat();
