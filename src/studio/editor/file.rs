@@ -102,8 +102,8 @@ pub enum SaveError {
 }
 
 impl EditedFile {
-    /// Returns the file of a document that was read by name. That of a layout that comes with the program is none, even in the folder
-    /// of its sources, where a file has the name that messages give it.
+    /// Returns the file from which a document was read. A layout that comes with the program has none, even in the folder of its
+    /// sources, where a file has the name that messages give it.
     pub fn open(document: &Document) -> Self {
         let path = document.path();
         Self {
