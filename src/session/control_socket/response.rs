@@ -281,7 +281,8 @@ mod tests {
             name: "My board".into(),
             file: "my.ron".into(),
         }];
-        let line: serde_json::Value = serde_json::from_str(&state(&status, &profiles)).unwrap();
+        let line: serde_json::Value =
+            serde_json::from_str(&state(&status, &profiles, &[])).unwrap();
         let reason = Rejection::ALL[0].name();
         assert_eq!(line["stats"]["rejected"][reason], 2);
         assert_eq!(line["stats"]["received"], 10);

@@ -199,7 +199,7 @@ impl SessionLoop<'_> {
     }
 
     /// Time until a source without readings counts as stalled. One that is not live has the times of its readings for this,
-    /// and a deadline only if keys stay pressed outside of this process meanwhile.
+    /// and a deadline only if keys stay pressed outside of this process.
     fn time_to_stall(&self) -> Duration {
         let timeout = self.pipeline.stall_timeout();
         let timeout = match self.capture.is_live() {
