@@ -88,7 +88,7 @@ impl PressedKeyFile {
         Ok(Self {
             file,
             path,
-            keysyms,
+            keysyms: (KEY_COUNT + display.len() + 1) as u64,
             is_abandoned: AtomicBool::new(false),
         })
     }

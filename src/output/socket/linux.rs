@@ -142,7 +142,7 @@ impl Listener {
 
     /// Returns another file descriptor of the lock. Dropping it makes a descriptor free.
     pub fn spare_descriptor(&self) -> io::Result<File> {
-        self.lock.try_clone()
+        self.lock.file.try_clone()
     }
 
     /// Removes the socket file and wakes a thread that blocks in [`accept`](Self::accept). Clients stay connected.

@@ -8,7 +8,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::*;
-use crate::output::watchdog::{HEARTBEAT_INTERVAL, MAX_REPLY_AGE};
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, MAX_REPLY_AGE, WatchdogMessage};
 
 /// A watchdog process that writes the messages to a file and releases nothing.
 struct RecordedWatchdog {
