@@ -36,7 +36,7 @@ pub struct Router {
     routes: Vec<Route>,
     buffer: Events,
     has_effect: bool,
-    /// Whether the output at an index is a log that has failed.
+    /// For each output, `true` if it is a log that has failed.
     failed_logs: Vec<bool>,
     on_log_failure: Option<LogFailureReceiver>,
 }

@@ -25,6 +25,9 @@ pub(super) struct HandPipeline {
     /// `true` once the position of the hand was known.
     was_placed: bool,
     consecutive_rejections: u8,
+    /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the
+    /// run is resumed.
+    pub(super) is_suspended: bool,
 }
 
 impl HandPipeline {
@@ -43,6 +46,7 @@ impl HandPipeline {
             is_clear: false,
             was_placed: false,
             consecutive_rejections: 0,
+            is_suspended: false,
         }
     }
 
@@ -57,6 +61,9 @@ impl HandPipeline {
 
     /// Notes that a reading was accepted.
     pub(super) fn accept(&mut self, time: Timestamp) {
+        if self.is_suspended {
+            self.output.estimate.lose_hand();
+        }
         self.last_accepted = Some(time);
         self.was_placed |= self.output.estimate.is_placed;
     }

@@ -216,6 +216,7 @@ impl Pipeline {
     ///
     /// Has no effect without a pause, or if `origin` [may not end](CommandOrigin::may_end_pause_of) it.
     pub fn resume(&mut self, origin: CommandOrigin) {
+        self.end_suspensions(origin);
         if !self
             .paused_by
             .is_some_and(|pause| origin.may_end_pause_of(pause))
@@ -379,7 +380,7 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
-        if !self.gate.filter(index, first, events) {
+        if !self.gate.filter(index, first, events) && !self.suspend(index, events) {
             self.pause(CommandOrigin::RateLimit, events);
         }
         self.execute_issued(index, events);

@@ -2,6 +2,7 @@
 
 use super::hand_pipeline::HandPipeline;
 use super::{Pipeline, PipelineState};
+use crate::command::CommandOrigin;
 use crate::device::Events;
 use crate::hand::{HandPart, Side};
 use crate::time::Timestamp;
@@ -108,6 +109,28 @@ impl Pipeline {
             if is_overdue(&self.hands[index]) {
                 self.hands[index].lose(None);
                 self.release_lost(index, events);
+            }
+        }
+    }
+
+    /// Releases what a hand holds that presses faster than the rate limit, and lets it touch nothing until
+    /// [`resume`](Self::resume). Returns `false` if no other hand is tracked, for which the run would go on.
+    pub(super) fn suspend(&mut self, index: usize, events: &mut Events) -> bool {
+        let mut others = self.hands.iter().enumerate();
+        if !others.any(|(other, hand)| other != index && hand.last_accepted.is_some()) {
+            return false;
+        }
+        self.hands[index].is_suspended = true;
+        self.hands[index].lose(None);
+        self.release_lost(index, events);
+        true
+    }
+
+    /// Lets suspended hands touch again, if `origin` may end a pause of the rate limit.
+    pub(super) fn end_suspensions(&mut self, origin: CommandOrigin) {
+        if origin.may_end_pause_of(CommandOrigin::RateLimit) {
+            for hand in &mut self.hands {
+                hand.is_suspended = false;
             }
         }
     }

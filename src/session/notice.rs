@@ -166,7 +166,7 @@ impl fmt::Display for Notice {
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
             Self::HandLost(side) => write!(
                 f,
-                "the {side} hand is not tracked: what it held is released, and it touches nothing"
+                "the {side} hand is not tracked, or has pressed faster than the rate limit: what it held is released, and it touches nothing"
             ),
             Self::HandFound(side) => write!(f, "the {side} hand is tracked again"),
             Self::WatchdogLost => {

@@ -309,7 +309,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(53, "the watchdog is killed", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "a_killed_watchdog_is_restarted_once_and_the_run_pauses"),
-        ("src/output/uinput/linux/tests.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
+        ("src/output/uinput/linux/tests/watchdog.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
     ])),
     fault(54, "the system is suspended while a key is held", Tests(&[
         ("src/capture/thread/tests.rs", "a_suspend_is_a_loss_of_a_live_source_before_the_next_reading"),
@@ -318,11 +318,11 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(55, "no uinput, or no permission for it", Tests(&[
         ("tests/cli/faults/disks.rs", "uinput_without_a_device_node_or_permission_is_refused_with_a_remedy"),
-        ("src/output/uinput/linux/tests.rs", "an_open_error_contains_the_remedy"),
+        ("src/output/uinput/linux/tests/mod.rs", "an_open_error_contains_the_remedy"),
     ])),
     fault(56, "the system accepts no more events", Tests(&[
-        ("src/output/uinput/linux/tests.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
-        ("src/output/uinput/linux/tests.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
+        ("src/output/uinput/linux/tests/mod.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
+        ("src/output/uinput/linux/tests/mod.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
         ("src/output/desktop/tests/mod.rs", "a_call_that_fails_three_times_is_repeated"),
         ("src/output/desktop/tests/mod.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
         ("tests/outputs/x11/ends.rs", "a_dead_display_ends_the_run_with_an_error_at_the_next_key"),
@@ -385,7 +385,7 @@ pub const FAULTS: &[Fault] = &[
     fault(66, "the watchdog is stopped by a signal", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "a_stopped_watchdog_is_noticed_and_replaced"),
         ("tests/outputs/vm/killed.rs", "the program releases uinput keys when its watchdog is stopped"),
-        ("src/output/uinput/linux/tests.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
+        ("src/output/uinput/linux/tests/watchdog.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
     ])),
     fault(67, "a busy machine", Tests(&[
         ("tests/outputs/x11/priority.rs", "the_loop_the_output_and_the_watchdog_have_the_priority_that_the_doctor_reports"),

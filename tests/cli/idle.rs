@@ -1,4 +1,5 @@
-//! The idle program: a silent glove, an unchanged layout file, a control socket without clients. No thread wakes up.
+//! The idle program: a silent glove, an unchanged layout file, a control socket without clients. No thread wakes up, except
+//! for the checks that the watchdog and the display are there.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
@@ -111,7 +112,11 @@ fn wake_ups(task: &Path) -> (String, u64) {
     (thread, count.parse().expect("a number"))
 }
 
-fn check_no_wake_ups(output: &str, display: &str) {
+/// Most wake-ups of a thread in a window with a watchdog: two in each interval of its probes, 0.4 s.
+const CHECKS: u64 = 2 * (3_000 / 400 + 1);
+
+/// Checks that no thread wakes up more often than this in its quietest window.
+fn check_wake_ups(output: &str, display: &str, most: u64) {
     let idle = Idle::start(output, display);
     let found = idle.recurring_wake_ups();
     println!("recurring wake-ups in {WINDOW:?} with the output {output}:");
@@ -119,27 +124,30 @@ fn check_no_wake_ups(output: &str, display: &str) {
         println!("{count:8}  {thread}");
     }
     assert!(found.len() > 3, "the threads of a run: {found:?}");
-    assert_eq!(found.values().sum::<u64>(), 0, "{output}: {found:#?}");
+    assert!(
+        found.values().all(|count| *count <= most),
+        "{output}: {found:#?}"
+    );
 }
 
 #[test]
 fn an_idle_session_does_not_wake_up() {
-    check_no_wake_ups("transcript", "");
+    check_wake_ups("transcript", "", 0);
 }
 
 #[test]
-fn an_idle_session_with_a_desktop_does_not_wake_up() {
+fn an_idle_session_with_a_desktop_wakes_up_only_to_check_its_watchdog_and_display() {
     let Some(server) = XServer::start() else {
         return;
     };
-    check_no_wake_ups("desktop", server.display());
+    check_wake_ups("desktop", server.display(), CHECKS);
 }
 
 #[test]
-fn an_idle_session_with_uinput_devices_does_not_wake_up() {
+fn an_idle_session_with_uinput_devices_wakes_up_only_to_check_its_watchdog() {
     if let Err(error) = fs::File::options().write(true).open("/dev/uinput") {
         println!("SKIPPED: /dev/uinput: {error}");
         return;
     }
-    check_no_wake_ups("uinput", "");
+    check_wake_ups("uinput", "", CHECKS);
 }

@@ -4,6 +4,7 @@ use std::fs;
 
 use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
 use ademan::estimate::{ChannelMap, Estimate, JointAngles};
@@ -234,6 +235,35 @@ fn each_hand_has_the_role_of_its_source() {
     assert_eq!(wearer.transcript(), "+F -F");
     assert_eq!(wearer.pipeline.suppressed().keys_by_role, 2);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+}
+
+#[test]
+fn a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_other_types() {
+    let mut wearer = Wearer::new(Setup {
+        max_presses_per_second: Some(2),
+        other_hand: Some(OtherHand::default()),
+        layout: "qwerty-two-flat".into(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "F", false);
+    wearer.go(Side::Right, "J", false);
+    wearer.hold_still(400);
+    for _ in 0..3 {
+        wearer.tap(Side::Left, "F");
+    }
+    assert_eq!(wearer.pipeline.suppressed().rate_limited, 1);
+    assert!(wearer.pipeline.lost_hands()[Side::Left.index()]);
+    for key in ["J", "K"] {
+        wearer.hold_still(1_000);
+        wearer.tap(Side::Right, key);
+        wearer.tap(Side::Left, "F");
+    }
+    assert_eq!(wearer.transcript(), "+F -F +J -J +K -K");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer.pipeline.resume(CommandOrigin::Client);
+    wearer.hold_still(1_000);
+    wearer.tap(Side::Left, "F");
+    assert_eq!(wearer.transcript(), "+F -F");
 }
 
 #[test]

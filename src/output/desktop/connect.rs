@@ -1,6 +1,6 @@
 //! The connection to the desktop: a Wayland compositor, an X server, or the desktop of Windows or macOS.
 
-use super::worker::Injector;
+use super::injector::Injector;
 use super::{wayland, x11};
 
 /// Connects to `display`, or to the desktop of the session.

@@ -8,10 +8,10 @@ use enigo::{
     NewConError, Settings,
 };
 
+use super::injector::Injector;
 use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::system;
-use super::worker::Injector;
 use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
 

@@ -22,10 +22,11 @@ use crate::priority;
 use crate::time::Timestamp;
 pub(super) use connect::connect;
 use direct_keys::{DirectAnswers, DirectKeys};
+use injector::Injector;
 use pending_motion::PendingMotion;
 use press_ticket::{MAX_PRESS_AGE, PressTicket};
 pub use wayland::SUPPORTS_WAYLAND;
-use worker::{Injector, Worker, WorkerRequest, WorkerStatus};
+use worker::{Worker, WorkerRequest, WorkerStatus};
 
 mod connect;
 mod direct_keys;
@@ -34,6 +35,7 @@ mod direct_keys;
     allow(dead_code, reason = "compiled on Linux to be checked there")
 )]
 mod enigo_display;
+pub(super) mod injector;
 mod key_reporter;
 pub(super) mod pending_motion;
 mod press_ticket;

@@ -185,7 +185,7 @@ impl AbandonedKeys {
     }
 
     /// Returns the name of the display, which a connection to it accepts.
-    pub fn display(&self) -> &str {
+    pub fn display_name(&self) -> &str {
         &self.display
     }
 

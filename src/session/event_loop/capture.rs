@@ -17,6 +17,10 @@ pub(super) struct Capture {
     is_live: bool,
 }
 
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a session has one, which is not moved"
+)]
 enum CaptureForm {
     /// The loop polls and reads the source, which saves a reading the way from one thread to another.
     InPlace(InPlaceCapture),

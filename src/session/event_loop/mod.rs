@@ -40,7 +40,8 @@ const MAX_SILENCE: Duration = Duration::from_secs(1);
 /// without a heartbeat.
 const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
 
-/// Longest time without a call of the output while none are expected: the output reports there that its display is gone.
+/// Longest time without a call of an output with an effect while none are expected: the output reports there that its display is
+/// gone.
 const IDLE_PERIOD: Duration = Duration::from_millis(400);
 
 /// Runs as [`run_pipeline`](super::run_pipeline) does. `observe` sees the pipeline after every step, too.
@@ -192,9 +193,12 @@ impl SessionLoop<'_> {
     }
 
     fn time_to_heartbeat(&self) -> Duration {
-        match self.pipeline.expects_readings() {
-            true => HEARTBEAT_PERIOD,
-            false => IDLE_PERIOD,
+        if self.pipeline.expects_readings() {
+            HEARTBEAT_PERIOD
+        } else if self.sink.0.has_effect() {
+            IDLE_PERIOD
+        } else {
+            NO_DEADLINE
         }
     }
 

@@ -110,7 +110,7 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
     let disk = folder.path().join("disk");
     fs::create_dir(&disk).expect("a folder");
     let before = format!(
-        "mount -t tmpfs -o size=64k none {} || exit 77;",
+        "mount -t tmpfs -o size=256k none {} || exit 77;",
         disk.display()
     );
     let (recording, socket) = (disk.join("run.mcap"), folder.path().join("c.sock"));

@@ -383,7 +383,7 @@ fn a_recording_prints_names_of_its_layouts_escaped() {
     let replay = "replay r.mcap --layout";
     for (command, last) in [
         (record, &*layout),
-        (replay, NAME),
+        (replay, &*layout),
         ("trace events --source", "recording:r.mcap"),
         ("demo --text a --layout", &layout),
         ("layout check", &layout),

@@ -10,10 +10,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, bounded};
-use rustix::net::{SendFlags, send};
 
+use super::message::send_message;
 use super::replies::{self, Replies};
-use super::{READY, ReleaseTarget, WatchdogMessage};
+use super::{READY, ReleaseTarget, WatchdogLost, WatchdogMessage};
 use crate::advice;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
@@ -31,10 +31,6 @@ const MIN_SERVICE: Duration = Duration::from_secs(10);
 
 /// Maximum length of the reason for which a watchdog cannot work, in bytes.
 const MAX_REASON: u64 = 4096;
-
-/// The watchdog has exited, or does not read.
-#[derive(Debug, PartialEq)]
-pub struct WatchdogLost;
 
 /// A running watchdog.
 pub struct WatchdogClient {
@@ -201,17 +197,6 @@ impl WatchdogReports {
     pub fn report_character_key(&self, key: CharacterKey, change: KeymapChange) {
         // A lost watchdog shows at the next report of a press.
         let _ = send_message(&self.socket, WatchdogMessage::CharacterKey(key, change));
-    }
-}
-
-/// Sends a message without blocking: a watchdog that does not read is lost.
-pub(super) fn send_message(
-    socket: &UnixStream,
-    message: WatchdogMessage,
-) -> Result<(), WatchdogLost> {
-    match send(socket, &message.to_bytes(), SendFlags::DONTWAIT) {
-        Ok(WatchdogMessage::BYTES) => Ok(()),
-        _ => Err(WatchdogLost),
     }
 }
 

@@ -1,5 +1,9 @@
 //! Messages to the watchdog.
 
+use std::os::unix::net::UnixStream;
+
+use rustix::net::{SendFlags, send};
+
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
 use crate::output::character_key::{CharacterKey, KeymapChange};
@@ -103,6 +107,21 @@ impl WatchdogMessage {
             b'p' => Some(Self::Probe),
             _ => None,
         }
+    }
+}
+
+/// The watchdog has exited, or does not read.
+#[derive(Debug, PartialEq)]
+pub struct WatchdogLost;
+
+/// Sends a message without blocking: a watchdog that does not read is lost.
+pub(super) fn send_message(
+    socket: &UnixStream,
+    message: WatchdogMessage,
+) -> Result<(), WatchdogLost> {
+    match send(socket, &message.to_bytes(), SendFlags::DONTWAIT) {
+        Ok(WatchdogMessage::BYTES) => Ok(()),
+        _ => Err(WatchdogLost),
     }
 }
 

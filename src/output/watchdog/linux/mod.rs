@@ -5,8 +5,8 @@ mod message;
 mod replies;
 mod release_target;
 
-pub use client::{WatchdogClient, WatchdogLost, WatchdogReports};
-pub use message::{READY, WatchdogMessage, WatchdogReply};
+pub use client::{WatchdogClient, WatchdogReports};
+pub use message::{READY, WatchdogLost, WatchdogMessage, WatchdogReply};
 pub use release_target::{DeviceHandle, ReleaseTarget};
 
 /// Returns the name of the systemd scope of the watchdog with this process id.

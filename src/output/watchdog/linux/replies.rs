@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
-use super::client::send_message;
+use super::message::send_message;
 use super::{WatchdogMessage, WatchdogReply};
 use crate::output::watchdog::{
     MAX_REPLY_AGE, MAX_UNANSWERED, MAX_UNANSWERED_PROBES, OnRelease, PROBE_INTERVAL,

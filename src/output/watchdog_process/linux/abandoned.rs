@@ -2,7 +2,7 @@
 
 use crate::device::pressed_keys::KeyDirection;
 use crate::output::desktop::connect;
-use crate::output::desktop::worker::Injector;
+use crate::output::desktop::injector::Injector;
 use crate::output::pressed_key_file::AbandonedKeys;
 
 /// The result of [`release_abandoned_keys`].
@@ -41,7 +41,7 @@ fn release(abandoned: &AbandonedKeys) -> Result<(), String> {
     if keys.is_empty() && character_keys.is_empty() {
         return Ok(());
     }
-    let mut display = connect(Some(abandoned.display()), false)?;
+    let mut display = connect(Some(abandoned.display_name()), false)?;
     for key in keys.release_order() {
         display.inject(key, KeyDirection::Release)?;
     }

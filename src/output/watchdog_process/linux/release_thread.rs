@@ -11,7 +11,7 @@ use super::record::{Record, SharedRecord};
 use crate::advice;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::character_key::KEYMAP_LIFETIME;
-use crate::output::desktop::worker::Injector;
+use crate::output::desktop::injector::Injector;
 
 /// Time for which keys are released again after the display has responded: requests that a dead client had sent are
 /// executed after it.

@@ -11,8 +11,8 @@ use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
 use crate::output::character_key::CharacterKey;
 use crate::output::desktop::connect;
+use crate::output::desktop::injector::Injector;
 use crate::output::desktop::pending_motion::StatelessAction;
-use crate::output::desktop::worker::Injector;
 use crate::output::uinput::{UinputNode, center_axes, release_key};
 use crate::output::watchdog::ReleaseTarget;
 

@@ -117,11 +117,9 @@ fn drawing_works_in_windows_of_any_size() {
         for (columns, rows) in [(0, 0), (1, 1), (5, 3), (40, 12), (300, 2), (2, 300)] {
             let text = text(&drawn(&view, COLORED, columns, rows));
             let is_blank = text.chars().all(char::is_whitespace);
-            assert_eq!(
-                is_blank,
-                columns * rows == 0,
-                "{layout} {columns} × {rows}:\n{text}"
-            );
+            let is_large = columns >= 40 && rows >= 12;
+            assert!(!(is_large && is_blank), "{layout}: a blank window");
+            assert_eq!(text.lines().count(), usize::from(rows), "{layout}");
         }
     }
 }

@@ -21,9 +21,9 @@ use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1:
 
 use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
+use crate::output::desktop::injector::Injector;
 use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
-use crate::output::desktop::worker::Injector;
 use crate::output::watchdog::ReleaseTarget;
 use connection::CompositorConnection;
 use keymap::{CHARACTER_KEY, Keymap};

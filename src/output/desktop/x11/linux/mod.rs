@@ -22,10 +22,10 @@ use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
 use crate::output::character_key::CharacterKey;
 use crate::output::desktop::direct_keys::DirectConnection;
+use crate::output::desktop::injector::Injector;
 use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::system;
-use crate::output::desktop::worker::Injector;
 use characters::CharacterKeys;
 
 /// The version of XTEST that has `XTestGrabControl`.
