@@ -380,7 +380,7 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
-        if !self.gate.filter(index, first, events) && !self.suspend(index, events) {
+        if !self.gate.filter(index, first, events) && !self.suspend(index) {
             self.pause(CommandOrigin::RateLimit, events);
         }
         self.execute_issued(index, events);

@@ -113,17 +113,13 @@ impl Pipeline {
         }
     }
 
-    /// Releases what a hand holds that presses faster than the rate limit, and lets it touch nothing until
-    /// [`resume`](Self::resume). Returns `false` if no other hand is tracked, for which the run would go on.
-    pub(super) fn suspend(&mut self, index: usize, events: &mut Events) -> bool {
+    /// Suspends a hand that presses faster than the rate limit: its next reading releases what it holds, and it touches
+    /// nothing until [`resume`](Self::resume). Returns `false` if no other hand is tracked, for which the run would go on.
+    pub(super) fn suspend(&mut self, index: usize) -> bool {
         let mut others = self.hands.iter().enumerate();
-        if !others.any(|(other, hand)| other != index && hand.last_accepted.is_some()) {
-            return false;
-        }
-        self.hands[index].is_suspended = true;
-        self.hands[index].lose(None);
-        self.release_lost(index, events);
-        true
+        let has_other = others.any(|(other, hand)| other != index && hand.last_accepted.is_some());
+        self.hands[index].is_suspended |= has_other;
+        has_other
     }
 
     /// Lets suspended hands touch again, if `origin` may end a pause of the rate limit.

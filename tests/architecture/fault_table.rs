@@ -19,6 +19,13 @@ pub enum Coverage {
 
 use Coverage::{Missing, Tests};
 
+const CHARACTERS: &str = "tests/outputs/x11/characters.rs";
+const FLOODS: &str = "tests/cli/share/floods.rs";
+const FORGED: &str = "tests/cli/faults/forged_messages.rs";
+const GATEKEEPER: &str = "src/network/secure/gatekeeper/tests.rs";
+const NETWORK: &str = "tests/cli/network.rs";
+const STRANGERS: &str = "tests/cli/security/strangers.rs";
+
 const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
     Fault {
         number,
@@ -33,7 +40,7 @@ pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26,
     27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
     50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
-    79,
+    79, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 90, 91, 92, 93, 94, 95, 96, 97, 98, 99, 100, 101, 102, 103, 104, 105, 106,
 ];
 
 /// The faults, in the order of their numbers.
@@ -464,5 +471,159 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/zenoh.rs", "a_hand_behind_a_congested_router_types_nothing_until_its_readings_are_young_again"),
         ("src/capture/sender_clock.rs", "readings_of_a_growing_delay_are_too_old_beyond_the_limit_and_young_ones_pass_again"),
         ("src/capture/sender_clock.rs", "a_clock_that_jumps_is_followed_at_once_or_after_ten_seconds"),
+    ])),
+
+    // Network, files and parsers, found by attack.
+    fault(80, "a setup or layout of a stranger names output paths or other files", Tests(&[
+        (STRANGERS, "a_setup_names_no_file_that_exists_for_its_transcript"),
+        (STRANGERS, "a_transcript_of_a_setup_is_a_new_private_file_in_a_folder_of_its_own"),
+        (STRANGERS, "names_in_a_transcript_start_no_program_in_a_shell"),
+        (STRANGERS, "files_in_a_setup_are_relative_to_it_and_never_to_the_working_folder"),
+        ("src/output/transcript/line.rs", "names_and_characters_mean_nothing_to_a_shell"),
+    ])),
+    fault(81, "a WebSocket client floods frames that are not requests", Tests(&[
+        (FLOODS, "a_client_that_floods_frames_is_disconnected_and_the_others_are_served"),
+        (FLOODS, "a_run_under_floods_ends_by_the_command_stop_and_with_its_source"),
+        (FLOODS, "an_unsolicited_pong_does_not_disconnect_a_client"),
+        ("tests/capture/websocket.rs", "a_flood_of_frames_that_are_no_messages_ends_the_connection"),
+        ("tests/outputs/chaos/mod.rs", "run_under_attack_leaves_no_key_pressed_and_presses_nothing_after_a_pause"),
+    ])),
+    fault(82, "a bare name in a shared folder; files of other users", Tests(&[
+        (STRANGERS, "a_name_never_means_a_file_in_the_working_folder"),
+        (STRANGERS, "a_file_with_the_path_of_a_shipped_one_is_not_followed"),
+        (STRANGERS, "files_that_others_may_write_or_replace_are_refused"),
+        (STRANGERS, "files_of_other_users_and_of_foreign_groups_are_refused"),
+        (STRANGERS, "a_link_leads_to_a_file_that_others_may_not_replace"),
+        (STRANGERS, "a_layout_that_another_user_edits_is_not_activated"),
+    ])),
+    fault(83, "connections that close at once, stay idle or send half a handshake", Tests(&[
+        (FLOODS, "connections_that_close_at_once_leave_their_places_and_descriptors"),
+        (FLOODS, "a_command_gets_through_while_clients_take_all_descriptors"),
+        ("src/share/hub/tests.rs", "the_client_that_has_been_silent_for_the_longest_time_makes_room_for_another"),
+        ("src/share/client.rs", "a_client_that_asks_for_nothing_in_time_is_told_the_reason_and_disconnected"),
+    ])),
+    fault(84, "token operations side by side, on a full disk, killed in between", Tests(&[
+        (NETWORK, "tokens_that_are_revoked_beside_commands_that_make_others_stay_revoked"),
+        (NETWORK, "a_token_command_that_is_killed_leaves_nothing_that_stops_the_next_one"),
+        (NETWORK, "on_a_full_disk_a_token_is_not_said_to_be_revoked_and_is_revoked_once_there_is_room"),
+    ])),
+    fault(85, "a small recording that expands or keeps many setup texts", Tests(&[
+        ("tests/files/recordings.rs", "setup_texts_that_expand_come_late_or_repeat_a_kind_take_no_memory"),
+        ("tests/files/recordings.rs", "setup_texts_beyond_the_limits_are_refused"),
+    ])),
+    fault(86, "names with shell characters in completions", Tests(&[
+        ("tests/cli/completion.rs", "bash_quotes_the_names_that_it_inserts"),
+        ("tests/cli/completion.rs", "fish_quotes_the_names_that_it_inserts"),
+        ("tests/cli/completion.rs", "zsh_quotes_the_names_that_it_inserts"),
+        ("tests/cli/completion.rs", "no_shell_offers_a_name_that_a_terminal_acts_on"),
+    ])),
+    fault(87, "line breaks, control and bidirectional characters in any name, in any message", Tests(&[
+        (FORGED, "no_command_prints_a_forged_line_of_a_name"),
+        (FORGED, "lists_print_names_of_files_escaped"),
+        (FORGED, "variables_and_the_name_of_the_program_forge_no_line"),
+        (FORGED, "pictures_of_a_layout_contain_no_character_that_reverses_text"),
+        (FORGED, "a_session_prints_names_of_its_layouts_and_profiles_escaped"),
+        (FORGED, "a_recording_prints_names_of_its_layouts_escaped"),
+        ("tests/architecture.rs", "a_path_becomes_part_of_a_message_by_being_escaped"),
+    ])),
+    fault(88, "a recording states the packet period of a run", Tests(&[
+        ("tests/cli/determinism/gap.rs", "a_run_of_a_recording_keeps_the_stall_limit_of_the_setup_whatever_period_the_recording_states"),
+        ("tests/capture/gap.rs", "a_key_is_released_while_the_disk_of_a_recording_hangs"),
+        ("tests/files/recordings.rs", "times_of_a_recording_never_decrease"),
+    ])),
+    fault(89, "datagrams that are no packets, silent clients, guesses between valid tokens", Tests(&[
+        ("tests/cli/senders.rs", "empty_datagrams_and_junk_lock_no_glove_out"),
+        ("tests/cli/senders.rs", "a_datagram_of_a_second_sender_is_in_the_state_while_the_first_is_silent_and_in_the_last_line"),
+        ("tests/capture/network_poses.rs", "datagrams_that_are_no_packets_keep_no_sender_out"),
+        ("tests/capture/network_poses.rs", "no_frame_is_made_of_the_datagrams_of_two_senders"),
+        ("tests/capture/websocket.rs", "clients_that_say_nothing_keep_no_other_client_out"),
+        ("tests/capture/websocket.rs", "messages_that_are_no_packets_keep_no_other_client_out"),
+        (GATEKEEPER, "silent_clients_of_many_addresses_keep_no_client_out"),
+        (GATEKEEPER, "a_valid_token_resets_no_count_of_wrong_ones"),
+    ])),
+    fault(90, "IPv6 forms of IPv4 addresses", Tests(&[
+        ("src/network/address.rs", "other_machines_need_tls_and_an_address_of_one_network"),
+        ("src/network/address.rs", "only_addresses_of_this_machine_are_read_as_such_in_their_shortest_form"),
+        ("src/share/target.rs", "a_target_is_a_format_and_a_loopback_address"),
+        (NETWORK, "servers_without_tls_a_token_or_an_address_of_one_network_do_not_start"),
+    ])),
+    fault(91, "root, records of other users and links, in every command", Tests(&[
+        ("tests/cli/doctor.rs", "root_is_refused_without_allow_root_but_may_use_other_commands"),
+        ("src/output/pressed_key_file/linux.rs", "a_record_that_another_user_may_have_written_is_ignored"),
+        (STRANGERS, "manual_pages_and_pictures_replace_files_but_are_not_written_through_links"),
+    ])),
+    fault(92, "words of megabytes, and request targets of other servers", Tests(&[
+        (FORGED, "no_command_prints_a_line_of_a_long_word"),
+        ("src/message/escape.rs", "a_megabyte_becomes_the_start_of_a_line"),
+        ("src/capture/transport/websocket/admission.rs", "only_a_path_of_this_server_is_a_request_target"),
+        ("tests/cli/share/websocket.rs", "only_the_pages_of_this_address_are_served_and_only_to_it"),
+    ])),
+    fault(93, "recipes of the guides that open a port", Tests(&[
+        ("tests/cli/roles.rs", "a_recipe_of_the_guides_that_listens_names_one_address_and_the_role_of_a_pointer"),
+    ])),
+
+    // Runtime and outputs.
+    fault(94, "a press is dropped, or the watchdog releases a key, while the layout holds a lock", Tests(&[
+        ("tests/outputs/x11/output_stalls.rs", "no_bare_key_follows_a_lock_that_the_server_has_not_executed"),
+        ("tests/outputs/x11/output_stalls.rs", "no_bare_key_follows_a_lock_that_the_watchdog_has_released"),
+        ("src/output/desktop/tests/mod.rs", "after_a_dropped_press_nothing_is_pressed_until_the_loop_has_noticed"),
+        ("src/output/uinput/linux/tests/watchdog.rs", "no_key_is_pressed_beside_one_that_the_watchdog_may_have_released"),
+    ])),
+    fault(95, "the keymap changes while characters are typed; a death after characters", Tests(&[
+        (CHARACTERS, "a_keymap_that_the_user_changes_after_a_text_stays_unchanged"),
+        (CHARACTERS, "the_watchdog_of_a_killed_run_removes_its_keys_from_the_keymap"),
+        (CHARACTERS, "keys_in_the_keymap_of_a_run_that_was_killed_with_its_watchdog_are_removed_by_the_command_of_the_unit"),
+        (CHARACTERS, "a_keymap_that_the_user_has_changed_since_a_run_was_killed_stays_unchanged"),
+        (CHARACTERS, "without_an_unused_key_a_foreign_character_is_dropped_and_the_run_goes_on"),
+    ])),
+    fault(96, "Caps Lock, a second group or held modifiers while characters are typed", Tests(&[
+        (CHARACTERS, "characters_arrive_under_caps_lock"),
+        (CHARACTERS, "characters_arrive_with_the_second_group_of_a_keymap"),
+        (CHARACTERS, "characters_arrive_with_a_held_shift"),
+        (CHARACTERS, "with_a_held_control_or_alt_characters_are_dropped"),
+    ])),
+    fault(97, "a receiver that reads the keymap late; few spare keys", Tests(&[
+        (CHARACTERS, "a_receiver_that_reads_the_keymap_late_reads_the_right_characters"),
+        (CHARACTERS, "a_text_that_needs_more_keys_than_the_keymap_has_unused_is_dropped_entirely"),
+        ("src/output/desktop/tests/mod.rs", "a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure"),
+    ])),
+    fault(98, "the output file exists", Tests(&[
+        (STRANGERS, "no_command_writes_to_a_file_that_exists_or_through_a_link"),
+        ("src/files/tests.rs", "a_new_file_replaces_none_and_is_not_created_through_a_link"),
+    ])),
+    fault(99, "the disk fills during a recording", Tests(&[
+        ("tests/cli/faults/disks.rs", "a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_on"),
+        ("tests/outputs/x11/blocked_streams.rs", "a_transcript_on_a_full_disk_is_reported_and_the_desktop_continues"),
+    ])),
+    fault(100, "the watchdog is stopped while nothing is pressed", Tests(&[
+        ("tests/outputs/x11/idle.rs", "a_watchdog_that_is_stopped_while_nothing_is_pressed_is_noticed_and_replaced"),
+        ("tests/outputs/x11/idle.rs", "no_key_is_pressed_while_the_watchdog_is_stopped"),
+    ])),
+    fault(101, "all processes of the program's name are killed at once", Tests(&[
+        ("tests/outputs/x11/watchdog.rs", "a_kill_of_all_processes_with_the_name_of_the_program_leaves_the_watchdog"),
+    ])),
+    fault(102, "an inherited signal mask, and ignored signals", Tests(&[
+        ("tests/outputs/x11/watchdog.rs", "signals_that_the_parent_has_blocked_stop_the_typing_and_the_program"),
+        ("tests/cli/signals.rs", "a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal"),
+    ])),
+    fault(103, "other spellings of one display; a full runtime folder", Tests(&[
+        ("tests/outputs/x11/both_killed.rs", "keys_of_a_killed_run_are_released_however_the_display_is_spelled"),
+        ("tests/outputs/x11/both_killed.rs", "keys_of_a_killed_run_on_another_display_are_reported"),
+        ("tests/outputs/x11/both_killed.rs", "a_runtime_folder_that_accepts_no_record_is_reported"),
+    ])),
+    fault(104, "the desktop is lost while nothing is pressed", Tests(&[
+        ("tests/outputs/x11/idle.rs", "the_death_of_the_server_while_nothing_is_pressed_ends_the_run"),
+        ("tests/outputs/x11/idle.rs", "the_death_of_the_server_while_no_reading_arrives_ends_the_run"),
+    ])),
+    fault(105, "one hand floods", Tests(&[
+        ("src/capture/event_queue.rs", "a_hand_that_floods_the_queue_displaces_no_reading_of_the_other"),
+        ("src/capture/merge/tests.rs", "no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it"),
+        ("src/capture/merge/tests.rs", "a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods"),
+        ("tests/pipeline/hands_and_profiles.rs", "a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_other_types"),
+    ])),
+    fault(106, "SIGTSTP and SIGCONT in a row; files that are replaced or left", Tests(&[
+        ("tests/cli/signals.rs", "a_run_that_is_continued_before_it_has_stopped_goes_on"),
+        ("src/files/tests.rs", "a_replaced_file_keeps_its_group_mode_attributes_and_access_list"),
+        ("src/output/socket/linux.rs", "a_socket_that_is_closed_or_refused_leaves_no_file_behind"),
     ])),
 ];

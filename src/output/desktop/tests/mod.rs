@@ -401,12 +401,12 @@ fn a_text_without_room_in_the_queue_is_dropped_entirely() {
     for time in 0..8 {
         sink.send(&characters(time, &text)).unwrap();
     }
-    let dropped = sink.dropped_presses() as usize;
+    assert!(sink.dropped_presses() > 0);
     drop(gate);
     sink.close().unwrap();
-    let lines = display.lines();
     // What waits before a dropped text is void, too.
-    assert_eq!((dropped, lines), (8 * text.len(), Vec::new()));
+    assert!(display.lines().is_empty());
+    assert_eq!(sink.dropped_presses() as usize, 8 * text.len());
 }
 
 #[test]
