@@ -33,7 +33,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     write_pages(&command, &folder)
 }
 
-/// Writes the pages in place of those of another version.
+/// Writes the pages and replaces pages of another version.
 fn write_pages(command: &Command, folder: &Path) -> Result<(), Failure> {
     let subcommands = command.get_subcommands();
     for subcommand in subcommands.filter(|subcommand| !subcommand.is_hide_set()) {

@@ -7,13 +7,13 @@ use crate::document;
 /// Kind of the setup text with the shortest time between two readings, in microseconds.
 const PACKET_PERIOD: &str = "packet-period";
 
-/// Largest size of a setup text in bytes: that of a file of a setup.
+/// Largest size of a setup text in bytes: the limit of every file of a setup.
 const MAX_TEXT_BYTES: usize = document::MAX_BYTES as usize;
 
 /// Largest size of all setup texts of a recording in bytes.
 const MAX_SETUP_BYTES: usize = 32 << 20;
 
-/// Most setup texts of a recording: those of a thousand profiles.
+/// Most setup texts of a recording: enough for a thousand profiles.
 const MAX_TEXTS: usize = 1024;
 
 /// Texts that describe how a recording was made: glove, arm, layouts and settings.

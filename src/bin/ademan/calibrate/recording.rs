@@ -16,7 +16,7 @@ use crate::failure::Failure;
 /// The kind of the setup text with the glove file.
 const GLOVE_KIND: &str = "glove";
 
-/// Largest size of the readings in memory, beyond that of their file: a compressed one could expand to any size.
+/// Largest size of the readings in memory beyond the size of their file: a compressed file could expand to any size.
 const MAX_EXPANSION_BYTES: u64 = 64 << 20;
 
 /// A recorded calibration.

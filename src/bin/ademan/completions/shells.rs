@@ -1,4 +1,4 @@
-//! Shells whose scripts are those of `clap_complete`, with candidates that a shell can insert.
+//! Shells with the scripts of `clap_complete`, and candidates that a shell can insert.
 
 use std::ffi::OsString;
 use std::io::{self, Write};
