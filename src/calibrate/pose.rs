@@ -280,6 +280,7 @@ fn spread_degrees(finger: Finger) -> f64 {
 mod tests {
     use super::*;
     use crate::estimate::JointLimits;
+    use crate::files::Load;
     use crate::layout::Glove;
 
     #[test]

@@ -170,6 +170,7 @@ impl Procedure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::layout::Glove;
 
     /// A hand that holds one posture after the other for 3 s each.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::calibrate::observation::{ChannelObservation, PoseObservation};
+use crate::files::Load;
 use crate::hand::Dof;
 use crate::layout::Glove;
 

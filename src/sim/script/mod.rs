@@ -14,6 +14,7 @@ use parry3d::math::Vec2;
 use super::action::{HandAction, TargetPoint};
 use crate::contact::{TargetId, TargetNames};
 use crate::document::{Document, DocumentError};
+use crate::files::OpenDocument;
 use crate::hand::{Dof, Finger};
 use crate::names::{UnknownName, named_enum};
 pub use tokens::{SyntaxError, Token, tokenize};
