@@ -54,9 +54,11 @@
 //! times in microseconds. Files for users have their units in the names of their fields, such as `pitch_mm`.
 
 pub use ademan_core::{
-    command, contact, device, document, estimate, geometry, hand, kinematics, layout, message,
-    names, pipeline, snapshot, time,
+    calibrate, command, contact, device, document, estimate, geometry, hand, kinematics, layout,
+    message, names, pipeline, snapshot, time,
 };
+
+pub use ademan_lab::batch;
 
 // Types shared by every part.
 pub mod files;
@@ -79,8 +81,6 @@ pub mod trace;
 pub mod recorder;
 #[cfg(not(target_family = "wasm"))]
 pub mod share;
-pub mod batch;
-pub mod calibrate;
 pub mod sim;
 #[cfg(not(target_family = "wasm"))]
 pub mod setup;

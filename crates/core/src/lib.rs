@@ -18,6 +18,7 @@
 //! - [`layout`] builds boards, gloves and arms from documents.
 //! - [`pipeline`] runs the stages for one reading, without an allocation.
 //! - [`snapshot`] is the state of the pipeline after a reading.
+//! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //!
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians, times in
 //! microseconds.
@@ -37,3 +38,4 @@ pub mod device;
 pub mod layout;
 pub mod pipeline;
 pub mod snapshot;
+pub mod calibrate;

@@ -9,7 +9,7 @@ use super::sensor::Sensor;
 use super::settings::TypistSettings;
 use super::simulated_hand::{GloveCounts, Progress, SimulatedHand};
 use super::text_plan::PlanError;
-use crate::capture::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
+use crate::capture::{Reading, Sample};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
 use crate::hand::Side;
@@ -40,7 +40,7 @@ impl TypistError {
     }
 }
 
-/// A simulated person as a [`Source`] of readings.
+/// A simulated person with one or two hands in front of a layout.
 ///
 /// Performs a list of [`HandAction`]s one after the other, each with the hand for which the board of its target is
 /// made. The hands are clear of all targets for 600 ms at the start and at the end.
@@ -117,13 +117,43 @@ impl SimulatedTypist {
     }
 
     /// Starts again as `start` did; the time goes on.
-    pub(super) fn repeat(&mut self, start: &Self) {
+    pub fn repeat(&mut self, start: &Self) {
         let (packet, readings) = (self.packet, self.readings);
         *self = Self {
             packet,
             readings,
             ..start.clone()
         };
+    }
+
+    /// Returns the name for messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the time between two packets.
+    pub fn packet_period(&self) -> Duration {
+        self.period
+    }
+
+    /// Returns the number of readings so far.
+    pub fn reading_count(&self) -> u64 {
+        self.readings
+    }
+
+    /// Returns the next reading, or `None` at the end. Readings of two hands have their sides.
+    pub fn next_reading(&mut self) -> Option<Reading> {
+        if self.pending.is_empty()
+            && let Some(samples) = self.next_samples()
+        {
+            let time = Timestamp(0) + self.period.mul_f64(self.packet as f64);
+            let is_one = self.hands.len() == 1;
+            let reading = |(side, sample)| Reading::new(time, (!is_one).then_some(side), sample);
+            self.pending.extend(samples.into_iter().map(reading));
+        }
+        let reading = self.pending.pop_front()?;
+        self.readings += 1;
+        Some(reading)
     }
 
     /// Returns the number of hands.
@@ -223,41 +253,4 @@ fn assign_hands(actions: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<us
         hand
     };
     actions.iter().map(assign).collect()
-}
-
-impl Source for SimulatedTypist {
-    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.pending.is_empty()
-            && let Some(samples) = self.next_samples()
-        {
-            let time = Timestamp(0) + self.period.mul_f64(self.packet as f64);
-            let is_one = self.hands.len() == 1;
-            let reading = |(side, sample)| Reading::new(time, (!is_one).then_some(side), sample);
-            self.pending.extend(samples.into_iter().map(reading));
-        }
-        let Some(reading) = self.pending.pop_front() else {
-            return Ok(SourceEvent::End);
-        };
-        self.readings += 1;
-        Ok(SourceEvent::Reading(reading))
-    }
-
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn packet_period(&self) -> Option<Duration> {
-        Some(self.period)
-    }
-
-    fn is_live(&self) -> bool {
-        false
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats {
-            readings: self.readings,
-            ..SourceStats::default()
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::calibrate::observation::{ChannelObservation, PoseObservation};
-use crate::files::Load;
+use crate::document::Document;
 use crate::hand::Dof;
 use crate::layout::Glove;
 
@@ -32,7 +32,9 @@ fn observe(
 }
 
 fn shipped() -> ChannelMap {
-    Glove::load("unam-hc11").unwrap().map
+    Glove::parse(&Document::shipped("unam-hc11").unwrap())
+        .unwrap()
+        .map
 }
 
 /// The counts of a glove that needs no calibration.

@@ -170,7 +170,7 @@ impl Procedure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Load;
+    use crate::document::Document;
     use crate::layout::Glove;
 
     /// A hand that holds one posture after the other for 3 s each.
@@ -191,7 +191,9 @@ mod tests {
     }
 
     fn procedure() -> Procedure {
-        let map = Glove::load("lucidgloves").unwrap().map;
+        let map = Glove::parse(&Document::shipped("lucidgloves").unwrap())
+            .unwrap()
+            .map;
         Procedure::for_glove(&map, Duration::from_secs(1))
     }
 

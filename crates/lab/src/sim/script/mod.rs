@@ -6,7 +6,6 @@
 mod tokens;
 
 use std::ops::{Range, RangeInclusive};
-use std::path::{Path, is_separator};
 use std::time::Duration;
 
 use parry3d::math::Vec2;
@@ -14,7 +13,6 @@ use parry3d::math::Vec2;
 use super::action::{HandAction, TargetPoint};
 use crate::contact::{TargetId, TargetNames};
 use crate::document::{Document, DocumentError};
-use crate::files::OpenDocument;
 use crate::hand::{Dof, Finger};
 use crate::names::{UnknownName, named_enum};
 pub use tokens::{SyntaxError, Token, tokenize};
@@ -75,23 +73,18 @@ pub struct Script {
 }
 
 impl Script {
-    /// Reads a script for targets with these names: the file at a path, or the text itself.
-    ///
-    /// A text is a script if it has more than one word or is an action, and the path of a file otherwise. With a folder or `.txt`, it
-    /// is the path of a file that exists, also if it has several words.
-    pub fn open(path_or_text: &str, names: &TargetNames) -> Result<Self, DocumentError> {
-        if path_or_text.trim().is_empty() {
+    /// Returns `true` for a text that is a script rather than the path of one: it has more than one word, or is an action.
+    pub fn is_script(text: &str) -> bool {
+        text.contains([' ', '\t', '\n', ';']) || text.parse::<Verb>().is_ok()
+    }
+
+    /// Parses a text for targets with these names.
+    pub fn from_text(text: &str, names: &TargetNames) -> Result<Self, DocumentError> {
+        if text.trim().is_empty() {
             let message = "the script is empty; name a file, or write an action such as `tap NAME`";
             return Err(DocumentError::for_file(INLINE, message));
         }
-        let is_action = path_or_text.parse::<Verb>().is_ok();
-        let has_words = path_or_text.contains([' ', '\t', '\n', ';']);
-        let is_text = is_action || has_words;
-        let is_path = path_or_text.contains(is_separator) || path_or_text.ends_with(".txt");
-        match is_text && !(is_path && Path::new(path_or_text).is_file()) {
-            true => Self::parse(Document::new(INLINE, path_or_text), names),
-            false => Self::parse(Document::from_path(path_or_text)?, names),
-        }
+        Self::parse(Document::new(INLINE, text), names)
     }
 
     /// Parses a document.

@@ -279,8 +279,8 @@ fn spread_degrees(finger: Finger) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Document;
     use crate::estimate::JointLimits;
-    use crate::files::Load;
     use crate::layout::Glove;
 
     #[test]
@@ -297,7 +297,11 @@ mod tests {
     #[test]
     fn two_poses_define_every_joint_of_the_shipped_gloves() {
         for name in ["unam-hc11", "unam-hc11-left", "lucidgloves"] {
-            for row in Glove::load(name).unwrap().map.rows() {
+            for row in Glove::parse(&Document::shipped(name).unwrap())
+                .unwrap()
+                .map
+                .rows()
+            {
                 let poses = CalibrationPose::GUIDED.iter();
                 let defining = poses.filter(|pose| pose.defines(row.dof));
                 let mut angles: Vec<f64> = defining
@@ -318,7 +322,9 @@ mod tests {
 
     #[test]
     fn a_glove_without_arm_sensors_needs_no_arm_poses() {
-        let map = Glove::load("lucidgloves").unwrap().map;
+        let map = Glove::parse(&Document::shipped("lucidgloves").unwrap())
+            .unwrap()
+            .map;
         let needed = CalibrationPose::GUIDED.iter().copied();
         let needed: Vec<_> = needed.filter(|pose| pose.is_needed_for(&map)).collect();
         use CalibrationPose::{Fist, Flat, Pinch, Rest, Spread};
