@@ -1,7 +1,7 @@
 //! The stages of one hand from readings to poses.
 
 use super::StepOutput;
-use crate::contact::Touches;
+use crate::contact::{Presses, Touches};
 use crate::device::TimedCommands;
 use crate::estimate::{Estimate, HandEstimator, JointAngles};
 use crate::hand::{HandPart, Side};
@@ -38,6 +38,7 @@ impl HandPipeline {
                 estimate,
                 pose: arm.forward(&estimate),
                 touches: Touches::new(),
+                presses: Presses::new(),
                 commands: TimedCommands::new(),
             },
             estimator: estimator.into(),

@@ -103,10 +103,13 @@ impl LayoutInstance {
         self.devices.iter().find_map(|device| device.cursor())
     }
 
-    /// Updates the contacts of one hand and replaces `touches`.
-    pub(super) fn track(&mut self, pose: &HandPose, touches: &mut Touches) {
-        touches.clear();
-        self.trackers[pose.side.index()].update(&self.scene, pose, touches);
+    /// Updates the contacts of one hand and replaces its touches and presses.
+    pub(super) fn track(&mut self, step: &mut StepOutput) {
+        step.touches.clear();
+        let tracker = &mut self.trackers[step.pose.side.index()];
+        tracker.update(&self.scene, &step.pose, &mut step.touches);
+        step.presses.clear();
+        tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
     }
 
     /// Returns whether the hand is clear of every control.

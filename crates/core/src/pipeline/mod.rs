@@ -9,6 +9,7 @@ mod layout_instance;
 mod learning;
 mod output_gate;
 mod permissions;
+pub mod press_filter;
 mod rate_limit;
 mod release_order;
 mod settings;
@@ -19,6 +20,7 @@ mod zero;
 pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
 pub use permissions::{SourcePermissions, SourceRole};
+pub use press_filter::PressFilter;
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
 pub use state::{PipelineState, Suppressed};
@@ -27,10 +29,11 @@ use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
+use self::press_filter::{FilterInput, PressFilters};
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
-use crate::contact::{TargetNames, Touches};
+use crate::contact::{Presses, TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{Estimate, HandEstimator, Rejection};
 use crate::hand::Side;
@@ -49,6 +52,8 @@ pub struct StepOutput {
     pub pose: HandPose,
     /// The result of contact tracking.
     pub touches: Touches,
+    /// The presses among the touches, with their evidence.
+    pub presses: Presses,
     /// The commands of the devices. The pipeline has executed those that it [handles](Pipeline::handles); the others are
     /// left to the caller.
     pub commands: TimedCommands,
@@ -65,6 +70,7 @@ pub struct Pipeline {
     profiles: Vec<Profile>,
     active_profile: usize,
     settings: PipelineSettings,
+    filters: PressFilters,
     gate: OutputGate,
     /// The state without a requested pause.
     state: PipelineState,
@@ -100,6 +106,7 @@ impl Pipeline {
             profiles: vec![Profile { name, layout }],
             active_profile: 0,
             settings,
+            filters: PressFilters::default(),
             gate: OutputGate::new(settings.permissions, settings.allow_system_keys),
             state: PipelineState::Starting,
             time: Timestamp::default(),
@@ -125,6 +132,13 @@ impl Pipeline {
     #[must_use]
     pub fn with_second_source(mut self, permissions: SourcePermissions) -> Self {
         self.gate.add_source(permissions);
+        self
+    }
+
+    /// Adds a filter of presses behind the others.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Box<dyn PressFilter>) -> Self {
+        self.filters.add(filter);
         self
     }
 
@@ -182,7 +196,7 @@ impl Pipeline {
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
-        layout.track(&output.pose, &mut output.touches);
+        layout.track(output);
     }
 
     fn update_devices(&mut self, index: usize, events: &mut Events) {
@@ -380,6 +394,12 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
+        let input = FilterInput {
+            time: output.pose.time,
+            side: output.pose.side,
+            presses: &output.presses,
+        };
+        self.filters.apply(&input, first, events);
         if !self.gate.filter(index, first, events) && !self.suspend(index) {
             self.pause(CommandOrigin::RateLimit, events);
         }
@@ -420,6 +440,7 @@ impl Pipeline {
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let first = events.len();
         let is_paused = self.is_paused();
+        self.filters.reset();
         let layout = self.active_layout();
         match is_paused {
             // The presses of a pause were never emitted.
