@@ -245,6 +245,33 @@ mod tests {
     }
 
     #[test]
+    fn the_only_finger_beside_a_thumb_is_the_index_finger_and_numbered_fingers_are_not_guessed() {
+        let nodes = [
+            ("RightHand", None),
+            ("RThumb", Some(0)),
+            ("RightHandFinger1", Some(0)),
+            ("RightHandFinger2", Some(0)),
+        ];
+        let mitten = skeleton(&nodes[..3]);
+        assert_eq!(
+            found(&mitten, Side::Right),
+            "wrist=0 thumb-metacarpal=1 index-finger-phalanx-proximal=2"
+        );
+        let mut numbered = skeleton(&nodes[..3]);
+        numbered.push(Node {
+            name: Some(nodes[3].0.to_owned()),
+            parent: Some(0),
+            offset: DVec3::Y,
+            channels: Vec::new(),
+        });
+        let message = found(&numbered, Side::Right);
+        assert!(
+            message.contains("`RightHandFinger2` are both names"),
+            "{message}"
+        );
+    }
+
+    #[test]
     fn two_names_of_one_joint_are_an_error_unless_they_are_at_one_place() {
         let twice = |offset: DVec3| {
             let mut skeleton = skeleton(&[("wrist.R", None), ("Index1_R", Some(0))]);

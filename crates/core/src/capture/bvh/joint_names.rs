@@ -92,13 +92,16 @@ fn arm_joint(part: &str) -> Option<(Joint, bool)> {
 /// Returns the joint of a finger, and whether its name is vague.
 fn finger_joint(part: &str) -> Option<(Joint, bool)> {
     let by_palm = [
-        // MakeHuman counts the metacarpals from that of the index finger, and has one chain for all fingers beside a thumb.
+        // MakeHuman counts the metacarpals from that of the index finger.
         ("metacarpal1", Joint::IndexMetacarpal),
         ("metacarpal2", Joint::MiddleMetacarpal),
         ("metacarpal3", Joint::RingMetacarpal),
         ("metacarpal4", Joint::LittleMetacarpal),
-        ("handfinger1", Joint::IndexPhalanxProximal),
     ];
+    // MakeHuman has a skeleton with one chain for all fingers beside the thumb. Elsewhere it may be a thumb itself.
+    if part == "handfinger1" {
+        return Some((Joint::IndexPhalanxProximal, true));
+    }
     if let Some((_, joint)) = by_palm.iter().find(|(name, _)| *name == part) {
         return Some((*joint, false));
     }
