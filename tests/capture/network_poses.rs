@@ -163,6 +163,29 @@ fn no_frame_is_made_of_the_datagrams_of_two_senders() {
 }
 
 #[test]
+fn an_empty_datagram_does_not_let_the_bones_of_another_sender_pass_for_its_own() {
+    let (mut source, address) = open_at_free_port("vmc");
+    let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let bone = |name| {
+        let numbers = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        osc("/VMC/Ext/Bone/Pos", Some(name), &numbers)
+    };
+    first.send_to(&bone("LeftHand"), address).unwrap();
+    for datagram in [
+        &b""[..],
+        &bone("RightHand"),
+        &osc("/VMC/Ext/T", None, &[1.0]),
+    ] {
+        second.send_to(datagram, address).unwrap();
+    }
+    let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
+        panic!("not bones");
+    };
+    assert_eq!(bones.left.known().count(), 0, "of the first sender");
+    assert_eq!(bones.right.known().count(), 1);
+}
+
+#[test]
 fn a_single_datagram_of_another_sender_is_reported_without_another_one() {
     let (source, address) = open_at_free_port("opentrack");
     let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
