@@ -41,6 +41,7 @@ mod demo;
 mod doctor;
 mod export;
 mod failure;
+mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
