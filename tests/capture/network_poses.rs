@@ -1,4 +1,4 @@
-//! Datagrams of opentrack and VMC on real sockets; those of VMC are made by the package python-osc too.
+//! Datagrams of opentrack and VMC on real sockets; the package python-osc makes datagrams of VMC too.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 
 use crate::text_line::{TIMEOUT, samples, uri};
 
-/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port meanwhile.
+/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port.
 fn open_at_free_port(format: &str) -> (Box<dyn Source>, SocketAddr) {
     for _ in 0..100 {
         let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");

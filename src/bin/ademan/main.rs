@@ -43,6 +43,7 @@ mod demo;
 mod doctor;
 mod export;
 mod failure;
+mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
