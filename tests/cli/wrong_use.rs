@@ -198,7 +198,7 @@ fn wrong_names_are_refused_with_the_valid_ones() {
         ("frob", &["unrecognized subcommand 'frob'"]),
         (
             "trace angels --source typist:a",
-            &["readings, angles, pose, touches, events"],
+            &["readings, angles, pose, touches, presses, events, commands"],
         ),
         (
             "run --source typist:a --layout nunpad",
