@@ -27,7 +27,7 @@ pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
 pub use player::{PacketWriters, PlaybackStats, play};
 pub use repeated::RepeatedTypist;
-pub use score::{TypingScore, error_rate, words_per_minute};
+pub use score::{EditCounts, TypingScore, error_rate, words_per_minute};
 pub use script::Script;
 pub use sensor::{JointSensor, Sensor};
 pub use settings::TypistSettings;
