@@ -35,6 +35,6 @@ pub use simulated_hand::GloveCounts;
 pub use stream::{SimulatedStream, packet_period};
 pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
-pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
+pub use typing_hand::{Miss, REACH_TOLERANCE, TapPath, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
 pub use wearer::{GloveFault, GloveSensors, SightedTypist, SimulatedWearer};
