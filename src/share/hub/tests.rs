@@ -6,6 +6,7 @@ use super::*;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::JointAngles;
+use crate::files::Load;
 use crate::kinematics::HandPose;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};

@@ -103,6 +103,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::contact::TargetNames;
+    use crate::files::Load;
     use crate::time::Timestamp;
 
     const TIME: Timestamp = Timestamp(0);

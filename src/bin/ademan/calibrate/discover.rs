@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use ademan::calibrate::{self, DISCOVERY_POSES, Discovery, Procedure};
 use ademan::document::Document;
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Glove;
 
