@@ -33,6 +33,7 @@ macro_rules! subcommands {
 }
 
 mod arm;
+mod body;
 mod calibrate;
 mod complete;
 mod completions;
@@ -111,6 +112,7 @@ subcommands! {
     Ctl(ctl),
     Calibrate(calibrate),
     Arm(arm),
+    Body(body),
     Record(record),
     Replay(replay),
     Export(export),
