@@ -32,6 +32,8 @@ macro_rules! subcommands {
     };
 }
 
+mod arm;
+mod body;
 mod calibrate;
 mod complete;
 mod completions;
@@ -109,6 +111,8 @@ subcommands! {
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),
+    Arm(arm),
+    Body(body),
     Record(record),
     Replay(replay),
     Export(export),

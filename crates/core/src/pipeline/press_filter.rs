@@ -9,7 +9,7 @@
 
 use crate::contact::Press;
 use crate::device::pressed_keys::PressedKeys;
-use crate::device::{EventKind, Events, KeyCode, OutputEvent};
+use crate::device::{EventKind, Events, OutputEvent};
 use crate::hand::Side;
 use crate::time::Timestamp;
 
@@ -117,6 +117,7 @@ fn is_release(event: &OutputEvent) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::KeyCode;
 
     /// A filter made of a function.
     struct Filter<F>(F);
