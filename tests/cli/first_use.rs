@@ -106,7 +106,7 @@ fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored(
     let mut checked = 0;
     for row in list.as_array().unwrap() {
         let name = row["name"].as_str().unwrap();
-        let path = text(&folder.path().join(format!("{name}.ron"))).to_owned();
+        let path = text(&folder.path().join(format!("left-{name}.ron"))).to_owned();
         let created = run(["layout", "new", &path, "--from", name, "--mirror"]);
         if name.contains("two") {
             assert!(
@@ -125,14 +125,19 @@ fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored(
 }
 
 #[test]
-fn a_hand_that_does_not_exist_is_refused_before_a_layout_is_called_valid() {
-    let ended = run(["layout", "check", "qwerty-flat", "--hand", "120,170"]);
-    let is_valid = ended.out.contains("valid");
-    assert_ne!(
-        is_valid,
-        ended.err.contains("error"),
-        "{}{}",
-        ended.out,
+fn a_layout_that_does_not_fit_a_hand_is_not_called_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    let arc = "Layout(name: \"arc\", boards: [(pose: (anchor: elbow, bearing_deg: 35, height_mm: -45),\n\
+               shape: Arc(radius_mm: 320), rows: [(at_mm: (900, 0), keys: \"A\")])])";
+    let path = file(&folder, "arc.ron", arc);
+    let check = |hand: &str| run(["layout", "check", &path, "--hand", hand]);
+    assert!(check("100,500").done().out.contains("valid"));
+    let ended = check("300,100");
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert_eq!(ended.out, "", "{}", ended.err);
+    assert!(
+        ended.err.contains("beyond the ends of its arc"),
+        "{}",
         ended.err
     );
 }

@@ -273,7 +273,7 @@ fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
             ),
             (
                 r#"(name: "T", when: Pinch(finger: "index"), output: Axis("LeftZ"))"#,
-                "4:68: unknown axis `LeftZ`, did you mean `LeftY`?",
+                "4:68: unknown axis `LeftZ`, did you mean `LeftX`?",
             ),
         ],
         |trigger| refusal(keys, &format!("triggers: [{trigger}]")),
