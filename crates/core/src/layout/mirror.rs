@@ -237,16 +237,16 @@ mod tests {
     #[test]
     fn poses_and_the_keys_of_fingers_are_mirrored_and_rows_keep_their_order() {
         let text = "Layout(name: \"a\", boards: [\n\
-                    (pose: (anchor: elbow, bearing_deg: 35 /* right */, right_mm: Some(-2.5)), rows: [(at_mm: (-5, 0), keys: \"A\")]),\n\
+                    (pose: (anchor: elbow, bearing_deg: 35 /* right */, right_mm: -2.5), rows: [(at_mm: (-5, 0), keys: \"A\")]),\n\
                     (hand: \"right\", pose: (anchor: wrist), keys: [(code: \"B\", finger: \"thumb\", at_mm: (-20, 3)), (code: \"C\", at_mm: (0, 30))]),\n\
                     ])";
         let expected = text
             .replace("deg: 35 /", "deg: -35 /")
-            .replace("Some(-2.5))", "Some(2.5)), hand: \"left\"")
+            .replace("right_mm: -2.5)", "right_mm: 2.5), hand: \"left\"")
             .replace("hand: \"right\"", "hand: \"left\"")
             .replace("(-20, 3)", "(20, 3)");
         assert_eq!(mirrored(text).as_deref(), Ok(&*expected));
-        let back = text.replace("Some(-2.5))", "Some(-2.5)), hand: \"right\"");
+        let back = text.replace("right_mm: -2.5)", "right_mm: -2.5), hand: \"right\"");
         assert_eq!(mirrored(&expected).as_deref(), Ok(&*back));
     }
 
