@@ -11,55 +11,55 @@ const MAX_LAYOUTS: usize = 4;
 /// The direction in which a target is out of reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Direction {
-    TooFar,
-    TooNear,
-    TooHigh,
-    TooLow,
-    TooFarRight,
-    TooFarLeft,
+    Far,
+    Near,
+    High,
+    Low,
+    Right,
+    Left,
 }
 
 impl Direction {
     const ALL: [Self; 6] = [
-        Self::TooFar,
-        Self::TooNear,
-        Self::TooHigh,
-        Self::TooLow,
-        Self::TooFarRight,
-        Self::TooFarLeft,
+        Self::Far,
+        Self::Near,
+        Self::High,
+        Self::Low,
+        Self::Right,
+        Self::Left,
     ];
 
     fn of(miss: &Miss) -> Self {
         let (outward, up, right) = (miss.outward, miss.up, miss.right);
         let largest = outward.abs().max(up.abs()).max(right.abs());
         if outward.abs() >= largest {
-            [Self::TooNear, Self::TooFar][usize::from(outward > 0.0)]
+            [Self::Near, Self::Far][usize::from(outward > 0.0)]
         } else if up.abs() >= largest {
-            [Self::TooLow, Self::TooHigh][usize::from(up > 0.0)]
+            [Self::Low, Self::High][usize::from(up > 0.0)]
         } else {
-            [Self::TooFarLeft, Self::TooFarRight][usize::from(right > 0.0)]
+            [Self::Left, Self::Right][usize::from(right > 0.0)]
         }
     }
 
     fn opposite(self) -> Self {
         match self {
-            Self::TooFar => Self::TooNear,
-            Self::TooNear => Self::TooFar,
-            Self::TooHigh => Self::TooLow,
-            Self::TooLow => Self::TooHigh,
-            Self::TooFarRight => Self::TooFarLeft,
-            Self::TooFarLeft => Self::TooFarRight,
+            Self::Far => Self::Near,
+            Self::Near => Self::Far,
+            Self::High => Self::Low,
+            Self::Low => Self::High,
+            Self::Right => Self::Left,
+            Self::Left => Self::Right,
         }
     }
 
     fn advice(self) -> &'static str {
         match self {
-            Self::TooFar => "move the board nearer or make it smaller",
-            Self::TooNear => "the board is too near: move it away",
-            Self::TooHigh => "the board is too high: move it down",
-            Self::TooLow => "the board is too low: move it up",
-            Self::TooFarRight => "the board is too far to the right: move it to the left",
-            Self::TooFarLeft => "the board is too far to the left: move it to the right",
+            Self::Far => "move the board nearer or make it smaller",
+            Self::Near => "the board is too near: move it away",
+            Self::High => "the board is too high: move it down",
+            Self::Low => "the board is too low: move it up",
+            Self::Right => "the board is too far to the right: move it to the left",
+            Self::Left => "the board is too far to the left: move it to the right",
         }
     }
 }
@@ -76,7 +76,7 @@ pub(super) fn by_direction<'a>(misses: impl Iterator<Item = &'a Miss>) -> String
         return "add the hand for which the board is reserved, `other_hand`, to the setup".into();
     }
     let count = |direction: Direction| counts[direction as usize];
-    let mut main = Direction::TooFar;
+    let mut main = Direction::Far;
     for direction in Direction::ALL {
         if count(direction) > count(main) {
             main = direction;
