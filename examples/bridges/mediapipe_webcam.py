@@ -20,9 +20,12 @@ may have a body: "body": [[x, y, z, visibility], ...].
 import argparse
 import json
 import math
+import os
 import socket
 import sys
 import time
+
+MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision/"
 
 LANDMARKS = 21
 BODY_LANDMARKS = 33
@@ -94,6 +97,14 @@ def open_landmarker(vision, base_options, is_holistic):
     return vision.HandLandmarker.create_from_options(options), hands_of
 
 
+def check_model(model, is_holistic):
+    """Ends the program with a message if there is no model file."""
+    if os.path.isfile(model):
+        return
+    name = "holistic_landmarker" if is_holistic else "hand_landmarker"
+    sys.exit(f"there is no model file {model!r}: download {name}.task from {MODELS}{name} and name its path")
+
+
 def webcam_lines(model, camera, is_holistic):
     """Yields a line for each image of a webcam."""
     try:
@@ -157,6 +168,7 @@ def main():
         parser.error("name one model file, hand_landmarker.task or --holistic holistic_landmarker.task, or results with --from")
     if arguments.file is None:
         model = arguments.holistic or arguments.model
+        check_model(model, arguments.holistic is not None)
         lines = webcam_lines(model, arguments.camera, arguments.holistic is not None)
     else:
         lines = file_lines(arguments.file, arguments.rate_hz)

@@ -6,6 +6,7 @@
 
 mod checks;
 mod facts;
+mod panic_keys;
 mod probe;
 mod source;
 
@@ -14,6 +15,7 @@ pub use facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
     XDisplay,
 };
+pub use panic_keys::check_panic_keys;
 pub use source::check_source;
 
 use std::path::Path;
@@ -82,7 +84,7 @@ impl CheckStatus {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Subject of the check: `user`, `serial port`, `source`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
-    /// `sockets`, `outputs`.
+    /// `sockets`, `panic keys`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,

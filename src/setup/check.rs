@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::{ArmSetup, OtherHand, PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
 use crate::capture::{PositionNoise, SourceUri};
+use crate::device::{KeyCode, KeyKind};
 use crate::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
 use crate::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
@@ -14,10 +15,24 @@ impl Setup {
         self.smoothing_filter()?;
         self.check_position_filter()?;
         self.pipeline_settings()?;
+        self.check_panic_keys()?;
         if let Some(other) = &self.other_hand {
             other.arm.bone_lengths()?;
         }
         self.arm.bone_lengths().map(drop)
+    }
+
+    /// Checks the names of the panic keys. A session checks that a keyboard has them.
+    fn check_panic_keys(&self) -> Result<(), SetupError> {
+        for name in &self.panic_keys {
+            let message = match name.parse::<KeyCode>() {
+                Ok(key) if key.kind() == KeyKind::Keyboard => continue,
+                Ok(key) => format!("`panic_keys`: `{key}` is not a key of a keyboard"),
+                Err(error) => format!("`panic_keys`: {error}"),
+            };
+            return Err(SetupError::Value(message));
+        }
+        Ok(())
     }
 
     /// Returns the filter of the joint angles.

@@ -5,6 +5,7 @@ mod kind;
 mod loaded;
 mod outputs;
 mod reach;
+mod reach_advice;
 mod recorded;
 mod simulated;
 mod sources;

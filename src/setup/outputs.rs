@@ -6,16 +6,19 @@
 use std::path::{Path, PathBuf};
 
 use super::SetupError;
+use crate::device::Capabilities;
 use crate::files;
 use crate::message::escape_path;
-use crate::output::transcript;
+use crate::output::{self, transcript};
 
 /// Most transcripts of one name.
 const MAX_FILES: usize = 10_000;
 
 /// Returns the outputs of a setup file with the path of a new file for each transcript: `transcript:today.txt` becomes `today.txt` in the
-/// [`transcript_folder`](files::transcript_folder), or `today.2.txt` if that exists.
+/// [`transcript_folder`](files::transcript_folder), or `today.2.txt` if that exists. A name that is no output is an error.
 pub(super) fn with_new_transcripts(outputs: &str) -> Result<String, SetupError> {
+    output::check(outputs, &Capabilities::default())
+        .map_err(|error| SetupError::Value(format!("`output`: {error}")))?;
     let prefix = format!("{}:", transcript::BACKEND.name);
     let with_path = |output: &str| match output.trim().strip_prefix(&prefix) {
         Some(name) => Ok(format!("{prefix}{}", new_file(name)?.to_string_lossy())),

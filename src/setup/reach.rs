@@ -1,17 +1,17 @@
-//! Reach: the targets that no hand of a setup can press, and commands that bring them within reach.
+//! Reach: the targets that no hand of a setup can press, and what brings them within reach.
 
 use std::fmt;
 
 use parry3d::math::{Pose, Vec2};
 
-use super::{LoadedSetup, layout_instance};
+use super::{LoadedSetup, layout_instance, reach_advice};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
-use crate::document::Document;
+use crate::document::{Document, shipped_layouts};
 use crate::hand::Side;
 use crate::layout::{ControlKind, Face, Layout, SpaceTargets, scale_boards};
 use crate::message::escape;
-use crate::sim::{REACH_TOLERANCE, TypingHand};
+use crate::sim::{Miss, TypingHand};
 
 /// The number of targets that a report names.
 const MAX_NAMES: usize = 12;
@@ -24,13 +24,29 @@ const SCALES: [f32; 8] = [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5];
 pub struct ReachReport<'a> {
     /// The names, with the distance beyond the reach in metres; infinity for a target without a position.
     pub targets: Vec<(&'a str, f64)>,
-    /// The commands that bring them within reach, if any do.
-    pub remedy: Option<String>,
+    /// The step that brings them within reach, or the reason why none does.
+    pub advice: String,
 }
 
 /// The hands of a setup, to find targets out of their reach without the setup.
 #[derive(Clone, Debug)]
-pub struct HandReach([TypingHand; 2]);
+pub struct HandReach(Hands);
+
+/// The hands of a setup, and the mirror image of a single one, which uses only boards that are reserved for its side.
+#[derive(Clone, Debug)]
+pub(super) struct Hands {
+    pub(super) own: Vec<TypingHand>,
+    pub(super) mirrored: Option<TypingHand>,
+}
+
+impl Hands {
+    /// Returns the hands that may use a board.
+    fn of_board(&self, side: Option<Side>) -> impl Iterator<Item = &TypingHand> {
+        let mirrored = self.mirrored.iter();
+        let mirrored = mirrored.filter(move |hand| side == Some(hand.side()));
+        self.own.iter().chain(mirrored)
+    }
+}
 
 impl HandReach {
     /// Returns the targets on boards out of reach, with the distance beyond it in metres, nearest first. The rules are those of
@@ -38,7 +54,7 @@ impl HandReach {
     pub fn on_boards(&self, layout: &Layout) -> Vec<(TargetId, f64)> {
         let found = on_boards_out_of_reach(layout, &layout.scene, &self.0);
         let mut found: Vec<_> = found
-            .map(|(face, distance)| (face.target, distance))
+            .map(|(face, miss)| (face.target, miss.distance))
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         found
@@ -48,50 +64,87 @@ impl HandReach {
 impl LoadedSetup {
     /// Returns the hands, to find targets out of their reach.
     pub fn hand_reach(&self) -> HandReach {
-        HandReach(self.both_hands())
+        HandReach(self.reaching_hands())
     }
 
     /// Returns the targets of the first layout out of reach; see [`reach_report`](Self::reach_report).
     pub fn out_of_reach(&self) -> Vec<(&str, f64)> {
-        let hands = self.both_hands();
-        self.targets_out_of_reach(&self.layout, &hands)
+        let missed = targets_out_of_reach(&self.layout, &self.reaching_hands());
+        let missed = missed.into_iter();
+        missed.map(|(name, miss)| (name, miss.distance)).collect()
     }
 
     /// Returns the report about a layout of the setup, or `None` if its hands reach everything.
     ///
-    /// Tests the index finger of each hand within the range of its sensors. A hand that the setup lacks is the mirror image of
-    /// the other one. Includes both ends of the track of a slider or lever, and the centers of targets in space that a
-    /// fingertip selects. Excludes keys of chords, because each has a finger of its own.
+    /// Tests the index finger of each hand within the range of its sensors. Boards that are reserved for a hand that the setup
+    /// lacks are tested with the mirror image of the other one. Includes both ends of the track of a slider or lever, and the
+    /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own.
     pub fn reach_report<'a>(&self, layout: &'a Layout) -> Option<ReachReport<'a>> {
-        let hands = self.both_hands();
-        let mut targets = self.targets_out_of_reach(layout, &hands);
-        if targets.is_empty() {
+        let hands = self.reaching_hands();
+        let mut missed = targets_out_of_reach(layout, &hands);
+        if missed.is_empty() {
             return None;
         }
-        targets.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let can_move = spaces_out_of_reach(layout, &hands).is_empty();
-        let remedy = can_move.then(|| remedy(layout, &hands)).flatten();
-        Some(ReachReport { targets, remedy })
+        missed.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+        let advice = self.reach_advice(layout, &hands, &missed);
+        let targets = missed.into_iter();
+        let targets = targets.map(|(name, miss)| (name, miss.distance)).collect();
+        Some(ReachReport { targets, advice })
     }
 
-    fn targets_out_of_reach<'a>(
-        &self,
-        layout: &'a Layout,
-        hands: &[TypingHand],
-    ) -> Vec<(&'a str, f64)> {
-        let on_boards = on_boards_out_of_reach(layout, &layout.scene, hands);
-        let on_boards = on_boards.map(|(face, distance)| (face.name.as_str(), distance));
-        let in_space = spaces_out_of_reach(layout, hands);
-        on_boards.chain(in_space).collect()
+    /// Returns the step that brings targets within reach.
+    fn reach_advice(&self, layout: &Layout, hands: &Hands, missed: &[(&str, Miss)]) -> String {
+        if self.measures_no_arm() {
+            return reach_advice::without_arm(&self.layouts_within_reach(hands));
+        }
+        if let (Some(mirrored), [hand]) = (&hands.mirrored, &*hands.own) {
+            let side = hand.side();
+            let hands = Hands {
+                own: vec![mirrored.clone()],
+                mirrored: Some(hand.clone()),
+            };
+            if is_within_reach(layout, &hands) {
+                return reach_advice::mirror(&layout.file, side);
+            }
+        }
+        let can_move = spaces_out_of_reach(layout, hands).is_empty();
+        let step = reach_advice::by_direction(missed.iter().map(|(_, miss)| miss));
+        match can_move.then(|| remedy(layout, hands)).flatten() {
+            Some(remedy) => format!("{step}; try {remedy}"),
+            None => step,
+        }
     }
 
-    fn both_hands(&self) -> [TypingHand; 2] {
+    /// Returns the names of the shipped layouts that the hands can use without an arm.
+    fn layouts_within_reach(&self, hands: &Hands) -> Vec<&'static str> {
+        let fit = self.layout.fit;
+        let load = |name| Layout::for_hands(Document::shipped(name).ok()?, fit).ok();
+        let is_usable = |layout: &Layout| {
+            let has_targets = !layout.scene.surfaces().is_empty() || !layout.triggers.is_empty();
+            has_targets && layout.pointer.is_none() && is_within_reach(layout, hands)
+        };
+        shipped_layouts()
+            .filter(|&name| load(name).is_some_and(|layout| is_usable(&layout)))
+            .collect()
+    }
+
+    fn reaching_hands(&self) -> Hands {
         let side = self.arm.side();
-        [side, side.opposite()].map(|side| self.typing_hand(side))
+        let own = |side| self.typing_hand(side);
+        match self.other_hand {
+            Some(_) => Hands {
+                own: vec![own(side), own(side.opposite())],
+                mirrored: None,
+            },
+            None => Hands {
+                own: vec![own(side)],
+                mirrored: Some(own(side.opposite())),
+            },
+        }
     }
 
-    /// Returns the simulated hand of a side. Without a hand on that side, it is the mirrored other hand; without a glove,
-    /// every joint is measured.
+    /// Returns the simulated hand of a side. Without a hand on that side, it is the mirrored other hand; without a glove, or
+    /// with a source of its own for the arm, every joint is measured.
     pub(super) fn typing_hand(&self, side: Side) -> TypingHand {
         let other = self.other_hand.as_ref();
         let other = other.filter(|other| other.arm.side() == side);
@@ -100,18 +153,31 @@ impl LoadedSetup {
             None => (self.arm.clone().for_side(side), &self.glove),
         };
         match glove {
-            Some(glove) => TypingHand::new(&arm, &glove.map),
-            None => TypingHand::without_glove(&arm),
+            Some(glove) if self.setup.arm_source.is_none() => TypingHand::new(&arm, &glove.map),
+            _ => TypingHand::without_glove(&arm),
         }
     }
+}
+
+fn targets_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, Miss)> {
+    let on_boards = on_boards_out_of_reach(layout, &layout.scene, hands);
+    let on_boards = on_boards.map(|(face, miss)| (face.name.as_str(), miss));
+    on_boards
+        .chain(spaces_out_of_reach(layout, hands))
+        .collect()
+}
+
+fn is_within_reach(layout: &Layout, hands: &Hands) -> bool {
+    let mut on_boards = on_boards_out_of_reach(layout, &layout.scene, hands);
+    on_boards.next().is_none() && spaces_out_of_reach(layout, hands).is_empty()
 }
 
 /// Iterates over the targets on boards out of reach, with the boards at the poses of `scene`.
 fn on_boards_out_of_reach<'a, 'b>(
     layout: &'a Layout,
     scene: &'b Scene,
-    hands: &'b [TypingHand],
-) -> impl Iterator<Item = (&'a Face, f64)> + use<'a, 'b> {
+    hands: &'b Hands,
+) -> impl Iterator<Item = (&'a Face, Miss)> + use<'a, 'b> {
     let keys = layout.keys.iter().map(|key| &key.face);
     let keys = keys.filter(|face| !layout.is_chord_key(face.target));
     let keys = keys.map(|face| (face, 0.0));
@@ -128,54 +194,65 @@ fn on_boards_out_of_reach<'a, 'b>(
                 true => &[-half_length, half_length],
                 false => &[0.0],
             };
-            let distances = positions
+            let misses = positions
                 .iter()
-                .filter_map(|x| distance_beyond(hands, scene, face.target, Vec2::X * *x));
-            Some((face, distances.reduce(f64::max)?))
+                .filter_map(|x| miss(hands, scene, face.target, Vec2::X * *x));
+            Some((face, misses.reduce(farther)?))
         })
 }
 
-/// Returns the distance of a position on a target beyond the reach of the nearer hand, in metres, or `None` if one reaches it.
-fn distance_beyond(
-    hands: &[TypingHand],
-    scene: &Scene,
-    target: TargetId,
-    position: Vec2,
-) -> Option<f64> {
-    let mut nearest = f64::INFINITY;
-    for hand in hands {
+/// Returns the way of the nearer hand to a position on a target out of reach, or `None` if one reaches it.
+fn miss(hands: &Hands, scene: &Scene, target: TargetId, position: Vec2) -> Option<Miss> {
+    let side = scene.target(target).and_then(|(surface, _)| surface.side());
+    let mut nearest: Option<Miss> = None;
+    for hand in hands.of_board(side) {
         match hand.tap_path_at(scene, target, position) {
             Ok(_) => return None,
-            Err(distance) => nearest = nearest.min(distance),
+            Err(miss) => nearest = Some(nearest.map_or(miss, |other| nearer(other, miss))),
         }
     }
-    Some(nearest)
+    nearest
+}
+
+fn nearer(one: Miss, other: Miss) -> Miss {
+    match other.distance < one.distance {
+        true => other,
+        false => one,
+    }
+}
+
+fn farther(one: Miss, other: Miss) -> Miss {
+    match other.distance > one.distance {
+        true => other,
+        false => one,
+    }
 }
 
 /// Returns the targets in space out of reach. A pointer reaches all that it selects.
-fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &[TypingHand]) -> Vec<(&'a str, f64)> {
+fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, Miss)> {
     let mut found = Vec::new();
     if layout.pointer.is_some() {
         return found;
     }
     for SpaceTargets { names, space } in &layout.spaces {
         for (name, volume) in names.iter().zip(space.volumes.iter()) {
-            let distances = hands.iter().map(|hand| {
+            let miss = |hand: &TypingHand| {
                 let pose = hand.pose(&hand.rest_values());
-                let center = space.frame.world_from_frame(&pose)? * volume.center;
-                Some(hand.reach(center, &mut hand.rest_values(), &[]))
-            });
-            let nearest = distances.flatten().fold(f64::INFINITY, f64::min);
-            if nearest > REACH_TOLERANCE {
-                found.push((name.as_str(), nearest));
-            }
+                match space.frame.world_from_frame(&pose) {
+                    Some(world_from_frame) => hand.miss(world_from_frame * volume.center),
+                    None => Some(Miss::NO_POSITION),
+                }
+            };
+            let misses: Option<Vec<Miss>> = hands.own.iter().map(miss).collect();
+            let nearest = misses.and_then(|misses| misses.into_iter().reduce(nearer));
+            found.extend(nearest.map(|miss| (name.as_str(), miss)));
         }
     }
     found
 }
 
 /// Returns the commands that bring all targets on boards within reach: `recenter`, a `scale`, or both.
-fn remedy(layout: &Layout, hands: &[TypingHand]) -> Option<String> {
+fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
     let is_reached = |layout: &Layout, scene: &Scene| {
         on_boards_out_of_reach(layout, scene, hands)
             .next()
@@ -202,9 +279,9 @@ fn remedy(layout: &Layout, hands: &[TypingHand]) -> Option<String> {
 }
 
 /// Returns the boards after `recenter` with each hand in the typing posture.
-fn recentered(layout: &Layout, hands: &[TypingHand]) -> Scene {
+fn recentered(layout: &Layout, hands: &Hands) -> Scene {
     let mut scene = layout.scene.clone();
-    for hand in hands {
+    for hand in hands.own.iter().chain(&hands.mirrored) {
         let pose = hand.pose(&hand.rest_values());
         let Ok(offset) = layout_instance(layout).recenter_offset(&pose) else {
             continue;
@@ -245,9 +322,6 @@ impl fmt::Display for ReachReport<'_> {
         if count > MAX_NAMES {
             write!(f, ", and {} more", count - MAX_NAMES)?;
         }
-        match &self.remedy {
-            Some(remedy) => write!(f, "; try {remedy}"),
-            None => write!(f, "; move the board nearer or make it smaller"),
-        }
+        write!(f, "; {}", self.advice)
     }
 }

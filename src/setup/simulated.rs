@@ -59,13 +59,6 @@ impl LoadedSetup {
         let hands = self.hands(kind)?;
         SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands).map_err(
             |error| match self.reach_message(&error) {
-                Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
-                    SetupError::Value(format!(
-                        "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
-                         pressed; choose another layout, or play a script",
-                        escape(&self.layout.file),
-                    ))
-                }
                 Some(message) => SetupError::Value(format!(
                     "cannot type on {}: key {message}",
                     escape(&self.layout.file),
@@ -133,8 +126,11 @@ impl LoadedSetup {
             .collect()
     }
 
-    /// Returns whether the first hand has a glove that measures its fingers only.
-    fn measures_no_arm(&self) -> bool {
+    /// Returns whether the first hand has a glove that measures its fingers only, and no source measures its arm.
+    pub(super) fn measures_no_arm(&self) -> bool {
+        if self.setup.arm_source.is_some() {
+            return false;
+        }
         let rows = self.glove.iter().flat_map(|glove| glove.map.rows());
         rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
     }
@@ -156,10 +152,16 @@ impl LoadedSetup {
         let name = names.get(*target).to_string();
         let name = escape(&name);
         Some(match metres.is_finite() {
-            true => format!(
-                "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
-                metres * 1e3
-            ),
+            true => {
+                let report = self.reach_report(&self.layout);
+                // A script may push beyond what a tap needs.
+                let advice = report.map(|report| report.advice);
+                format!(
+                    "`{name}` is {:.0} mm out of reach of the simulated hand; {}",
+                    metres * 1e3,
+                    advice.as_deref().unwrap_or("move it nearer")
+                )
+            }
             false => {
                 format!("`{name}` is reserved for the other hand; add an `other_hand` to the setup")
             }

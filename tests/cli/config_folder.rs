@@ -160,7 +160,8 @@ fn files_to_start_from_come_with_the_program_and_are_valid() {
     home.run("layout new my-layout --from media").done();
     home.run("demo --layout my-layout.ron --script my-script.txt")
         .done();
-    home.run("run my-setup.ron --source typist:a").done();
+    home.run("run my-setup.ron --source typist:a --output transcript")
+        .done();
     let glove = fs::read_to_string(home.0.path().join("work/my-glove.ron")).unwrap();
     assert!(glove.contains("name: \"my-glove\""), "{glove}");
     for line in [

@@ -191,6 +191,14 @@ fn the_printed_files_are_those_of_the_package() {
     let all = run(["system-files"]).done().out;
     for (name, file) in files {
         let text = fs::read_to_string(root("packaging").join(file)).unwrap();
+        let program = env!("CARGO_BIN_EXE_ademan");
+        // The unit names the program that prints it.
+        let text = match name {
+            "unit" => text
+                .replace("/usr/bin/ademan", program)
+                .replace("ExecPaths=/usr ", &format!("ExecPaths=/usr {program} ")),
+            _ => text,
+        };
         assert_eq!(run(["system-files", name]).done().out, text);
         assert!(all.contains(&text), "{name}");
     }

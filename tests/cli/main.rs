@@ -21,6 +21,7 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
 mod help;

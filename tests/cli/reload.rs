@@ -47,6 +47,20 @@ fn an_invalid_file_is_reported_with_its_position_and_keys_stay_pressed() {
 }
 
 #[test]
+fn a_file_that_is_fixed_by_its_old_content_is_reported_and_keys_stay_pressed() {
+    let run = Run::with_held_key(&[]);
+    let before = std::fs::read_to_string(run.path()).expect("the file exists");
+    run.save("no layout");
+    run.wait_for_message("the active layout stays");
+    run.save(&before);
+    assert_eq!(
+        run.next_message(),
+        "my.ron: valid again, as the active layout is"
+    );
+    assert!(run.events.is_empty(), "the key stays pressed");
+}
+
+#[test]
 fn after_a_hundred_saves_in_a_second_the_last_is_active_and_no_key_is_stuck() {
     let run = Run::with_held_key(&[]);
     let (qwerty, dvorak) = (shipped("qwerty-flat"), shipped("dvorak-flat"));

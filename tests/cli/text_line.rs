@@ -36,6 +36,32 @@ fn a_file_of_text_lines_is_typed_recorded_and_replayed() {
 }
 
 #[test]
+fn a_line_that_a_killed_writer_has_cut_is_no_reading() {
+    let lines = text_lines(TYPED);
+    let (whole, last) = (lines[..10].concat(), &lines[10]);
+    for (cut, invalid) in [
+        (last.trim_end(), "1 invalid packet (1 truncated)"),
+        ("", "10 readings"),
+    ] {
+        let mut program = ademan(["run", "--source", "stdin:?protocol=text-line"])
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        let mut stdin = program.stdin.take().expect("it is piped");
+        stdin
+            .write_all(format!("{whole}{cut}").as_bytes())
+            .expect("it is read");
+        drop(stdin);
+        let output = program.wait_with_output().expect("the program ends");
+        let messages = String::from_utf8(output.stderr).unwrap();
+        assert!(messages.contains("10 readings"), "{messages}");
+        assert!(messages.contains(invalid), "{messages}");
+    }
+}
+
+#[test]
 fn text_lines_on_the_standard_input_are_typed() {
     let source = "stdin:?protocol=text-line";
     let mut program = ademan(["run", "--source", source, "--output", "transcript"])

@@ -82,6 +82,8 @@ fn keys_are_found_by_alias_code_and_character() {
     assert!(keys("lmb").contains("MouseLeft"), "{}", keys("lmb"));
     assert!(keys(";").contains("Semicolon"), "{}", keys(";"));
     assert!(keys("57").contains("Space"), "{}", keys("57"));
+    assert!(keys("hash").contains("\n3 "), "{}", keys("hash"));
+    assert!(keys("tilde").contains("Backquote"), "{}", keys("tilde"));
     let json = run(["layout", "keys", "Win", "--json"]).done().out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json[0]["name"], "MetaLeft");

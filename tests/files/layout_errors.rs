@@ -243,11 +243,11 @@ fn a_duplicate_or_overlapping_key_has_its_position() {
         ),
         (
             format!("{row},\nkeys: [(code: \"E\", at_mm: (35, 1))]"),
-            "4:16: the key `E` overlaps the key `W` of line 3",
+            "4:16: the key `E` overlaps the key `W` of line 3 by 1 mm",
         ),
         (
             "rows: [(at_mm: (0, 0), keys: \"Q W\", pitch_mm: 16.9)]".into(),
-            "3:33: the key `W` overlaps the key `Q` of line 3",
+            "3:33: the key `W` overlaps the key `Q` of line 3 by 0.1 mm",
         ),
         (
             "shape: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (0, -95))]".into(),

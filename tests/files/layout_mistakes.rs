@@ -96,6 +96,16 @@ fn syntax() -> Vec<Mistake> {
             "3:30: the text has no closing quote",
         ),
         (
+            "a text without closing quote before other texts",
+            board("rows: [(at_mm: (0, 0), keys: \"Q W)],\nkeys: [(code: \"A\", at_mm: (0, 50))]"),
+            "3:30: the text has no closing quote",
+        ),
+        (
+            "a label without closing quote",
+            layout("labels: {\n\"Q\": \"q,\n\"W\": \"w\"}"),
+            "3:7: the label has a line break: is its closing quote missing?",
+        ),
+        (
             "single quotes",
             board("rows: [(at_mm: (0, 0), keys: 'Q W')]"),
             "3:30: a text has straight double quotes: `\"…\"`",
@@ -320,7 +330,7 @@ fn meaning() -> Vec<Mistake> {
         (
             "keys that overlap",
             board("rows: [(at_mm: (0, 0), keys: \"Q W\", pitch_mm: 10)]"),
-            "3:33: the key `W` overlaps the key `Q` of line 3",
+            "3:33: the key `W` overlaps the key `Q` of line 3 by 7 mm",
         ),
         (
             "a press point below the release point",

@@ -111,7 +111,8 @@ const MAX_COMPARED_LEN: usize = 128;
 const MIN_SIMILARITY: f64 = 0.5;
 
 /// Returns the name in `valid` that is spelled most like `text`, or `None` if none is similar or `text` is longer
-/// than 128 bytes. Ignores case.
+/// than 128 bytes. Ignores case. Of equally similar names, it is the one whose wrong letters are nearest on a keyboard, then the
+/// first.
 pub fn nearest<'a>(text: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if text.len() > MAX_COMPARED_LEN {
         return None;
@@ -121,12 +122,43 @@ pub fn nearest<'a>(text: &str, valid: impl IntoIterator<Item = &'a str>) -> Opti
         .into_iter()
         .filter(|name| name.len() <= MAX_COMPARED_LEN)
         .map(|name| {
-            let similarity = strsim::normalized_damerau_levenshtein(&wanted, &name.to_lowercase());
-            (similarity, name)
+            let lower = name.to_lowercase();
+            let similarity = strsim::normalized_damerau_levenshtein(&wanted, &lower);
+            (similarity, key_distance(&wanted, &lower), name)
         })
-        .filter(|(similarity, _)| *similarity >= MIN_SIMILARITY)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
+        .filter(|(similarity, ..)| *similarity >= MIN_SIMILARITY)
+        .min_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)))
+        .map(|(.., name)| name)
+}
+
+/// The digits and letters of a QWERTY keyboard, and the offset of each row in keys.
+const KEY_ROWS: [(&str, f32); 4] = [
+    ("1234567890", 0.0),
+    ("qwertyuiop", 0.5),
+    ("asdfghjkl", 0.75),
+    ("zxcvbnm", 1.25),
+];
+
+/// Returns the sum of the distances, in keys, of the characters in which two texts of one length differ. It is 10 for a pair with
+/// another character, and 20 for texts of different lengths.
+fn key_distance(one: &str, other: &str) -> f32 {
+    const FAR: f32 = 10.0;
+    let place = |letter: char| {
+        let mut rows = KEY_ROWS.iter().zip([0.0_f32, 1.0, 2.0, 3.0]);
+        rows.find_map(|((letters, offset), row)| {
+            let column = letters.find(letter)?;
+            Some((column as f32 + offset, row))
+        })
+    };
+    if one.chars().count() != other.chars().count() {
+        return 2.0 * FAR;
+    }
+    let differing = one.chars().zip(other.chars()).filter(|(a, b)| a != b);
+    let distances = differing.map(|(a, b)| match (place(a), place(b)) {
+        (Some(a), Some(b)) => (a.0 - b.0).hypot(a.1 - b.1),
+        _ => FAR,
+    });
+    distances.sum()
 }
 
 #[cfg(test)]
@@ -139,6 +171,17 @@ mod tests {
         assert_eq!(nearest("shfitleft", keys), Some("ShiftLeft"));
         assert_eq!(nearest("zzzz", keys), None);
         assert_eq!(nearest("Win", ["Minus", "Quote"]), None);
+    }
+
+    #[test]
+    fn of_equally_similar_names_the_one_with_the_nearest_key_comes_first() {
+        let layouts = ["azerty-flat", "qwerty-flat", "qwertz-flat"];
+        assert_eq!(nearest("qwerti-flat", layouts), Some("qwerty-flat"));
+        assert_eq!(nearest("qwertx-flat", layouts), Some("qwertz-flat"));
+        assert_eq!(nearest("F13", ["F1", "F10", "F12"]), Some("F12"));
+        let layouts = ["qwerty-flat", "qwertz-flat"];
+        let first = nearest("qwert!-flat", layouts);
+        assert_eq!(first, Some("qwerty-flat"), "both are as far away");
     }
 
     #[test]

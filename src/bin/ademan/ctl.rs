@@ -192,14 +192,23 @@ fn state_text(reply: &Value) -> String {
         .map(|file| format!("\nfiles      {file}"))
         .collect();
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses{learned}{incomplete}",
+        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{learned}{incomplete}",
         or_unknown(&reply["profile"]),
         or_unknown(&reply["layout"]),
         reply["steps"],
         stats["stalls"],
-        stats["losses"],
-        reply["dropped_presses"],
+        plural(&stats["losses"], "time", "times"),
+        plural(&reply["dropped_presses"], "press", "presses"),
     )
+}
+
+/// Returns a count with its noun.
+fn plural(count: &Value, one: &str, many: &str) -> String {
+    let noun = match count.as_u64() {
+        Some(1) => one,
+        _ => many,
+    };
+    format!("{count} {noun}")
 }
 
 fn non_zero(counts: &Value) -> impl Iterator<Item = (&String, &Value)> {
@@ -250,4 +259,15 @@ fn print_line(line: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "{line}")?;
     Ok(out.flush()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_thing_has_a_noun_in_the_singular() {
+        let losses = |count: u64| plural(&count.into(), "loss", "losses");
+        assert_eq!([0, 1, 2].map(losses), ["0 losses", "1 loss", "2 losses"]);
+    }
 }

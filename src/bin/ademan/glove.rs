@@ -22,7 +22,7 @@ enum Action {
     /// Create a glove file as a copy of another one
     #[command(after_help = "Example: ademan glove new mine --from unam-hc11-left")]
     New {
-        /// File to create (.ron is added); an existing file is not overwritten
+        /// File to create (.ron is added), or `-` for the standard output; an existing file is not overwritten
         file: PathBuf,
         /// Glove to copy: the name of one that comes with the program (see `ademan gloves`), or a file
         #[arg(long, default_value = "unam-hc11", add = complete::glove())]

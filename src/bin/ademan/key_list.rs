@@ -18,6 +18,16 @@ pub struct Args {
     json: bool,
 }
 
+/// The names of characters that no key is named after: those of X11 and other usual ones.
+#[rustfmt::skip]
+const CHARACTER_NAMES: [(char, &str); 21] = [
+    ('!', "exclam exclamation bang"), ('@', "at"), ('#', "numbersign hash pound"), ('$', "dollar"), ('%', "percent"),
+    ('^', "asciicircum caret circumflex"), ('&', "ampersand and"), ('*', "asterisk star"), ('(', "parenleft parenthesis"),
+    (')', "parenright parenthesis"), ('_', "underscore"), ('+', "plus"), ('{', "braceleft"), ('}', "braceright"),
+    ('|', "bar pipe"), (':', "colon"), ('"', "quotedbl doublequote"), ('<', "less"), ('>', "greater"), ('?', "question"),
+    ('~', "asciitilde tilde"),
+];
+
 /// A key of the list.
 #[derive(Serialize)]
 struct Row {
@@ -63,6 +73,16 @@ impl Row {
             .chain(self.keysym.as_deref())
             .any(|name| name.to_lowercase().contains(&word))
             || self.evdev.to_string() == word
+            || self.writes(&word)
+    }
+
+    /// Returns `true` if the word is the start of a name of a character of the key.
+    fn writes(&self, word: &str) -> bool {
+        let mut names = CHARACTER_NAMES.iter();
+        names.any(|(character, names)| {
+            let mut names = names.split(' ');
+            self.characters.contains(character) && names.any(|name| name.starts_with(word))
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, DocumentError, shipped_layouts};
 use ademan::files::{Load, own_layouts};
-use ademan::layout::Layout;
+use ademan::layout::{Layout, mirror_layout};
 use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
@@ -24,13 +24,19 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     /// Create a layout as a copy of another one
-    #[command(after_help = "Example: ademan layout new my-board --from qwerty-arc")]
+    #[command(
+        after_help = "Examples:\n  ademan layout new my-board --from qwerty-arc\n  ademan layout new my-left-board --from qwerty-arc --mirror"
+    )]
     New {
-        /// File to create (.ron is added); an existing file is not overwritten
+        /// File to create (.ron is added), or `-` for the standard output; an existing file is not overwritten
         file: PathBuf,
         /// Layout to copy: the name of one that comes with the program, or a file
         #[arg(long, default_value = "qwerty-flat", add = complete::layout())]
         from: String,
+        /// Mirror the positions for the other hand: a layout for the right hand becomes one for the left hand. Keys keep
+        /// their order, and fingers their keys
+        #[arg(long)]
+        mirror: bool,
     },
     /// Check files, report errors with line and column, and list keys out of reach of a hand
     #[command(
@@ -71,7 +77,7 @@ enum Action {
 
 pub fn run(args: Args) -> Result<(), Failure> {
     match args.action {
-        Action::New { file, from } => new(&file, &from),
+        Action::New { file, from, mirror } => new(&file, &from, mirror),
         Action::Check {
             files,
             hand,
@@ -85,13 +91,21 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Copies a layout under the name of the new file.
-fn new(file: &Path, from: &str) -> Result<(), Failure> {
+/// Copies a layout under the name of the new file, for the other hand if it is mirrored.
+fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     let path = new_file::with_extension(file, "ron");
     let original = Layout::load(from)?;
-    let text = new_file::renamed(&original.text, &original.name, &path);
+    let (text, origin) = match is_mirrored {
+        true => {
+            let document = Document::new(original.file.as_str(), original.text.as_str());
+            let origin = format!("{} for the other hand", original.file);
+            (mirror_layout(&document)?, origin)
+        }
+        false => (original.text, original.file),
+    };
+    let text = new_file::renamed(&text, &original.name, &path);
     let next = "ademan layout check FILE && ademan demo --layout FILE";
-    new_file::create(&path, &text, &original.file, next)
+    new_file::create(&path, &text, &origin, next)
 }
 
 /// Lists the layouts that come with the program, then those of the configuration folder.

@@ -4,11 +4,10 @@ use std::io::{self, Write};
 
 use ademan::document::{DocumentError, DocumentFault};
 use ademan::files::Load;
-use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_json};
 use ademan::session::counted;
-use ademan::setup::{ArmSetup, OtherHand, Setup};
+use ademan::setup::{ArmSetup, Setup, SetupError};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -29,11 +28,11 @@ pub fn check(
     let mut invalid = 0;
     let mut checked = Vec::new();
     for file in files {
-        let layout = Layout::load(file);
-        invalid += usize::from(layout.is_err());
+        let outcome = check_one(file, &setup)?;
+        invalid += usize::from(outcome.is_err());
         match as_json {
-            true => checked.push(json_of(file, &layout, &setup)?),
-            false => print(file, &layout, &setup)?,
+            true => checked.push(json_of(file, &outcome)),
+            false => print(file, &outcome)?,
         }
     }
     if as_json {
@@ -49,9 +48,26 @@ pub fn check(
     }
 }
 
-fn print(file: &str, layout: &Result<Layout, DocumentError>, setup: &Setup) -> Result<(), Failure> {
-    let layout = match layout {
+/// A valid layout and the warnings about it.
+type Checked = (Layout, Vec<String>);
+
+/// Checks a layout and its fit to the hands of a setup. An error of the setup itself is a failure.
+fn check_one(file: &str, setup: &Setup) -> Result<Result<Checked, DocumentError>, Failure> {
+    let layout = match Layout::load(file) {
         Ok(layout) => layout,
+        Err(error) => return Ok(Err(error)),
+    };
+    Ok(match warnings(&layout, setup) {
+        Ok(warnings) => Ok((layout, warnings)),
+        // The layout does not fit the hand.
+        Err(SetupError::File(error)) if error.file() == layout.file => Err(error),
+        Err(error) => return Err(error.into()),
+    })
+}
+
+fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Failure> {
+    let (layout, warnings) = match outcome {
+        Ok(checked) => checked,
         Err(error) => {
             complain!("error: {error}");
             return Ok(());
@@ -65,53 +81,55 @@ fn print(file: &str, layout: &Result<Layout, DocumentError>, setup: &Setup) -> R
     };
     let file = escape(file);
     writeln!(io::stdout(), "{file}: valid, {keys}, {others}{layers}")?;
-    if let Some(warning) = reach_warning(layout, setup)? {
+    for warning in warnings {
         complain!("warning: {file}: {warning}");
     }
     Ok(())
 }
 
-fn json_of(
-    file: &str,
-    layout: &Result<Layout, DocumentError>,
-    setup: &Setup,
-) -> Result<Value, Failure> {
-    Ok(match layout {
-        Ok(layout) => json!({
+fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
+    match outcome {
+        Ok((layout, warnings)) => json!({
             "file": file,
             "valid": true,
             "keys": layout.keys.len(),
             "other_controls": layout.controls.len(),
             "layers": layout.layers.len(),
             "errors": [],
-            "warnings": reach_warning(layout, setup)?.into_iter().collect::<Vec<_>>(),
+            "warnings": warnings,
         }),
         Err(error) => {
             let fault = |fault: &DocumentFault| json!({"line": fault.line(), "column": fault.column(), "message": fault.message()});
             let errors: Vec<Value> = error.errors().iter().map(fault).collect();
             json!({"file": file, "valid": false, "errors": errors, "warnings": []})
         }
-    })
+    }
 }
 
-/// Returns one warning for all controls that no hand of the setup can press. Such a layout is still valid.
-fn reach_warning(layout: &Layout, setup: &Setup) -> Result<Option<String>, Failure> {
-    let needs_left = layout.has_board_for(Side::Left);
-    let left_hand = || OtherHand {
-        arm: setup.arm.clone(),
-        ..OtherHand::default()
-    };
-    let other_hand = setup.other_hand.clone();
+/// Returns one warning for all controls that no hand of the setup can press, and one for each pair of boards in one place. Such a
+/// layout is still valid.
+fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = Setup {
         layout: layout.file.clone(),
-        other_hand: other_hand.or_else(|| needs_left.then(left_hand)),
         // The permissions of the setup do not matter for the reach.
         allow_system_keys: true,
         ..setup.clone()
     };
     let setup = setup.load_files()?;
     let report = setup.reach_report(&setup.layout);
-    Ok(report.map(|report| report.to_string()))
+    let out_of_reach = report.map(|report| report.to_string());
+    let overlaps = setup.layout.board_overlaps();
+    let overlaps = overlaps.iter().map(|overlap| {
+        let (first, second) = overlap.boards;
+        let names = (escape(overlap.names.0), escape(overlap.names.1));
+        format!(
+            "boards {first} and {second} overlap by {:.1} mm at `{}` and `{}`, so that one touch presses both; move one of them",
+            overlap.depth * 1e3,
+            names.0,
+            names.1
+        )
+    });
+    Ok(out_of_reach.into_iter().chain(overlaps).collect())
 }
 
 /// Parses the hand and forearm length of a hand.

@@ -8,23 +8,33 @@ use ademan::message::{escape, escape_path, shell_word};
 
 use crate::failure::Failure;
 
-/// Returns the path with an extension, if it has none.
+/// The name of the standard output in place of a file.
+const STDOUT: &str = "-";
+
+/// Returns the path with an extension, if it has none and is not the standard output, `-`.
 pub fn with_extension(path: &Path, extension: &str) -> PathBuf {
     match path.extension() {
-        Some(_) => path.to_owned(),
-        None => path.with_extension(extension),
+        None if path != Path::new(STDOUT) => path.with_extension(extension),
+        _ => path.to_owned(),
     }
 }
 
-/// Replaces the field `name` of a text by the name of the file.
+/// Replaces the field `name` of a text by the name of the file. A text for the standard output keeps its name.
 pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
+    if path == Path::new(STDOUT) {
+        return text.to_owned();
+    }
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let field = |name: &str| format!("name: {name:?}");
     text.replacen(&field(old_name), &field(&name), 1)
 }
 
-/// Creates a file, says of what it is a copy, and the commands that use it. Fails if it exists.
+/// Creates a file, says of what it is a copy, and the commands that use it. Fails if it exists. Writes only the text to the
+/// standard output, `-`.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
+    if path == Path::new(STDOUT) {
+        return Ok(io::stdout().write_all(text.as_bytes())?);
+    }
     let cannot_write = |error: FileError| {
         Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
     };

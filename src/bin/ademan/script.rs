@@ -21,7 +21,7 @@ enum Action {
     /// Create a script as a copy of the one that the demo plays on a layout
     #[command(after_help = "Example: ademan script new mine --from media")]
     New {
-        /// File to create (.txt is added); an existing file is not overwritten
+        /// File to create (.txt is added), or `-` for the standard output; an existing file is not overwritten
         file: PathBuf,
         /// Layout whose script is copied
         #[arg(long, value_name = "LAYOUT", value_parser = PossibleValuesParser::new(script::layouts()))]

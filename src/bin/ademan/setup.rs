@@ -23,7 +23,7 @@ enum Action {
         after_help = "Examples:\n  ademan setup new my-setup\n  ademan setup new ~/.config/ademan/setup.ron    (found by every run that names no setup)"
     )]
     New {
-        /// File to create (.ron is added); an existing file is not overwritten
+        /// File to create (.ron is added), or `-` for the standard output; an existing file is not overwritten
         file: PathBuf,
     },
 }

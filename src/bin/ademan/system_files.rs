@@ -1,7 +1,13 @@
 //! `ademan system-files`: files for the operating system, such as udev rules.
 
+use std::borrow::Cow;
+use std::env;
+use std::fs;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
+use ademan::files::{self, FileError};
+use ademan::message::escape_path;
 use clap::builder::PossibleValuesParser;
 
 use crate::failure::Failure;
@@ -9,12 +15,15 @@ use crate::failure::Failure;
 /// Print files for the operating system: udev rules for access to devices, a systemd unit, a launcher
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan system-files udev | sudo tee /etc/udev/rules.d/60-ademan.rules\n  ademan system-files unit > ~/.config/systemd/user/ademan.service"
+    after_help = "Examples:\n  ademan system-files udev | sudo tee /etc/udev/rules.d/60-ademan.rules\n  ademan system-files unit --install"
 )]
 pub struct Args {
     /// The file
     #[arg(value_name = "FILE", default_value = ALL, value_parser = PossibleValuesParser::new(names()))]
     file: String,
+    /// Write a file of your own, `unit` or `desktop`, to its folder; a file that exists is not overwritten
+    #[arg(long)]
+    install: bool,
 }
 
 /// A file and the path where a user installs it by hand.
@@ -64,15 +73,93 @@ fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|file| file.name).chain([ALL])
 }
 
-/// Prints one file, or all files with their paths.
+/// The program in the files of the package.
+const PACKAGED_PROGRAM: &str = "/usr/bin/ademan";
+
+/// Prints one file, or all files with their paths, or installs one.
 pub fn run(args: Args) -> Result<(), Failure> {
+    let program = env::current_exe()?;
+    if args.install {
+        return install(&args.file, &program);
+    }
     let mut out = io::stdout().lock();
     for file in FILES {
         if args.file == ALL {
-            writeln!(out, "##### {}: {}\n{}", file.name, file.path, file.text)?;
+            let text = file.text_for(&program);
+            writeln!(out, "##### {}: {}\n{text}", file.name, file.path)?;
         } else if args.file == file.name {
-            out.write_all(file.text.as_bytes())?;
+            out.write_all(file.text_for(&program).as_bytes())?;
         }
     }
     Ok(())
+}
+
+impl SystemFile {
+    /// Returns the text for a program at this path, which systemd needs to be absolute.
+    fn text_for(&self, program: &Path) -> Cow<'static, str> {
+        let packaged = Path::new(PACKAGED_PROGRAM);
+        // A quote, a blank, `%` or `$` has a meaning in a unit.
+        let is_plain = |path: &&str| {
+            let mut bytes = path.bytes();
+            bytes.all(|byte| byte.is_ascii_alphanumeric() || b"/._+-".contains(&byte))
+        };
+        match program.to_str().filter(is_plain) {
+            Some(path) if self.name == "unit" && program != packaged => {
+                let text = self.text.replace(PACKAGED_PROGRAM, path);
+                let executable = format!("ExecPaths=/usr {path} ");
+                text.replace("ExecPaths=/usr ", &executable).into()
+            }
+            _ => self.text.into(),
+        }
+    }
+}
+
+/// Writes a file to its place in the home folder.
+fn install(name: &str, program: &Path) -> Result<(), Failure> {
+    let file = FILES.iter().find(|file| file.name == name);
+    let path = file.and_then(|file| Some((file, own_path(file)?)));
+    let Some((file, path)) = path else {
+        return Err(Failure::wrong_use(format!(
+            "only `unit` and `desktop` have a place in your home folder, not `{name}`; the help shows how to install the others with sudo"
+        )));
+    };
+    let cannot_write =
+        |error: FileError| Failure::job(format!("cannot write {}: {error}", escape_path(&path)));
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|error| cannot_write(error.into()))?;
+    }
+    let mut created = files::create_new(&path).map_err(cannot_write)?;
+    let written = created.write_all(file.text_for(program).as_bytes());
+    written.map_err(|error| cannot_write(error.into()))?;
+    let mut out = io::stdout().lock();
+    writeln!(out, "wrote {}", escape_path(&path))?;
+    if file.name == "unit" {
+        writeln!(
+            out,
+            "next: ademan setup new ~/.config/ademan/setup.ron, then systemctl --user enable --now ademan"
+        )?;
+    }
+    Ok(())
+}
+
+/// Returns the path of a file in the home folder; `None` for one of the system.
+fn own_path(file: &SystemFile) -> Option<PathBuf> {
+    let variable = match file.name {
+        "unit" => "XDG_CONFIG_HOME",
+        "desktop" => "XDG_DATA_HOME",
+        _ => return None,
+    };
+    let home = Path::new(&env::var_os("HOME")?).to_owned();
+    let inside = file.path.strip_prefix("~/")?;
+    let given = env::var_os(variable).map(PathBuf::from);
+    Some(match given.filter(|folder| folder.is_absolute()) {
+        // `.config/` and `.local/share/` are the defaults of the variables.
+        Some(folder) => {
+            let inside = inside
+                .strip_prefix(".config/")
+                .or(inside.strip_prefix(".local/share/"));
+            folder.join(inside?)
+        }
+        None => home.join(inside),
+    })
 }

@@ -273,8 +273,11 @@ impl<C: Connector> StreamSource<C> {
         let received = self.decoder.stats().bytes;
         let (format, pending) = (&self.format, &mut self.pending);
         let now = Instant::now();
-        self.decoder
-            .finish(&mut |packet| pending.push(packet, now, received, format));
+        let mut emit = |packet| pending.push(packet, now, received, format);
+        match C::IS_LIVE {
+            true => self.decoder.finish_cut(&mut emit),
+            false => self.decoder.finish(&mut emit),
+        }
         if let Some(reading) = self.pending.pop() {
             return Ok(reading);
         }

@@ -104,7 +104,10 @@ impl Notifier {
     /// Notifies the subscribers of the outcome of a change to a layout. Does not wait.
     pub fn notify_reload(&mut self, report: &LayoutReport) {
         self.send(Notification::Reload {
-            is_active: matches!(report, LayoutReport::Activated(_)),
+            is_active: matches!(
+                report,
+                LayoutReport::Activated(_) | LayoutReport::ValidAgain(_)
+            ),
             text: report.to_string(),
         });
     }

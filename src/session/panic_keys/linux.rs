@@ -27,8 +27,29 @@ const NODE_EVENTS: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::ATTRIB)
     .union(WatchFlags::MOVED_TO);
 
+/// Checks that the keyboards can be watched.
+pub(super) fn check(keys: &[KeyCode]) -> Result<(), String> {
+    open(keys).map(drop)
+}
+
 /// Watches the keyboards on a thread of its own until the program ends.
 pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), String> {
+    let mut monitor = open(keys)?;
+    let run = move || {
+        // An emergency stop does not wait for other programs.
+        priority::raise_thread_priority();
+        while monitor.wait(&stop).is_ok() {}
+        tracing::error!("panic_keys: the keyboards can no longer be watched");
+    };
+    let thread = thread::Builder::new().name("panic keys".into());
+    thread
+        .spawn(run)
+        .map(drop)
+        .map_err(|error| error.to_string())
+}
+
+/// Opens the keyboards that have these keys.
+fn open(keys: &[KeyCode]) -> Result<KeyboardMonitor, String> {
     let inotify_error = |error: Errno| format!("cannot watch {NODES}: {error}");
     let inotify =
         inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).map_err(inotify_error)?;
@@ -49,17 +70,7 @@ pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Resul
             ),
         });
     }
-    let run = move || {
-        // An emergency stop does not wait for other programs.
-        priority::raise_thread_priority();
-        while monitor.wait(&stop).is_ok() {}
-        tracing::error!("panic_keys: the keyboards can no longer be watched");
-    };
-    let thread = thread::Builder::new().name("panic keys".into());
-    thread
-        .spawn(run)
-        .map(drop)
-        .map_err(|error| error.to_string())
+    Ok(monitor)
 }
 
 /// An open keyboard.

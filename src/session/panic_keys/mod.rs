@@ -42,6 +42,14 @@ pub fn parse_keys(names: &[String]) -> Result<Vec<KeyCode>, PanicKeysError> {
     names.iter().map(parse).collect()
 }
 
+/// Checks that the keyboards of this machine can be watched for `keys`. Keeps nothing open.
+pub fn check(keys: &[KeyCode]) -> Result<(), PanicKeysError> {
+    match keys.is_empty() {
+        true => Ok(()),
+        false => platform::check(keys).map_err(PanicKeysError::NoKeyboard),
+    }
+}
+
 /// Calls `stop` whenever all `keys` are pressed on the keyboards of this machine, on one or on several, until the program
 /// ends. `stop` must not block.
 ///

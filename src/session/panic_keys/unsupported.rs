@@ -3,6 +3,11 @@
 use crate::device::KeyCode;
 
 /// Fails.
+pub(super) fn check(_: &[KeyCode]) -> Result<(), String> {
+    Err("not supported on this system".into())
+}
+
+/// Fails.
 pub(super) fn watch(_: &[KeyCode], _: impl Fn() + Send + 'static) -> Result<(), String> {
     Err("not supported on this system".into())
 }

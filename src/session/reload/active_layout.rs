@@ -79,11 +79,17 @@ impl ActiveLayout {
         link: &LayoutLink,
     ) -> Result<LayoutReport, SessionEnded> {
         let layout = match found {
-            Err(error) => return Ok(LayoutReport::Invalid(error)),
+            Err(error) => {
+                self.set_refused();
+                return Ok(LayoutReport::Invalid(error));
+            }
             Ok(layout) => layout,
         };
         match build(&layout) {
-            Err(reason) => return Ok(LayoutReport::Rejected(reason)),
+            Err(reason) => {
+                self.set_refused();
+                return Ok(LayoutReport::Rejected(reason));
+            }
             Ok(instance) => link.activate(instance, self.profile, false)?,
         }
         if let Some(file) = &mut self.file {
@@ -92,6 +98,24 @@ impl ActiveLayout {
         self.is_trial = false;
         self.layout = layout.clone();
         Ok(LayoutReport::Activated(Box::new(layout)))
+    }
+
+    fn set_refused(&mut self) {
+        if let Some(file) = &mut self.file {
+            file.set_refused();
+        }
+    }
+
+    /// Returns whether the content of the file is that which was activated last, and notes that it can be used.
+    pub fn accept_active(&mut self, found: &Layout) -> bool {
+        let active = self.file.as_mut().filter(|file| file.text() == found.text);
+        match active {
+            Some(file) => {
+                file.set_active_text(&found.text);
+                true
+            }
+            None => false,
+        }
     }
 
     /// Returns the file of the layout, as messages name it.

@@ -30,6 +30,8 @@ pub enum LayoutReport {
     Invalid(DocumentError),
     /// The layout is valid, but this session cannot use it, for this reason; the active layout stays.
     Rejected(String),
+    /// The file was invalid or rejected, and is again the active layout: this file.
+    ValidAgain(String),
     /// Outcome of a command that the layout itself issued.
     Command(Result<String, String>),
 }
@@ -40,6 +42,9 @@ impl fmt::Display for LayoutReport {
             Self::Activated(layout) => write!(f, "{}: active from now on", escape(&layout.file)),
             Self::Invalid(error) => write!(f, "{error}\nthe active layout stays"),
             Self::Rejected(reason) => f.write_str(reason),
+            Self::ValidAgain(file) => {
+                write!(f, "{}: valid again, as the active layout is", escape(file))
+            }
             Self::Command(Ok(text) | Err(text)) => f.write_str(text),
         }
     }
@@ -149,7 +154,7 @@ mod tests {
             let layout = match report.expect("the last save is activated") {
                 LayoutReport::Activated(layout) => layout,
                 // A file that is half written, where the machine suspends this test during a save.
-                LayoutReport::Invalid(_) => continue,
+                LayoutReport::Invalid(_) | LayoutReport::ValidAgain(_) => continue,
                 report => panic!("{report}"),
             };
             activated += 1;

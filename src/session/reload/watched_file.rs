@@ -26,6 +26,8 @@ pub(super) struct WatchedFile {
     fit: Fit,
     stamp: Option<Stamp>,
     pending: Option<PendingChange>,
+    /// The content that was read last could not be used, and its error was reported.
+    is_refused: bool,
 }
 
 /// The metadata that a save changes: length in bytes, modification time, and whether it is a file.
@@ -50,6 +52,7 @@ impl WatchedFile {
                 first: now,
                 last: now,
             }),
+            is_refused: false,
         }
     }
 
@@ -66,6 +69,12 @@ impl WatchedFile {
     /// Sets the content of the active layout, which [`poll`](Self::poll) does not return.
     pub fn set_active_text(&mut self, text: &str) {
         self.text = text.into();
+        self.is_refused = false;
+    }
+
+    /// Notes that the content could not be used. After that, [`poll`](Self::poll) returns the content of the active layout too.
+    pub fn set_refused(&mut self) {
+        self.is_refused = true;
     }
 
     /// Notes that the file may have changed.
@@ -79,7 +88,8 @@ impl WatchedFile {
         self.pending.is_none()
     }
 
-    /// Checks the file. Returns its content once it has settled, if it differs from the active layout.
+    /// Checks the file. Returns its content once it has settled, if it differs from the active layout or from one that was
+    /// refused.
     pub fn poll(&mut self, now: Instant) -> Option<Result<Layout, DocumentError>> {
         let stamp = stamp(&self.path);
         if stamp != self.stamp {
@@ -107,7 +117,7 @@ impl WatchedFile {
 
     fn read(&self) -> Option<Result<Layout, DocumentError>> {
         match Document::from_path(&self.path) {
-            Ok(document) if document.text == self.text => None,
+            Ok(document) if document.text == self.text && !self.is_refused => None,
             found => Some(self.layout(found)),
         }
     }
@@ -192,10 +202,11 @@ pub(super) mod tests {
                 self.now_ms += 50;
                 let now = self.start + Duration::from_millis(self.now_ms);
                 if let Some(outcome) = self.file.poll(now) {
-                    let outcome = outcome.map(|layout| {
-                        self.file.set_active_text(&layout.text);
-                        layout.name
-                    });
+                    match &outcome {
+                        Ok(layout) => self.file.set_active_text(&layout.text),
+                        Err(_) => self.file.set_refused(),
+                    }
+                    let outcome = outcome.map(|layout| layout.name);
                     found.push((
                         self.now_ms - from,
                         outcome.map_err(|error| error.to_string()),
@@ -294,6 +305,8 @@ pub(super) mod tests {
             (after_ms, message.as_str()),
             (100, "a.ron: there is no such file")
         );
+        test.save(&text("A"));
+        assert_eq!(test.check_for(1_000), active(100, "A"));
         test.save(&text("A"));
         assert_eq!(test.check_for(1_000), [], "that content is active");
         test.save(&text("B"));

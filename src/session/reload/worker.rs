@@ -192,7 +192,13 @@ where
 
     /// Activates the file of a layout if it has changed.
     fn poll(&mut self, index: usize) -> Result<(), SessionEnded> {
-        match self.layouts[index].layout.poll(Instant::now()) {
+        let layout = &mut self.layouts[index].layout;
+        match layout.poll(Instant::now()) {
+            // A second activation would release what is pressed.
+            Some(Ok(found)) if layout.accept_active(&found) => {
+                (self.report)(LayoutReport::ValidAgain(found.file));
+                Ok(())
+            }
             Some(found) => self.apply(index, found).map(drop),
             None => Ok(()),
         }

@@ -207,7 +207,7 @@ fn a_picture_and_a_transcript_do_not_share_a_terminal() {
     let mut screen = Screen::start(&run(&["--view", "board", "--output", "transcript"]), 80, 24);
     assert_eq!(screen.wait().code(), Some(2));
     let text = screen.text();
-    assert!(text.contains("use `--view log`"), "{text}");
+    assert!(text.contains("`--view log`"), "{text}");
 
     let screen = Screen::start(&run(&["--output", "transcript"]), 80, 24);
     screen.wait_for_text("down H");

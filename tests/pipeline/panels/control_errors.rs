@@ -91,7 +91,7 @@ fn chords_consist_of_known_keys_that_can_be_pressed_together() {
             ),
             (
                 r#"(keys: "A B", action: Key("Ex"))"#,
-                "4:37: unknown key `Ex`, did you mean `X`?",
+                "4:37: unknown key `Ex`, did you mean `E`?",
             ),
             (
                 r#"(keys: "A B", action: Key("X"), latch: Lock)"#,
@@ -183,7 +183,7 @@ fn a_radio_group_has_at_least_two_distinct_options() {
             ),
             (
                 r#"(name: "R", options: [(name: "A", at_mm: (0, 0)), (name: "B", at_mm: (3, 0))])"#,
-                "2:68: the radio option `B` overlaps the radio option `A` of line 2",
+                "2:68: the radio option `B` overlaps the radio option `A` of line 2 by 14 mm",
             ),
         ],
         |radio| refusal(&format!("radios: [{radio}]"), ""),
@@ -233,7 +233,7 @@ fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
         &[
             (
                 r#"(name: "T", when: Angle(dof: "index-flexion", on_deg: 60, off_deg: 50))"#,
-                "4:42: unknown degree of freedom `index-flexion`, did you mean `index-dip-flexion`?",
+                "4:42: unknown degree of freedom `index-flexion`, did you mean `index-mcp-flexion`?",
             ),
             (
                 r#"(name: "T", when: Angle(dof: "wrist-flexion", on_deg: 60, off_deg: 60))"#,
@@ -273,7 +273,7 @@ fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
             ),
             (
                 r#"(name: "T", when: Pinch(finger: "index"), output: Axis("LeftZ"))"#,
-                "4:68: unknown axis `LeftZ`, did you mean `LeftY`?",
+                "4:68: unknown axis `LeftZ`, did you mean `LeftX`?",
             ),
         ],
         |trigger| refusal(keys, &format!("triggers: [{trigger}]")),

@@ -42,7 +42,7 @@ fn an_error_of_a_slider_has_its_position() {
         ),
         (
             slider("output: Axis(\"LeftZ\")"),
-            "unknown axis `LeftZ`, did you mean `LeftY`?",
+            "unknown axis `LeftZ`, did you mean `LeftX`?",
         ),
         (
             slider("output: ScrolY(1)"),
@@ -158,7 +158,7 @@ fn controls_that_overlap_or_share_a_name_are_refused() {
         refusal(
             "sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50)],\nknobs: [(name: \"K\", at_mm: (30, 0), diameter_mm: 40)]"
         ),
-        "3:17: the knob `K` overlaps the slider `S` of line 2"
+        "3:17: the knob `K` overlaps the slider `S` of line 2 by 15 mm"
     );
     assert_eq!(
         refusal(

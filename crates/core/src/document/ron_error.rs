@@ -36,6 +36,9 @@ pub(super) fn explain(text: &str, error: &SpannedError, format: &Format) -> Expl
     if let Some(hash) = hash_comment(text, range.start) {
         return Explained::new(hash, "a comment begins with `//`, not with `#`");
     }
+    if let Some(quote) = unclosed_quote(text, range.start, &error.code) {
+        return Explained::new(quote, "the text has no closing quote");
+    }
     if matches!(
         error.code,
         Error::ExpectedComma | Error::Eof | Error::ExpectedArrayEnd
@@ -274,6 +277,27 @@ fn hash_comment(text: &str, offset: usize) -> Option<Range<usize>> {
     // `#![enable(…)]` and `r#"…"#` are RON.
     let is_ron = text[hash..].starts_with("#!") || text[..hash].ends_with(['r', '"', '#']);
     (!is_ron).then(|| hash..hash + 1)
+}
+
+/// Returns the first line of a text in quotes whose closing quote is missing, if that is the cause of the error: the next quote,
+/// in a later line, seemed to close it, and what is in that line's quotes follows directly.
+fn unclosed_quote(text: &str, offset: usize, error: &Error) -> Option<Range<usize>> {
+    let mut quoted = scan::tokens(text).filter(|token| token.kind == TokenKind::Quoted);
+    let found = match error {
+        Error::ExpectedStringEnd => quoted.last()?,
+        Error::ExpectedComma
+        | Error::ExpectedMapColon
+        | Error::ExpectedArrayEnd
+        | Error::ExpectedMapEnd
+        | Error::ExpectedStructLikeEnd => quoted.find(|token| token.range.end == offset)?,
+        _ => return None,
+    };
+    let slice = &text[found.range.clone()];
+    let (line, _) = slice.split_once('\n')?;
+    let start = found.range.start;
+    slice
+        .starts_with('"')
+        .then(|| start..start + line.trim_end().len())
 }
 
 /// Returns the message for brackets that do not match, if they are the cause.

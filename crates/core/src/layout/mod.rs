@@ -9,6 +9,7 @@
 //! ```
 
 mod arm;
+mod board_overlap;
 mod board_shape;
 mod builder;
 mod controls;
@@ -21,6 +22,7 @@ mod glove_edit;
 mod hover;
 mod keys;
 mod load;
+mod mirror;
 mod model;
 mod outline;
 mod placement;
@@ -28,6 +30,7 @@ pub mod quantity;
 mod render;
 mod schema;
 
+pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
 pub use edit::{move_boards, scale_boards};
 pub use fields::field_tables;
@@ -35,6 +38,7 @@ pub use fit::Fit;
 pub use glove::Glove;
 pub use glove_edit::write_calibration;
 pub use hover::Hover;
+pub use mirror::mirror_layout;
 pub use model::{
     BASE_LAYER, Board, Control, ControlKind, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, POINTER,
     SpaceTargets,

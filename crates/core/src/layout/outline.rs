@@ -43,22 +43,29 @@ impl Outline {
 
     /// Returns `true` if the outlines share more than an edge.
     pub fn overlaps(&self, other: &Self) -> bool {
+        self.overlap_depth(other) > OVERLAP_TOLERANCE
+    }
+
+    /// Returns the distance by which one outline has to move so that they only touch, in metres; 0 or negative if they do not
+    /// overlap.
+    pub(super) fn overlap_depth(&self, other: &Self) -> f32 {
         let offset = other.center - self.center;
         match (self.shape, other.shape) {
-            (Shape::Disc(a), Shape::Disc(b)) => offset.length() < a + b - OVERLAP_TOLERANCE,
+            (Shape::Disc(a), Shape::Disc(b)) => a + b - offset.length(),
             (Shape::Box(half), Shape::Disc(radius)) => {
-                disc_overlaps_box(self.local(offset), half, radius)
+                depth_in_box(self.local(offset), half, radius)
             }
             (Shape::Disc(radius), Shape::Box(half)) => {
-                disc_overlaps_box(other.local(-offset), half, radius)
+                depth_in_box(other.local(-offset), half, radius)
             }
             // Separating axis theorem.
             (Shape::Box(_), Shape::Box(_)) => {
-                self.axes().into_iter().chain(other.axes()).all(|axis| {
-                    offset.dot(axis).abs()
-                        < self.half_extent_along(axis) + other.half_extent_along(axis)
-                            - OVERLAP_TOLERANCE
-                })
+                let axes = self.axes().into_iter().chain(other.axes());
+                let depths = axes.map(|axis| {
+                    self.half_extent_along(axis) + other.half_extent_along(axis)
+                        - offset.dot(axis).abs()
+                });
+                depths.fold(f32::INFINITY, f32::min)
             }
         }
     }
@@ -81,10 +88,11 @@ impl Outline {
     }
 }
 
-/// Returns `true` if a disc overlaps the box with these half extents around the origin.
-fn disc_overlaps_box(center: Vec2, half: Vec2, radius: f32) -> bool {
-    let nearest = center.clamp(-half, half);
-    (center - nearest).length() < radius - OVERLAP_TOLERANCE
+/// Returns the depth of a disc in the box with these half extents around the origin.
+fn depth_in_box(center: Vec2, half: Vec2, radius: f32) -> f32 {
+    let beyond = center - center.clamp(-half, half);
+    let inside = (half - center.abs()).min_element().max(0.0);
+    radius - beyond.length() + inside
 }
 
 /// Returns the indices of two overlapping outlines, the smaller index first, or `None` if there is no overlap.
@@ -170,6 +178,17 @@ mod tests {
             ..disc(0.002, 0.002)
         };
         assert!(square(0.0, 0.0, 0.3).overlaps(&small) && small.overlaps(&disc(0.0, 0.0)));
+    }
+
+    #[test]
+    fn the_depth_is_the_way_out() {
+        let depth = |one: Outline, other: Outline| (one.overlap_depth(&other) * 1e4).round() / 10.0;
+        let upright = square(0.0, 0.0, 0.0);
+        assert_eq!(depth(upright, square(0.018, 0.005, 0.0)), 2.0);
+        assert_eq!(depth(disc(0.0, 0.0), disc(0.0, 0.015)), 5.0);
+        assert_eq!(depth(upright, disc(0.017, 0.0)), 3.0);
+        assert_eq!(depth(disc(0.004, 0.0), upright), 16.0, "from the inside");
+        assert_eq!(depth(upright, square(0.023, 0.0, 0.0)), -3.0);
     }
 
     #[test]

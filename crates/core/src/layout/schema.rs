@@ -37,6 +37,10 @@ impl FieldType for Label {
 impl<'de> Deserialize<'de> for Label {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
+        if text.contains('\n') {
+            let message = "the label has a line break: is its closing quote missing?";
+            return Err(D::Error::custom(message));
+        }
         let length = text.chars().count();
         if length == 0 || length > MAX_LABEL_LENGTH {
             return Err(D::Error::custom(format!(

@@ -22,13 +22,13 @@ mod wearer;
 
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
-pub use score::{TypingScore, error_rate, words_per_minute};
+pub use score::{EditCounts, TypingScore, error_rate, words_per_minute};
 pub use script::Script;
 pub use sensor::{JointSensor, Sensor};
 pub use settings::TypistSettings;
 pub use simulated_hand::GloveCounts;
 pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
-pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
+pub use typing_hand::{Miss, REACH_TOLERANCE, TapPath, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
 pub use wearer::{GloveFault, GloveSensors, SightedTypist, SimulatedWearer};

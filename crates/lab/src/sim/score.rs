@@ -9,27 +9,97 @@ pub struct TypingScore {
     pub presented: String,
     /// Text that was typed.
     pub typed: String,
-    /// Words per minute; a word is five characters.
+    /// Words per minute of the characters that are correct; a word is five characters.
     pub words_per_minute: f64,
     /// MSD error rate, 0..=1: the edit distance divided by the length of the longer text.
     pub error_rate: f64,
+    /// The characters of a shortest edit.
+    pub edits: EditCounts,
+}
+
+/// The characters of a shortest edit of the presented text into the typed one; of several, the one with the most correct characters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EditCounts {
+    /// Typed as presented.
+    pub correct: usize,
+    /// Typed in place of another one.
+    pub substitutions: usize,
+    /// Typed without being presented.
+    pub insertions: usize,
+    /// Presented without being typed.
+    pub deletions: usize,
+}
+
+impl EditCounts {
+    /// Compares two texts.
+    pub fn new(presented: &str, typed: &str) -> Self {
+        let presented: Vec<char> = presented.chars().collect();
+        // Row by row of the usual table: the counts for the first characters of both texts.
+        let first = Self::default();
+        let insert = |before: Self| Self {
+            insertions: before.insertions + 1,
+            ..before
+        };
+        let delete = |before: Self| Self {
+            deletions: before.deletions + 1,
+            ..before
+        };
+        let mut row: Vec<Self> = std::iter::successors(Some(first), |before| Some(delete(*before)))
+            .take(presented.len() + 1)
+            .collect();
+        for typed in typed.chars() {
+            let mut diagonal = row[0];
+            row[0] = insert(row[0]);
+            for (index, &wanted) in presented.iter().enumerate() {
+                let paired = match wanted == typed {
+                    true => Self {
+                        correct: diagonal.correct + 1,
+                        ..diagonal
+                    },
+                    false => Self {
+                        substitutions: diagonal.substitutions + 1,
+                        ..diagonal
+                    },
+                };
+                diagonal = row[index + 1];
+                let others = [insert(diagonal), delete(row[index])];
+                row[index + 1] = others.into_iter().fold(paired, Self::better);
+            }
+        }
+        row[presented.len()]
+    }
+
+    /// Returns the number of edits: the Levenshtein distance.
+    pub fn errors(&self) -> usize {
+        self.substitutions + self.insertions + self.deletions
+    }
+
+    fn better(self, other: Self) -> Self {
+        let rank = |counts: &Self| (counts.errors(), usize::MAX - counts.correct);
+        match rank(&other) < rank(&self) {
+            true => other,
+            false => self,
+        }
+    }
 }
 
 impl TypingScore {
     /// Scores `typed` against `presented`; `first` and `last` are the times of the first and the last event.
     pub fn new(presented: &str, typed: &str, first: Timestamp, last: Timestamp) -> Self {
+        let edits = EditCounts::new(presented, typed);
         Self {
             presented: presented.to_owned(),
             typed: typed.to_owned(),
-            words_per_minute: words_per_minute(typed, last.since(first).as_secs_f64()),
+            words_per_minute: words_per_minute(edits.correct, last.since(first).as_secs_f64()),
             error_rate: error_rate(presented, typed),
+            edits,
         }
     }
 }
 
-/// Returns (length − 1) / seconds × 60 / 5 (Wobbrock 2007); 0 for fewer than two characters or no time.
-pub fn words_per_minute(typed: &str, seconds: f64) -> f64 {
-    let length = typed.chars().count();
+/// Returns (length − 1) / seconds × 60 / 5 (Wobbrock 2007) for a text of `length` characters; 0 for fewer than two characters or no
+/// time.
+pub fn words_per_minute(length: usize, seconds: f64) -> f64 {
     if length < 2 || seconds <= 0.0 {
         return 0.0;
     }
@@ -52,9 +122,49 @@ mod tests {
 
     #[test]
     fn sixty_one_characters_per_minute_are_twelve_words() {
-        assert_eq!(words_per_minute(&"x".repeat(61), 60.0), 12.0);
-        assert_eq!(words_per_minute("x", 60.0), 0.0);
-        assert_eq!(words_per_minute("xx", 0.0), 0.0);
+        assert_eq!(words_per_minute(61, 60.0), 12.0);
+        assert_eq!(words_per_minute(1, 60.0), 0.0);
+        assert_eq!(words_per_minute(2, 0.0), 0.0);
+    }
+
+    #[test]
+    fn wrong_characters_do_not_raise_the_speed() {
+        let speed = |typed: &str| {
+            let minute = Timestamp(60_000_000);
+            TypingScore::new("a hand types", typed, Timestamp(0), minute).words_per_minute
+        };
+        let correct = speed("a hand types");
+        assert!((correct - 2.2).abs() < 1e-9, "{correct}");
+        assert_eq!(speed("aa hhanndd ttyyppees"), correct);
+        assert!(speed("a xxxx types") < correct);
+    }
+
+    #[test]
+    fn the_edits_add_up_to_both_texts_and_to_the_levenshtein_distance() {
+        let counts = |correct, substitutions, insertions, deletions| EditCounts {
+            correct,
+            substitutions,
+            insertions,
+            deletions,
+        };
+        assert_eq!(EditCounts::new("hand", "hond"), counts(3, 1, 0, 0));
+        assert_eq!(EditCounts::new("hand", "hands"), counts(4, 0, 1, 0));
+        assert_eq!(EditCounts::new("hand", "and"), counts(3, 0, 0, 1));
+        assert_eq!(EditCounts::new("", "ab"), counts(0, 0, 2, 0));
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut text = || -> String {
+            let length = random.usize(0..12);
+            (0..length).map(|_| random.char('a'..='c')).collect()
+        };
+        for _ in 0..500 {
+            let (presented, typed) = (text(), text());
+            let found = EditCounts::new(&presented, &typed);
+            let distance = strsim::levenshtein(&presented, &typed);
+            assert_eq!(found.errors(), distance, "{presented} {typed}");
+            let paired = found.correct + found.substitutions;
+            assert_eq!(paired + found.deletions, presented.len());
+            assert_eq!(paired + found.insertions, typed.len());
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::action::TargetPoint;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::estimate::{AffineMap, ChannelMap, Estimate, JointAngles, JointLimits};
-use crate::hand::{Dof, Finger, Joint};
+use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{
     ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik, typing_angle,
 };
@@ -67,6 +67,29 @@ pub struct TapPath {
     pub hover: Vec3,
     /// Position with the key fully pressed.
     pub bottom: Vec3,
+}
+
+/// The way from the nearest position of the fingertip to a position out of reach, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// Its length; infinity if the scene or the arm lacks the target or its anchor.
+    pub distance: f64,
+    /// Horizontally away from the elbow; negative if the position is too near.
+    pub outward: f32,
+    /// Upwards.
+    pub up: f32,
+    /// To the right, seen from the elbow.
+    pub right: f32,
+}
+
+impl Miss {
+    /// The miss of a target without a position.
+    pub const NO_POSITION: Self = Self {
+        distance: f64::INFINITY,
+        outward: 0.0,
+        up: 0.0,
+        right: 0.0,
+    };
 }
 
 /// A target that the fingertip can press. Heights are those of the fingertip's pad above the front of the target.
@@ -141,6 +164,11 @@ impl TypingHand {
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
         }
         .at_rest()
+    }
+
+    /// Returns the side.
+    pub fn side(&self) -> Side {
+        self.arm.side()
     }
 
     /// Returns the arm.
@@ -339,9 +367,8 @@ impl TypingHand {
         }
     }
 
-    /// Returns the path of a tap on the center of a target. The error is the distance in metres by which the target is
-    /// out of reach; infinity if the scene or the arm lacks the target or its anchor.
-    pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, f64> {
+    /// Returns the path of a tap on the center of a target. The error is the way by which the target is out of reach.
+    pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, Miss> {
         self.tap_path_at(scene, target, Vec2::ZERO)
     }
 
@@ -351,18 +378,36 @@ impl TypingHand {
         scene: &Scene,
         target: TargetId,
         offset: Vec2,
-    ) -> Result<TapPath, f64> {
-        let reach_target = self.reach_target(scene, target).ok_or(f64::INFINITY)?;
+    ) -> Result<TapPath, Miss> {
+        let reach_target = self.reach_target(scene, target);
+        let reach_target = reach_target.ok_or(Miss::NO_POSITION)?;
         let tip = |height| reach_target.tip_position(TargetPoint { target, offset }, height);
         let path = TapPath {
             hover: tip(reach_target.hover_height),
             bottom: tip(reach_target.bottom_height),
         };
-        let distance = self.reach(path.bottom, &mut self.rest_values(), &[]);
-        match distance > REACH_TOLERANCE {
-            true => Err(distance),
-            false => Ok(path),
+        match self.miss(path.bottom) {
+            Some(miss) => Err(miss),
+            None => Ok(path),
         }
+    }
+
+    /// Returns the way from the nearest position of the fingertip to `tip` (world, metres); `None` if `tip` is within reach.
+    pub fn miss(&self, tip: Vec3) -> Option<Miss> {
+        let mut values = self.rest_values();
+        let distance = self.reach(tip, &mut values, &[]);
+        if distance <= REACH_TOLERANCE {
+            return None;
+        }
+        let way = tip - self.tip(&values);
+        let from_elbow = (tip - self.elbow()) * Vec3::new(1.0, 0.0, 1.0);
+        let outward = from_elbow.normalize_or(Vec3::NEG_Z);
+        Some(Miss {
+            distance,
+            outward: way.dot(outward),
+            up: way.y,
+            right: way.dot(outward.cross(Vec3::Y)),
+        })
     }
 
     /// Returns the geometry of a target; `None` if the scene or the arm lacks the target or its anchor.

@@ -208,7 +208,12 @@ fn simulated_hand(
     };
     let text = text::choose(choice, &setup.layout)?;
     let hand = setup.typist(&text, line, args.noise, args.seed)?;
-    Ok((Task::type_text(text), hand))
+    let others = match args.noise > 0.0 {
+        true => "; other seeds give other figures",
+        false => "",
+    };
+    let conditions = format!("--noise {} --seed {}{others}", args.noise, args.seed);
+    Ok((Task::type_text(text, conditions), hand))
 }
 
 fn noise(text: &str) -> Result<f64, String> {

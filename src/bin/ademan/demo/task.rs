@@ -6,6 +6,7 @@ use ademan::contact::TargetNames;
 use ademan::device::{EventKind, OutputEvent};
 use ademan::layout::Layout;
 use ademan::output::transcript::EventLine;
+use ademan::session::counted;
 use ademan::sim::{PlaybackStats, TypingScore, UsTextField};
 use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
@@ -21,6 +22,8 @@ pub enum Task {
         field: UsTextField,
         first: Option<Timestamp>,
         last: Timestamp,
+        /// The noise of the sensors and its seed, on which the quality depends.
+        conditions: String,
     },
     /// Plays a script and collects all events.
     Play {
@@ -31,12 +34,13 @@ pub enum Task {
 }
 
 impl Task {
-    pub fn type_text(text: String) -> Self {
+    pub fn type_text(text: String, conditions: String) -> Self {
         Self::Type {
             text,
             field: UsTextField::new(),
             first: None,
             last: Timestamp(0),
+            conditions,
         }
     }
 
@@ -119,6 +123,7 @@ impl Task {
                 field,
                 first,
                 last,
+                conditions,
             } => {
                 let first = first.unwrap_or_default();
                 let score = TypingScore::new(text, field.text(), first, *last);
@@ -126,12 +131,21 @@ impl Task {
                 if playback.is_cancelled {
                     return Ok(());
                 }
+                let edits = score.edits;
                 writeln!(
                     out,
-                    "quality    {:.1} words/min (simulated), {:.2} % character error rate",
+                    "quality    {:.1} words/min of correct text (simulated), {:.2} % character error rate",
                     score.words_per_minute,
                     score.error_rate * 100.0
-                )
+                )?;
+                writeln!(
+                    out,
+                    "errors     {}, {}, {}",
+                    counted(edits.substitutions as u64, "substitution"),
+                    counted(edits.insertions as u64, "insertion"),
+                    counted(edits.deletions as u64, "deletion")
+                )?;
+                writeln!(out, "rests on   1 run with {conditions}")
             }
             Self::Play { names, events, .. } => {
                 for event in merge(events).iter().filter(|_| !is_printed) {

@@ -3,15 +3,17 @@
 //! A command that runs a session [starts](start) a queue with a thread of its own, so that no message delays a release.
 //! A full queue drops messages, and their number is printed once the stream accepts data again. The other commands print at once.
 //! While the live view covers the terminal, messages are [held](hold) for it, and written to standard error when it ends.
-//! Text of others is escaped, and log messages are limited by kind and source. A log file has a queue of its own.
+//! Text of others is escaped, and log messages are limited by kind and source. A log file has a queue of its own. On a terminal,
+//! lines break between words.
 
 mod args;
 mod log;
 mod log_file;
 mod queue;
 mod stream;
+mod terminal_width;
+mod wrap;
 
-use std::io::{self, Write};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -90,7 +92,7 @@ fn print_line(message: &str, is_hidden: bool) {
         Some(queue) => queue.push(line),
         // The test harness captures only what is written by the macro.
         None if cfg!(test) => eprint!("{line}"),
-        None => _ = io::stderr().write_all(line.as_bytes()),
+        None => _ = stream::write_to_terminal(&line),
     }
 }
 

@@ -4,6 +4,9 @@ use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::terminal_width;
+use super::wrap::wrapped;
+
 /// Lines that are kept for standard error until the view ends.
 const CAPACITY: usize = 256;
 
@@ -71,6 +74,12 @@ impl Held {
     }
 }
 
+/// Writes whole lines to standard error, which break between words if it is a terminal.
+pub fn write_to_terminal(lines: &str) -> io::Result<()> {
+    let columns = terminal_width::columns().unwrap_or_default();
+    io::stderr().write_all(wrapped(lines, columns).as_bytes())
+}
+
 /// The writer of all messages.
 pub struct MessageStream;
 
@@ -89,17 +98,16 @@ impl Write for MessageStream {
             held.take()
         };
         // Without the lock: standard error may block.
-        let mut stream = io::stderr();
         if let Some(kept) = kept {
-            stream.write_all(kept.as_bytes())?;
+            write_to_terminal(&kept)?;
         }
-        stream.write_all(bytes)
+        write_to_terminal(&String::from_utf8_lossy(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
         let kept = lock().take();
         match kept {
-            Some(kept) => io::stderr().write_all(kept.as_bytes()),
+            Some(kept) => write_to_terminal(&kept),
             None => Ok(()),
         }
     }

@@ -123,6 +123,20 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
         self.is_searching = false;
     }
 
+    /// Skips a line without its end: a number that was cut is another number.
+    fn finish_cut(&mut self, _: &mut dyn FnMut(Packet)) {
+        let bytes = self.stats.bytes - self.line_start;
+        if bytes == 0 {
+            return;
+        }
+        if self.is_skipping || !self.line.trim_ascii().is_empty() {
+            self.stats.invalid.count(InvalidPacket::Truncated);
+            let text = "the last line has no line end";
+            self.last_error = Some(PacketError::new(InvalidPacket::Truncated, text.to_owned()));
+        }
+        self.reset();
+    }
+
     fn reset(&mut self) {
         self.stats.skipped_bytes += self.stats.bytes - self.line_start;
         self.line_start = self.stats.bytes;

@@ -299,6 +299,12 @@ pub trait Decoder: Send {
     /// Ends the stream or datagram: emits a packet that only waited for confirmation and skips the rest.
     fn finish(&mut self, emit: &mut dyn FnMut(Packet));
 
+    /// Ends a stream that may have been cut anywhere, as a pipe whose writer was killed. The default is
+    /// [`finish`](Self::finish), for packets that show whether they are complete.
+    fn finish_cut(&mut self, emit: &mut dyn FnMut(Packet)) {
+        self.finish(emit);
+    }
+
     /// Returns `true` if the pending bytes may be a packet that a pause of the stream confirms.
     fn awaits_pause(&self) -> bool {
         false

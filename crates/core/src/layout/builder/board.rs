@@ -258,10 +258,12 @@ impl<'a> LayoutBuilder<'a> {
         let Some((first, second)) = first_overlap(&outlines) else {
             return Ok(());
         };
-        let [(_, first), (_, second)] = [first, second].map(|index| self.board.outlines[index]);
+        let [(outline, first), (other, second)] =
+            [first, second].map(|index| self.board.outlines[index]);
         let line = line_number(self.text(), first.slice);
+        let depth_mm = (f64::from(outline.overlap_depth(&other)) * 1e5).round() / 1e2;
         let message = format!(
-            "the {} `{}` overlaps the {} `{}` of line {line}",
+            "the {} `{}` overlaps the {} `{}` of line {line} by {depth_mm} mm",
             second.kind, second.name, first.kind, first.name
         );
         Err(self.error(second.slice, message))

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use ademan::hand::{Finger, Side};
 use ademan::message::escape;
 use ademan::pipeline::PipelineState;
+use ademan::session::counted;
 use ademan::session::view::Fingertip;
 use ratatui::text::{Line, Span};
 
@@ -135,21 +136,24 @@ impl Picture<'_> {
     fn counts(&self, width: u16) -> Line<'static> {
         let state = &self.view.state;
         let counts = &state.counts;
-        let mut line = format!("{} readings", counts.received);
+        let mut line = counted(counts.received, "reading");
         // It is measured over a second.
         if state.readings_per_second > 0.0 {
             line += &format!(", {:.0}/s", state.readings_per_second);
         }
         let problems = [
-            (counts.rejected, "rejected"),
-            (counts.dropped, "dropped"),
-            (counts.losses, "losses of the device"),
-            (counts.stalls, "stalls"),
-            (counts.suppressed, "events suppressed"),
-            (counts.dropped_presses, "presses dropped"),
+            (counts.rejected, ["rejected"; 2]),
+            (counts.dropped, ["dropped"; 2]),
+            (
+                counts.losses,
+                ["loss of the device", "losses of the device"],
+            ),
+            (counts.stalls, ["stall", "stalls"]),
+            (counts.suppressed, ["event suppressed", "events suppressed"]),
+            (counts.dropped_presses, ["press dropped", "presses dropped"]),
         ];
-        for (count, name) in problems.iter().filter(|(count, _)| *count > 0) {
-            line += &format!(", {count} {name}");
+        for (count, names) in problems.iter().filter(|(count, _)| *count > 0) {
+            line += &format!(", {count} {}", names[usize::from(*count > 1)]);
         }
         if problems.iter().all(|(count, _)| *count == 0) {
             line += ", no losses";

@@ -136,3 +136,23 @@ fn without_utf_8_everything_is_ascii() {
         assert!(text.is_ascii(), "{layout}:\n{text}");
     }
 }
+
+#[test]
+fn one_loss_is_a_loss_and_two_are_losses() {
+    let shown = |losses: u64| {
+        let mut view = view("numpad");
+        let mut state = ViewState::clone(&view.state);
+        state.counts.losses = losses;
+        view.state = Arc::new(state);
+        let drawn = drawn(&view, COLORED, 120, 30);
+        let symbols = drawn.content().iter().map(|cell| cell.symbol());
+        symbols.collect::<String>()
+    };
+    assert!(shown(0).contains(", no losses"), "{}", shown(0));
+    assert!(shown(1).contains(", 1 loss of the device"), "{}", shown(1));
+    assert!(
+        shown(2).contains(", 2 losses of the device"),
+        "{}",
+        shown(2)
+    );
+}

@@ -1,0 +1,375 @@
+//! What a person meets on the first day: a glove or hand other than that of a layout, new files, a narrow terminal.
+
+use std::process::{Command, Stdio};
+
+use super::{Ended, ademan, file, run, text};
+
+#[test]
+fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = file(&folder, "setup.ron", "Setup(glove: \"lucidgloves\")");
+    let check = |layout: &str| {
+        run(["layout", "check", layout, "--setup", &setup])
+            .done()
+            .err
+    };
+    let message = check("qwerty-flat");
+    assert!(message.contains("controls out of reach"), "{message}");
+    assert!(message.contains("this glove measures no arm"), "{message}");
+    assert!(message.contains("such as `chords-five`"), "{message}");
+    assert!(!message.contains("nearer"), "{message}");
+    assert_eq!(check("chords-five"), "");
+    let setup = "Setup(source: \"serial:/dev/ttyUSB0?protocol=lucidgloves\", \
+                 arm_source: \"udp:127.0.0.1:9000?protocol=body-landmarks\")";
+    let setup = file(&folder, "camera.ron", setup);
+    let checked = run(["layout", "check", "qwerty-flat", "--setup", &setup]).done();
+    assert_eq!(checked.err, "", "a camera measures the arm");
+}
+
+#[test]
+fn a_board_that_is_too_near_is_said_to_be_too_near() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = |pose: &str| {
+        let text = format!(
+            "Layout(name: \"board\", boards: [(pose: (anchor: elbow, bearing_deg: 35, {pose}), rows: [(at_mm: (0, 0), keys: \"N\")])])"
+        );
+        let path = file(&folder, "board.ron", text);
+        run(["layout", "check", &path]).done().err
+    };
+    let near = board("forward_mm: 60, height_mm: -45");
+    assert!(
+        near.contains("out of reach") && near.contains("too near: move it away"),
+        "{near}"
+    );
+    let far = board("forward_mm: 900, height_mm: -45");
+    assert!(far.contains("move the board nearer"), "{far}");
+    let high = board("forward_mm: 300, height_mm: 400");
+    assert!(high.contains("too high: move it down"), "{high}");
+}
+
+#[test]
+fn a_left_handed_check_is_left_handed_and_a_mirrored_layout_passes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = file(&folder, "left.ron", "Setup(glove: \"unam-hc11-left\")");
+    let checked = run(["layout", "check", "qwerty-flat", "--setup", &setup]).done();
+    assert!(
+        checked.err.contains("controls out of reach"),
+        "{}",
+        checked.err
+    );
+    let command =
+        "`ademan layout new NAME --from qwerty-flat --mirror` copies it for the left hand";
+    assert!(checked.err.contains(command), "{}", checked.err);
+    let typed = |layout: &str| {
+        run([
+            "run",
+            &setup,
+            "--layout",
+            layout,
+            "--source",
+            "typist:hi",
+            "--output",
+            "transcript",
+            "--control",
+            "off",
+        ])
+    };
+    let refused = typed("qwerty-flat");
+    assert!(
+        refused.err.contains("for the right hand"),
+        "{}",
+        refused.err
+    );
+
+    let mine = text(&folder.path().join("mine.ron")).to_owned();
+    run(["layout", "new", &mine, "--from", "qwerty-flat", "--mirror"]).done();
+    for arguments in [
+        &["layout", "check", &mine][..],
+        &["layout", "check", &mine, "--setup", &setup],
+    ] {
+        assert_eq!(run(arguments).done().err, "", "{arguments:?}");
+    }
+    let typed = typed(&mine).done();
+    assert!(
+        typed.out.contains("down H") && typed.out.contains("down I"),
+        "{}",
+        typed.out
+    );
+}
+
+#[test]
+fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = file(&folder, "left.ron", "Setup(glove: \"unam-hc11-left\")");
+    let list = run(["layout", "list", "--json"]).done().out;
+    let list: serde_json::Value = serde_json::from_str(&list).unwrap();
+    let mut checked = 0;
+    for row in list.as_array().unwrap() {
+        let name = row["name"].as_str().unwrap();
+        let path = text(&folder.path().join(format!("left-{name}.ron"))).to_owned();
+        let created = run(["layout", "new", &path, "--from", name, "--mirror"]);
+        if name.contains("two") {
+            assert!(
+                created.err.contains("boards for both hands"),
+                "{}",
+                created.err
+            );
+            continue;
+        }
+        created.done();
+        let ended = run(["layout", "check", &path, "--setup", &setup]).done();
+        assert_eq!(ended.err, "", "{name}");
+        checked += 1;
+    }
+    assert!(checked > 15, "{checked}");
+}
+
+#[test]
+fn a_layout_that_does_not_fit_a_hand_is_not_called_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    let arc = "Layout(name: \"arc\", boards: [(pose: (anchor: elbow, bearing_deg: 35, height_mm: -45),\n\
+               shape: Arc(radius_mm: 320), rows: [(at_mm: (900, 0), keys: \"A\")])])";
+    let path = file(&folder, "arc.ron", arc);
+    let check = |hand: &str| run(["layout", "check", &path, "--hand", hand]);
+    assert!(check("100,500").done().out.contains("valid"));
+    let ended = check("300,100");
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert_eq!(ended.out, "", "{}", ended.err);
+    assert!(
+        ended.err.contains("beyond the ends of its arc"),
+        "{}",
+        ended.err
+    );
+}
+
+#[test]
+fn boards_in_one_place_are_a_warning_with_the_distance() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = |right_mm: i32, key: &str| {
+        format!(
+            "(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45, right_mm: {right_mm}), \
+             size_mm: Box(17, 17), rows: [(at_mm: (0, 0), keys: \"{key}\")]),"
+        )
+    };
+    let check = |right_mm: i32| {
+        let layout = format!(
+            "Layout(name: \"two\", boards: [{}{}])",
+            board(0, "A"),
+            board(right_mm, "B")
+        );
+        let path = file(&folder, "two.ron", layout);
+        (
+            run(["layout", "check", &path]).done().err,
+            run(["layout", "check", &path, "--json"]).done().out,
+        )
+    };
+    let (text, json) = check(15);
+    let warning = "boards 1 and 2 overlap by 2.0 mm at `A` and `B`";
+    assert!(
+        text.contains(warning) && json.contains(warning),
+        "{text}{json}"
+    );
+    let (text, _) = check(18);
+    assert_eq!(text, "");
+}
+
+#[test]
+fn wrong_names_in_a_setup_have_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (field, expected) in [
+        (
+            "output: \"desktp\"",
+            ":2:9: `output`: unknown output `desktp`, did you mean `desktop`?",
+        ),
+        (
+            "output: \"none:x\"",
+            ":2:9: `output`: the output `none:x` takes no argument",
+        ),
+        (
+            "panic_keys: [\"ControlLef\"]",
+            ":2:13: `panic_keys`: unknown key `ControlLef`, did you mean `ControlLeft`?",
+        ),
+        (
+            "panic_keys: [\"MouseLeft\"]",
+            ":2:13: `panic_keys`: `MouseLeft` is not a key of a keyboard",
+        ),
+    ] {
+        let setup = file(&folder, "wrong.ron", format!("Setup(\n{field},\n)"));
+        for command in ["run", "doctor"] {
+            let ended = run([command, &setup, "--source", "typist:a"]);
+            assert_eq!(ended.code, Some(2), "{}", ended.err);
+            assert!(
+                ended.err.contains(&format!("wrong.ron{expected}")),
+                "{}",
+                ended.err
+            );
+        }
+    }
+}
+
+/// A machine may have keyboards that this user can read: both commands agree all the same.
+#[test]
+fn doctor_finds_the_panic_keys_that_a_run_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = "Setup(source: \"typist:a\", panic_keys: [\"ControlLeft\", \"ControlRight\"])";
+    let setup = file(&folder, "setup.ron", setup);
+    let started = run(["run", &setup, "--output", "none", "--control", "off"]);
+    let checked = run(["doctor", &setup]);
+    let line = checked.out.lines().find(|line| line.contains("panic keys"));
+    let line = line.unwrap_or_else(|| panic!("{}", checked.out));
+    match started.err.contains("panic_keys: ") {
+        true => {
+            assert!(
+                line.starts_with("missing ") && line.contains(" needed "),
+                "{line}"
+            );
+            assert_eq!(checked.code, Some(1), "{}", checked.out);
+        }
+        false => assert!(line.starts_with("ok "), "{line}"),
+    }
+}
+
+#[test]
+fn a_new_setup_types_into_other_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = text(&folder.path().join("mine")).to_owned();
+    run(["setup", "new", &path]).done();
+    let checked = run(["doctor", &format!("{path}.ron"), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&checked.out).unwrap();
+    let checks = json["checks"].as_array().unwrap();
+    let needed = |name: &str| {
+        checks
+            .iter()
+            .any(|it| it["check"] == name && it["needed"] == true)
+    };
+    assert!(needed("display") || needed("compositor"), "{}", checked.out);
+}
+
+#[test]
+fn new_files_go_to_the_standard_output_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = |arguments: &str| {
+        let mut command = ademan(arguments.split(' '));
+        Ended::from(command.current_dir(folder.path()).output().unwrap())
+            .done()
+            .out
+    };
+    let root = env!("CARGO_MANIFEST_DIR");
+    let shipped = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
+    assert_eq!(printed("setup new -"), shipped("examples/setup.ron"));
+    assert!(printed("layout new - --from numpad").contains("Layout("));
+    assert!(printed("layout new - --from numpad --mirror").contains("hand: \"left\""));
+    assert!(printed("glove new -").contains("Glove("));
+    assert_eq!(
+        printed("script new - --from media"),
+        shipped("examples/scripts/media.txt")
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let install = |name: &str| {
+        let mut command = ademan(["system-files", name, "--install"]);
+        command
+            .env("HOME", folder.path())
+            .env_remove("XDG_DATA_HOME")
+            .env("XDG_CONFIG_HOME", folder.path().join("config"));
+        Ended::from(command.output().unwrap())
+    };
+    let written = folder.path().join("config/systemd/user/ademan.service");
+    let ended = install("unit").done();
+    assert!(ended.out.contains(text(&written)), "{}", ended.out);
+    let unit = std::fs::read_to_string(&written).unwrap();
+    let program = env!("CARGO_BIN_EXE_ademan");
+    for line in [
+        format!("ExecStart={program} run "),
+        format!("ExecStopPost=-{program} release-keys"),
+        format!("ExecPaths=/usr {program} "),
+    ] {
+        assert!(unit.contains(&line), "{line}");
+    }
+    assert!(!unit.contains("/usr/bin/ademan"));
+    install("desktop").done();
+    assert!(
+        folder
+            .path()
+            .join(".local/share/applications/ademan.desktop")
+            .is_file()
+    );
+    for (name, message) in [
+        ("unit", "exists"),
+        ("udev", "with sudo"),
+        ("all", "with sudo"),
+    ] {
+        let ended = install(name);
+        assert!(
+            ended.code != Some(0) && ended.err.contains(message),
+            "{}",
+            ended.err
+        );
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_break_between_words_on_a_narrow_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = file(&folder, "setup.ron", "Setup(glove: \"lucidgloves\")");
+    let program = env!("CARGO_BIN_EXE_ademan");
+    let command =
+        format!("stty rows 30 columns 60; exec {program} layout check qwerty-flat --setup {setup}");
+    let shown = Command::new("script")
+        .args(["--quiet", "--return", "--command", &command, "/dev/null"])
+        .env("SHELL", "/bin/sh")
+        .stdin(Stdio::null())
+        .output();
+    let shown = match shown {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            println!("SKIPPED: `script` of util-linux is not installed");
+            return;
+        }
+        shown => String::from_utf8(shown.unwrap().stdout).unwrap(),
+    };
+    let lines: Vec<&str> = shown.lines().filter(|line| !line.is_empty()).collect();
+    assert!(lines.len() > 3, "{shown}");
+    assert!(
+        lines.iter().all(|line| line.chars().count() <= 60),
+        "{shown}"
+    );
+    let words: Vec<&str> = shown.split_whitespace().collect();
+    let whole = run(["layout", "check", "qwerty-flat", "--setup", &setup]).done();
+    let messages = format!("{}{}", whole.out, whole.err);
+    assert_eq!(words, messages.split_whitespace().collect::<Vec<_>>());
+}
+
+#[test]
+fn the_bridge_of_the_webcam_asks_for_its_model_first() {
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/bridges/mediapipe_webcam.py"
+    );
+    for (arguments, model) in [
+        (&["no.task"][..], "hand_landmarker"),
+        (&["--holistic", "no.task"], "holistic_landmarker"),
+    ] {
+        let mut python = Command::new("python3");
+        let ended = match python.arg(script).args(arguments).output() {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                println!("SKIPPED: python3 is not installed");
+                return;
+            }
+            ended => Ended::from(ended.unwrap()),
+        };
+        let place = format!("https://ai.google.dev/edge/mediapipe/solutions/vision/{model}");
+        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        assert!(
+            ended.err.starts_with("there is no model file 'no.task'"),
+            "{}",
+            ended.err
+        );
+        assert!(ended.err.contains(&place), "{}", ended.err);
+    }
+}
