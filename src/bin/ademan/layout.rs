@@ -98,10 +98,10 @@ fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     let (text, origin) = match is_mirrored {
         true => {
             let document = Document::new(original.file.as_str(), original.text.as_str());
-            let origin = format!("{} for the other hand", original.file);
+            let origin = format!("a copy of {} for the other hand", original.file);
             (mirror_layout(&document)?, origin)
         }
-        false => (original.text, original.file),
+        false => (original.text, format!("a copy of {}", original.file)),
     };
     let text = new_file::renamed(&text, &original.name, &path);
     let next = "ademan layout check FILE && ademan demo --layout FILE";

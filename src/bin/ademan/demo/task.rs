@@ -14,6 +14,9 @@ use ademan::time::Timestamp;
 /// Longest excerpt of a script in one line, in characters.
 const MAX_EXCERPT: usize = 60;
 
+/// Events of a repeated script that are kept.
+const MAX_EVENTS: usize = 1000;
+
 /// A task and its result so far.
 pub enum Task {
     /// Types a text, which a text field with a US keymap receives.
@@ -24,12 +27,14 @@ pub enum Task {
         last: Timestamp,
         /// The noise of the sensors and its seed, on which the quality depends.
         conditions: String,
+        is_repeated: bool,
     },
     /// Plays a script and collects all events.
     Play {
         script: String,
         names: TargetNames,
         events: Vec<OutputEvent>,
+        is_repeated: bool,
     },
 }
 
@@ -41,6 +46,7 @@ impl Task {
             first: None,
             last: Timestamp(0),
             conditions,
+            is_repeated: false,
         }
     }
 
@@ -53,7 +59,15 @@ impl Task {
             script: short,
             names: layout.target_names(),
             events: Vec::new(),
+            is_repeated: false,
         }
+    }
+
+    /// Becomes a task that starts again at its end: only the last result is kept.
+    pub fn repeated(mut self, repeats: bool) -> Self {
+        let (Self::Type { is_repeated, .. } | Self::Play { is_repeated, .. }) = &mut self;
+        *is_repeated = repeats;
+        self
     }
 
     /// The predicate of a sentence about the hand.
@@ -76,15 +90,35 @@ impl Task {
     pub fn update(&mut self, snapshot: &Snapshot) {
         match self {
             Self::Type {
-                field, first, last, ..
+                text,
+                field,
+                first,
+                last,
+                is_repeated,
+                ..
             } => {
                 for event in &snapshot.events {
+                    if *is_repeated
+                        && field.text().len() >= text.len()
+                        && field.pressed().is_empty()
+                    {
+                        (*field, *first) = (UsTextField::new(), None);
+                    }
                     field.handle(event);
                     first.get_or_insert(event.time);
                     *last = event.time;
                 }
             }
-            Self::Play { events, .. } => events.extend(snapshot.events.iter().copied()),
+            Self::Play {
+                events,
+                is_repeated,
+                ..
+            } => {
+                if *is_repeated && events.len() > MAX_EVENTS {
+                    events.drain(..MAX_EVENTS / 2);
+                }
+                events.extend(snapshot.events.iter().copied());
+            }
         }
     }
 
@@ -124,6 +158,7 @@ impl Task {
                 first,
                 last,
                 conditions,
+                ..
             } => {
                 let first = first.unwrap_or_default();
                 let score = TypingScore::new(text, field.text(), first, *last);
