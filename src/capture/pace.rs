@@ -132,6 +132,7 @@ mod tests {
                 Sample::Channels(Channels {
                     full_scale: 255,
                     counts: Default::default(),
+                    unsent: Default::default(),
                 }),
             )))
         }

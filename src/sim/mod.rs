@@ -37,4 +37,4 @@ pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
 pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
-pub use wearer::{GloveFault, GloveSensors, SightedTypist, SimulatedWearer};
+pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};

@@ -281,6 +281,7 @@ mod tests {
         let channels = Channels {
             full_scale: 255,
             counts,
+            unsent: Default::default(),
         };
         let mut angles = JointAngles::default();
         angles.set(Dof::IndexMcpFlexion, 0.1 + 0.2);

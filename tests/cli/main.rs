@@ -24,6 +24,8 @@ mod haptics;
 mod help;
 mod holistic;
 #[cfg(target_os = "linux")]
+mod home_made_gloves;
+#[cfg(target_os = "linux")]
 mod idle;
 #[cfg(unix)]
 mod learning;

@@ -12,7 +12,7 @@ fn observe(
 ) -> Observations {
     let mut observations = Observations::default();
     for &pose in poses {
-        let channels = channels_of(&shipped()).into_iter().map(|channel| {
+        let channels = channels_of(shipped().rows()).into_iter().map(|channel| {
             let median = counts(pose, channel);
             ChannelObservation {
                 channel,
@@ -20,6 +20,7 @@ fn observe(
                 low: median - 1.0,
                 high: median + 1.0,
                 is_still: true,
+                is_sent: true,
             }
         });
         observations.insert(PoseObservation {

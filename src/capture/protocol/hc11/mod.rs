@@ -189,6 +189,7 @@ pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
     Channels {
         full_scale: u16::from(u8::MAX),
         counts: body.iter().copied().map(u16::from).collect(),
+        unsent: Default::default(),
     }
 }
 

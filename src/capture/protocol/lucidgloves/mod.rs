@@ -18,7 +18,7 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
 };
-use crate::capture::{Channels, Sample, SampleKind};
+use crate::capture::{ChannelSet, Channels, Sample, SampleKind};
 use crate::hand::Finger;
 
 /// The LucidGloves protocol.
@@ -180,7 +180,7 @@ impl Fields {
     /// Converts the values to counts of 0..=[`FULL_SCALE`]. Values outside 0..=`max` are clamped.
     ///
     /// A joint that the line does not name follows the curl of its finger. A finger without a value is
-    /// [unknown](Channels::UNKNOWN). A splay or stick without a value is at rest.
+    /// [unknown](Channels::UNKNOWN). A splay, stick or trigger without a value is at rest, and [unsent](Channels::unsent).
     pub fn channels(&self, max: u16) -> Channels {
         let count = |value: i64| {
             let value = value.clamp(0, i64::from(max)) as u32;
@@ -200,16 +200,34 @@ impl Fields {
         Channels {
             full_scale: FULL_SCALE,
             counts,
+            unsent: self.unsent(),
         }
+    }
+
+    /// Returns the channels with a value of its own in a line, of which this line names none.
+    fn unsent(&self) -> ChannelSet {
+        let splays = (SPLAY..).zip(self.splays);
+        let others = [
+            (STICK_X, self.stick[0]),
+            (STICK_Y, self.stick[1]),
+            (TRIGGER, self.trigger),
+        ];
+        let mut unsent = ChannelSet::NONE;
+        for (channel, value) in splays.chain(others) {
+            if value.is_none() {
+                unsent.insert(channel);
+            }
+        }
+        unsent
     }
 
     /// Returns the fields that a glove with a converter of [`FULL_SCALE`] sends for these channels.
     pub fn from_channels(channels: &Channels) -> Self {
         let value = |channel: usize| {
             let count = channels.counts.get(channel).copied();
-            count
-                .filter(|&count| count != Channels::UNKNOWN)
-                .map(i64::from)
+            let is_sent =
+                |count: &u16| *count != Channels::UNKNOWN && !channels.unsent.contains(channel);
+            count.filter(is_sent).map(i64::from)
         };
         let finger = |first: usize| std::array::from_fn(|index| value(first + index));
         Self {
