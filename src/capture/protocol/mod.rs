@@ -328,6 +328,11 @@ pub trait Decoder: Send {
         None
     }
 
+    /// Returns the feedback that the sender of the latest packet reads, if its packets tell. The default is that of the protocol.
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
+        None
+    }
+
     /// Returns `true` once after the stream showed that the sender has restarted.
     fn take_restart(&mut self) -> bool {
         false

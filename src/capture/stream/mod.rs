@@ -1,5 +1,6 @@
 //! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
+mod feedback_line;
 mod pending;
 mod warnings;
 
@@ -17,6 +18,7 @@ use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
 use super::{CaptureError, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 use crate::message::escape;
+use feedback_line::FeedbackLine;
 use pending::PendingReadings;
 
 /// Source that decodes the bytes of a connection.
@@ -30,7 +32,7 @@ pub(super) struct StreamSource<C> {
     /// The latest read may have left bytes behind.
     may_have_more: bool,
     /// Writes to the same connection, once it was [taken](Source::take_feedback_device).
-    feedback: Option<FeedbackDevice>,
+    feedback: FeedbackLine,
     state: State,
     decoder: Box<dyn Decoder>,
     /// Reason why the rest of the stream cannot be decoded. Reported after the pending readings.
@@ -81,7 +83,7 @@ impl<C: Connector> StreamSource<C> {
             cancel: None,
             is_polled: false,
             may_have_more: false,
-            feedback: None,
+            feedback: FeedbackLine::default(),
             state: State::Connected(connection),
             decoder,
             format_error: None,
@@ -186,6 +188,7 @@ impl<C: Connector> StreamSource<C> {
             self.decoder.finish(&mut emit);
         }
         self.format_error = self.decoder.take_error();
+        self.feedback.note(self.decoder.feedback());
         self.judge_bytes(now, has_packet);
         match &mut self.state {
             State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
@@ -331,7 +334,7 @@ impl<C: Connector> StreamSource<C> {
             sender.reset();
         }
         let reconnecting = State::Reconnecting(self.start_reconnect());
-        let writer = self.feedback.as_ref().map(FeedbackDevice::disconnect);
+        let writer = self.feedback.device().map(FeedbackDevice::disconnect);
         if let State::Connected(lost) = std::mem::replace(&mut self.state, reconnecting) {
             close_on_thread((lost, writer));
         }
@@ -377,7 +380,7 @@ impl<C: Connector> StreamSource<C> {
                 let (name, endpoint) = (&self.name, &connection.endpoint);
                 tracing::info!(source = name, "reconnected to {name} at {endpoint}");
                 self.last_received = Instant::now();
-                if let Some(device) = &self.feedback {
+                if let Some(device) = self.feedback.device() {
                     device.connect(connection.bytes.writer());
                 }
                 self.state = State::Connected(connection);
@@ -433,12 +436,7 @@ impl<C: Connector> Source for StreamSource<C> {
         let State::Connected(connection) = &self.state else {
             return None;
         };
-        if self.feedback.is_some() {
-            return None;
-        }
-        let device = FeedbackDevice::new(format);
-        device.connect(Some(connection.bytes.writer()?));
-        Some(self.feedback.insert(device).clone())
+        self.feedback.take(format, || connection.bytes.writer())
     }
 
     fn set_max_age(&mut self, age: Duration) {

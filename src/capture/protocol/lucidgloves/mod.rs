@@ -18,6 +18,7 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
 };
+use crate::capture::feedback::FeedbackFormat;
 use crate::capture::{ChannelSet, Channels, Sample, SampleKind};
 use crate::hand::Finger;
 
@@ -33,7 +34,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // A thumb with one digit.
     min_packet_bytes: 3,
     default_baud: std::num::NonZeroU32::new(115_200),
-    feedback: Some(&feedback::FORMAT),
+    feedback: Some(&feedback::ALPHA),
     options: &[&MAX, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(decoder(max(options))),
@@ -147,7 +148,7 @@ impl Fields {
     /// Reads a line without its line end, in either encoding. An error states why it is no packet.
     pub fn parse(line: &[u8]) -> Result<Self, PacketError> {
         let line = line.trim_ascii();
-        let fields = match line.contains(&b'&') {
+        let fields = match is_legacy(line) {
             true => legacy::parse(line)?,
             false => alpha::parse(line)?,
         };
@@ -249,11 +250,16 @@ impl Fields {
 #[derive(Clone, Copy, Debug)]
 pub struct LucidParser {
     max: u16,
+    /// The feedback in the encoding of the latest packet.
+    feedback: Option<&'static FeedbackFormat>,
 }
 
 /// Creates a decoder for a converter with values of 0..=`max`.
 pub fn decoder(max: u16) -> LineDecoder<LucidParser> {
-    LineDecoder::with_parser(LucidParser { max })
+    LineDecoder::with_parser(LucidParser {
+        max,
+        feedback: None,
+    })
 }
 
 impl LineParser for LucidParser {
@@ -262,9 +268,21 @@ impl LineParser for LucidParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let fields = Fields::parse(line)?;
+        self.feedback = Some(match is_legacy(line) {
+            true => &feedback::LEGACY,
+            false => &feedback::ALPHA,
+        });
         emit(Packet::new(Sample::Channels(fields.channels(self.max)), 0));
         Ok(())
     }
+
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
+        self.feedback
+    }
+}
+
+fn is_legacy(line: &[u8]) -> bool {
+    line.contains(&b'&')
 }
 
 /// Returns the error of a line that has not the form of a packet.
