@@ -356,3 +356,20 @@ fn home_made_gloves_are_shown_without_a_glove() {
     crate::Ended::from(ended).done();
     assert_eq!(read_glove(&folder, "found.ron").map.rows().len(), 15);
 }
+
+#[test]
+fn a_glove_whose_protocol_is_not_named_is_recognised() {
+    let wearer = Wearer::start(BUILD);
+    let source = format!("serial:{}", wearer.port());
+    let mut command = ademan(["run", "--source", &source]);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut program = Process::start(&mut command).expect("it starts");
+    let stderr = program.0.stderr.take().expect("it is piped");
+    let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
+    let line = lines.find(|line| line.contains("no valid packet"));
+    let line = line.expect("a warning");
+    assert!(
+        line.contains("looks like LucidGloves: add protocol=lucidgloves"),
+        "{line}"
+    );
+}

@@ -106,6 +106,14 @@ pub enum Carriers {
     Datagrams,
 }
 
+impl Protocol {
+    /// Returns what speaks the protocol: the start of its summary.
+    pub fn title(&self) -> &'static str {
+        let end = self.summary.find([',', ':']);
+        &self.summary[..end.unwrap_or(self.summary.len())]
+    }
+}
+
 impl PartialEq for Protocol {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name

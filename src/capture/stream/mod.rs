@@ -1,7 +1,9 @@
 //! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
+mod bit_rate;
 mod feedback_line;
 mod pending;
+mod unknown_bytes;
 mod warnings;
 
 use std::io::{Error, ErrorKind};
@@ -11,7 +13,6 @@ use super::cancel::CancelToken;
 use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
-use super::garbage::GarbageDetector;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
@@ -20,6 +21,7 @@ use crate::hand::Side;
 use crate::message::escape;
 use feedback_line::FeedbackLine;
 use pending::PendingReadings;
+use unknown_bytes::UnknownBytes;
 
 /// Source that decodes the bytes of a connection.
 pub(super) struct StreamSource<C> {
@@ -39,7 +41,7 @@ pub(super) struct StreamSource<C> {
     format_error: Option<String>,
     buffer: Vec<u8>,
     pending: PendingReadings,
-    garbage: GarbageDetector,
+    unknown: UnknownBytes,
     /// A byte has arrived, or the person was warned that none does.
     has_first_byte: bool,
     last_received: Instant,
@@ -90,7 +92,7 @@ impl<C: Connector> StreamSource<C> {
             buffer: vec![0; C::READ_BYTES],
             pending: PendingReadings::new(max_packets, C::IS_LIVE),
             format,
-            garbage: GarbageDetector::default(),
+            unknown: UnknownBytes::new(C::IS_DATAGRAM),
             has_first_byte: false,
             last_received: Instant::now(),
             back_off: BackOff::default(),
@@ -189,7 +191,7 @@ impl<C: Connector> StreamSource<C> {
         }
         self.format_error = self.decoder.take_error();
         self.feedback.note(self.decoder.feedback());
-        self.judge_bytes(now, has_packet);
+        self.judge_bytes(now, has_packet, length);
         match &mut self.state {
             State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
             _ => self.report_at = Some(now + NOISE_INTERVAL),
@@ -223,10 +225,12 @@ impl<C: Connector> StreamSource<C> {
         }
     }
 
-    /// Handles bytes that arrived at `now`: warns if they have formed no packet for too long. A packet resets the back-off.
-    fn judge_bytes(&mut self, now: Instant, has_packet: bool) {
-        if self.garbage.update(now, has_packet) {
-            warnings::garbage(&self.name, &self.last_error());
+    /// Handles the first `length` bytes of the buffer, which arrived at `now`: warns if bytes have formed no packet for too long. A
+    /// packet resets the back-off.
+    fn judge_bytes(&mut self, now: Instant, has_packet: bool, length: usize) {
+        if self.unknown.update(now, has_packet, &self.buffer[..length]) {
+            let likely = self.unknown.likely_format(&self.format);
+            warnings::garbage(&self.name, &self.last_error(), likely);
         }
         if has_packet {
             self.back_off = BackOff::default();
@@ -250,7 +254,7 @@ impl<C: Connector> StreamSource<C> {
                 has_packet = true;
                 pending.push(packet, now, received, format);
             });
-            self.judge_bytes(now, has_packet);
+            self.judge_bytes(now, has_packet, 0);
             return Ok(self.pending.pop().unwrap_or(SourceEvent::Idle));
         }
         if let Some(timeout) = C::FIRST_BYTE_TIMEOUT
@@ -291,13 +295,12 @@ impl<C: Connector> StreamSource<C> {
     }
 
     fn warn_if_nothing_was_valid(&self) {
-        if self.decoder.stats().readings == 0 && self.decoder.last_error().is_some() {
-            tracing::warn!(
-                source = self.name,
-                "no valid packet in {}{}",
-                self.name,
-                self.last_error()
-            );
+        if self.decoder.stats().readings > 0 {
+            return;
+        }
+        let likely = self.unknown.likely_format(&self.format);
+        if likely.is_some() || self.decoder.last_error().is_some() {
+            warnings::nothing_valid(&self.name, &self.last_error(), likely);
         }
     }
 
@@ -329,7 +332,7 @@ impl<C: Connector> StreamSource<C> {
         self.decoder.reset();
         self.may_have_more = false;
         self.format_error = None;
-        self.garbage = GarbageDetector::default();
+        self.unknown.clear();
         if let Some(sender) = &mut self.pending.sender {
             sender.reset();
         }
