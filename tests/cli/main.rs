@@ -53,6 +53,7 @@ mod source_recordings;
 mod terminal;
 mod text_line;
 mod traces;
+mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;
