@@ -53,32 +53,26 @@
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians,
 //! times in microseconds. Files for users have their units in the names of their fields, such as `pitch_mm`.
 
-// Types shared by every stage.
-pub mod time;
-pub mod message;
-pub mod names;
-pub mod hand;
-pub mod geometry;
+pub use ademan_core::{
+    calibrate, command, contact, device, document, estimate, geometry, hand, kinematics, layout,
+    message, names, pipeline, snapshot, time,
+};
+
+pub use ademan_lab::batch;
+
+// Types shared by every part.
 pub mod files;
-pub mod document;
-pub mod command;
+pub mod message_limits;
 pub mod advice;
 pub mod priority;
 #[cfg(not(target_family = "wasm"))]
 pub mod network;
 
-// Stages, in the order of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
+// The ends of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
 // for WebAssembly.
 pub mod capture;
-pub mod estimate;
-pub mod kinematics;
-pub mod contact;
-pub mod device;
 #[cfg(not(target_family = "wasm"))]
 pub mod output;
-pub mod layout;
-pub mod pipeline;
-pub mod snapshot;
 
 // Parts around the pipeline.
 #[cfg(not(target_family = "wasm"))]
@@ -87,8 +81,6 @@ pub mod trace;
 pub mod recorder;
 #[cfg(not(target_family = "wasm"))]
 pub mod share;
-pub mod batch;
-pub mod calibrate;
 pub mod sim;
 #[cfg(not(target_family = "wasm"))]
 pub mod setup;

@@ -10,10 +10,14 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 mod config;
+mod documents;
 mod replace;
+mod search;
 
 pub use config::{config_folder, in_config_folder, state_folder, transcript_folder};
+pub use documents::{Load, MAX_DOCUMENT_BYTES, OpenDocument};
 pub use replace::{replace_private_text, replace_text};
+pub use search::{own_gloves, own_layouts};
 
 #[cfg(unix)]
 mod unix;

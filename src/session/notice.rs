@@ -15,7 +15,8 @@ use crate::capture::{Haptics, SourceUri};
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet, Side};
-use crate::message::{HeldBack, escape, escape_line};
+use crate::message::{escape, escape_line};
+use crate::message_limits::HeldBack;
 use crate::share::{ShareFormat, ShareTarget};
 
 /// Notices that wait for the receiver of the user.

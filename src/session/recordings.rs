@@ -176,6 +176,7 @@ mod tests {
             angles: None,
             pose: None,
             touches: &[],
+            presses: &[],
             events: &[],
             commands: &[],
             executed: None,

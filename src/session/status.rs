@@ -6,7 +6,7 @@ use super::notice::Notice;
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
-use crate::message::MessageLimits;
+use crate::message_limits::MessageLimits;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Stats, StepView};
 

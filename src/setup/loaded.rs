@@ -212,7 +212,7 @@ impl LoadedSetup {
     pub fn layout_path<'a>(&self, layout: &'a Layout) -> Option<&'a str> {
         let mut documents = self.documents.iter();
         let (_, document) = documents.find(|(_, document)| document.file == layout.file)?;
-        let is_file = self.has_files && document.path().is_some();
+        let is_file = self.has_files && document.path.is_some();
         is_file.then_some(layout.file.as_str())
     }
 
@@ -257,7 +257,7 @@ impl LoadedSetup {
     /// Returns the path of the glove file of the first hand, or `None` if it comes with the program or a recording.
     pub fn glove_path(&self) -> Option<&str> {
         let document = self.glove_document()?;
-        let is_file = self.has_files && document.path().is_some();
+        let is_file = self.has_files && document.path.is_some();
         is_file.then_some(document.file.as_str())
     }
 

@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
+use crate::files::OpenDocument;
 use crate::message::escape_line;
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
@@ -249,7 +250,7 @@ impl Setup {
         let document = Document::open(path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;
         setup.check().map_err(|error| error.at_field(&document))?;
-        let folder = document.path().and_then(Path::parent);
+        let folder = document.path.as_deref().and_then(Path::parent);
         let folder = folder.unwrap_or(Path::new(""));
         for name in setup.file_names() {
             *name = Document::resolve(folder, name)?;

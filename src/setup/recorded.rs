@@ -9,6 +9,7 @@ use ron::ser::PrettyConfig;
 use super::{LoadedSetup, Setup, SetupError, kind};
 use crate::capture::recording::RecordedSetup;
 use crate::document::{Document, DocumentError};
+use crate::files::OpenDocument;
 
 /// Changes to the setup of a recording.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,8 +5,8 @@ use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::kinematics::ArmModel;
 use crate::message::escape;
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, Script, Sensor, SimulatedStream,
-    SimulatedTypist, TypistError, TypistSettings,
+    self, ActionError, ActionErrorKind, HandAction, Sensor, SimulatedStream, SimulatedTypist,
+    TypistError, TypistSettings, open_script,
 };
 
 impl LoadedSetup {
@@ -83,7 +83,7 @@ impl LoadedSetup {
         noise: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
-        let script = Script::open(path_or_text, &self.layout.target_names())?;
+        let script = open_script(path_or_text, &self.layout.target_names())?;
         let settings = TypistSettings {
             name: format!("script:{}", script.file()),
             packet_period: format.packet_period(),

@@ -222,6 +222,7 @@ impl Drop for Client {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::hand::Side;
     use crate::layout::Layout;
     use crate::network::MemoryStream;

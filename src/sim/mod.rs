@@ -1,40 +1,16 @@
-//! Simulated people: sources of readings for demos, tests and the scoring of layouts.
+//! Simulated people as sources of readings, for demos and tests.
 //!
-//! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
-//! the targets of a layout. Its [`Sensor`]s measure the hands, and a [`SimulatedStream`] passes the readings through the
-//! bytes of a protocol. A [`SimulatedWearer`] is a person in a glove that is not calibrated yet.
+//! A [`SimulatedTypist`] of the crate `ademan-lab` performs a text or a [`Script`]. A [`SimulatedStream`] passes its readings through the
+//! bytes of a protocol, and [`play`] writes them to lines at their pace.
 
-mod action;
-mod action_error;
-pub mod script;
-mod text_plan;
-mod typing_hand;
-mod movement;
-mod noise;
-mod planner;
-mod sensor;
-mod settings;
-mod simulated_hand;
-mod typist;
-mod repeated;
-mod stream;
+mod open_script;
 mod player;
-mod text_field;
-mod score;
-mod wearer;
+mod repeated;
+mod source;
+mod stream;
 
-pub use action::{HandAction, TargetPoint};
-pub use action_error::{ActionError, ActionErrorKind};
+pub use ademan_lab::sim::*;
+pub use open_script::open_script;
 pub use player::{PacketWriters, PlaybackStats, play};
 pub use repeated::RepeatedTypist;
-pub use score::{TypingScore, error_rate, words_per_minute};
-pub use script::Script;
-pub use sensor::{JointSensor, Sensor};
-pub use settings::TypistSettings;
-pub use simulated_hand::GloveCounts;
 pub use stream::{SimulatedStream, packet_period};
-pub use text_field::UsTextField;
-pub use text_plan::{PlanError, taps_for_text};
-pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
-pub use typist::{SimulatedTypist, TypistError};
-pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};

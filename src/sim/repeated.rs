@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::typist::SimulatedTypist;
+use super::SimulatedTypist;
 use crate::capture::{CaptureError, Source, SourceEvent, SourceStats};
 
 /// A [`SimulatedTypist`] without an end, for a viewer.

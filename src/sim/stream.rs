@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::typist::SimulatedTypist;
+use super::SimulatedTypist;
 use crate::capture::protocol::{Carriers, Decoder, Encoder, EncoderPlan, Packet};
 use crate::capture::{CaptureError, Reading, Source, SourceEvent, SourceStats, StreamFormat};
 use crate::hand::Side;

@@ -262,6 +262,7 @@ mod tests {
     use super::*;
     use crate::calibrate::observe_recording;
     use crate::document::Document;
+    use crate::files::Load;
     use crate::layout::{Glove, write_calibration};
 
     const STEP: Duration = Duration::from_millis(16);

@@ -96,7 +96,7 @@ pub const FAULTS: &[Fault] = &[
     fault(11, "no delimiter, endless bytes", Tests(&[
         ("tests/cli/faults/lines.rs", "bytes_without_a_delimiter_need_no_memory_and_the_packets_after_them_are_decoded"),
         ("tests/capture/serial.rs", "packets_after_a_megabyte_of_noise_are_decoded"),
-        ("src/capture/protocol/hc11/tests.rs", "a_megabyte_of_noise_gives_no_packet_and_a_bounded_buffer"),
+        ("crates/core/src/capture/protocol/hc11/tests.rs", "a_megabyte_of_noise_gives_no_packet_and_a_bounded_buffer"),
     ])),
     fault(12, "wrong baud", Tests(&[
         ("tests/cli/faults/lines.rs", "a_minute_of_noise_at_the_wrong_baud_types_nothing_is_reported_and_needs_no_memory"),
@@ -104,14 +104,14 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_when_the_glove_sends_noise"),
     ])),
     fault(13, "two packets in one read, one packet in twenty reads", Tests(&[
-        ("src/capture/protocol/hc11/tests.rs", "the_vectors_decode_alike_in_pieces_of_any_size"),
+        ("crates/core/src/capture/protocol/hc11/tests.rs", "the_vectors_decode_alike_in_pieces_of_any_size"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_9600_baud"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_115200_baud"),
         ("src/capture/stream/tests.rs", "readings_of_one_read_are_a_packet_period_apart"),
     ])),
     fault(14, "the microcontroller restarts in the middle of the stream", Tests(&[
         ("tests/cli/faults/lines.rs", "a_microcontroller_restart_releases_everything_and_disarms"),
-        ("src/capture/protocol/restart_text.rs", "lines_of_text_after_a_packet_are_one_restart"),
+        ("crates/core/src/capture/protocol/restart_text.rs", "lines_of_text_after_a_packet_are_one_restart"),
     ])),
     fault(15, "sequence numbers repeat or jump", Missing("no supported protocol has sequence numbers; times are row 20, and TLS checks its own order")),
     fault(16, "a sensor is railed", Tests(&[
@@ -136,7 +136,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(20, "datagrams out of order, twice, lost", Tests(&[
         (
-            "src/capture/protocol/markers/tests.rs",
+            "crates/core/src/capture/protocol/markers/tests.rs",
             "lines_that_are_late_or_come_twice_are_dropped_and_a_restarted_sender_is_accepted",
         ),
     ])),
@@ -169,30 +169,30 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
         ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_has_duplicate_keys_is_refused"),
-        ("src/command/tests.rs", "deeply_nested_json_is_refused"),
-        ("src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
-        ("src/capture/protocol/body_landmarks.rs", "a_number_of_a_megabyte_is_skipped_in_bounded_memory"),
+        ("crates/core/src/command/tests.rs", "deeply_nested_json_is_refused"),
+        ("crates/core/src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
+        ("crates/core/src/capture/protocol/body_landmarks.rs", "a_number_of_a_megabyte_is_skipped_in_bounded_memory"),
         ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything"),
         ("tests/cli/faults/files.rs", "numbers_that_no_sensor_can_measure_are_refused"),
-        ("src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
+        ("crates/core/src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
         ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
     ])),
     fault(30, "angles outside their limits, missing channels", Tests(&[
-        ("src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
+        ("crates/core/src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
         ("tests/pipeline/estimator.rs", "an_angle_slightly_outside_its_range_is_clamped_and_one_far_outside_rejects_the_reading"),
         ("tests/pipeline/estimator.rs", "readings_of_another_shape_are_rejected"),
-        ("src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
+        ("crates/core/src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
         ("tests/pipeline/arming.rs", "rejected_readings_do_not_prevent_a_stall"),
     ])),
     fault(31, "landmarks that coincide", Tests(&[
         ("tests/pipeline/body_landmarks.rs", "landmarks_that_show_no_arm_are_rejected_with_their_reason"),
-        ("src/estimate/arm_attributes/tests.rs", "a_pose_without_a_plane_or_a_length_is_refused"),
-        ("src/estimate/t_pose.rs", "a_body_without_a_direction_is_refused_by_name"),
+        ("crates/core/src/estimate/arm_attributes/tests.rs", "a_pose_without_a_plane_or_a_length_is_refused"),
+        ("crates/core/src/estimate/t_pose.rs", "a_body_without_a_direction_is_refused_by_name"),
         (
-            "src/estimate/samples/joints.rs",
+            "crates/core/src/estimate/samples/joints.rs",
             "positions_that_are_not_finite_far_away_or_all_the_same_are_rejected",
         ),
     ])),
@@ -207,7 +207,7 @@ pub const FAULTS: &[Fault] = &[
             "a_tracker_that_exchanges_left_and_right_releases_both_hands_and_presses_nothing_until_they_leave_the_keys",
         ),
         (
-            "src/capture/protocol/hand_landmarks/tests.rs",
+            "crates/core/src/capture/protocol/hand_landmarks/tests.rs",
             "a_mirrored_image_and_labels_that_assume_one_give_the_same_hand",
         ),
     ])),
@@ -220,7 +220,7 @@ pub const FAULTS: &[Fault] = &[
         ),
         ("tests/pipeline/joint_positions.rs", "a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading"),
         (
-            "src/estimate/samples/joints.rs",
+            "crates/core/src/estimate/samples/joints.rs",
             "a_hidden_tip_is_untrusted_and_a_hidden_elbow_distrusts_the_hand_after_200_ms",
         ),
     ])),
@@ -262,7 +262,7 @@ pub const FAULTS: &[Fault] = &[
     fault(42, "duplicate names, overlapping keys, sizes of zero or NaN", Tests(&[
         ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
         ("tests/pipeline/panels/handle_errors.rs", "controls_that_overlap_or_share_a_name_are_refused"),
-        ("src/layout/outline.rs", "touching_edges_do_not_overlap_and_a_tenth_of_a_millimetre_does"),
+        ("crates/core/src/layout/outline.rs", "touching_edges_do_not_overlap_and_a_tenth_of_a_millimetre_does"),
     ])),
     fault(43, "an unknown key, or a forbidden one", Tests(&[
         ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
@@ -409,8 +409,8 @@ pub const FAULTS: &[Fault] = &[
         ("src/output/desktop/tests/direct.rs", "what_was_written_together_with_a_revoked_press_is_revoked_too"),
     ])),
     fault(69, "a system chord in any order, by any controls", Tests(&[
-        ("src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
-        ("src/pipeline/output_gate/tests.rs", "keys_released_early_are_released_once_and_before_all_presses_of_the_step"),
+        ("crates/core/src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
+        ("crates/core/src/pipeline/output_gate/tests.rs", "keys_released_early_are_released_once_and_before_all_presses_of_the_step"),
         ("tests/outputs/x11/system_chords.rs", "switches_in_any_order_leave_control_and_alt_pressed_but_not_delete"),
         ("tests/fuzzing/main.rs", "the_pipeline_keeps_its_invariants"),
     ])),
@@ -428,8 +428,8 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(72, "a peer that causes messages", Tests(&[
         ("tests/cli/faults/message_floods.rs", "text_between_packets_causes_one_message_in_ten_seconds_and_a_count"),
-        ("src/message/limit.rs", "one_message_per_key_and_interval_is_sent_and_the_others_are_counted"),
-        ("src/message/limit.rs", "ever_new_sources_share_a_bounded_number_of_counters"),
+        ("src/message_limits.rs", "one_message_per_key_and_interval_is_sent_and_the_others_are_counted"),
+        ("src/message_limits.rs", "ever_new_sources_share_a_bounded_number_of_counters"),
     ])),
     fault(73, "a recording of a stranger with permissions, limits and paths", Tests(&[
         ("tests/cli/security/recordings.rs", "no_file_is_opened_because_a_recording_names_it"),
@@ -441,8 +441,8 @@ pub const FAULTS: &[Fault] = &[
     fault(74, "escape sequences and line breaks in names from files and peers", Tests(&[
         ("tests/cli/faults/names.rs", "names_of_layouts_files_and_sources_are_printed_escaped"),
         ("tests/cli/faults/names.rs", "the_answers_of_a_session_are_printed_escaped"),
-        ("src/message/escape.rs", "a_text_becomes_one_line_that_cannot_act_on_a_terminal"),
-        ("src/document/error.rs", "names_messages_and_excerpts_contain_no_escape_codes"),
+        ("crates/core/src/message/escape.rs", "a_text_becomes_one_line_that_cannot_act_on_a_terminal"),
+        ("crates/core/src/document/error.rs", "names_messages_and_excerpts_contain_no_escape_codes"),
     ])),
     fault(75, "an existing transcript: another owner, a symbolic link, mode 0666", Tests(&[
         ("tests/cli/security/files.rs", "an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refused"),
@@ -554,7 +554,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(92, "words of megabytes, and request targets of other servers", Tests(&[
         (FORGED, "no_command_prints_a_line_of_a_long_word"),
-        ("src/message/escape.rs", "a_megabyte_becomes_the_start_of_a_line"),
+        ("crates/core/src/message/escape.rs", "a_megabyte_becomes_the_start_of_a_line"),
         ("src/capture/transport/websocket/admission.rs", "only_a_path_of_this_server_is_a_request_target"),
         ("tests/cli/share/websocket.rs", "only_the_pages_of_this_address_are_served_and_only_to_it"),
     ])),

@@ -176,11 +176,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         "sources have roles",
         Status::Met(&[
             (
-                "src/pipeline/output_gate/tests.rs",
+                "crates/core/src/pipeline/output_gate/tests.rs",
                 "a_pointer_source_presses_no_keys_and_a_key_source_does_not_point",
             ),
             (
-                "src/pipeline/output_gate/tests.rs",
+                "crates/core/src/pipeline/output_gate/tests.rs",
                 "each_source_has_its_own_role_and_releases_need_none",
             ),
             (
@@ -222,11 +222,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "system_keys_need_the_permission_of_the_setup",
             ),
             (
-                "src/pipeline/output_gate/tests.rs",
+                "crates/core/src/pipeline/output_gate/tests.rs",
                 "system_keys_are_suppressed_unless_they_are_allowed",
             ),
             (
-                "src/pipeline/output_gate/tests.rs",
+                "crates/core/src/pipeline/output_gate/tests.rs",
                 "a_system_chord_is_never_down_in_any_order_of_its_keys",
             ),
             (
@@ -248,7 +248,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "the_rate_limit_is_60_for_a_local_source_and_20_on_the_network",
             ),
             (
-                "src/pipeline/output_gate/tests.rs",
+                "crates/core/src/pipeline/output_gate/tests.rs",
                 "a_burst_of_half_a_second_passes_and_then_the_sustained_rate",
             ),
         ]),

@@ -11,6 +11,7 @@ use ademan::capture::recording::RecordedSetup;
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::document::Document;
 use ademan::estimate::Estimate;
+use ademan::files::{Load, OpenDocument};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::{ArmModel, BoneLengths};
 use ademan::layout::Glove;

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::process::Process;
 use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
+use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 

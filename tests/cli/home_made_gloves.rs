@@ -9,6 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use ademan::document::Document;
+use ademan::files::Load;
 use ademan::hand::{Dof, Input};
 use ademan::layout::Glove;
 use serialport::{SerialPort, TTYPort};

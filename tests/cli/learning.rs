@@ -7,6 +7,7 @@ use std::time::Duration;
 use ademan::capture::{Reading, Sample, hc11};
 use ademan::device::Events;
 use ademan::document::Document;
+use ademan::files::OpenDocument;
 use ademan::hand::Dof;
 use ademan::layout::Glove;
 use ademan::setup::Setup;

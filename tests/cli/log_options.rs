@@ -1,5 +1,6 @@
 //! Messages that are asked for: `--verbose`, `--quiet`, `--log` and `RUST_LOG`.
 
+use ademan::files::Load;
 use std::fs;
 
 use super::{Ended, ademan, text};

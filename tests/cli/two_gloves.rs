@@ -1,5 +1,6 @@
 //! Two gloves on one converter: 64 channels carry both hands.
 
+use ademan::files::Load;
 use ademan::hand::{Dof, Side};
 use ademan::layout::Glove;
 use serde_json::Value;

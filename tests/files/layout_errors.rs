@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use ademan::document::DocumentError;
+use ademan::files::Load;
 use ademan::layout::Layout;
 
 const POSE: &str = "pose: (anchor: elbow)";

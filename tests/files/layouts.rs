@@ -10,6 +10,7 @@ use ademan::device::KeyCode;
 use ademan::device::keyboard::{Activation, TapHold};
 use ademan::device::{KeyAction, Latch};
 use ademan::document::Document;
+use ademan::files::{Load, OpenDocument};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::{KeySize, Layout};

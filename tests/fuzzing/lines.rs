@@ -7,6 +7,7 @@ use ademan::capture::protocol::{
     holistic, joint_sets, markers, opentrack, text_line, vmc,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
+use ademan::files::Load;
 use ademan::hand::{ArmBone, BoneRotations, Joint, JointAngles, JointPositions, Side};
 use ademan::layout::Glove;
 use glam::DVec3;

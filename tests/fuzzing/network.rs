@@ -3,6 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use ademan::capture::protocol::{Decoder, PROTOCOLS, Protocol, ProtocolOptions, text_line};
+use ademan::files::Load;
 use ademan::hand::JointAngles;
 use ademan::layout::Layout;
 use ademan::share::{ShareTarget, answer};

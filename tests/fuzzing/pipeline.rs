@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;

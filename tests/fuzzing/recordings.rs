@@ -190,6 +190,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         angles: None,
         pose: None,
         touches: Touches::new(),
+        presses: Default::default(),
         events: Events::new(),
         commands: Default::default(),
         executed: None,

@@ -8,6 +8,7 @@ use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
 use ademan::document::{Document, DocumentError};
 use ademan::estimate::AffineMap;
+use ademan::files::Load;
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards, write_calibration};
 use ademan::session::control_socket::request;

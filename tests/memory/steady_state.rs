@@ -16,6 +16,7 @@ use ademan::device::{
     Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, VirtualDevice,
 };
 use ademan::estimate::{JointAngles, Rejection};
+use ademan::files::Load;
 use ademan::hand::{Dof, Finger, HandPart, Joint, JointPositions, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout as Keys;

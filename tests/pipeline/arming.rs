@@ -7,6 +7,7 @@ use ademan::command::CommandOrigin;
 use ademan::contact::Phase;
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
 use ademan::setup::{Setup, layout_instance};

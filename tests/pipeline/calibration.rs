@@ -12,6 +12,7 @@ use ademan::capture::Channels;
 use ademan::device::Events;
 use ademan::document::Document;
 use ademan::estimate::ChannelMap;
+use ademan::files::Load;
 use ademan::hand::{Dof, JointAngles, Side};
 use ademan::layout::{Glove, write_calibration};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::estimate::{Estimate, Estimator, EstimatorSettings, JointAngles, Rejection, Smoothing};
+use ademan::files::Load;
 use ademan::hand::{Dof, Finger, FingerSet};
 use ademan::layout::Glove;
 use ademan::time::Timestamp;

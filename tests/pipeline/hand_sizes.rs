@@ -7,6 +7,7 @@ use std::path::Path;
 
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::{EventKind, Events, OutputEvent};
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup};

@@ -5,6 +5,7 @@ use std::fs;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::pipeline::{Pipeline, PipelineState, SourceRole, Suppressed};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};

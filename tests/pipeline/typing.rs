@@ -5,6 +5,7 @@ use std::num::NonZeroU32;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::{Glove, Layout};
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup, SmoothingSetup};

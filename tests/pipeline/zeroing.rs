@@ -3,6 +3,7 @@
 use ademan::capture::{Reading, Sample};
 use ademan::device::Events;
 use ademan::estimate::ZeroError;
+use ademan::files::Load;
 use ademan::hand::{Dof, Joint, JointAngles, JointPositions};
 use ademan::pipeline::{CommandError, PipelineState};
 use ademan::setup::{LoadedSetup, Setup};

@@ -2,6 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// Held during an installation. Tests of one binary share a folder, and a second `venv --clear` empties the folder of the first.
+static INSTALLATION: Mutex<()> = Mutex::new(());
 
 /// Returns a Python that can import `modules`, with `packages` installed once per build folder in the virtual environment
 /// `name`, or the reason why there is none.
@@ -9,12 +13,13 @@ pub fn python(name: &str, modules: &str, packages: &[&str]) -> Result<PathBuf, S
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let python = folder.join("bin/python");
     let import = format!("import {modules}");
+    let _installation = INSTALLATION.lock().unwrap_or_else(PoisonError::into_inner);
     if run(&python, &["-c", &import]).is_ok() {
         return Ok(python);
     }
     let folder = folder.display().to_string();
     run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
-    let options = "-m pip install --quiet --timeout 10 --retries 1";
+    let options = "-m pip install --quiet --timeout 15 --retries 3";
     let mut install: Vec<&str> = options.split(' ').collect();
     install.extend(packages);
     run(&python, &install)?;

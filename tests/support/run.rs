@@ -12,6 +12,7 @@ use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
 use ademan::capture::{Hc11Format, Reading, Sample, hc11};
 use ademan::contact::Phase;
 use ademan::device::Events;
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::setup::Setup;
 use ademan::time::Timestamp;

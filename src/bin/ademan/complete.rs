@@ -5,7 +5,8 @@ use std::path::Path;
 
 use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
-use ademan::document::{own_gloves, own_layouts, shipped_gloves, shipped_layouts};
+use ademan::document::{shipped_gloves, shipped_layouts};
+use ademan::files::{own_gloves, own_layouts};
 use ademan::output::{BACKENDS, Backend};
 use clap_complete::engine::{
     ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,

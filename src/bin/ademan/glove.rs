@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use ademan::document::Document;
+use ademan::files::OpenDocument;
 use ademan::layout::Glove;
 
 use crate::failure::Failure;

@@ -1,7 +1,8 @@
 //! `ademan gloves`: the glove files that come with the program.
 
 use ademan::document::Document;
-use ademan::document::{own_gloves, shipped_gloves};
+use ademan::document::shipped_gloves;
+use ademan::files::{OpenDocument, own_gloves};
 use ademan::layout::Glove;
 use ademan::message::shell_word;
 

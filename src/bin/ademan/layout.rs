@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use ademan::document::{Document, DocumentError, own_layouts, shipped_layouts};
+use ademan::document::{Document, DocumentError, shipped_layouts};
+use ademan::files::{Load, own_layouts};
 use ademan::layout::Layout;
 use ademan::setup::ArmSetup;
 

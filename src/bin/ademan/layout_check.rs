@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use ademan::document::{DocumentError, DocumentFault};
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_json};

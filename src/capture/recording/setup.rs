@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use crate::document;
+use crate::files;
 
 /// Kind of the setup text with the shortest time between two readings, in microseconds.
 const PACKET_PERIOD: &str = "packet-period";
 
 /// Largest size of a setup text in bytes: the limit of every file of a setup.
-const MAX_TEXT_BYTES: usize = document::MAX_BYTES as usize;
+const MAX_TEXT_BYTES: usize = files::MAX_DOCUMENT_BYTES as usize;
 
 /// Largest size of all setup texts of a recording in bytes.
 const MAX_SETUP_BYTES: usize = 32 << 20;

@@ -7,7 +7,7 @@ use super::LayoutReport;
 use super::watched_file::WatchedFile;
 use crate::contact::board_pose::BoardPose;
 use crate::document::{Document, DocumentError};
-use crate::files;
+use crate::files::{self, OpenDocument};
 use crate::layout::{self, Layout};
 use crate::message::escape;
 use crate::pipeline::LayoutInstance;
@@ -180,6 +180,7 @@ impl ActiveLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::session::layout_link::LayoutOperation;
     use crate::session::reload::test_loop::TestLoop;
     use std::time::Duration;

@@ -107,6 +107,7 @@ mod tests {
     use super::test_loop::{TIMEOUT, TestLoop};
     use super::watched_file::tests::text;
     use super::*;
+    use crate::files::Load;
     use crate::session::layout_link::LayoutOperation;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;

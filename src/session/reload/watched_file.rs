@@ -4,6 +4,7 @@ use std::fs;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::document::{Document, DocumentError};
+use crate::files::OpenDocument;
 use crate::layout::{Fit, Layout};
 
 /// Time without changes before the file is read, since saving may take several writes.

@@ -293,6 +293,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::session::command_channel::CommandReceiver;
     use crate::session::reload::watched_file::WatchedFile;
     use crate::session::reload::watched_file::tests::text;

@@ -6,6 +6,7 @@ use super::*;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::JointAngles;
+use crate::files::Load;
 use crate::kinematics::HandPose;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};
@@ -32,6 +33,7 @@ fn step(time: u64) -> SharedStep {
         angles: Some(JointAngles::default()),
         pose: Some(HandPose::new(Timestamp(time), Side::Right, 0.008)),
         touches: Touches::new(),
+        presses: Default::default(),
         events: Events::new(),
         commands: TimedCommands::new(),
         executed: None,

@@ -94,6 +94,7 @@ fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
 
     fn items(name: &str, scale: f32) -> BoardItems {
         let layout = Layout::load(name).unwrap();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::patch::Patch;
 use super::{Edited, LayoutEditor};
 use crate::document::{Document, DocumentError};
-use crate::files::{self, FileError};
+use crate::files::{self, FileError, OpenDocument};
 use crate::message::escape_path;
 
 /// The file of a layout as it was last read or written.
@@ -105,7 +105,7 @@ impl EditedFile {
     /// Returns the file from which a document was read. A layout that comes with the program has none, even in the folder of its
     /// sources, where a file has the name that messages give it.
     pub fn open(document: &Document) -> Self {
-        let path = document.path();
+        let path = document.path.as_deref();
         Self {
             stamp: path.and_then(stamp),
             path: path.map(Path::to_owned),

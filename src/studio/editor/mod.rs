@@ -76,6 +76,7 @@ use self::history::{History, Step};
 use self::recovery::Recovery;
 use crate::contact::TargetId;
 use crate::document::{Document, DocumentError, Node, quote, read_tree};
+use crate::files::OpenDocument;
 use crate::layout::{Fit, Layout};
 
 /// A layout that is being edited.

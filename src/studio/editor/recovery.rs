@@ -9,7 +9,7 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 use super::LayoutEditor;
 use crate::document::Document;
-use crate::files::{self, FileError};
+use crate::files::{self, FileError, OpenDocument};
 use crate::message::escape_path;
 
 /// The first line of a recovery file; the name of the layout follows.

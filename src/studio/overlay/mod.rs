@@ -204,6 +204,7 @@ fn append(picture: &mut Picture, other: Picture, offset: Vec2, opacity: f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::hand::{Finger, Side};
     use crate::session::view::{Fingertip as ViewFingertip, ViewState};
 

@@ -26,7 +26,7 @@ fn record(folder: &Path, text: &str) -> PathBuf {
     let format = Hc11Format::default();
     let typist = setup.typist(text, &format, 0.0, 0).unwrap();
     let recorded = setup.recorded_setup();
-    let recorded = recorded.with_packet_period(typist.packet_period());
+    let recorded = recorded.with_packet_period(Some(typist.packet_period()));
     let mut recorder = Recorder::create(&path, &recorded).unwrap();
     let mut observe = |step: &crate::snapshot::StepView, _: &_, _: Option<_>| {
         recorder.write(&step.to_snapshot()).unwrap();

@@ -6,6 +6,7 @@ use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::*;
 use crate::contact::surface::Surface;
+use crate::files::Load;
 use crate::hand::Side;
 use crate::layout::Layout;
 use crate::session::view::{View, ViewState};

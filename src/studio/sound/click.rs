@@ -103,6 +103,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::contact::TargetNames;
+    use crate::files::Load;
     use crate::time::Timestamp;
 
     const TIME: Timestamp = Timestamp(0);
@@ -119,6 +120,7 @@ pub(super) mod tests {
             angles: None,
             pose: None,
             touches: Default::default(),
+            presses: Default::default(),
             events: Default::default(),
             commands: Default::default(),
             executed: None,

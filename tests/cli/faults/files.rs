@@ -9,6 +9,7 @@ use ademan::capture::recording::{
     FORMAT_RECORD, JSON_ENCODING, JSON_FORMAT_VERSION, MAX_RECORD_BYTES, READINGS_TOPIC, Replay,
 };
 use ademan::capture::{Source, SourceEvent};
+use ademan::files::Load;
 use ademan::layout::Layout;
 use mcap::records::{MessageHeader, Metadata};
 

@@ -2,6 +2,7 @@
 
 mod measure;
 
+use ademan::files::Load;
 use ademan::layout::{Face, Layout, Wearer};
 use ademan::setup::Setup;
 use measure::{Measured, Rect, measure};

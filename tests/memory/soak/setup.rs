@@ -2,6 +2,7 @@
 
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::BODY_BYTES;
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 

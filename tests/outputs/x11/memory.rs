@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use ademan::files::Load;
 use ademan::layout::Layout;
 
 use super::ends::held_keys;

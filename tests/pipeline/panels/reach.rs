@@ -1,5 +1,6 @@
 //! Reach and capabilities of the shipped panels.
 
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::setup::{ArmSetup, Setup};
 

@@ -2,6 +2,7 @@
 
 use ademan::document::Document;
 use ademan::estimate::{Estimate, JointAngles};
+use ademan::files::Load;
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::ArmModel;
 use ademan::layout::Layout;

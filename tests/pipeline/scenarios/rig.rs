@@ -9,6 +9,7 @@ use ademan::command::CommandOrigin;
 use ademan::contact::TargetNames;
 use ademan::device::{Events, TimedCommand};
 use ademan::estimate::Rejection;
+use ademan::files::Load;
 use ademan::hand::{Dof, Finger, Side};
 use ademan::layout::{Glove, Layout};
 use ademan::pipeline::PipelineState;

@@ -5,6 +5,7 @@ use ademan::estimate::{
     AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
     divider_resistance,
 };
+use ademan::files::Load;
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::{ArmModel, Link};
 use ademan::layout::Glove;

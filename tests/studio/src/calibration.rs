@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use ademan::files::Load;
 use ademan::calibrate::{self, CalibrationPose, Procedure, ProcedureState};
 use ademan::document::Document;
 use ademan::layout::{Glove, write_calibration};

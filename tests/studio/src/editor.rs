@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::studio::model::StudioModel;
 use ademan::studio::texts::text;

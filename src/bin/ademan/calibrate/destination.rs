@@ -25,7 +25,7 @@ impl Destination {
     /// # Errors
     /// Fails if the file exists and the question whether to replace it cannot be asked.
     pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
-        let path = match (out, glove.path()) {
+        let path = match (out, &glove.path) {
             (Some(path), _) => new_file::with_extension(&path, "ron"),
             (None, Some(own)) => own.to_owned(),
             (None, None) => PathBuf::from(format!("my-{}.ron", glove_name(&glove.file))),
@@ -124,6 +124,7 @@ fn ask(question: &str) -> Result<bool, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ademan::files::OpenDocument;
 
     #[test]
     fn only_a_glove_that_was_read_from_a_file_is_replaced() {

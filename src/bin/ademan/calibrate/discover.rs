@@ -9,6 +9,7 @@ use ademan::calibrate::{
 };
 use ademan::document::Document;
 use ademan::estimate::{ChannelMap, InputRow};
+use ademan::files::Load;
 use ademan::hand::{Dof, Side};
 use ademan::layout::Glove;
 use ademan::setup::LoadedSetup;

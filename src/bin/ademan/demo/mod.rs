@@ -13,6 +13,7 @@ use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::capture::{Hc11Format, Source, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
+use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::message::escape;

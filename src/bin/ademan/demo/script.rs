@@ -1,6 +1,7 @@
 //! The scripts of shipped layouts, which the demo plays on layouts that do not type.
 
 use ademan::document::Document;
+use ademan::files::OpenDocument;
 
 /// Pairs the name of each layout with the text of `examples/scripts/NAME.txt`.
 macro_rules! scripts {
@@ -40,7 +41,7 @@ pub fn text(layout: &str) -> Option<&'static str> {
 /// Returns the script for a layout that comes with the program, if it has one. A file of a person has none.
 pub fn for_layout(layout: &str) -> Option<&'static str> {
     let document = Document::open(layout).ok()?;
-    text(layout).filter(|_| document.path().is_none())
+    text(layout).filter(|_| document.path.is_none())
 }
 
 /// Returns the comment at the start of a script, which describes it, in one line.

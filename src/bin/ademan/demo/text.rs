@@ -58,6 +58,7 @@ fn default_text(layout: &Layout, texts: [&str; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ademan::files::Load;
 
     fn text_for(layout: &str) -> Result<String, Failure> {
         choose(TextChoice::Default, &Layout::load(layout).unwrap())

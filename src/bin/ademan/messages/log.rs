@@ -4,7 +4,8 @@ use std::fmt::{self, Write};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
-use ademan::message::{HeldBack, MessageLimits, escape_line};
+use ademan::message::escape_line;
+use ademan::message_limits::{HeldBack, MessageLimits};
 use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};

@@ -6,7 +6,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::files::{self, FileError};
+use ademan::files::{self, FileError, Load};
 use ademan::layout::{Layout, Wearer};
 use ademan::message::{escape_lines, escape_path};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};

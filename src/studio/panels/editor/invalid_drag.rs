@@ -44,6 +44,7 @@ impl InvalidDrag {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Load;
     use crate::layout::Layout;
 
     fn items() -> BoardItems {

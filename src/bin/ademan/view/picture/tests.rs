@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use ademan::document::shipped_layouts;
+use ademan::files::Load;
 use ademan::hand::{Finger, Side};
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;

@@ -1,0 +1,185 @@
+//! The surfaces that targets lie on, and the scene of all surfaces.
+
+use parry3d::math::{Pose, Vec3};
+
+use super::TargetId;
+use super::front_index::FrontIndex;
+pub use super::target::{DRAG_MARGIN, Shape, TREMOR_MARGIN, Target};
+use crate::hand::{Joint, Side};
+use crate::kinematics::HandPose;
+
+/// The reference point of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// The origin of the world.
+    World,
+    /// A joint of the hand that touches: the surface follows the joint's position and keeps the
+    /// orientation of the world.
+    Joint(Joint),
+}
+
+/// A group of targets that moves as one.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    side: Option<Side>,
+    anchor: Anchor,
+    anchor_from_surface: Pose,
+    center: Vec3,
+    first: u32,
+    targets: Vec<Target>,
+    fronts: FrontIndex,
+}
+
+impl Surface {
+    /// Returns the pose of the surface for a pose of the hand, or `None` if the anchor joint is not known or
+    /// the surface belongs to the other hand.
+    pub fn world_from_surface(&self, pose: &HandPose) -> Option<Pose> {
+        if self.side.is_some_and(|side| side != pose.side) {
+            return None;
+        }
+        let origin = match self.anchor {
+            Anchor::World => Vec3::ZERO,
+            Anchor::Joint(joint) => pose.position(joint)?,
+        };
+        Some(Pose::from_parts(
+            origin + self.anchor_from_surface.translation,
+            self.anchor_from_surface.rotation,
+        ))
+    }
+
+    /// Returns the hand that the surface belongs to, or `None` if both hands can touch it.
+    pub fn side(&self) -> Option<Side> {
+        self.side
+    }
+
+    /// Returns the reference point.
+    pub fn anchor(&self) -> Anchor {
+        self.anchor
+    }
+
+    /// Returns the pose relative to the anchor, in the axes of the world.
+    pub fn anchor_from_surface(&self) -> Pose {
+        self.anchor_from_surface
+    }
+
+    /// Returns the mean of the centers of the fronts, in the surface's frame (metres).
+    pub fn center(&self) -> Vec3 {
+        self.center
+    }
+
+    /// Iterates over the targets and their ids.
+    pub fn targets(&self) -> impl Iterator<Item = (TargetId, &Target)> {
+        let first = self.first;
+        (first..).map(TargetId).zip(&self.targets)
+    }
+
+    /// Returns the index of the fronts, in the surface's frame.
+    pub(super) fn fronts(&self) -> &FrontIndex {
+        &self.fronts
+    }
+
+    /// Returns whether all fronts are parallel to the surface, so that a fingertip enters one from above only.
+    pub fn is_flat(&self) -> bool {
+        matches!(self.fronts, FrontIndex::Grid(_))
+    }
+
+    /// Returns heights below and above all fronts, in the surface's frame (metres).
+    pub fn front_heights(&self) -> [f32; 2] {
+        match self.targets.is_empty() {
+            true => [f32::INFINITY, f32::NEG_INFINITY],
+            false => self.fronts.heights(),
+        }
+    }
+
+    /// Returns the id of the target with this index on the surface.
+    pub fn target_id(&self, index: u32) -> TargetId {
+        TargetId(self.first + index)
+    }
+
+    /// Returns the target with this id, or `None` if it is not on this surface.
+    pub fn target(&self, id: TargetId) -> Option<&Target> {
+        self.targets.get(id.0.checked_sub(self.first)? as usize)
+    }
+}
+
+/// All surfaces and targets of a layout.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    surfaces: Vec<Surface>,
+    target_count: u32,
+}
+
+impl Scene {
+    /// Creates a scene without targets.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a surface for both hands. Its targets receive the next ids, in order. Returns the id of the
+    /// first.
+    pub fn add_surface(
+        &mut self,
+        anchor: Anchor,
+        anchor_from_surface: Pose,
+        targets: Vec<Target>,
+    ) -> TargetId {
+        self.add_surface_for(None, anchor, anchor_from_surface, targets)
+    }
+
+    /// Adds a surface for one hand, or for both if `side` is `None`; see [`add_surface`](Self::add_surface).
+    pub fn add_surface_for(
+        &mut self,
+        side: Option<Side>,
+        anchor: Anchor,
+        anchor_from_surface: Pose,
+        targets: Vec<Target>,
+    ) -> TargetId {
+        let first = self.target_count;
+        self.target_count += targets.len() as u32;
+        let centers = targets
+            .iter()
+            .map(|target| target.surface_from_target.translation);
+        self.surfaces.push(Surface {
+            side,
+            anchor,
+            anchor_from_surface,
+            center: centers.sum::<Vec3>() / (targets.len().max(1) as f32),
+            first,
+            fronts: FrontIndex::new(&targets),
+            targets,
+        });
+        TargetId(first)
+    }
+
+    /// Returns the surfaces, in the order in which they were added.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// Moves the surface with this index; does nothing if there is none.
+    ///
+    /// A [`ContactTracker`](super::ContactTracker) sees the displacement as a movement of the fingertips unless it is
+    /// [reset](super::ContactTracker::reset).
+    pub fn set_surface_pose(&mut self, index: usize, anchor_from_surface: Pose) {
+        if let Some(surface) = self.surfaces.get_mut(index) {
+            surface.anchor_from_surface = anchor_from_surface;
+        }
+    }
+
+    /// Returns the number of targets.
+    pub fn len(&self) -> usize {
+        self.target_count as usize
+    }
+
+    /// Returns whether there are no targets.
+    pub fn is_empty(&self) -> bool {
+        self.target_count == 0
+    }
+
+    /// Returns the target with this id and its surface.
+    pub fn target(&self, id: TargetId) -> Option<(&Surface, &Target)> {
+        self.surfaces
+            .iter()
+            .find_map(|surface| Some((surface, surface.target(id)?)))
+    }
+}

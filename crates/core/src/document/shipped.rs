@@ -1,0 +1,108 @@
+//! The files under `layouts/`, compiled into the program.
+
+use ademan_layouts::FILES;
+
+use super::{Document, DocumentError};
+use crate::message::escape;
+use crate::names;
+
+/// Returns the names of the shipped layouts, without folder and `.ron`. Gloves and arms are excluded.
+pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
+    FILES.iter().filter_map(|(path, _)| {
+        let (folder, name) = path.split_once('/')?;
+        (!matches!(folder, "arms" | "gloves")).then_some(name)
+    })
+}
+
+/// Returns the names of the shipped gloves, without folder and `.ron`.
+pub fn shipped_gloves() -> impl Iterator<Item = &'static str> {
+    let paths = FILES.iter();
+    paths.filter_map(|(path, _)| path.strip_prefix("gloves/"))
+}
+
+/// Returns the shipped file with that name; the folder and `.ron` are optional.
+pub(super) fn find(name: &str) -> Option<Document> {
+    let name = name.strip_suffix(".ron").unwrap_or(name);
+    let name = name.strip_prefix("layouts/").unwrap_or(name);
+    FILES
+        .iter()
+        .find(|(path, _)| *path == name || file_name(path) == name)
+        .map(|(path, text)| Document::new(format!("layouts/{path}.ron"), *text))
+}
+
+/// Returns the names of all shipped files, without folder and `.ron`.
+fn names<'a>() -> impl Iterator<Item = &'a str> {
+    FILES.iter().map(|(path, _)| file_name(path))
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit_once('/').map_or(path, |(_, name)| name)
+}
+
+impl DocumentError {
+    /// Returns the error for a name that stands for no file. Its suggestion is the nearest of the shipped names and of `own`.
+    pub fn no_such_file(name: &str, own: &[String]) -> Self {
+        let candidates: Vec<&str> = names().chain(own.iter().map(String::as_str)).collect();
+        let stem = file_name(name.strip_suffix(".ron").unwrap_or(name));
+        let nearest = names::nearest(stem, candidates);
+        let suggestion = nearest.map_or(String::new(), |nearest| {
+            format!(", did you mean `{}`?", escape(nearest))
+        });
+        let message = format!("there is no such file, and no shipped one of that name{suggestion}");
+        Self::for_file(name, message)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::fs;
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn every_file_under_layouts_is_shipped_under_a_unique_name() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../layouts");
+        let mut on_disk = BTreeSet::new();
+        for folder in fs::read_dir(root).unwrap().flatten() {
+            let Ok(files) = fs::read_dir(folder.path()) else {
+                continue;
+            };
+            for file in files.flatten() {
+                let path = file.path();
+                if path.extension().is_some_and(|extension| extension == "ron") {
+                    let folder = folder.file_name().into_string().unwrap();
+                    on_disk.insert(format!("{folder}/{}", path.file_stem().unwrap().display()));
+                }
+            }
+        }
+        let shipped: BTreeSet<String> = FILES.iter().map(|(path, _)| (*path).into()).collect();
+        assert_eq!(on_disk, shipped);
+        let names: BTreeSet<&str> = FILES.iter().map(|(path, _)| file_name(path)).collect();
+        assert_eq!(names.len(), FILES.len());
+    }
+
+    #[test]
+    fn an_unknown_name_suggests_the_nearest_shipped_file() {
+        let error = Document::shipped("qwerty-falt").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "qwerty-falt: there is no such file, and no shipped one of that name, did you mean `qwerty-flat`?"
+        );
+    }
+
+    #[test]
+    fn the_folder_and_the_extension_of_a_shipped_file_are_optional() {
+        for name in [
+            "arrows",
+            "arrows.ron",
+            "keyboards/arrows",
+            "keyboards/arrows.ron",
+            "layouts/keyboards/arrows.ron",
+        ] {
+            let document = Document::shipped(name).unwrap();
+            assert_eq!(document.file, "layouts/keyboards/arrows.ron");
+        }
+    }
+}

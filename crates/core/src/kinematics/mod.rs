@@ -1,0 +1,108 @@
+//! Stage 3: [`Estimate`](crate::estimate::Estimate) → [`HandPose`].
+
+mod anthropometry;
+mod arm_model;
+mod finger_lanes;
+mod inverse;
+mod joint_rotations;
+mod link;
+mod measured;
+mod prepared_arm;
+mod principal_axis;
+mod reach;
+
+pub use anthropometry::BoneLengths;
+pub use arm_model::{ArmModel, ArmModelError};
+pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
+pub use joint_rotations::sin_cos;
+pub use link::{Link, MAX_LINKS};
+pub use principal_axis::PrincipalAxis;
+pub use reach::{HandReach, half_bent_fingers, typing_angle};
+
+use parry3d::math::{Pose, Vec3};
+
+use crate::hand::{Finger, FingerSet, Joint, JointPositions, Side};
+use crate::time::Timestamp;
+
+/// The poses of the joints of one arm and hand at one time, in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct HandPose {
+    /// The time stamp of the reading.
+    pub time: Timestamp,
+    /// The side of the body.
+    pub side: Side,
+    /// Fingers with a sensor fault. They press nothing.
+    pub untrusted: FingerSet,
+    /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
+    pub jumped: bool,
+    /// The radius of the fingertip spheres, in metres.
+    pub tip_radius: f32,
+    joints: [Pose; Joint::COUNT],
+    known: u32,
+}
+
+impl HandPose {
+    /// Creates a pose without known joints.
+    pub fn new(time: Timestamp, side: Side, tip_radius: f32) -> Self {
+        Self {
+            time,
+            side,
+            untrusted: FingerSet::NONE,
+            jumped: false,
+            tip_radius,
+            joints: [Pose::IDENTITY; Joint::COUNT],
+            known: 0,
+        }
+    }
+
+    /// Prepares for the next reading: no joint is known. Cheaper than a new pose.
+    fn reset(&mut self, time: Timestamp, side: Side, tip_radius: f32) {
+        self.time = time;
+        self.side = side;
+        self.untrusted = FingerSet::NONE;
+        self.jumped = false;
+        self.tip_radius = tip_radius;
+        self.known = 0;
+    }
+
+    /// Sets `world_from_joint` (metres).
+    pub fn set(&mut self, joint: Joint, world_from_joint: Pose) {
+        self.joints[joint.index()] = world_from_joint;
+        self.known |= 1 << joint.index();
+    }
+
+    /// Returns `world_from_joint` (metres), or `None` if the arm model does not have the joint.
+    pub fn get(&self, joint: Joint) -> Option<&Pose> {
+        (self.known & (1 << joint.index()) != 0).then(|| &self.joints[joint.index()])
+    }
+
+    /// Returns the position of a joint in the world (metres), or `None` if the arm model does not have the joint.
+    pub fn position(&self, joint: Joint) -> Option<Vec3> {
+        self.get(joint).map(|pose| pose.translation)
+    }
+
+    /// Returns the center of a fingertip sphere in the world (metres), or `None` if the arm model does not have the
+    /// finger.
+    pub fn fingertip(&self, finger: Finger) -> Option<Vec3> {
+        self.position(Joint::tip(finger))
+    }
+
+    /// Returns the positions of the known joints in the world, in metres.
+    pub fn positions(&self) -> JointPositions {
+        let mut positions = JointPositions::default();
+        for (joint, pose) in self.known() {
+            positions.set(joint, pose.translation.as_dvec3());
+        }
+        positions
+    }
+
+    /// Iterates over the known joints, in the order of [`Joint::ALL`].
+    pub fn known(&self) -> impl Iterator<Item = (Joint, &Pose)> + '_ {
+        Joint::ALL
+            .iter()
+            .filter_map(|&joint| Some((joint, self.get(joint)?)))
+    }
+}
+
+#[cfg(test)]
+mod tests;

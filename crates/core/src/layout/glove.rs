@@ -1,0 +1,465 @@
+//! Gloves, from `layouts/gloves/*.ron`: the joint angle that each channel measures.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::capture::{Channels, MAX_CHANNELS};
+use crate::document::{
+    Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
+};
+use crate::estimate::{
+    AffineMap, ChannelMap, ChannelRow, CountRange, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
+};
+use crate::hand::{Dof, Input, JointAngles, Side};
+use crate::names::UnknownName;
+
+/// A glove.
+#[derive(Clone, Debug)]
+pub struct Glove {
+    /// Name for displays.
+    pub name: String,
+    /// The hand that it is for.
+    pub side: Side,
+    /// The enabled rows.
+    pub map: ChannelMap,
+    /// All rows, including the disabled ones.
+    pub full_map: ChannelMap,
+    /// The angles of the wearer's hand at rest, in radians; none if the file has none.
+    pub rest_pose: JointAngles,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Glove", deny_unknown_fields)]
+struct GloveSchema<'a> {
+    name: String,
+    side: Side,
+    /// The largest count of a channel.
+    full_scale_counts: FullScaleCounts,
+    #[serde(borrow)]
+    rows: Vec<RowSchema<'a>>,
+    /// The sticks, triggers and buttons.
+    #[serde(borrow, default)]
+    inputs: Vec<InputSchema<'a>>,
+    /// The angles that the glove does not measure, in degrees.
+    #[serde(default)]
+    assumed_deg: BTreeMap<Dof, f64>,
+    /// The angles of the hand at rest, in degrees.
+    #[serde(default)]
+    rest_deg: BTreeMap<Dof, f64>,
+    /// The counts by which a channel is above a straight line in the middle of the full scale.
+    #[serde(default)]
+    curvature_counts: BTreeMap<usize, f64>,
+    /// The smallest and the largest count of channels in the poses of the calibration.
+    #[serde(default)]
+    range_counts: BTreeMap<usize, CountRange>,
+    /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
+    #[serde(default)]
+    uses_full_range: bool,
+}
+
+/// The value of an input: (count − zero_counts) / (full_counts − zero_counts), within −1..=1.
+#[derive(Deserialize)]
+#[serde(rename = "Input", deny_unknown_fields)]
+struct InputSchema<'a> {
+    #[serde(borrow)]
+    input: Spanned<'a>,
+    channel: Channel,
+    zero_counts: f64,
+    full_counts: f64,
+}
+
+/// The calibration of an angle: offset_rad + (count + offset_counts) × full_scale_rad / full_scale_counts.
+#[derive(Deserialize)]
+#[serde(rename = "Row", deny_unknown_fields)]
+struct RowSchema<'a> {
+    label: &'a str,
+    dof: Dof,
+    channel: Channel,
+    offset_counts: OffsetCounts,
+    full_scale_rad: FullScaleRad,
+    offset_rad: OffsetRad,
+    /// The reason why the row is disabled.
+    disabled: Option<String>,
+}
+
+ranged_numbers! {
+    /// An offset of a channel, in counts.
+    OffsetCounts = "an offset", -1e6 ..= 1e6, " counts";
+    /// An offset of an angle, in radians.
+    OffsetRad = "an offset", -1e6 ..= 1e6, " rad";
+    /// The change of an angle over the range of a channel, in radians.
+    AngleRange = "an angle", -1e6 ..= 1e6, " rad";
+}
+
+/// Index of a channel.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "i64")]
+struct Channel(usize);
+
+impl TryFrom<i64> for Channel {
+    type Error = String;
+
+    fn try_from(index: i64) -> Result<Self, String> {
+        let channel = usize::try_from(index).ok();
+        let channel = channel.filter(|channel| *channel < MAX_CHANNELS);
+        channel.map(Self).ok_or_else(|| {
+            let last = MAX_CHANNELS - 1;
+            format!("channel {index} does not exist, channels are 0 to {last}")
+        })
+    }
+}
+
+/// The largest count of a channel.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "i64")]
+struct FullScaleCounts(u16);
+
+impl TryFrom<i64> for FullScaleCounts {
+    type Error = &'static str;
+
+    fn try_from(counts: i64) -> Result<Self, Self::Error> {
+        let counts = u16::try_from(counts).ok();
+        let counts = counts.filter(|counts| (2..Channels::UNKNOWN).contains(counts));
+        counts
+            .map(Self)
+            .ok_or("this is the largest count of a channel, 2 to 65534, such as 255 for 8 bits")
+    }
+}
+
+/// The change of an angle over the range of a channel, in radians, not 0.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "AngleRange")]
+struct FullScaleRad(f64);
+
+impl TryFrom<AngleRange> for FullScaleRad {
+    type Error = &'static str;
+
+    fn try_from(angle: AngleRange) -> Result<Self, Self::Error> {
+        match angle.get() {
+            0.0 => Err(
+                "an angle that does not change is 0: set another value, or `disabled` for the row",
+            ),
+            angle => Ok(Self(angle)),
+        }
+    }
+}
+
+/// The format of glove files.
+const FORMAT: Format = Format {
+    name: "Glove",
+    remedy: "; `ademan glove new NAME` writes a glove to start from",
+    reread: |text| first_error::<GloveSchema>(text),
+    structures: || {
+        vec![
+            Structure::of::<GloveSchema>("Glove"),
+            Structure::of::<RowSchema>("rows"),
+            Structure::of::<InputSchema>("inputs"),
+        ]
+    },
+};
+
+impl Glove {
+    /// Parses a document.
+    pub fn parse(document: &Document) -> Result<Self, DocumentError> {
+        let schema: GloveSchema = document.parse_as(&FORMAT)?;
+        let FullScaleCounts(full_scale) = schema.full_scale_counts;
+        if schema.rows.len() > MAX_ROWS {
+            let message = format!(
+                "a glove has at most {MAX_ROWS} rows, this one has {}",
+                schema.rows.len()
+            );
+            return Err(document.error_at(&document.text, message));
+        }
+        let inputs: Vec<InputRow> = schema
+            .inputs
+            .iter()
+            .map(|input| input.build(document))
+            .collect::<Result<_, _>>()?;
+        let assumed = schema
+            .assumed_angles()
+            .map_err(|message| document.error_at(&document.text, message))?;
+        let rest_pose = schema
+            .rest_pose()
+            .map_err(|message| document.error_at(&document.text, message))?;
+        let curvatures = schema
+            .curvatures()
+            .map_err(|message| document.error_at(&document.text, message))?;
+        let ranges = schema
+            .ranges()
+            .map_err(|message| document.error_at(&document.text, message))?;
+        let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
+            let rows = schema.rows.iter().filter(|row| is_included(row));
+            ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
+                .with_inputs(inputs.clone())
+                .with_assumed_angles(assumed.clone())
+                .with_curvatures(curvatures.clone())
+                .with_ranges(ranges.clone())
+                .with_full_range(schema.uses_full_range)
+        };
+        Ok(Self {
+            map: map(&|row| row.disabled.is_none()),
+            full_map: map(&|_| true),
+            rest_pose,
+            name: schema.name,
+            side: schema.side,
+        })
+    }
+}
+
+impl GloveSchema<'_> {
+    /// Returns the angles at rest in radians. An error states what is wrong with one.
+    fn rest_pose(&self) -> Result<JointAngles, String> {
+        let mut angles = JointAngles::default();
+        for (&dof, &degrees) in &self.rest_deg {
+            angles.set(dof, radians_within_limits(dof, degrees)?);
+        }
+        Ok(angles)
+    }
+
+    /// Returns the assumed angles in radians. An error states what is wrong with one.
+    fn assumed_angles(&self) -> Result<Vec<(Dof, f64)>, String> {
+        let check = |(&dof, &degrees): (&Dof, &f64)| {
+            let radians = radians_within_limits(dof, degrees)?;
+            match self.rows.iter().any(|row| row.dof == dof) {
+                true => Err(format!(
+                    "{dof} is both measured and assumed, remove one of them"
+                )),
+                false => Ok((dof, radians)),
+            }
+        };
+        self.assumed_deg.iter().map(check).collect()
+    }
+
+    /// Returns the calibrated ranges of channels in counts. An error states what is wrong with one.
+    fn ranges(&self) -> Result<Vec<(usize, CountRange)>, String> {
+        let full_scale = f64::from(self.full_scale_counts.0);
+        let check = |(&channel, &(low, high)): (&usize, &CountRange)| {
+            if !self.rows.iter().any(|row| row.channel.0 == channel) {
+                return Err(format!(
+                    "`range_counts` has channel {channel}, which no row has"
+                ));
+            }
+            match 0.0 <= low && low < high && high <= full_scale {
+                true => Ok((channel, (low, high))),
+                false => Err(format!(
+                    "the range of channel {channel} is ({low}, {high}); write the smaller count first, both within 0 to {full_scale}"
+                )),
+            }
+        };
+        self.range_counts.iter().map(check).collect()
+    }
+
+    /// Returns the curvatures of channels in counts. An error states what is wrong with one.
+    fn curvatures(&self) -> Result<Vec<(usize, f64)>, String> {
+        let limit = MAX_CURVATURE * f64::from(self.full_scale_counts.0);
+        let check = |(&channel, &counts): (&usize, &f64)| {
+            if !self.rows.iter().any(|row| row.channel.0 == channel) {
+                return Err(format!(
+                    "`curvature_counts` has channel {channel}, which no row has"
+                ));
+            }
+            match counts.abs() <= limit {
+                true => Ok((channel, counts)),
+                false => Err(format!(
+                    "the curvature of channel {channel} is {counts} counts, at most {limit} are possible"
+                )),
+            }
+        };
+        self.curvature_counts.iter().map(check).collect()
+    }
+}
+
+fn radians_within_limits(dof: Dof, degrees: f64) -> Result<f64, String> {
+    let radians = degrees.to_radians();
+    match radians.is_finite() && JointLimits::human().clamp(dof, radians) == radians {
+        true => Ok(radians),
+        false => Err(format!(
+            "{degrees}° for {dof} is outside the range of that joint"
+        )),
+    }
+}
+
+impl InputSchema<'_> {
+    fn build(&self, document: &Document) -> Result<InputRow, DocumentError> {
+        let name = self.input.text;
+        let input: Input = name
+            .parse()
+            .map_err(|error: UnknownName| document.error_at(name, error))?;
+        let (zero, full) = (self.zero_counts, self.full_counts);
+        let is_valid = |number: f64| (-1e6..=1e6).contains(&number);
+        if !is_valid(zero) || !is_valid(full) || zero == full {
+            let message = format!(
+                "the input `{input}` needs finite numbers, and a `full_counts` other than its `zero_counts`"
+            );
+            return Err(document.error_at(name, message));
+        }
+        Ok(InputRow {
+            input,
+            channel: self.channel.0,
+            calibration: AffineMap::from_counts(-zero, 1.0 / (full - zero), 0.0),
+        })
+    }
+}
+
+impl RowSchema<'_> {
+    fn build(&self, full_scale: u16) -> ChannelRow {
+        let rad_per_count = self.full_scale_rad.0 / f64::from(full_scale);
+        let (offset_counts, offset_rad) = (self.offset_counts.get(), self.offset_rad.get());
+        ChannelRow {
+            label: self.label.to_owned(),
+            dof: self.dof,
+            channel: self.channel.0,
+            calibration: AffineMap::from_counts(offset_counts, rad_per_count, offset_rad),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::protocol::lucidgloves;
+
+    fn error(row: &str) -> String {
+        let text = format!(
+            "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, rows: [\n({row}),\n])"
+        );
+        Glove::parse(&Document::new("g.ron", text))
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn the_shipped_glove_has_22_enabled_and_4_disabled_rows() {
+        let glove = Glove::parse(&Document::shipped("unam-hc11").unwrap()).unwrap();
+        assert_eq!(glove.map.rows().len(), 22);
+        assert_eq!(glove.full_map.rows().len(), 26);
+        assert_eq!(glove.side, Side::Right);
+    }
+
+    #[test]
+    fn the_shipped_lucidgloves_have_all_inputs_and_finger_joints() {
+        for (name, side) in [
+            ("lucidgloves", Side::Right),
+            ("lucidgloves-left", Side::Left),
+        ] {
+            let map = Glove::parse(&Document::shipped(name).unwrap()).unwrap().map;
+            assert_eq!(
+                Glove::parse(&Document::shipped(name).unwrap())
+                    .unwrap()
+                    .side,
+                side
+            );
+            for &input in Input::ALL {
+                assert!(map.inputs().iter().any(|row| row.input == input), "{input}");
+            }
+            for &dof in Dof::ALL.iter().filter(|dof| dof.finger().is_some()) {
+                assert!(map.rows().iter().any(|row| row.dof == dof), "{dof}");
+            }
+            assert_eq!(map.required_channels(), lucidgloves::CHANNELS);
+            assert_eq!(map.full_scale(), lucidgloves::FULL_SCALE);
+        }
+    }
+
+    #[test]
+    fn invalid_inputs_and_assumed_angles_are_rejected() {
+        let with = |fields: &str| {
+            let text =
+                format!("Glove(name: \"g\", side: \"right\", full_scale_counts: 255, {fields})");
+            let glove = Glove::parse(&Document::new("g.ron", text));
+            glove.unwrap_err().to_string()
+        };
+        let row = "label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 1, offset_rad: 0";
+        for (fields, message) in [
+            (
+                r#"rows: [], inputs: [(input: "stick-z", channel: 1, zero_counts: 0, full_counts: 1)]"#.to_owned(),
+                "did you mean `stick-y`?",
+            ),
+            (
+                r#"rows: [], inputs: [(input: "menu", channel: 64, zero_counts: 0, full_counts: 1)]"#.to_owned(),
+                "channel 64 does not exist",
+            ),
+            (
+                r#"rows: [], inputs: [(input: "menu", channel: 1, zero_counts: 1, full_counts: 1)]"#.to_owned(),
+                "a `full_counts` other than",
+            ),
+            (
+                r#"rows: [], assumed_deg: {"elbow-flexion": 200}"#.to_owned(),
+                "outside the range",
+            ),
+            (
+                format!("rows: [({row})], assumed_deg: {{\"elbow-flexion\": 20}}"),
+                "both measured and assumed",
+            ),
+        ] {
+            let error = with(&fields);
+            assert!(error.contains(message), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_curvature_is_of_a_channel_in_use_and_within_a_fifth_of_the_full_scale() {
+        let row = "(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0)";
+        let parse = |curvature: &str| {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, curvature_counts: {{{curvature}}}, rows: [{row}])"
+            );
+            Glove::parse(&Document::new("g.ron", text)).map_err(|error| error.to_string())
+        };
+        let map = parse("1: 25.5").unwrap().map;
+        let radians = map.radians(&map.rows()[0], 127.5);
+        assert!((radians - 1.02).abs() < 1e-9, "{radians}");
+        assert!(
+            parse("2: 1")
+                .unwrap_err()
+                .contains("channel 2, which no row has")
+        );
+        assert!(parse("1: 52").unwrap_err().contains("at most 51"));
+        assert!(parse("1: NaN").unwrap_err().contains("at most 51"));
+    }
+
+    #[test]
+    fn a_range_is_of_a_channel_in_use_and_rises_within_the_full_scale() {
+        let row = "(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0)";
+        let parse = |range: &str| {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, range_counts: {{{range}}}, rows: [{row}])"
+            );
+            Glove::parse(&Document::new("g.ron", text)).map_err(|error| error.to_string())
+        };
+        let map = parse("1: (6, 154)").unwrap().map;
+        assert_eq!(map.range(1), Some((6.0, 154.0)));
+        assert_eq!(map.range(2), None);
+        for (range, message) in [
+            ("2: (6, 154)", "channel 2, which no row has"),
+            ("1: (154, 6)", "the smaller count first"),
+            ("1: (6, 256)", "within 0 to 255"),
+            ("1: (NaN, 100)", "the range of channel 1 is (NaN, 100)"),
+        ] {
+            let error = parse(range).unwrap_err();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_invalid_row_is_rejected_at_its_position() {
+        let row = |channel: &str, full_scale: &str| {
+            error(&format!(
+                "label: \"a\", dof: \"elbow-flexion\", channel: {channel}, offset_counts: 0, full_scale_rad: {full_scale}, offset_rad: 0"
+            ))
+        };
+        let channel = row("64", "1");
+        assert!(
+            channel.starts_with("g.ron:2:45: channel 64 does not exist, channels are 0 to 63\n"),
+            "{channel}"
+        );
+        assert!(row("-1", "1").starts_with("g.ron:2:46: channel -1 does not exist"));
+        assert!(row("1", "0").starts_with("g.ron:2:82: an angle that does not change is 0"));
+        assert!(row("1", "NaN").starts_with("g.ron:2:82: NaN is out of range"));
+        let unknown = error("label: \"a\", dof: \"elbow-flexoin\"");
+        assert!(
+            unknown.contains("did you mean `elbow-flexion`?"),
+            "{unknown}"
+        );
+    }
+}

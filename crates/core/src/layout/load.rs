@@ -1,0 +1,270 @@
+//! Layouts from files and texts: the schema of a whole file, and the order in which its parts are built.
+
+use serde::Deserialize;
+
+use super::builder::{BoardSettings, LayoutBuilder};
+use super::controls::pointer::PointerSchema;
+use super::controls::space::SpaceSchema;
+use super::controls::trigger::TriggerSchema;
+use super::controls::with_control_kinds;
+use super::fit::Fit;
+use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
+use super::model::Layout;
+use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
+use super::schema::{AutoRecenterSchema, BoardShapeSchema, Label, OutlineSchema, PoseSchema};
+use crate::document::{
+    self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error,
+};
+use crate::hand::Side;
+
+/// A layout file.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Layout", deny_unknown_fields)]
+pub(super) struct LayoutSchema<'a> {
+    /// Name.
+    #[serde(borrow)]
+    name: Spanned<'a>,
+    /// One line for lists.
+    #[serde(borrow, default)]
+    description: Option<Spanned<'a>>,
+    /// Groups of keys and controls.
+    #[serde(borrow, default)]
+    pub boards: Vec<BoardSchema<'a>>,
+    /// Labels by name of the key.
+    #[serde(borrow, default)]
+    labels: Pairs<'a, Label>,
+    /// Layers other than the base layer.
+    #[serde(borrow, default)]
+    layers: Vec<LayerSchema<'a>>,
+    /// Chords.
+    #[serde(borrow, default)]
+    chords: Vec<ChordSchema<'a>>,
+    /// Maximum time between the first and the last key press of a chord.
+    #[serde(default)]
+    chord_timeout_ms: ChordTimeout,
+    /// Triggers.
+    #[serde(borrow, default)]
+    triggers: Vec<TriggerSchema<'a>>,
+    /// The arm as a pointer.
+    #[serde(borrow, default)]
+    pointer: Option<PointerSchema<'a>>,
+    /// Targets in space.
+    #[serde(borrow, default)]
+    spaces: Vec<SpaceSchema<'a>>,
+}
+
+/// Declares the schema of a board, with one list for each kind of control.
+macro_rules! board_schema {
+    ($($list:ident: $module:ident::$schema:ident,)+) => {
+        /// A group of keys and controls that moves as one.
+        #[derive(Debug, Deserialize)]
+        #[serde(rename = "Board", deny_unknown_fields)]
+        pub(super) struct BoardSchema<'a> {
+            /// Pose of the point (0, 0), and scale.
+            pub pose: PoseSchema,
+            /// The only hand that can touch the board. Default: either.
+            #[serde(default)]
+            pub hand: Option<Side>,
+            /// Flat or curved.
+            #[serde(default)]
+            pub shape: BoardShapeSchema,
+            /// Slow motion towards a resting hand. Default: off.
+            #[serde(default)]
+            auto_recenter: Option<AutoRecenterSchema>,
+            /// Distance between the keys of a row.
+            #[serde(default)]
+            pitch_mm: Pitch,
+            /// Default outline.
+            #[serde(default)]
+            size_mm: OutlineSchema,
+            /// Default travel.
+            #[serde(default)]
+            travel_mm: Travel,
+            /// Default press point.
+            #[serde(default)]
+            press_at: PressAt,
+            /// Default release point.
+            #[serde(default)]
+            release_at: ReleaseAt,
+            /// Default debounce time of keys.
+            #[serde(default)]
+            debounce_ms: Debounce,
+            /// Keys report the depth of a press as a value.
+            #[serde(default)]
+            reports_depth: bool,
+            /// Rows of keys.
+            #[serde(borrow, default)]
+            rows: Vec<RowSchema<'a>>,
+            /// Single keys.
+            #[serde(borrow, default)]
+            keys: Vec<KeySchema<'a>>,
+            $(
+                #[serde(borrow, default)]
+                $list: Vec<super::controls::$module::$schema<'a>>,
+            )+
+        }
+
+        impl<'a> BoardSchema<'a> {
+            fn build_controls(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+                $(
+                    for control in &self.$list {
+                        let built = control.build(builder);
+                        builder.collect(built)?;
+                    }
+                )+
+                Ok(())
+            }
+        }
+
+        /// Returns the structures whose fields are easily taken for those of another one.
+        fn structures() -> Vec<Structure> {
+            vec![
+                Structure::of::<LayoutSchema>("Layout"),
+                Structure::of::<BoardSchema>("boards"),
+                Structure::of::<PoseSchema>("pose"),
+                Structure::of::<RowSchema>("rows"),
+                Structure::of::<KeySchema>("keys"),
+                $(Structure::of::<super::controls::$module::$schema>(stringify!($list)),)+
+                Structure::of::<LayerSchema>("layers"),
+                Structure::of::<ChordSchema>("chords"),
+                Structure::of::<TriggerSchema>("triggers"),
+                Structure::of::<PointerSchema>("pointer"),
+                Structure::of::<SpaceSchema>("spaces"),
+            ]
+        }
+    };
+}
+with_control_kinds!(board_schema);
+
+/// The format of layout files.
+const FORMAT: Format = Format {
+    name: "Layout",
+    remedy: "; `ademan layout new NAME` writes a layout to start from",
+    reread: |text| first_error::<LayoutSchema>(text),
+    structures,
+};
+
+impl Layout {
+    /// Parses a text for the design hand. `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
+        Self::from_document(Document::new(file, text))
+    }
+
+    /// Parses and checks a document for the design hand.
+    pub fn from_document(document: Document) -> Result<Self, DocumentError> {
+        Self::for_hands(document, Fit::default())
+    }
+
+    /// Parses and checks a document for the hands of a setup.
+    pub fn for_hands(document: Document, fit: Fit) -> Result<Self, DocumentError> {
+        let schema: LayoutSchema = document.parse_as(&FORMAT)?;
+        let mut builder = LayoutBuilder::new(&document, schema.name, fit);
+        let built = schema.build(&mut builder);
+        builder.finish(
+            built,
+            schema.description,
+            duration(schema.chord_timeout_ms.get()),
+        )
+    }
+
+    /// Returns the layout of another text, with the same name of the file and for the same hands.
+    pub fn with_text(&self, text: &str) -> Result<Self, DocumentError> {
+        Self::for_hands(Document::new(self.file.as_str(), text), self.fit)
+    }
+
+    /// Returns the shipped layouts with their names, folder by folder.
+    pub fn shipped() -> Result<Vec<(&'static str, Self)>, DocumentError> {
+        document::shipped_layouts()
+            .map(|name| Ok((name, Self::from_document(Document::shipped(name)?)?)))
+            .collect()
+    }
+}
+
+impl<'a> LayoutSchema<'a> {
+    /// Adds all parts to the builder, also those after an error.
+    fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        for layer in &self.layers {
+            let declared = builder.declare_layer(layer.name);
+            builder.collect(declared)?;
+        }
+        for board in &self.boards {
+            let built = board.build(builder);
+            builder.collect(built)?;
+        }
+        let has_controls = !self.boards.is_empty()
+            || !self.triggers.is_empty()
+            || self.pointer.is_some()
+            || !self.spaces.is_empty();
+        if !has_controls {
+            let message = "the layout has no keys and no other controls, add `boards`";
+            return Err(builder.error(self.name.text, message));
+        }
+        for (name, label) in &self.labels.0 {
+            let labelled = builder.set_label(name.text, &label.0);
+            builder.collect(labelled)?;
+        }
+        // The indices of declared layers are those of the file.
+        if builder.layers().len() == self.layers.len() + 1 {
+            for (index, layer) in self.layers.iter().enumerate() {
+                layer.build(builder, index + 1)?;
+            }
+        }
+        for chord in &self.chords {
+            let built = chord.build(builder);
+            builder.collect(built)?;
+        }
+        // A key may have its action in a part that has failed.
+        if builder.failed() == 0 {
+            let rejected = reject_idle_keys(builder);
+            builder.collect(rejected)?;
+        }
+        for trigger in &self.triggers {
+            let built = trigger.build(builder);
+            builder.collect(built)?;
+        }
+        if let Some(pointer) = &self.pointer {
+            let built = pointer.build(builder);
+            builder.collect(built)?;
+        }
+        for (index, space) in self.spaces.iter().enumerate() {
+            let built = space.build(builder, index + 1);
+            builder.collect(built)?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> BoardSchema<'a> {
+    fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let fit = builder.pose_fit(&self.pose, self.hand);
+        builder.begin_board(BoardSettings {
+            shape: self.shape.shape(&fit),
+            scale: self.pose.scale.get() as f32 * fit.scale,
+            fit,
+            size: self.size_mm,
+            travel: self.travel_mm,
+            press_at: self.press_at,
+            release_at: self.release_at,
+        });
+        let defaults = KeyDefaults {
+            pitch: self.pitch_mm,
+            debounce: self.debounce_ms,
+            reports_depth: self.reports_depth,
+        };
+        for row in &self.rows {
+            row.build(builder, defaults)?;
+        }
+        for key in &self.keys {
+            let built = key.build(builder, defaults);
+            builder.collect_key(key.name(), built)?;
+        }
+        self.build_controls(builder)?;
+        builder.end_board(
+            self.hand,
+            self.pose.anchor.into(),
+            self.pose.anchor_from_board(self.shape, &fit),
+            self.pitch_mm.get(),
+            self.auto_recenter.map(Into::into),
+        )
+    }
+}

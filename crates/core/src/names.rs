@@ -1,0 +1,160 @@
+//! Enums with one spelling per value in files, messages and output, and suggestions for misspelled names.
+
+use crate::message::escape;
+
+/// Declares a field-less enum whose values have one name in files, messages and output.
+///
+/// Generates `ALL`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
+/// serde support by name.
+#[macro_export]
+macro_rules! named_enum {
+    ($(#[$meta:meta])* $vis:vis enum $enum:ident ($kind:literal) {
+        $($(#[$variant_meta:meta])* $variant:ident = $name:literal,)+
+    }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u8)]
+        $vis enum $enum { $($(#[$variant_meta])* $variant,)+ }
+
+        impl $enum {
+            /// All values, in declaration order.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            /// The number of values.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// Returns the name used in files, messages and output.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)+ }
+            }
+
+            /// Returns the index in [`Self::ALL`].
+            pub const fn index(self) -> usize {
+                self as usize
+            }
+        }
+
+        impl std::fmt::Display for $enum {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl std::str::FromStr for $enum {
+            type Err = $crate::names::UnknownName;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                Self::ALL
+                    .iter()
+                    .copied()
+                    .find(|value| value.name() == text)
+                    .ok_or_else(|| {
+                        $crate::names::UnknownName::new($kind, text, Self::ALL.iter().map(|value| value.name()))
+                    })
+            }
+        }
+
+        impl serde::Serialize for $enum {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $enum {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = <String as serde::Deserialize>::deserialize(deserializer)?;
+                text.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    };
+}
+pub use named_enum;
+
+/// A name that is not one of the valid names.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {kind} `{}`{}", escape(.text), suggestion(.nearest))]
+pub struct UnknownName {
+    /// The kind of thing that the name stands for, such as "joint" or "key".
+    pub kind: &'static str,
+    /// The name as written.
+    pub text: String,
+    /// The most similar valid name, if one is similar enough to suggest.
+    pub nearest: Option<String>,
+}
+
+impl UnknownName {
+    /// Creates the error for `text` and searches `valid` for a name to suggest.
+    pub fn new<'a>(
+        kind: &'static str,
+        text: &str,
+        valid: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        Self {
+            kind,
+            text: text.to_owned(),
+            nearest: nearest(text, valid).map(str::to_owned),
+        }
+    }
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    match nearest {
+        Some(name) => format!(", did you mean `{}`?", escape(name)),
+        None => String::new(),
+    }
+}
+
+/// The longest text, in bytes, for which a similar name is searched. The time and memory of a comparison grow with
+/// the product of both lengths.
+const MAX_COMPARED_LEN: usize = 128;
+
+/// The lowest similarity, 0..=1, of a name that is suggested: half of its letters. Less suggests `Minus` for `Win`.
+const MIN_SIMILARITY: f64 = 0.5;
+
+/// Returns the name in `valid` that is spelled most like `text`, or `None` if none is similar or `text` is longer
+/// than 128 bytes. Ignores case.
+pub fn nearest<'a>(text: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if text.len() > MAX_COMPARED_LEN {
+        return None;
+    }
+    let wanted = text.to_lowercase();
+    valid
+        .into_iter()
+        .filter(|name| name.len() <= MAX_COMPARED_LEN)
+        .map(|name| {
+            let similarity = strsim::normalized_damerau_levenshtein(&wanted, &name.to_lowercase());
+            (similarity, name)
+        })
+        .filter(|(similarity, _)| *similarity >= MIN_SIMILARITY)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_ignores_case_and_swapped_letters() {
+        let keys = ["ShiftLeft", "Space", "Semicolon"];
+        assert_eq!(nearest("shfitleft", keys), Some("ShiftLeft"));
+        assert_eq!(nearest("zzzz", keys), None);
+        assert_eq!(nearest("Win", ["Minus", "Quote"]), None);
+    }
+
+    #[test]
+    fn texts_over_128_bytes_are_not_compared() {
+        let (long, name) = ("a".repeat(5_000), "a".repeat(100));
+        assert_eq!(nearest(&long, [&*long]), None);
+        assert_eq!(nearest(&long[..129], [&*name]), None);
+        assert_eq!(nearest(&long[..101], [&*long, &*name]), Some(&*name));
+    }
+
+    #[test]
+    fn an_unknown_name_suggests_the_nearest() {
+        let error = UnknownName::new("key", "Spcae", ["Space", "Tab"]);
+        assert_eq!(
+            error.to_string(),
+            "unknown key `Spcae`, did you mean `Space`?"
+        );
+    }
+}

@@ -1,0 +1,97 @@
+//! The stages of one hand from readings to poses.
+
+use super::StepOutput;
+use crate::contact::{Presses, Touches};
+use crate::device::TimedCommands;
+use crate::estimate::{Estimate, HandEstimator, JointAngles};
+use crate::hand::{HandPart, Side};
+use crate::kinematics::ArmModel;
+use crate::time::Timestamp;
+
+/// The number of consecutive rejected readings after which everything is released. A single one can be a flipped bit;
+/// the estimator accepts a jump of the hand at the third reading.
+const MAX_CONSECUTIVE_REJECTIONS: u8 = 3;
+
+/// The estimator, arm model and latest output of one hand.
+pub(super) struct HandPipeline {
+    pub(super) estimator: HandEstimator,
+    pub(super) arm: ArmModel,
+    /// The latest output, updated in place because it is too large to move for every reading.
+    pub(super) output: StepOutput,
+    /// The time of the last accepted reading; `None` if none is expected.
+    pub(super) last_accepted: Option<Timestamp>,
+    /// `true` if the latest pose was clear of every control. A lost hand is not clear.
+    pub(super) is_clear: bool,
+    /// `true` once the position of the hand was known.
+    was_placed: bool,
+    consecutive_rejections: u8,
+    /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the
+    /// run is resumed.
+    pub(super) is_suspended: bool,
+}
+
+impl HandPipeline {
+    pub(super) fn new(estimator: impl Into<HandEstimator>, arm: ArmModel) -> Self {
+        let estimate = Estimate::new(Timestamp::default(), JointAngles::default());
+        Self {
+            output: StepOutput {
+                estimate,
+                pose: arm.forward(&estimate),
+                touches: Touches::new(),
+                presses: Presses::new(),
+                commands: TimedCommands::new(),
+            },
+            estimator: estimator.into(),
+            arm,
+            last_accepted: None,
+            is_clear: false,
+            was_placed: false,
+            consecutive_rejections: 0,
+            is_suspended: false,
+        }
+    }
+
+    /// Counts consecutive rejected readings. Returns `true` when the number reaches the limit.
+    pub(super) fn count_rejection(&mut self, is_rejected: bool) -> bool {
+        self.consecutive_rejections = match is_rejected {
+            true => self.consecutive_rejections.saturating_add(1),
+            false => 0,
+        };
+        self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
+    }
+
+    /// Notes that a reading was accepted.
+    pub(super) fn accept(&mut self, time: Timestamp) {
+        if self.is_suspended {
+            self.output.estimate.lose_hand();
+        }
+        self.last_accepted = Some(time);
+        self.was_placed |= self.output.estimate.is_placed;
+    }
+
+    /// Forgets a part of the hand, or all of it: nothing of what was lost touches or points at anything.
+    pub(super) fn lose(&mut self, part: Option<HandPart>) {
+        self.is_clear = false;
+        match self.estimator.lose(part) {
+            Some(rest) => self.output.estimate = *rest,
+            None => {
+                self.output.estimate.lose_hand();
+                self.last_accepted = None;
+            }
+        }
+    }
+
+    /// Returns whether the hand was tracked and is lost.
+    pub(super) fn is_lost(&self) -> bool {
+        self.was_placed && !self.output.estimate.is_placed
+    }
+
+    /// Returns whether output may not be armed yet because of this hand: it is tracked, and not clear of every control.
+    pub(super) fn blocks_arming(&self) -> bool {
+        self.last_accepted.is_some() && self.output.estimate.is_placed && !self.is_clear
+    }
+
+    pub(super) fn side(&self) -> Side {
+        self.arm.side()
+    }
+}

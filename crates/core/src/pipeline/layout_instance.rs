@@ -1,0 +1,182 @@
+//! A layout at run time: its scene, contact trackers and devices.
+
+use std::sync::Arc;
+
+use super::StepOutput;
+use super::auto_recenter::AutoRecenterState;
+use super::release_order::move_releases_first;
+use crate::contact::board_pose::AutoRecenter;
+use crate::contact::surface::Scene;
+use crate::contact::{ContactTracker, TargetId, TargetNames, Touches};
+use crate::device::{
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
+};
+use crate::hand::Side;
+use crate::kinematics::HandPose;
+use crate::layout::Layout;
+use crate::time::Timestamp;
+
+/// A layout at run time, for both hands.
+pub struct LayoutInstance {
+    pub(super) scene: Scene,
+    target_names: TargetNames,
+    trackers: [ContactTracker; Side::COUNT],
+    key_arbiter: KeyArbiter,
+    devices: Vec<Box<dyn VirtualDevice>>,
+    pub(super) auto_recenter: AutoRecenterState,
+    layout: Option<Arc<Layout>>,
+}
+
+impl LayoutInstance {
+    /// Creates a layout without pressed keys. A fingertip that is inside a target in the first pose must leave it before
+    /// it can touch.
+    ///
+    /// `target_names` are the names of the targets of `scene`, for outputs that report them.
+    pub fn new(
+        scene: Scene,
+        target_names: TargetNames,
+        devices: Vec<Box<dyn VirtualDevice>>,
+    ) -> Self {
+        Self {
+            trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
+            scene,
+            target_names,
+            key_arbiter: KeyArbiter::default(),
+            devices,
+            auto_recenter: AutoRecenterState::default(),
+            layout: None,
+        }
+    }
+
+    /// Sets the layout that it was made from, for displays.
+    #[must_use]
+    pub fn with_layout(self, layout: Arc<Layout>) -> Self {
+        Self {
+            layout: Some(layout),
+            ..self
+        }
+    }
+
+    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId).
+    #[must_use]
+    pub fn with_texts(self, texts: Vec<String>) -> Self {
+        Self {
+            key_arbiter: KeyArbiter::new(texts),
+            ..self
+        }
+    }
+
+    /// Sets the auto-recentering of the boards; `settings[i]` are those of board `i`, `None` if it stays.
+    #[must_use]
+    pub fn with_auto_recenter(
+        self,
+        settings: impl IntoIterator<Item = Option<AutoRecenter>>,
+    ) -> Self {
+        Self {
+            auto_recenter: AutoRecenterState::new(settings),
+            ..self
+        }
+    }
+
+    /// Returns the names of the targets.
+    pub fn target_names(&self) -> &TargetNames {
+        &self.target_names
+    }
+
+    /// Returns the layout that it was made from, if that is known.
+    pub fn layout(&self) -> Option<&Arc<Layout>> {
+        self.layout.as_ref()
+    }
+
+    /// Returns the targets with the present poses of the boards.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Iterates over the targets that fingertips of either hand press.
+    pub fn pressed_targets(&self) -> impl Iterator<Item = TargetId> + '_ {
+        self.trackers.iter().flat_map(ContactTracker::pressed)
+    }
+
+    /// Returns the position of the cursor; `None` for a layout without a pointer and targets in space.
+    pub fn cursor(&self) -> Option<CursorPosition> {
+        self.devices.iter().find_map(|device| device.cursor())
+    }
+
+    /// Updates the contacts of one hand and replaces its touches and presses.
+    pub(super) fn track(&mut self, step: &mut StepOutput) {
+        step.touches.clear();
+        let tracker = &mut self.trackers[step.pose.side.index()];
+        tracker.update(&self.scene, &step.pose, &mut step.touches);
+        step.presses.clear();
+        tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
+    }
+
+    /// Returns whether the hand is clear of every control.
+    pub(super) fn is_clear(&self, pose: &HandPose) -> bool {
+        self.trackers[pose.side.index()].is_clear(&self.scene, pose)
+    }
+
+    /// Returns whether a fingertip touches a target or a control holds a key.
+    pub(super) fn is_in_use(&self) -> bool {
+        self.is_touched() || !self.key_arbiter.is_idle()
+    }
+
+    fn is_touched(&self) -> bool {
+        self.trackers.iter().any(|tracker| !tracker.is_idle())
+    }
+
+    /// Moves auto-recentering boards if the hand rests.
+    pub(super) fn update_auto_recenter(&mut self, pose: &HandPose) {
+        let is_touched = self.is_touched();
+        self.auto_recenter.update(&mut self.scene, pose, is_touched);
+    }
+
+    /// Updates the devices for one hand and one step. Presses of keys by hands with `is_pointer_only`, by side, are
+    /// dropped; returns their number.
+    pub(super) fn update_devices(
+        &mut self,
+        step: &mut StepOutput,
+        is_pointer_only: [bool; Side::COUNT],
+        events: &mut Events,
+    ) -> u64 {
+        self.key_arbiter.set_pointing_hands(is_pointer_only);
+        let input = DeviceInput {
+            scene: &self.scene,
+            angles: &step.estimate.angles,
+            inputs: &step.estimate.inputs,
+            pose: &step.pose,
+            touches: &step.touches,
+        };
+        let mut output = DeviceOutput {
+            arbiter: &mut self.key_arbiter,
+            events,
+            commands: &mut step.commands,
+        };
+        let first = output.events.len();
+        for device in &mut self.devices {
+            device.update(&input, &mut output);
+        }
+        if self.devices.len() > 1 {
+            move_releases_first(&mut events[first..]);
+        }
+        self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Ends every touch and releases everything.
+    pub(super) fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        for tracker in &mut self.trackers {
+            tracker.reset(time, &mut Touches::new());
+        }
+        self.auto_recenter.reset();
+        self.key_arbiter.release_all(time, events);
+        let mut output = DeviceOutput {
+            arbiter: &mut self.key_arbiter,
+            events,
+            commands: &mut TimedCommands::new(),
+        };
+        for device in &mut self.devices {
+            device.release_all(time, &mut output);
+        }
+    }
+}

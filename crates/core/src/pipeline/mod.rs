@@ -1,0 +1,487 @@
+//! Stages 2 to 5 for one reading: estimation, kinematics, contact and devices, and the output gate.
+
+mod auto_recenter;
+mod board_move;
+mod command_error;
+mod commands;
+mod hand_pipeline;
+mod layout_instance;
+mod learning;
+mod output_gate;
+mod permissions;
+pub mod press_filter;
+mod rate_limit;
+mod release_order;
+mod settings;
+mod stalls;
+mod state;
+mod zero;
+
+pub use command_error::CommandError;
+pub use layout_instance::LayoutInstance;
+pub use permissions::{SourcePermissions, SourceRole};
+pub use press_filter::PressFilter;
+pub use rate_limit::PressRateLimit;
+pub use settings::PipelineSettings;
+pub use state::{PipelineState, Suppressed};
+
+use std::time::Duration;
+
+use self::hand_pipeline::HandPipeline;
+use self::output_gate::OutputGate;
+use self::press_filter::{FilterInput, PressFilters};
+use crate::capture::Reading;
+use crate::command::{Command, CommandOrigin, ProfileName};
+use crate::contact::board_pose::BoardPose;
+use crate::contact::{Presses, TargetNames, Touches};
+use crate::device::{Events, TimedCommands};
+use crate::estimate::{Estimate, HandEstimator, Rejection};
+use crate::hand::Side;
+use crate::kinematics::{ArmModel, HandPose};
+use crate::time::Timestamp;
+
+/// The name of the first profile, whose layout is active at the start.
+pub const MAIN_PROFILE: &str = "main";
+
+/// The results of all stages for one reading.
+#[derive(Clone, Debug)]
+pub struct StepOutput {
+    /// The result of the estimator.
+    pub estimate: Estimate,
+    /// The result of forward kinematics.
+    pub pose: HandPose,
+    /// The result of contact tracking.
+    pub touches: Touches,
+    /// The presses among the touches, with their evidence.
+    pub presses: Presses,
+    /// The commands of the devices. The pipeline has executed those that it [handles](Pipeline::handles); the others are
+    /// left to the caller.
+    pub commands: TimedCommands,
+}
+
+/// The pipeline from readings to events.
+///
+/// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings produce the
+/// same events.
+pub struct Pipeline {
+    /// One or two.
+    hands: Vec<HandPipeline>,
+    /// At least one.
+    profiles: Vec<Profile>,
+    active_profile: usize,
+    settings: PipelineSettings,
+    filters: PressFilters,
+    gate: OutputGate,
+    /// The state without a requested pause.
+    state: PipelineState,
+    /// The latest time of an accepted reading.
+    time: Timestamp,
+    /// The origin of a requested pause. `state` changes meanwhile, but not to `Running`.
+    paused_by: Option<CommandOrigin>,
+    clear_since: Option<Timestamp>,
+    /// The time until which a hand that comes to rest is zeroed, because the layout asked for it.
+    zero_until: Option<Timestamp>,
+    accepted: u64,
+    rejected: [u64; Rejection::COUNT],
+    stalls: u64,
+}
+
+/// One of the layouts of a setup.
+struct Profile {
+    name: ProfileName,
+    layout: LayoutInstance,
+}
+
+impl Pipeline {
+    /// Creates a pipeline for one hand, with the profile [`MAIN_PROFILE`].
+    pub fn new(
+        estimator: impl Into<HandEstimator>,
+        arm: ArmModel,
+        layout: LayoutInstance,
+        settings: PipelineSettings,
+    ) -> Self {
+        let name = ProfileName::from(MAIN_PROFILE).expect("the name is short");
+        Self {
+            hands: vec![HandPipeline::new(estimator, arm)],
+            profiles: vec![Profile { name, layout }],
+            active_profile: 0,
+            settings,
+            filters: PressFilters::default(),
+            gate: OutputGate::new(settings.permissions, settings.allow_system_keys),
+            state: PipelineState::Starting,
+            time: Timestamp::default(),
+            paused_by: None,
+            clear_since: None,
+            zero_until: None,
+            accepted: 0,
+            rejected: [0; Rejection::COUNT],
+            stalls: 0,
+        }
+    }
+
+    /// Adds the second hand. A reading belongs to the hand with its [side](Reading::side), or to the first
+    /// hand if the reading has no side or no hand has it.
+    #[must_use]
+    pub fn with_second_hand(mut self, estimator: impl Into<HandEstimator>, arm: ArmModel) -> Self {
+        self.hands.truncate(1);
+        self.hands.push(HandPipeline::new(estimator, arm));
+        self
+    }
+
+    /// Adds a source of its own for the second hand, with these permissions.
+    #[must_use]
+    pub fn with_second_source(mut self, permissions: SourcePermissions) -> Self {
+        self.gate.add_source(permissions);
+        self
+    }
+
+    /// Adds a filter of presses behind the others.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Box<dyn PressFilter>) -> Self {
+        self.filters.add(filter);
+        self
+    }
+
+    /// Adds profiles. One profile is active at a time, at first [`MAIN_PROFILE`] with index 0.
+    #[must_use]
+    pub fn with_profiles(
+        mut self,
+        profiles: impl IntoIterator<Item = (ProfileName, LayoutInstance)>,
+    ) -> Self {
+        let profiles = profiles.into_iter();
+        self.profiles
+            .extend(profiles.map(|(name, layout)| Profile { name, layout }));
+        self
+    }
+
+    /// Processes one reading and appends the resulting events to `events`.
+    ///
+    /// A rejected reading is counted and changes nothing else. The third consecutive one releases everything, because
+    /// the state of the hand is no longer known.
+    pub fn step(
+        &mut self,
+        reading: &Reading,
+        events: &mut Events,
+    ) -> Result<&StepOutput, Rejection> {
+        let index = self.hand_index(reading);
+        self.detect_gaps(reading.time, events);
+        let hand = &mut self.hands[index];
+        let estimate = &mut hand.output.estimate;
+        let updated = hand.estimator.update(reading);
+        let updated = updated.map(|new| estimate.copy_from(new));
+        if hand.count_rejection(updated.is_err()) && self.state() == PipelineState::Running {
+            self.release_all(self.time, events);
+        }
+        updated.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
+        self.accepted += 1;
+        self.time = self.time.max(reading.time);
+        self.hands[index].accept(reading.time);
+        self.update_pose(index);
+        self.arm_if_clear(index);
+        self.update_devices(index, events);
+        self.zero_if_at_rest(events);
+        self.learn_ranges(index);
+        Ok(&self.hands[index].output)
+    }
+
+    /// Returns the results for the latest accepted reading of the hand that `reading` belongs to.
+    pub fn output_for(&self, reading: &Reading) -> &StepOutput {
+        &self.hands[self.hand_index(reading)].output
+    }
+
+    /// Runs forward kinematics and contact for the present estimate of a hand.
+    fn update_pose(&mut self, index: usize) {
+        let hand = &mut self.hands[index];
+        let output = &mut hand.output;
+        hand.arm.forward_into(&output.estimate, &mut output.pose);
+        output.commands.clear();
+        let layout = &mut self.profiles[self.active_profile].layout;
+        layout.track(output);
+    }
+
+    fn update_devices(&mut self, index: usize, events: &mut Events) {
+        if self.state == PipelineState::Running {
+            self.run_devices(index, events);
+        } else if self.is_paused() {
+            self.run_devices_paused(index);
+        }
+    }
+
+    /// Releases everything and emits no events until [`resume`](Self::resume), whatever happens to the
+    /// readings or the layouts meanwhile. If the pipeline is paused already, the stronger origin applies.
+    pub fn pause(&mut self, origin: CommandOrigin, events: &mut Events) {
+        if self.state == PipelineState::Stopped {
+            return;
+        }
+        if let Some(earlier) = &mut self.paused_by {
+            *earlier = earlier.or_stronger(origin);
+            return;
+        }
+        let state = match self.state {
+            PipelineState::Stalled => PipelineState::Stalled,
+            _ => PipelineState::Paused,
+        };
+        self.disarm(self.time, state, events);
+        self.paused_by = Some(origin);
+    }
+
+    /// Ends a pause. Output is armed after the hand has been clear of every control, even with
+    /// [`arm_immediately`](PipelineSettings::arm_immediately).
+    ///
+    /// Has no effect without a pause, or if `origin` [may not end](CommandOrigin::may_end_pause_of) it.
+    pub fn resume(&mut self, origin: CommandOrigin) {
+        self.end_suspensions(origin);
+        if !self
+            .paused_by
+            .is_some_and(|pause| origin.may_end_pause_of(pause))
+        {
+            return;
+        }
+        self.paused_by = None;
+        let time = self.time;
+        self.active_layout().release_all(time, &mut Events::new());
+        self.clear_since = None;
+    }
+
+    /// Returns whether a pause was requested and has not ended.
+    pub fn is_paused(&self) -> bool {
+        self.paused_by.is_some()
+    }
+
+    /// Returns the origin of a pause that was requested and has not ended.
+    pub fn paused_by(&self) -> Option<CommandOrigin> {
+        self.paused_by
+    }
+
+    /// Releases everything, for the end of a session. No event is emitted afterwards.
+    pub fn stop(&mut self, events: &mut Events) {
+        self.disarm(self.time, PipelineState::Stopped, events);
+    }
+
+    /// Releases everything and exchanges the layout of a profile with `layout`; does nothing if there is no such
+    /// profile.
+    ///
+    /// A running pipeline keeps running: a fingertip inside a new target must leave it before it can touch. A
+    /// pipeline that is not armed waits for a hand that is clear of the new controls.
+    pub fn replace_profile(
+        &mut self,
+        profile: usize,
+        layout: &mut LayoutInstance,
+        events: &mut Events,
+    ) {
+        if profile >= self.profiles.len() {
+            return;
+        }
+        if profile == self.active_profile {
+            self.release_all(self.time, events);
+        }
+        std::mem::swap(&mut self.profiles[profile].layout, layout);
+    }
+
+    /// Copies the board poses of a profile to `layout`, if both have the same number of boards.
+    pub fn keep_board_poses(&self, profile: usize, layout: &mut LayoutInstance) {
+        if let Some(other) = self.profiles.get(profile) {
+            layout.copy_board_poses(&other.layout);
+        }
+    }
+
+    /// Iterates over the board poses of the active layout.
+    pub fn board_poses(&self) -> impl Iterator<Item = BoardPose> {
+        self.profiles[self.active_profile].layout.board_poses()
+    }
+
+    /// Returns the names of the profiles, in order.
+    pub fn profile_names(&self) -> impl Iterator<Item = &str> {
+        self.profiles.iter().map(|profile| profile.name.as_str())
+    }
+
+    /// Returns the number of profiles.
+    pub fn profile_count(&self) -> usize {
+        self.profiles.len()
+    }
+
+    /// Returns the index of the active profile.
+    pub fn active_profile(&self) -> usize {
+        self.active_profile
+    }
+
+    /// Returns the active layout.
+    pub fn layout(&self) -> &LayoutInstance {
+        &self.profiles[self.active_profile].layout
+    }
+
+    /// Returns the names of the targets of the active layout.
+    pub fn target_names(&self) -> &TargetNames {
+        self.profiles[self.active_profile].layout.target_names()
+    }
+
+    /// Returns the state; `Paused` during a requested pause.
+    pub fn state(&self) -> PipelineState {
+        match self.is_paused() && self.state != PipelineState::Stopped {
+            true => PipelineState::Paused,
+            false => self.state,
+        }
+    }
+
+    /// Returns whether readings are expected: one was accepted, and no stall followed.
+    pub fn expects_readings(&self) -> bool {
+        self.hands.iter().any(|hand| hand.last_accepted.is_some())
+    }
+
+    /// Returns the longest gap between two readings.
+    pub fn stall_timeout(&self) -> Duration {
+        self.settings.stall_timeout
+    }
+
+    /// Sets the longest gap between two readings.
+    pub fn set_stall_timeout(&mut self, timeout: Duration) {
+        self.settings.stall_timeout = timeout;
+        for hand in &mut self.hands {
+            hand.estimator.set_timeout(timeout);
+        }
+    }
+
+    /// Returns the latest time of an accepted reading.
+    pub fn time(&self) -> Timestamp {
+        self.time
+    }
+
+    /// Returns the number of accepted readings.
+    pub fn accepted(&self) -> u64 {
+        self.accepted
+    }
+
+    /// Returns the numbers of rejected readings by reason, in the order of [`Rejection::ALL`].
+    pub fn rejected(&self) -> [u64; Rejection::COUNT] {
+        self.rejected
+    }
+
+    /// Returns the number of stalls.
+    pub fn stalls(&self) -> u64 {
+        self.stalls
+    }
+
+    /// Returns the numbers of suppressed events.
+    pub fn suppressed(&self) -> Suppressed {
+        self.gate.suppressed()
+    }
+
+    fn active_layout(&mut self) -> &mut LayoutInstance {
+        &mut self.profiles[self.active_profile].layout
+    }
+
+    /// Returns, by side, whether the source of the hand may not press keys.
+    fn pointer_only_sides(&self) -> [bool; Side::COUNT] {
+        let mut pointer_only = [false; Side::COUNT];
+        for (index, hand) in self.hands.iter().enumerate() {
+            pointer_only[hand.side().index()] = !self.gate.allows_keys(index);
+        }
+        pointer_only
+    }
+
+    /// Returns the index of the hand that a reading belongs to.
+    fn hand_index(&self, reading: &Reading) -> usize {
+        let is_hand = |hand: &HandPipeline| Some(hand.side()) == reading.side;
+        self.hands.iter().position(is_hand).unwrap_or(0)
+    }
+
+    /// Updates the devices, filters their events and executes their commands.
+    fn run_devices(&mut self, index: usize, events: &mut Events) {
+        let first = events.len();
+        let pointer_only = self.pointer_only_sides();
+        let layout = &mut self.profiles[self.active_profile].layout;
+        let output = &mut self.hands[index].output;
+        let dropped = layout.update_devices(output, pointer_only, events);
+        layout.update_auto_recenter(&output.pose);
+        self.gate.add_suppressed_keys(dropped);
+        let input = FilterInput {
+            time: output.pose.time,
+            side: output.pose.side,
+            presses: &output.presses,
+        };
+        self.filters.apply(&input, first, events);
+        if !self.gate.filter(index, first, events) && !self.suspend(index) {
+            self.pause(CommandOrigin::RateLimit, events);
+        }
+        self.execute_issued(index, events);
+    }
+
+    /// Executes the commands that the devices issued for a hand.
+    fn execute_issued(&mut self, index: usize, events: &mut Events) {
+        let mut next = 0;
+        while let Some(issued) = self.hands[index].output.commands.get(next) {
+            let command = match issued.command {
+                // The rate limit or another command may have paused this step; a toggle must not resume it.
+                Command::TogglePause => Command::Pause,
+                command => command,
+            };
+            // A command that cannot be executed has no effect; no caller waits for a reply.
+            let _ = self.execute(&command, CommandOrigin::Layout, events);
+            next += 1;
+        }
+    }
+
+    /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed, and
+    /// only if the layout itself has paused.
+    fn run_devices_paused(&mut self, index: usize) {
+        let pointer_only = self.pointer_only_sides();
+        let layout = &mut self.profiles[self.active_profile].layout;
+        let output = &mut self.hands[index].output;
+        layout.update_devices(output, pointer_only, &mut Events::new());
+        let mut commands = std::mem::take(&mut output.commands).into_iter();
+        let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
+        if commands.any(|issued| ends_pause(issued.command)) {
+            self.resume(CommandOrigin::Layout);
+        }
+    }
+
+    /// Releases everything. Before output is armed again, the hand must be clear of every control for the whole
+    /// [`arm_delay`](PipelineSettings::arm_delay).
+    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        let first = events.len();
+        let is_paused = self.is_paused();
+        self.filters.reset();
+        let layout = self.active_layout();
+        match is_paused {
+            // The presses of a pause were never emitted.
+            true => layout.release_all(time, &mut Events::new()),
+            false => layout.release_all(time, events),
+        }
+        self.gate.filter(0, first, events);
+        self.clear_since = None;
+    }
+
+    /// Releases everything and sets a state in which no events are emitted.
+    fn disarm(&mut self, time: Timestamp, state: PipelineState, events: &mut Events) {
+        self.release_all(time, events);
+        self.state = state;
+    }
+
+    /// Arms output if all hands have been clear of every control for the arm delay.
+    fn arm_if_clear(&mut self, index: usize) {
+        if self.is_paused() {
+            return;
+        }
+        match self.state {
+            PipelineState::Running | PipelineState::Stopped => return,
+            PipelineState::Starting if self.settings.arm_immediately => {
+                self.state = PipelineState::Running;
+                return;
+            }
+            PipelineState::Starting => self.state = PipelineState::Paused,
+            PipelineState::Paused | PipelineState::Stalled => {}
+        }
+        let hand = &mut self.hands[index];
+        let layout = &self.profiles[self.active_profile].layout;
+        hand.is_clear = layout.is_clear(&hand.output.pose);
+        let is_clear = self.hands.iter().any(|hand| hand.is_clear);
+        if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
+            self.clear_since = None;
+            return;
+        }
+        let since = *self.clear_since.get_or_insert(self.time);
+        if self.time.since(since) >= self.settings.arm_delay {
+            self.state = PipelineState::Running;
+        }
+    }
+}

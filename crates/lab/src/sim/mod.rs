@@ -1,0 +1,34 @@
+//! Simulated people for demos, tests and the scoring of layouts.
+//!
+//! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
+//! the targets of a layout. Its [`Sensor`]s measure the hands. A [`SimulatedWearer`] is a person in a glove that is not calibrated
+//! yet.
+
+mod action;
+mod action_error;
+pub mod script;
+mod text_plan;
+mod typing_hand;
+mod movement;
+mod noise;
+mod planner;
+mod sensor;
+mod settings;
+mod simulated_hand;
+mod typist;
+mod text_field;
+mod score;
+mod wearer;
+
+pub use action::{HandAction, TargetPoint};
+pub use action_error::{ActionError, ActionErrorKind};
+pub use score::{TypingScore, error_rate, words_per_minute};
+pub use script::Script;
+pub use sensor::{JointSensor, Sensor};
+pub use settings::TypistSettings;
+pub use simulated_hand::GloveCounts;
+pub use text_field::UsTextField;
+pub use text_plan::{PlanError, taps_for_text};
+pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
+pub use typist::{SimulatedTypist, TypistError};
+pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};

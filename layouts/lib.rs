@@ -1,0 +1,44 @@
+//! The files of this folder as text: layouts, gloves and arms.
+//!
+//! A crate of its own, because a published package contains only what lies in its folder, and the stages need the files without a disk.
+
+/// Pairs each path (without `.ron`) with the text of the file.
+macro_rules! files {
+    ($($name:literal)+) => {
+        &[$(($name, include_str!(concat!($name, ".ron")))),+]
+    };
+}
+
+/// The path below `layouts/` without `.ron`, and the text, of each file.
+pub const FILES: &[(&str, &str)] = files! {
+    "arms/unam"
+    "gloves/lucidgloves"
+    "gloves/lucidgloves-left"
+    "gloves/unam-hc11"
+    "gloves/unam-hc11-left"
+    "keyboards/arrows"
+    "keyboards/azerty-flat"
+    "keyboards/chords-five"
+    "keyboards/colemak-flat"
+    "keyboards/dvorak-flat"
+    "keyboards/numpad"
+    "keyboards/qwerty-arc"
+    "keyboards/qwerty-flat"
+    "keyboards/qwerty-flat-22"
+    "keyboards/qwerty-two-arc"
+    "keyboards/qwerty-two-flat"
+    "keyboards/qwertz-flat"
+    "keyboards/spanish-flat"
+    "panels/game"
+    "panels/media"
+    "panels/switches"
+    "panels/touch-pad"
+    "panels/workshop"
+    "pointers/arm-6dof"
+    "pointers/arm-gamepad"
+    "pointers/direct"
+    "pointers/joint"
+    "pointers/rate"
+    "pointers/ray"
+    "pointers/space"
+};
