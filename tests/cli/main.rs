@@ -3,6 +3,8 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod arm;
+mod body;
 mod body_landmarks;
 mod bvh;
 mod calibrate;

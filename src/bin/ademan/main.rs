@@ -32,6 +32,8 @@ macro_rules! subcommands {
     };
 }
 
+mod arm;
+mod body;
 mod calibrate;
 mod complete;
 mod completions;
@@ -41,6 +43,7 @@ mod demo;
 mod doctor;
 mod export;
 mod failure;
+mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
@@ -109,6 +112,8 @@ subcommands! {
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),
+    Arm(arm),
+    Body(body),
     Record(record),
     Replay(replay),
     Export(export),

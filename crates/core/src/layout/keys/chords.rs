@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::contact::TargetId;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::schema::{Action, LatchSchema};
@@ -12,19 +12,21 @@ use crate::layout::schema::{Action, LatchSchema};
 /// The maximum number of chords of a layout. Each press compares all of them.
 const MAX_CHORDS: usize = 512;
 
-/// An action of several keys.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Chord", deny_unknown_fields)]
-pub(in crate::layout) struct ChordSchema<'a> {
-    /// Names of the keys, separated by blanks.
-    #[serde(borrow)]
-    keys: Spanned<'a>,
-    /// Action, whatever the layer.
-    #[serde(borrow)]
-    action: Action<'a>,
-    /// Duration of a modifier or layer.
-    #[serde(default)]
-    latch: Option<LatchSchema>,
+schema! {
+    /// An action of several keys.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Chord", deny_unknown_fields)]
+    pub(in crate::layout) struct ChordSchema<'a> {
+        /// Names of 2 to 10 keys, separated by blanks.
+        #[serde(borrow)]
+        keys: Spanned<'a>,
+        /// Action, in every layer.
+        #[serde(borrow)]
+        action: Action<'a>,
+        /// Duration of a modifier or layer. Default: `Momentary`.
+        #[serde(default)]
+        latch: Option<LatchSchema>,
+    }
 }
 
 impl<'a> ChordSchema<'a> {

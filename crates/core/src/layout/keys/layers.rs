@@ -3,19 +3,21 @@
 use serde::Deserialize;
 
 use super::activation::check_layer_action;
-use crate::document::{DocumentError, Pairs, Spanned};
+use crate::document::{DocumentError, Pairs, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 
-/// Actions of keys while a layer is active.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Layer", deny_unknown_fields)]
-pub(in crate::layout) struct LayerSchema<'a> {
-    /// Name of the layer.
-    #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// Name of a key → its key code in this layer.
-    #[serde(borrow)]
-    keys: Pairs<'a, Spanned<'a>>,
+schema! {
+    /// Actions of keys while a layer is active.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Layer", deny_unknown_fields)]
+    pub(in crate::layout) struct LayerSchema<'a> {
+        /// Name of the layer.
+        #[serde(borrow)]
+        pub name: Spanned<'a>,
+        /// Name of a key → its key code in this layer. All other keys keep their action of the base layer.
+        #[serde(borrow)]
+        keys: Pairs<'a, Spanned<'a>>,
+    }
 }
 
 impl<'a> LayerSchema<'a> {
