@@ -23,31 +23,42 @@ impl PartialEq for ConnectionId {
 /// The writing end of a source, whichever connection it has at present. Clones are of the same source.
 #[derive(Clone)]
 pub struct FeedbackDevice {
-    /// The form of the messages.
-    pub format: &'static FeedbackFormat,
+    /// The form of the messages. Locked for a moment only.
+    format: Arc<Mutex<&'static FeedbackFormat>>,
     /// The present connection. Locked for a moment only.
     writer: Arc<Mutex<Option<Writer>>>,
-    connected: Sender<()>,
-    connections: Receiver<()>,
+    changed: Sender<()>,
+    changes: Receiver<()>,
 }
 
 impl FeedbackDevice {
     /// Creates a device that is not connected.
     pub fn new(format: &'static FeedbackFormat) -> Self {
-        let (connected, connections) = bounded(1);
+        let (changed, changes) = bounded(1);
         Self {
-            format,
+            format: Arc::new(Mutex::new(format)),
             writer: Arc::default(),
-            connected,
-            connections,
+            changed,
+            changes,
         }
+    }
+
+    /// Returns the form of the messages.
+    pub fn format(&self) -> &'static FeedbackFormat {
+        *self.format.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Replaces the form of the messages, as the device has shown that it reads another one.
+    pub fn set_format(&self, format: &'static FeedbackFormat) {
+        *self.format.lock().unwrap_or_else(PoisonError::into_inner) = format;
+        let _ = self.changed.try_send(());
     }
 
     /// Replaces the connection, which may be one that cannot be written to.
     pub fn connect(&self, writer: Option<Box<dyn Write + Send>>) {
         *self.lock() = writer.map(|writer| Arc::new(Mutex::new(writer)));
         // A message that waits has the same meaning.
-        let _ = self.connected.try_send(());
+        let _ = self.changed.try_send(());
     }
 
     /// Removes the connection and returns it, because closing it may block.
@@ -60,9 +71,9 @@ impl FeedbackDevice {
         self.lock().clone().map(FeedbackConnection)
     }
 
-    /// Returns a channel with a message after each new connection.
-    pub fn connections(&self) -> &Receiver<()> {
-        &self.connections
+    /// Returns a channel with a message after each new connection or form of the messages.
+    pub fn changes(&self) -> &Receiver<()> {
+        &self.changes
     }
 
     fn lock(&self) -> MutexGuard<'_, Option<Writer>> {

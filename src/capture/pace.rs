@@ -136,6 +136,7 @@ mod tests {
                 Sample::Channels(Channels {
                     full_scale: 255,
                     counts: Default::default(),
+                    unsent: Default::default(),
                 }),
             )))
         }

@@ -4,15 +4,19 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats, SourceWait};
+use super::{
+    CancelToken, CaptureError, Reading, SampleKind, Source, SourceEvent, SourceStats, SourceWait,
+};
 use crate::hand::Side;
 
-/// A source whose readings with both arms are repeated for each side.
+/// A source whose readings with both arms are repeated for each side, and so are sensor channels if one converter carries two gloves.
 ///
 /// Readings of one hand pass unchanged if the setup has that hand. Others are left out.
 pub struct SidedSource {
     source: Box<dyn Source>,
     sides: ArrayVec<Side, { Side::COUNT }>,
+    /// Sensor channels are those of both gloves.
+    has_two_gloves: bool,
     /// The latest reading, and the sides for which it was not returned.
     pending: Option<Reading>,
     remaining: ArrayVec<Side, { Side::COUNT }>,
@@ -28,10 +32,19 @@ impl SidedSource {
         Self {
             source,
             sides: sides.into_iter().collect(),
+            has_two_gloves: false,
             pending: None,
             remaining: ArrayVec::new(),
             repeated: 0,
             left_out: 0,
+        }
+    }
+
+    /// Creates a source whose sensor channels are those of the gloves of all `sides`.
+    pub fn with_two_gloves(source: Box<dyn Source>, sides: impl IntoIterator<Item = Side>) -> Self {
+        Self {
+            has_two_gloves: true,
+            ..Self::new(source, sides)
         }
     }
 
@@ -64,7 +77,9 @@ impl Source for SidedSource {
             self.left_out += 1;
             return Ok(SourceEvent::Idle);
         }
-        if !reading.sample.kind().shows_both_arms() {
+        let kind = reading.sample.kind();
+        let is_of_two_gloves = self.has_two_gloves && kind == SampleKind::Channels;
+        if !kind.shows_both_arms() && !is_of_two_gloves {
             return Ok(SourceEvent::Reading(reading));
         }
         self.remaining = self.sides.clone();

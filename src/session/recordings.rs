@@ -163,6 +163,7 @@ mod tests {
         let channels = Channels {
             full_scale: 255,
             counts: [3, 141].into_iter().collect(),
+            unsent: Default::default(),
         };
         let reading = Reading::new(Timestamp(7), None, Sample::Channels(channels));
         recordings.push(&StepView {

@@ -198,6 +198,7 @@ impl LoadedSetup {
         source: &SourceUri,
         period: PacketPeriod,
     ) -> Result<Box<dyn Source>, SetupError> {
+        self.check_channels_of_two_gloves(source)?;
         let mut parts = self.parts(source);
         if parts.len() == 1 {
             let part = parts.remove(0);
@@ -217,6 +218,28 @@ impl LoadedSetup {
             });
         }
         Ok(Box::new(MergedSource::start(sources)?))
+    }
+
+    /// Checks that two gloves on one source have channels of their own: otherwise one hand would move the other.
+    fn check_channels_of_two_gloves(&self, source: &SourceUri) -> Result<(), SetupError> {
+        let is_shared = matches!(&self.setup.other_hand, Some(other) if other.source.is_none());
+        let other = self.other_hand.as_ref();
+        let gloves = self
+            .glove
+            .as_ref()
+            .zip(other.and_then(|hand| hand.glove.as_ref()));
+        let is_stream = matches!(source, SourceUri::Stream(_)) && source.needs_glove();
+        let Some((first, second)) = gloves.filter(|_| is_shared && is_stream) else {
+            return Ok(());
+        };
+        let mut channels = first.map.channels();
+        match channels.find(|channel| second.map.channels().any(|other| other == *channel)) {
+            None => Ok(()),
+            Some(channel) => Err(SetupError::Value(format!(
+                "`other_hand` has no `source`, and both gloves have channel {channel} of the first one, so that one hand would move the \
+                 other; set the `source` of the other hand, or name a `glove` there with channels of its own"
+            ))),
+        }
     }
 
     /// Opens a source for the first hand, without the others of the setup.
@@ -293,8 +316,13 @@ impl LoadedSetup {
             _ => {
                 let mut opened = capture::open(source)?;
                 opened.set_max_age(self.pipeline.stall_timeout);
+                let sides: ArrayVec<Side, { Side::COUNT }> = sides.into_iter().collect();
+                let has_two_gloves = source.needs_glove() && sides.len() > 1;
                 match source.has_both_hands() {
                     true => Box::new(SidedSource::new(opened, sides)),
+                    false if has_two_gloves => {
+                        Box::new(SidedSource::with_two_gloves(opened, sides))
+                    }
                     false => opened,
                 }
             }

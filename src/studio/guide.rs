@@ -357,6 +357,7 @@ mod tests {
         let channels = Channels {
             full_scale: 4095,
             counts: [1; 64].into_iter().collect(),
+            unsent: Default::default(),
         };
         guide.push(Timestamp(1), &channels);
         let error = guide.result().unwrap().unwrap_err().to_string();

@@ -222,6 +222,7 @@ mod tests {
         let channels = Channels {
             full_scale: 255,
             counts: counts.iter().copied().collect(),
+            unsent: Default::default(),
         };
         table.update(Timestamp(second * 1_000_000), &channels);
     }

@@ -328,6 +328,7 @@ mod tests {
         let channels = Channels {
             full_scale: 255,
             counts,
+            unsent: Default::default(),
         };
         let mut angles = JointAngles::default();
         angles.set(Dof::IndexMcpFlexion, 0.1 + 0.2);

@@ -290,6 +290,48 @@ fn garbage_for_two_seconds_gives_one_warning() {
     assert_eq!(logged(&port, "check baud and protocol"), 1);
 }
 
+/// Sends pieces of a stream for three seconds to a source with these options, and returns how often the log has a text.
+fn warnings_with(options: &str, mut piece: impl FnMut() -> Vec<u8>, text: &str) -> usize {
+    log();
+    let mut port = Port::plugged_in();
+    let uri = format!("serial:{}{options}", port.path().display());
+    let mut source = open(&uri.parse().expect("a source URI")).unwrap();
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(3) {
+        port.send(&piece());
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    logged(&port, text)
+}
+
+#[test]
+fn bytes_of_another_protocol_are_recognised() {
+    let mut random = Rng::with_seed(6);
+    let line = || format!("A957B{}C60D2047E1F2047G2047P0\n", random.u16(..4096)).into_bytes();
+    let advice = "it looks like LucidGloves: add protocol=lucidgloves";
+    assert_eq!(warnings_with("", line, advice), 1);
+
+    let mut random = Rng::with_seed(6);
+    let mut packet = |framing| encode(framing, &random_bodies(&mut random, 1)[0]).to_vec();
+    let advice = "looks like HC11: add protocol=hc11&framing=hash";
+    assert_eq!(warnings_with("", || packet(Framing::Hash), advice), 1);
+    let advice = "looks like HC11: set protocol=hc11";
+    let options = "?protocol=lucidgloves";
+    assert_eq!(
+        warnings_with(options, || packet(Framing::Double06), advice),
+        1
+    );
+}
+
+#[test]
+fn a_sender_at_a_lower_bit_rate_is_recognised() {
+    // At 115200, a bit of 9600 lasts longer than a byte: its stop bit is low, and the byte arrives as 0.
+    let advice = "it looks like a sender at a lower bit rate: set baud=9600";
+    let options = "?protocol=hc11&baud=115200";
+    assert_eq!(warnings_with(options, || vec![0; 4], advice), 1);
+}
+
 #[test]
 fn packets_that_a_pause_confirms_are_no_garbage() {
     log();

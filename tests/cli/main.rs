@@ -27,6 +27,8 @@ mod haptics;
 mod help;
 mod holistic;
 #[cfg(target_os = "linux")]
+mod home_made_gloves;
+#[cfg(target_os = "linux")]
 mod idle;
 #[cfg(unix)]
 mod learning;
@@ -55,6 +57,7 @@ mod source_recordings;
 mod terminal;
 mod text_line;
 mod traces;
+mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;

@@ -30,6 +30,7 @@ fn reading(number: u64) -> Reading {
         Sample::Channels(Channels {
             full_scale: 255,
             counts: (0..64).map(count).collect(),
+            unsent: Default::default(),
         }),
     )
 }

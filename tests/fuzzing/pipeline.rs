@@ -360,7 +360,14 @@ impl FuzzRun<'_> {
         let length = usize::from(bytes.byte()) % 65;
         let counts = (0..length).map(|_| bytes.word());
         let counts = counts.collect();
-        self.read(Channels { full_scale, counts }, 10_000);
+        self.read(
+            Channels {
+                full_scale,
+                counts,
+                unsent: Default::default(),
+            },
+            10_000,
+        );
     }
 
     fn read(&mut self, channels: Channels, step: i64) {

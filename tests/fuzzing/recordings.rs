@@ -134,6 +134,7 @@ pub fn message_seeds() -> Vec<Vec<u8>> {
         Sample::Channels(Channels {
             full_scale: 255,
             counts,
+            unsent: Default::default(),
         }),
         Sample::Angles { angles },
         Sample::Joints { positions },

@@ -48,6 +48,7 @@ impl GloveHand {
             Sample::Channels(Channels {
                 full_scale: 255,
                 counts: self.counts.into_iter().collect(),
+                unsent: Default::default(),
             }),
         )
     }

@@ -119,7 +119,11 @@ fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Chann
         let exact = row.calibration.apply_inverse(angle(row.dof)).round();
         counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
     }
-    Channels { full_scale, counts }
+    Channels {
+        full_scale,
+        counts,
+        unsent: Default::default(),
+    }
 }
 
 fn both_hands() -> Wearer {

@@ -56,6 +56,7 @@ impl Wearer {
             shown: Channels {
                 full_scale: 255,
                 counts: Default::default(),
+                unsent: Default::default(),
             },
             loaded,
             time_ms: 0,
@@ -83,7 +84,11 @@ impl Wearer {
             let exact = row.calibration.apply_inverse(angles.get(row.dof)).round();
             counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
         }
-        self.shown = Channels { full_scale, counts };
+        self.shown = Channels {
+            full_scale,
+            counts,
+            unsent: Default::default(),
+        };
     }
 
     /// Returns the positions of the fingertip above a key and at the bottom of its travel.

@@ -127,7 +127,11 @@ impl TwoHands {
                 .round();
             counts[row.channel] = count.clamp(1.0, f64::from(full_scale - 1)) as u16;
         }
-        Channels { full_scale, counts }
+        Channels {
+            full_scale,
+            counts,
+            unsent: Default::default(),
+        }
     }
 
     /// Steps the pipeline with a reading of one hand. Returns its events and the rejection, if any.

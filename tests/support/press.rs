@@ -73,6 +73,7 @@ pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
         Sample::Channels(Channels {
             full_scale: 255,
             counts: posture.iter().copied().map(u16::from).collect(),
+            unsent: Default::default(),
         }),
     )
 }

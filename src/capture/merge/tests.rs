@@ -18,6 +18,7 @@ impl Source for TimedSource {
             Sample::Channels(Channels {
                 full_scale: 255,
                 counts: Default::default(),
+                unsent: Default::default(),
             }),
         )))
     }

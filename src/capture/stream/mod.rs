@@ -1,6 +1,9 @@
 //! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
+mod bit_rate;
+mod feedback_line;
 mod pending;
+mod unknown_bytes;
 mod warnings;
 
 use std::io::{Error, ErrorKind};
@@ -10,14 +13,15 @@ use super::cancel::CancelToken;
 use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
-use super::garbage::GarbageDetector;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
 use super::{CaptureError, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 use crate::message::escape;
+use feedback_line::FeedbackLine;
 use pending::PendingReadings;
+use unknown_bytes::UnknownBytes;
 
 /// Source that decodes the bytes of a connection.
 pub(super) struct StreamSource<C> {
@@ -30,14 +34,14 @@ pub(super) struct StreamSource<C> {
     /// The latest read may have left bytes behind.
     may_have_more: bool,
     /// Writes to the same connection, once it was [taken](Source::take_feedback_device).
-    feedback: Option<FeedbackDevice>,
+    feedback: FeedbackLine,
     state: State,
     decoder: Box<dyn Decoder>,
     /// Reason why the rest of the stream cannot be decoded. Reported after the pending readings.
     format_error: Option<String>,
     buffer: Vec<u8>,
     pending: PendingReadings,
-    garbage: GarbageDetector,
+    unknown: UnknownBytes,
     /// A byte has arrived, or the person was warned that none does.
     has_first_byte: bool,
     last_received: Instant,
@@ -81,14 +85,14 @@ impl<C: Connector> StreamSource<C> {
             cancel: None,
             is_polled: false,
             may_have_more: false,
-            feedback: None,
+            feedback: FeedbackLine::default(),
             state: State::Connected(connection),
             decoder,
             format_error: None,
             buffer: vec![0; C::READ_BYTES],
             pending: PendingReadings::new(max_packets, C::IS_LIVE),
             format,
-            garbage: GarbageDetector::default(),
+            unknown: UnknownBytes::new(C::IS_DATAGRAM),
             has_first_byte: false,
             last_received: Instant::now(),
             back_off: BackOff::default(),
@@ -186,7 +190,8 @@ impl<C: Connector> StreamSource<C> {
             self.decoder.finish(&mut emit);
         }
         self.format_error = self.decoder.take_error();
-        self.judge_bytes(now, has_packet);
+        self.feedback.note(self.decoder.feedback());
+        self.judge_bytes(now, has_packet, length);
         match &mut self.state {
             State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
             _ => self.report_at = Some(now + NOISE_INTERVAL),
@@ -220,10 +225,12 @@ impl<C: Connector> StreamSource<C> {
         }
     }
 
-    /// Handles bytes that arrived at `now`: warns if they have formed no packet for too long. A packet resets the back-off.
-    fn judge_bytes(&mut self, now: Instant, has_packet: bool) {
-        if self.garbage.update(now, has_packet) {
-            warnings::garbage(&self.name, &self.last_error());
+    /// Handles the first `length` bytes of the buffer, which arrived at `now`: warns if bytes have formed no packet for too long. A
+    /// packet resets the back-off.
+    fn judge_bytes(&mut self, now: Instant, has_packet: bool, length: usize) {
+        if self.unknown.update(now, has_packet, &self.buffer[..length]) {
+            let likely = self.unknown.likely_format(&self.format);
+            warnings::garbage(&self.name, &self.last_error(), likely);
         }
         if has_packet {
             self.back_off = BackOff::default();
@@ -247,7 +254,7 @@ impl<C: Connector> StreamSource<C> {
                 has_packet = true;
                 pending.push(packet, now, received, format);
             });
-            self.judge_bytes(now, has_packet);
+            self.judge_bytes(now, has_packet, 0);
             return Ok(self.pending.pop().unwrap_or(SourceEvent::Idle));
         }
         if let Some(timeout) = C::FIRST_BYTE_TIMEOUT
@@ -291,13 +298,12 @@ impl<C: Connector> StreamSource<C> {
     }
 
     fn warn_if_nothing_was_valid(&self) {
-        if self.decoder.stats().readings == 0 && self.decoder.last_error().is_some() {
-            tracing::warn!(
-                source = self.name,
-                "no valid packet in {}{}",
-                self.name,
-                self.last_error()
-            );
+        if self.decoder.stats().readings > 0 {
+            return;
+        }
+        let likely = self.unknown.likely_format(&self.format);
+        if likely.is_some() || self.decoder.last_error().is_some() {
+            warnings::nothing_valid(&self.name, &self.last_error(), likely);
         }
     }
 
@@ -329,12 +335,12 @@ impl<C: Connector> StreamSource<C> {
         self.decoder.reset();
         self.may_have_more = false;
         self.format_error = None;
-        self.garbage = GarbageDetector::default();
+        self.unknown.clear();
         if let Some(sender) = &mut self.pending.sender {
             sender.reset();
         }
         let reconnecting = State::Reconnecting(self.start_reconnect());
-        let writer = self.feedback.as_ref().map(FeedbackDevice::disconnect);
+        let writer = self.feedback.device().map(FeedbackDevice::disconnect);
         if let State::Connected(lost) = std::mem::replace(&mut self.state, reconnecting) {
             close_on_thread((lost, writer));
         }
@@ -380,7 +386,7 @@ impl<C: Connector> StreamSource<C> {
                 let (name, endpoint) = (&self.name, &connection.endpoint);
                 tracing::info!(source = name, "reconnected to {name} at {endpoint}");
                 self.last_received = Instant::now();
-                if let Some(device) = &self.feedback {
+                if let Some(device) = self.feedback.device() {
                     device.connect(connection.bytes.writer());
                 }
                 self.state = State::Connected(connection);
@@ -436,12 +442,7 @@ impl<C: Connector> Source for StreamSource<C> {
         let State::Connected(connection) = &self.state else {
             return None;
         };
-        if self.feedback.is_some() {
-            return None;
-        }
-        let device = FeedbackDevice::new(format);
-        device.connect(Some(connection.bytes.writer()?));
-        Some(self.feedback.insert(device).clone())
+        self.feedback.take(format, || connection.bytes.writer())
     }
 
     fn set_max_age(&mut self, age: Duration) {

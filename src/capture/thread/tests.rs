@@ -20,6 +20,7 @@ fn reading(number: u64) -> SourceEvent {
         Sample::Channels(Channels {
             full_scale: 255,
             counts: Default::default(),
+            unsent: Default::default(),
         }),
     ))
 }

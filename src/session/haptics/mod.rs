@@ -35,7 +35,7 @@ impl SessionHaptics {
         }
         for side in sides {
             if let Some(device) = source.take_feedback_device(side) {
-                let hand = HandFeedback::new(side, haptics, device.format);
+                let hand = HandFeedback::new(side, haptics, device.format());
                 hands.push((hand, FeedbackThread::start(haptics, device)?));
             }
         }

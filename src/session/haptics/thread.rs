@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, bounded, select};
 
 use crate::capture::Haptics;
-use crate::capture::feedback::{ConnectionId, Feedback, FeedbackConnection, FeedbackDevice, Pulse};
+use crate::capture::feedback::{
+    ConnectionId, Feedback, FeedbackConnection, FeedbackDevice, FeedbackFormat, Pulse,
+};
 use crate::hand::Finger;
 use crate::session::latest::LatestSender;
 use crate::time::NO_DEADLINE;
@@ -114,6 +116,8 @@ struct FeedbackWriter {
     attempted_at: Option<Instant>,
     /// The connection of the latest message, and the rest of that message.
     last_connection: ConnectionId,
+    /// The form of that message.
+    last_format: &'static FeedbackFormat,
     rest: Vec<u8>,
 }
 
@@ -121,6 +125,7 @@ impl FeedbackWriter {
     fn new(haptics: Haptics, device: FeedbackDevice) -> Self {
         Self {
             haptics,
+            last_format: device.format(),
             device,
             wanted: FeedbackState::default(),
             changed_at: Instant::now(),
@@ -132,7 +137,7 @@ impl FeedbackWriter {
     }
 
     fn run(&mut self, states: &Receiver<FeedbackState>) {
-        let connections = self.device.connections().clone();
+        let changes = self.device.changes().clone();
         loop {
             let timeout = self.update();
             select! {
@@ -143,7 +148,7 @@ impl FeedbackWriter {
                     }
                     Err(_) => break,
                 },
-                recv(connections) -> _ => {}
+                recv(changes) -> _ => {}
                 default(timeout) => {}
             }
         }
@@ -188,7 +193,7 @@ impl FeedbackWriter {
         })
     }
 
-    /// Returns the present connection. Forgets what an earlier one has received.
+    /// Returns the present connection. Forgets what an earlier one has received, and what was sent in another form.
     fn connection(&mut self) -> Option<FeedbackConnection> {
         let connection = self.device.connection()?;
         let id = connection.id();
@@ -197,6 +202,11 @@ impl FeedbackWriter {
             self.attempted_at = None;
             self.sent = None;
             self.rest.clear();
+        }
+        let format = self.device.format();
+        if !std::ptr::eq(format, self.last_format) {
+            self.last_format = format;
+            self.sent = None;
         }
         Some(connection)
     }
@@ -208,7 +218,7 @@ impl FeedbackWriter {
         if !self.flush(connection) {
             return false;
         }
-        (self.device.format.encode)(&message, &mut self.rest);
+        (self.last_format.encode)(&message, &mut self.rest);
         let length = self.rest.len();
         let is_written = self.flush(connection);
         self.sent = is_written.then_some(self.wanted);

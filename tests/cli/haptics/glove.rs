@@ -12,7 +12,7 @@ use crossbeam_channel::{Receiver, Sender, unbounded};
 use serialport::{SerialPort, TTYPort};
 
 use crate::support::free_address::free_address;
-use crate::support::lucidgloves::curls;
+use crate::support::lucidgloves::{curls, legacy};
 use crate::support::process::lock_spawning;
 use crate::support::run::TIMEOUT;
 
@@ -47,6 +47,8 @@ struct State {
     /// The curls that the fingers move to.
     curls: Mutex<[f64; Finger::COUNT]>,
     is_silent: AtomicBool,
+    /// It sends lines of the legacy encoding.
+    is_legacy: bool,
     /// Ends the present connection.
     hangs_up: AtomicBool,
 }
@@ -55,15 +57,24 @@ impl Glove {
     /// Starts a glove that reads all that it is sent.
     pub fn start(carrier: Carrier) -> Self {
         match carrier {
-            Carrier::Serial => Self::serial(true),
+            Carrier::Serial => Self::serial(true, State::default()),
             Carrier::Tcp => Self::tcp(),
             Carrier::Udp => Self::udp(),
         }
     }
 
+    /// Starts a glove on a serial line that speaks the legacy encoding.
+    pub fn start_legacy() -> Self {
+        let state = State {
+            is_legacy: true,
+            ..State::default()
+        };
+        Self::serial(true, state)
+    }
+
     /// Starts a glove on a serial line that reads nothing, with a line that is full already.
     pub fn start_deaf() -> Self {
-        let mut glove = Self::serial(false);
+        let mut glove = Self::serial(false, State::default());
         let port = glove._port.as_mut().expect("a serial line");
         port.set_timeout(Duration::from_millis(100))
             .expect("a time-out");
@@ -92,7 +103,7 @@ impl Glove {
         line.expect("the glove receives a line")
     }
 
-    fn serial(reads: bool) -> Self {
+    fn serial(reads: bool, state: State) -> Self {
         let _lock = lock_spawning();
         let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
         // Clones are closed in child processes, which would otherwise keep the line open.
@@ -102,7 +113,7 @@ impl Glove {
         );
         master.set_timeout(TIMEOUT).expect("a time-out");
         let (sender, feedback) = unbounded();
-        let state = Arc::new(State::default());
+        let state = Arc::new(state);
         let source = format!(
             "serial:{}?protocol=lucidgloves",
             port.name().expect("a name")
@@ -184,7 +195,11 @@ fn send(state: &State, mut write: impl FnMut(&[u8]) -> bool) {
         for (curl, target) in present.iter_mut().zip(targets) {
             *curl += (target - *curl).clamp(-STEP, STEP);
         }
-        let line = curls(present).encode();
+        let fields = curls(present);
+        let line = match state.is_legacy {
+            true => legacy(&fields),
+            false => fields.encode(),
+        };
         if !state.is_silent.load(Ordering::Relaxed) && !write(line.as_bytes()) {
             return;
         }

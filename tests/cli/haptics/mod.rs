@@ -138,6 +138,27 @@ fn a_finger_that_presses_is_held_until_it_releases() {
 }
 
 #[test]
+fn a_glove_of_the_legacy_encoding_is_told_forces_in_that_encoding() {
+    let run = Run::start(Glove::start_legacy(), &["--haptics", "force"]);
+    let free = "0&0&0&0&0";
+    let mut first = run.glove.next_feedback();
+    if first == FREE {
+        // Before the first reading nothing tells the encoding.
+        first = run.glove.next_feedback();
+    }
+    assert_eq!(first, free);
+    for _ in 0..2 {
+        run.press();
+        let held = run.glove.next_feedback();
+        let force = held.strip_prefix("0&0&0&");
+        let force = force.and_then(|rest| rest.strip_suffix("&0"));
+        assert_held(&format!("A0B0C0D{}E0", force.expect("five numbers")));
+        run.lift();
+        assert_eq!(run.glove.next_feedback(), free);
+    }
+}
+
+#[test]
 fn a_touch_and_a_press_are_felt_as_pulses() {
     for carrier in CARRIERS {
         let run = Run::start(Glove::start(carrier), &["--haptics", "pulse"]);

@@ -43,6 +43,7 @@ fn reading(number: u64, body: &[u8]) -> Reading {
         Sample::Channels(Channels {
             full_scale: 255,
             counts: body.iter().map(|byte| u16::from(*byte)).collect(),
+            unsent: Default::default(),
         }),
     )
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::observation::{ChannelObservation, PoseObservation};
 use super::pose::CalibrationPose;
-use crate::capture::Channels;
+use crate::capture::{ChannelSet, Channels};
 use crate::time::Timestamp;
 
 /// The time for which a hand must be still: several packets of the slowest line, and shorter than a tremor drifts.
@@ -68,7 +68,8 @@ impl LiveChannel {
     /// Adds a reading.
     pub(super) fn push(&mut self, channels: &Channels) {
         let count = channels.counts.get(self.channel).copied();
-        self.count = count.filter(|count| *count != Channels::UNKNOWN);
+        let is_sent = !channels.unsent.contains(self.channel);
+        self.count = count.filter(|count| *count != Channels::UNKNOWN && is_sent);
         let Some(count) = self.count else {
             return;
         };
@@ -93,6 +94,8 @@ pub struct PoseCapture {
     start: Option<Timestamp>,
     checked_at: Option<Timestamp>,
     window: VecDeque<(Timestamp, Vec<u16>)>,
+    /// Channels that no packet of the pose carried.
+    unsent: ChannelSet,
     state: CaptureState,
     observation: Option<PoseObservation>,
 }
@@ -107,6 +110,7 @@ impl PoseCapture {
             start: None,
             checked_at: None,
             window: VecDeque::new(),
+            unsent: ChannelSet::ALL,
             state: CaptureState::Preparing(prepare),
             observation: None,
         }
@@ -127,6 +131,7 @@ impl PoseCapture {
         let counts = self.channels.iter().map(count);
         let counts = counts.map(|count| count.unwrap_or(Channels::UNKNOWN));
         self.window.push_back((time, counts.collect()));
+        self.unsent = self.unsent.intersection(channels.unsent);
         let is_due = |checked: Timestamp| time.since(checked) >= CHECK_PERIOD;
         if self.checked_at.is_none_or(is_due) {
             self.checked_at = Some(time);
@@ -160,7 +165,7 @@ impl PoseCapture {
             self.window.pop_front();
         }
         let rows: Vec<&[u16]> = self.window.iter().map(|(_, row)| row.as_slice()).collect();
-        let observed = observe(&rows, &self.channels, full_scale);
+        let observed = observe(&rows, &self.channels, self.unsent, full_scale);
         let still = observed.iter().filter(|channel| channel.is_still).count();
         let is_strict = waited < STRICT_TIME;
         let needed = match is_strict {
@@ -194,10 +199,12 @@ impl PoseCapture {
     }
 }
 
-/// Returns what each channel shows in a window of readings, each a row of counts: the channels that were measured.
+/// Returns what each channel shows in a window of readings, each a row of counts: the channels that were measured. No reading
+/// carried those of `unsent`.
 pub(super) fn observe(
     rows: &[&[u16]],
     channels: &[usize],
+    unsent: ChannelSet,
     full_scale: u16,
 ) -> Vec<ChannelObservation> {
     let observe = |(index, &channel): (usize, &usize)| {
@@ -213,6 +220,7 @@ pub(super) fn observe(
             low: percentile(&counts, 0.1),
             high: percentile(&counts, 0.9),
             is_still: is_still(&counts, f64::from(full_scale)),
+            is_sent: !unsent.contains(channel),
         })
     };
     channels.iter().enumerate().filter_map(observe).collect()
@@ -261,6 +269,7 @@ mod tests {
         Channels {
             full_scale: 255,
             counts: counts.iter().copied().collect(),
+            unsent: Default::default(),
         }
     }
 

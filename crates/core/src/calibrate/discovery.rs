@@ -2,7 +2,7 @@
 //!
 //! Each joint has two poses that differ in it. A channel belongs to the joint between whose poses it changes most. Channels of one
 //! finger change together, as the poses bend all joints of a finger: they are taken from the knuckle outwards in the order of their
-//! indices.
+//! indices. Channels that no packet carries, and those that repeat another one, are none of the glove.
 
 use super::error::CalibrationError;
 use super::observation::Observations;
@@ -120,11 +120,22 @@ pub fn discover(
     Ok(discovery)
 }
 
-/// Returns the channels that were measured in the first pose.
+/// Returns the channels that were measured in the first pose. A channel that repeats another one is left out: a glove that sends one
+/// value for a finger has it in the channel of each joint.
 fn channels(observations: &Observations) -> Vec<usize> {
     let first = observations.poses().first();
-    let channels = first.into_iter().flat_map(|pose| &pose.channels);
-    channels.map(|channel| channel.channel).collect()
+    let measured = first.into_iter().flat_map(|pose| &pose.channels);
+    let mut channels: Vec<usize> = Vec::new();
+    for channel in measured.map(|channel| channel.channel) {
+        let repeats = |other: &usize| {
+            let mut poses = observations.poses().iter();
+            poses.all(|pose| pose.median(*other) == pose.median(channel))
+        };
+        if observations.is_sent(channel) && !channels.iter().any(repeats) {
+            channels.push(channel);
+        }
+    }
+    channels
 }
 
 /// Returns the part of the hand that a channel follows: `None` for a channel that does not change, an error for one that follows
@@ -220,6 +231,7 @@ mod tests {
                 low: counts(pose),
                 high: counts(pose),
                 is_still: true,
+                is_sent: true,
             };
             observations.insert(PoseObservation {
                 pose,

@@ -10,6 +10,11 @@ pub enum CalibrationError {
     /// The glove has no rows.
     #[error("the glove has no channels for joints; discover them, or start from another glove")]
     EmptyGlove,
+    /// The readings carry none of the channels of the glove.
+    #[error(
+        "the readings have no channel of this glove file; start from another glove (`ademan gloves` lists them), or find the channels with `--discover`"
+    )]
+    NothingSent,
     /// Too few poses were observed.
     #[error(
         "only {observed} poses were observed: a calibration needs at least the flat hand and the fist; repeat it without skipping them"

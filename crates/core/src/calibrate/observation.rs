@@ -1,7 +1,7 @@
 //! Observations: what each channel showed in each pose.
 
 use super::pose::CalibrationPose;
-use crate::estimate::ChannelMap;
+use crate::estimate::{ChannelMap, ChannelRow};
 use crate::hand::{Dof, JointAngles};
 
 /// The counts of one channel while a pose was held.
@@ -17,6 +17,8 @@ pub struct ChannelObservation {
     pub high: f64,
     /// `false` if the channel changed while the others were still.
     pub is_still: bool,
+    /// `false` if no packet carried the channel, whose counts are then those of a sensor at rest.
+    pub is_sent: bool,
 }
 
 /// The counts of all channels while a pose was held.
@@ -70,6 +72,12 @@ impl Observations {
         self.poses.iter().find(|other| other.pose == pose)
     }
 
+    /// Returns `false` for a channel of which all poses show that the glove does not have it.
+    pub fn is_sent(&self, channel: usize) -> bool {
+        let mut observed = self.poses.iter().filter_map(|pose| pose.channel(channel));
+        observed.clone().next().is_none() || observed.any(|channel| channel.is_sent)
+    }
+
     /// Returns the smallest and the largest median of a channel over all poses: its range without spikes. `None` if it was
     /// not measured.
     pub fn range(&self, channel: usize) -> Option<(f64, f64)> {
@@ -88,7 +96,11 @@ pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
     let Some(rest) = observations.get(CalibrationPose::Rest) else {
         return angles;
     };
-    for row in map.rows() {
+    for row in map
+        .rows()
+        .iter()
+        .filter(|row| observations.is_sent(row.channel))
+    {
         let is_of_hand = row.dof.finger().is_some()
             || matches!(row.dof, Dof::WristFlexion | Dof::WristDeviation);
         if let Some(count) = rest.median(row.channel)
@@ -100,9 +112,9 @@ pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
     angles
 }
 
-/// Returns the channels of the joints of a glove, in ascending order.
-pub(super) fn channels_of(map: &ChannelMap) -> Vec<usize> {
-    let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
+/// Returns the channels of rows, in ascending order.
+pub(super) fn channels_of(rows: &[ChannelRow]) -> Vec<usize> {
+    let mut channels: Vec<usize> = rows.iter().map(|row| row.channel).collect();
     channels.sort_unstable();
     channels.dedup();
     channels

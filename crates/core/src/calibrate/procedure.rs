@@ -7,7 +7,7 @@ use super::observation::{Observations, channels_of};
 use super::pose::CalibrationPose;
 use super::recorded::PoseMark;
 use crate::capture::{Channels, MAX_CHANNELS};
-use crate::estimate::ChannelMap;
+use crate::estimate::{ChannelMap, InputRow};
 use crate::time::Timestamp;
 
 /// The longest gap between two readings of one pose. After a longer one the hand was not seen, and the pose starts again.
@@ -43,7 +43,7 @@ impl Procedure {
     pub fn for_glove(map: &ChannelMap, prepare: Duration) -> Self {
         let poses = CalibrationPose::GUIDED.iter().copied();
         let poses = poses.filter(|pose| pose.is_needed_for(map)).collect();
-        Self::new(poses, channels_of(map), prepare)
+        Self::new(poses, channels_of(map.rows()), prepare)
     }
 
     /// Adds the poses of single fingers, which find swapped sensors of fingers that bend together in all other poses.
@@ -55,9 +55,16 @@ impl Procedure {
         self
     }
 
-    /// Creates the procedure for a glove of which nothing is known: the flat hand and single fingers, with all channels.
-    pub fn for_unknown_glove(poses: &[CalibrationPose], prepare: Duration) -> Self {
-        Self::new(poses.to_vec(), (0..MAX_CHANNELS).collect(), prepare)
+    /// Creates the procedure for a glove of which nothing is known: the flat hand and single fingers, with all channels but those of
+    /// `inputs`, which measure no joint.
+    pub fn for_unknown_glove(
+        poses: &[CalibrationPose],
+        inputs: &[InputRow],
+        prepare: Duration,
+    ) -> Self {
+        let is_input = |channel: usize| inputs.iter().any(|input| input.channel == channel);
+        let channels = (0..MAX_CHANNELS).filter(|channel| !is_input(*channel));
+        Self::new(poses.to_vec(), channels.collect(), prepare)
     }
 
     fn new(poses: Vec<CalibrationPose>, channels: Vec<usize>, prepare: Duration) -> Self {
@@ -181,6 +188,7 @@ mod tests {
             let channels = Channels {
                 full_scale: 4095,
                 counts: std::iter::repeat_n(count, MAX_CHANNELS).collect(),
+                unsent: Default::default(),
             };
             let state = procedure.push(Timestamp(packet * 10_000), &channels);
             if let ProcedureState::Pose(pose, CaptureState::Captured) = state {

@@ -7,7 +7,7 @@ use super::capture::observe;
 use super::error::CalibrationError;
 use super::observation::{ChannelObservation, Observations, PoseObservation, channels_of};
 use super::pose::CalibrationPose;
-use crate::capture::Channels;
+use crate::capture::{ChannelSet, Channels};
 use crate::estimate::ChannelMap;
 use crate::time::Timestamp;
 
@@ -105,11 +105,13 @@ struct Recording {
     full_scale: u16,
     times: Vec<Timestamp>,
     rows: Vec<Vec<u16>>,
+    /// The channels that each reading does not carry.
+    unsent: Vec<ChannelSet>,
 }
 
 impl Recording {
     fn new(readings: &[(Timestamp, Channels)], map: &ChannelMap) -> Self {
-        let channels = channels_of(map);
+        let channels = channels_of(map.rows());
         let row = |sample: &Channels| {
             let count = |&channel: &usize| sample.counts.get(channel).copied();
             let counts = channels.iter().map(count);
@@ -120,6 +122,7 @@ impl Recording {
         Self {
             times: readings.iter().map(|(time, _)| *time).collect(),
             rows: readings.iter().map(|(_, sample)| row(sample)).collect(),
+            unsent: readings.iter().map(|(_, sample)| sample.unsent).collect(),
             full_scale: map.full_scale(),
             channels,
         }
@@ -133,8 +136,10 @@ impl Recording {
     }
 
     fn observe(&self, readings: Range<usize>) -> Vec<ChannelObservation> {
+        let unsent = self.unsent[readings.clone()].iter().copied();
+        let unsent = unsent.fold(ChannelSet::ALL, ChannelSet::intersection);
         let rows: Vec<&[u16]> = self.rows[readings].iter().map(Vec::as_slice).collect();
-        observe(&rows, &self.channels, self.full_scale)
+        observe(&rows, &self.channels, unsent, self.full_scale)
     }
 
     /// Returns the still phases as the poses of the procedure.

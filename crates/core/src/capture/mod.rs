@@ -142,6 +142,9 @@ pub struct Channels {
     /// One count per channel, 0..=`full_scale`; [`UNKNOWN`](Self::UNKNOWN) for one that was not measured.
     #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
+    /// Channels that the packet does not carry: their counts are those of a sensor at rest.
+    #[serde(skip)]
+    pub unsent: ChannelSet,
 }
 
 impl Channels {
@@ -152,6 +155,45 @@ impl Channels {
     pub fn has_impossible_counts(&self) -> bool {
         let mut counts = self.counts.iter();
         counts.any(|&count| count > self.full_scale && count != Self::UNKNOWN)
+    }
+}
+
+/// A set of channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChannelSet(u64);
+
+impl ChannelSet {
+    /// No channel.
+    pub const NONE: Self = Self(0);
+
+    /// All channels.
+    pub const ALL: Self = Self(u64::MAX);
+
+    /// Creates the set whose channels are the bits that are set, the lowest for channel 0.
+    pub const fn from_bits(bits: u64) -> Self {
+        Self(bits)
+    }
+
+    /// Returns a bit for each channel, the lowest for channel 0.
+    pub const fn bits(self) -> u64 {
+        self.0
+    }
+
+    /// Adds a channel. A reading has none of 64 or more.
+    pub fn insert(&mut self, channel: usize) {
+        debug_assert!(channel < MAX_CHANNELS);
+        self.0 |= 1 << (channel % MAX_CHANNELS);
+    }
+
+    /// Returns whether a channel is in the set.
+    pub const fn contains(self, channel: usize) -> bool {
+        channel < MAX_CHANNELS && self.0 >> channel & 1 == 1
+    }
+
+    /// Returns the channels that are in both sets.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 }
 

@@ -198,11 +198,15 @@ impl ChannelMap {
         self.full_scale
     }
 
+    /// Returns the channels of all rows and inputs, some of them more than once.
+    pub fn channels(&self) -> impl Iterator<Item = usize> {
+        let angles = self.rows.iter().map(|row| row.channel);
+        angles.chain(self.inputs.iter().map(|row| row.channel))
+    }
+
     /// Returns the number of channels that a reading must have.
     pub fn required_channels(&self) -> usize {
-        let angles = self.rows.iter().map(|row| row.channel);
-        let inputs = self.inputs.iter().map(|row| row.channel);
-        angles.chain(inputs).max().map_or(0, |channel| channel + 1)
+        self.channels().max().map_or(0, |channel| channel + 1)
     }
 
     /// Returns the fingers whose position depends on `channel`: all if it moves the whole hand.

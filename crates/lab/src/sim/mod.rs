@@ -42,4 +42,4 @@ pub use text_plan::{PlanError, taps_for_text};
 pub use tour::{TourStop, tour, tour_text};
 pub use typing_hand::{Miss, REACH_TOLERANCE, TapPath, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
-pub use wearer::{GloveFault, GloveSensors, SightedTypist, SimulatedWearer};
+pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};

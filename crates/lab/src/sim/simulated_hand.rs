@@ -210,6 +210,7 @@ impl SimulatedHand {
             Output::Glove(glove) => Sample::Channels(Channels {
                 full_scale: glove.full_scale,
                 counts: glove.counts(&self.hand, &self.values),
+                unsent: Default::default(),
             }),
             Output::Joints(sensor, noise) => {
                 let angles = self.hand.angles(&self.values);

@@ -21,7 +21,7 @@ use ademan::hand::Side;
 use ademan::layout::{self, Glove};
 use ademan::message::escape_path;
 use ademan::setup::LoadedSetup;
-use ademan::sim::SimulatedWearer;
+use ademan::sim::{HomeMadeGlove, SimulatedWearer};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use self::destination::Destination;
@@ -54,6 +54,9 @@ pub struct Args {
     /// Let a simulated person take the poses, in a glove that is not calibrated; another number is another person
     #[arg(long, value_name = "NUMBER", num_args = 0..=1, default_missing_value = "1", conflicts_with = "source")]
     demo: Option<u64>,
+    /// Home-made glove of the simulated person: LucidGloves with a bend sensor for each finger
+    #[arg(long, value_name = "KIND", requires = "demo", value_parser = home_made())]
+    demo_glove: Option<HomeMadeGlove>,
     /// Find the channels of a glove without a file: bend one finger after the other. Calibrate with the new file afterwards
     #[arg(long, conflicts_with_all = ["from", "glove"])]
     discover: bool,
@@ -74,7 +77,11 @@ pub struct Args {
 
 impl Args {
     fn load_setup(&self) -> Result<LoadedSetup, Failure> {
-        let flags = SetupArgs::for_glove(self.source.clone(), self.glove.clone());
+        let worn = self.demo_glove.map(|_| match self.hand {
+            Side::Left => "lucidgloves-left".to_owned(),
+            Side::Right => "lucidgloves".to_owned(),
+        });
+        let flags = SetupArgs::for_glove(self.source.clone(), self.glove.clone().or(worn));
         let mut setup = flags.read_setup(self.setup.as_deref())?;
         // The glove that is calibrated may have no ranges yet.
         setup.learn_ranges = false;
@@ -145,7 +152,7 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
     let destination = Destination::new(args.out, &start.document, args.force)?;
     messages::start()?;
     signals::install()?;
-    let feed = open_feed(&setup, &start.glove, args.demo)?;
+    let feed = open_feed(&setup, &start.glove, (args.demo, args.demo_glove))?;
     let prepare = Duration::from_secs_f64(args.countdown);
     let procedure = Procedure::for_glove(&start.glove.map, prepare);
     let glove = &start.glove;
@@ -180,10 +187,18 @@ fn glove_document(setup: &LoadedSetup) -> Result<Document, Failure> {
     })
 }
 
-fn open_feed(setup: &LoadedSetup, glove: &Glove, demo: Option<u64>) -> Result<Feed, Failure> {
+/// Opens the source of a setup, or the feed of a simulated person with a number, who may wear a home-made glove.
+fn open_feed(
+    setup: &LoadedSetup,
+    glove: &Glove,
+    (demo, demo_glove): (Option<u64>, Option<HomeMadeGlove>),
+) -> Result<Feed, Failure> {
     match demo {
         Some(number) => {
-            let wearer = SimulatedWearer::new(number, &glove.map, glove.side);
+            let mut wearer = SimulatedWearer::new(number, &glove.map, glove.side);
+            if let Some(kind) = demo_glove {
+                wearer = wearer.in_home_made_glove(kind);
+            }
             Ok(Feed::simulated(wearer, session::is_on_terminal()))
         }
         None => Feed::open(setup),
@@ -211,6 +226,11 @@ impl From<CalibrationError> for Failure {
 fn side() -> impl TypedValueParser<Value = Side> {
     PossibleValuesParser::new(Side::ALL.iter().map(|side| side.name()))
         .map(|name| name.parse().expect("the parser accepts only sides"))
+}
+
+fn home_made() -> impl TypedValueParser<Value = HomeMadeGlove> {
+    PossibleValuesParser::new(HomeMadeGlove::ALL.iter().map(|kind| kind.name()))
+        .map(|name| name.parse().expect("the parser accepts only kinds"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

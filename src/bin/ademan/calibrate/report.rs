@@ -21,8 +21,13 @@ pub fn report(
         "joint", "counts", "before", "after"
     );
     for (old, new) in start.rows().iter().zip(result.map.rows()) {
-        let Some((low, high)) = observations.range(new.channel) else {
-            let _ = writeln!(text, "{:<22}{:>11}", new.dof.name(), "not seen");
+        let range = observations.range(new.channel);
+        let Some((low, high)) = range.filter(|_| observations.is_sent(new.channel)) else {
+            let reason = match range {
+                Some(_) => "not sent",
+                None => "not seen",
+            };
+            let _ = writeln!(text, "{:<22}{reason:>11}", new.dof.name());
             continue;
         };
         let counts = format!("{low:.0}..{high:.0}");

@@ -11,7 +11,7 @@ use super::wire::{
     put_varint, take_varint, text,
 };
 use crate::capture::body::{BodyLandmarks, Landmark};
-use crate::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use crate::capture::{ChannelSet, Channels, MAX_CHANNELS, Reading, Sample};
 use crate::hand::{
     ArmBone, ArmRotations, BoneRotations, Displacement, HandPart, Joint, JointPositions, Side,
 };
@@ -101,11 +101,13 @@ fn put_channels(out: &mut Vec<u8>, channels: &Channels) {
             put_varint(out, count.into());
         }
     });
+    put_integer(out, 3, channels.unsent.bits());
 }
 
 fn channels(fields: Fields) -> Result<Channels, WireError> {
     let mut full_scale = 0;
     let mut counts = ArrayVec::<u16, MAX_CHANNELS>::new();
+    let mut unsent = ChannelSet::NONE;
     for field in fields {
         let field = field?;
         match field {
@@ -121,10 +123,15 @@ fn channels(fields: Fields) -> Result<Channels, WireError> {
                 let count = count(2, integer((2, value))?)?;
                 counts.try_push(count).map_err(|_| WireError::TooMany(2))?;
             }
+            (3, value) => unsent = ChannelSet::from_bits(integer((3, value))?),
             _ => {}
         }
     }
-    Ok(Channels { full_scale, counts })
+    Ok(Channels {
+        full_scale,
+        counts,
+        unsent,
+    })
 }
 
 fn count(field: u32, value: u64) -> Result<u16, WireError> {

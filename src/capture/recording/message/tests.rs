@@ -6,7 +6,7 @@ use glam::{DVec3, Quat, Vec3};
 use super::wire::WireError;
 use super::*;
 use crate::capture::body::{BodyLandmarks, Landmark};
-use crate::capture::{Channels, Reading, Sample};
+use crate::capture::{ChannelSet, Channels, Reading, Sample};
 use crate::hand::{
     ArmBone, BoneRotations, Displacement, Dof, Finger, HandPart, Joint, JointAngles,
     JointPositions, Side,
@@ -40,12 +40,21 @@ fn samples() -> Vec<Sample> {
     let displacement = Displacement::new(Joint::Elbow, moved, Quat::from_array([-0.0; 4]));
     let channels = |full_scale, counts: &[u16]| {
         let counts = ArrayVec::try_from(counts).unwrap();
-        Sample::Channels(Channels { full_scale, counts })
+        Sample::Channels(Channels {
+            full_scale,
+            counts,
+            unsent: Default::default(),
+        })
     };
     vec![
         channels(0, &[]),
         channels(255, &[0, 127, 128, 255]),
         channels(u16::MAX, &[u16::MAX; 64]),
+        Sample::Channels(Channels {
+            full_scale: 4095,
+            counts: [2047; 64].into(),
+            unsent: ChannelSet::from_bits(1 << 63 | 0b11_1110_0000),
+        }),
         Sample::Angles { angles },
         Sample::Angles {
             angles: JointAngles::default(),

@@ -21,7 +21,7 @@ use crate::hand::{Dof, Finger};
 pub struct CalibrationResult {
     /// The rows of the starting glove with new maps, in the same order.
     pub map: ChannelMap,
-    /// The quality, 0..=100: the mean over all joints. A joint counts in full if its sensor has no fault and fine counts, and its
+    /// The quality, 0..=100: the mean over all joints that the glove measures. A joint counts in full if its sensor has no fault and fine counts, and its
     /// poses agree.
     pub score: u8,
     /// The problems, the worst first.
@@ -53,7 +53,12 @@ pub fn fit(
     if observed < 2 || !has(CalibrationPose::Flat) {
         return Err(CalibrationError::TooFewPoses { observed });
     }
-    let channels = channels_of(start);
+    let is_sent = |row: &&ChannelRow| observations.is_sent(row.channel);
+    let sent: Vec<ChannelRow> = start.rows().iter().filter(is_sent).cloned().collect();
+    if sent.is_empty() {
+        return Err(CalibrationError::NothingSent);
+    }
+    let channels = channels_of(&sent);
     let fits = channels.iter();
     let fits: Vec<ChannelFit> = fits
         .map(|&channel| ChannelFit::new(channel, observations, start))
@@ -64,13 +69,17 @@ pub fn fit(
     let calibrations: Vec<AffineMap> = map
         .rows()
         .iter()
-        .map(|row| calibration(row, &fits, start, &mut problems))
+        .map(|row| match observations.is_sent(row.channel) {
+            true => calibration(row, &fits, start, &mut problems),
+            // The count of rest, for which the starting glove has the angle.
+            false => row.calibration,
+        })
         .collect();
     let map = map.with_calibrations(&calibrations);
     add_implausible(&map, observations, &mut problems);
     let map = map.with_ranges(sound_ranges(&fits, start, &problems));
     problems.sort_by_key(|problem| std::cmp::Reverse(problem.severity()));
-    let unusable = unusable(&problems, start);
+    let unusable = unusable(&problems, sent.len());
     if !unusable.is_empty() {
         return Err(CalibrationError::Unusable { problems: unusable });
     }
@@ -79,7 +88,7 @@ pub fn fit(
         fit.map_or(0.0, |fit| fit.excess_misfit(row.dof, observations))
     };
     Ok(CalibrationResult {
-        score: score(&map, &problems, misfit),
+        score: score(map.rows().iter().filter(is_sent), &problems, misfit),
         map,
         problems,
     })
@@ -146,7 +155,8 @@ fn sound_ranges(
 fn add_implausible(map: &ChannelMap, observations: &Observations, problems: &mut Vec<Problem>) {
     let limits = JointLimits::human();
     for row in map.rows() {
-        if problems.iter().any(|problem| problem.dof() == row.dof) {
+        let is_named = problems.iter().any(|problem| problem.dof() == row.dof);
+        if is_named || !observations.is_sent(row.channel) {
             continue;
         }
         let outside = observations.poses().iter().find_map(|observed| {
@@ -165,8 +175,8 @@ fn add_implausible(map: &ChannelMap, observations: &Observations, problems: &mut
 }
 
 /// Returns the problems for which a calibration is refused: those of the arm and the index finger, which reach the keys, and all
-/// if they are too many.
-fn unusable(problems: &[Problem], map: &ChannelMap) -> Vec<Problem> {
+/// if they are too many of the rows that the glove sends.
+fn unusable(problems: &[Problem], rows: usize) -> Vec<Problem> {
     let unusable = problems.iter();
     let unusable: Vec<&Problem> = unusable
         .filter(|problem| problem.severity() == Severity::Unusable)
@@ -174,15 +184,19 @@ fn unusable(problems: &[Problem], map: &ChannelMap) -> Vec<Problem> {
     let reaches = |dof: Dof| matches!(dof.finger(), None | Some(Finger::Index));
     let is_swapped = |problem: &Problem| matches!(problem, Problem::SwappedChannels { .. });
     let is_refused = |problem: &&Problem| reaches(problem.dof()) || is_swapped(problem);
-    let are_many = unusable.len() as f64 > MAX_UNUSABLE * map.rows().len() as f64;
+    let are_many = unusable.len() as f64 > MAX_UNUSABLE * rows as f64;
     match are_many {
         true => unusable.into_iter().cloned().collect(),
         false => unusable.into_iter().filter(is_refused).cloned().collect(),
     }
 }
 
-/// Returns the mean quality of all joints, in percent. `misfit` is the disagreement of the poses of a row, 0 for none.
-fn score(map: &ChannelMap, problems: &[Problem], misfit: impl Fn(&ChannelRow) -> f64) -> u8 {
+/// Returns the mean quality of the joints of rows, in percent. `misfit` is the disagreement of the poses of a row, 0 for none.
+fn score<'a>(
+    rows: impl Iterator<Item = &'a ChannelRow>,
+    problems: &[Problem],
+    misfit: impl Fn(&ChannelRow) -> f64,
+) -> u8 {
     let quality = |row: &ChannelRow| {
         let own = problems.iter().filter(|problem| problem.dof() == row.dof);
         let worst = own.map(|problem| match problem.severity() {
@@ -193,8 +207,12 @@ fn score(map: &ChannelMap, problems: &[Problem], misfit: impl Fn(&ChannelRow) ->
         let resolution = 1.0 / (1.0 + row.calibration.gain.abs() / COARSE);
         worst.fold(resolution / (1.0 + misfit(row)), f64::min)
     };
-    let total: f64 = map.rows().iter().map(quality).sum();
-    (100.0 * total / map.rows().len() as f64).round() as u8
+    let (total, count) = rows
+        .map(quality)
+        .fold((0.0, 0.0), |(total, count), quality| {
+            (total + quality, count + 1.0)
+        });
+    (100.0 * total / count).round() as u8
 }
 
 #[cfg(test)]

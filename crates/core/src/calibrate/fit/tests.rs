@@ -13,7 +13,7 @@ fn observe(
 ) -> Observations {
     let mut observations = Observations::default();
     for &pose in poses {
-        let channels = channels_of(&shipped()).into_iter().map(|channel| {
+        let channels = channels_of(shipped().rows()).into_iter().map(|channel| {
             let median = counts(pose, channel);
             ChannelObservation {
                 channel,
@@ -21,6 +21,7 @@ fn observe(
                 low: median - 1.0,
                 high: median + 1.0,
                 is_still: true,
+                is_sent: true,
             }
         });
         observations.insert(PoseObservation {

@@ -2,6 +2,7 @@
 
 use super::{Decoder, InvalidPacket, Packet, PacketError};
 use crate::capture::SourceStats;
+use crate::capture::feedback::FeedbackFormat;
 
 /// Parser of a line without its line end. The ends of the packets are filled in later.
 pub trait LineParser: Send {
@@ -13,6 +14,11 @@ pub trait LineParser: Send {
 
     /// Forgets earlier lines, after a stream broke off.
     fn reset(&mut self) {}
+
+    /// Returns the feedback that the sender of the latest packet reads, if its packets tell.
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
+        None
+    }
 }
 
 /// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last line end may be
@@ -155,5 +161,9 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
 
     fn last_error(&self) -> Option<&PacketError> {
         self.last_error.as_ref()
+    }
+
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
+        self.parser.feedback()
     }
 }

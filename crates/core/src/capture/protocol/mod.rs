@@ -106,6 +106,14 @@ pub enum Carriers {
     Datagrams,
 }
 
+impl Protocol {
+    /// Returns what speaks the protocol: the start of its summary.
+    pub fn title(&self) -> &'static str {
+        let end = self.summary.find([',', ':']);
+        &self.summary[..end.unwrap_or(self.summary.len())]
+    }
+}
+
 impl PartialEq for Protocol {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
@@ -331,6 +339,11 @@ pub trait Decoder: Send {
 
     /// Returns once the reason why the rest of the stream cannot be decoded. Everything after it is skipped.
     fn take_error(&mut self) -> Option<String> {
+        None
+    }
+
+    /// Returns the feedback that the sender of the latest packet reads, if its packets tell. The default is that of the protocol.
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
         None
     }
 

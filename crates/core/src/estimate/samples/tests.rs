@@ -53,6 +53,7 @@ fn a_table_gives_the_angles_of_the_rows_one_by_one() {
         let channels = Channels {
             full_scale: 255,
             counts: counts.collect(),
+            unsent: Default::default(),
         };
         let settings = EstimatorSettings {
             limits: limits.copied(),
@@ -97,6 +98,7 @@ fn a_learned_range_changes_the_table() {
         let channels = |count| Channels {
             full_scale: 255,
             counts: [count].into_iter().collect(),
+            unsent: Default::default(),
         };
         let convert = |converter: &mut ChannelConverter| {
             let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());

@@ -5,13 +5,16 @@
 //! The [`SightedTypist`] types with such a glove: it sees the hand of the program on the board and corrects its own.
 
 mod habits;
+mod home_made;
 mod sensors;
 mod sighted_typist;
 
+pub use home_made::HomeMadeGlove;
 pub use sensors::{GloveFault, GloveSensors};
 pub use sighted_typist::SightedTypist;
 
 use self::habits::Habits;
+use self::home_made::HomeMadeSensors;
 use super::movement::minimum_jerk;
 use super::typing_hand::TypingHand;
 use crate::calibrate::CalibrationPose;
@@ -55,6 +58,8 @@ pub struct SimulatedWearer {
     arm: ArmModel,
     habits: Habits,
     sensors: GloveSensors,
+    /// The sensors of the calibration poses, if they are others.
+    home_made: Option<HomeMadeSensors>,
     angles: JointAngles,
     movement: Option<(JointAngles, JointAngles, u32)>,
     pose: Option<CalibrationPose>,
@@ -78,6 +83,7 @@ impl SimulatedWearer {
             arm: ArmModel::anthropometric(side, &bones).expect("an arm of these bones"),
             bones,
             sensors: GloveSensors::new(map, &mut random),
+            home_made: None,
             angles: habits.angles(CalibrationPose::Rest),
             habits,
             movement: None,
@@ -91,6 +97,13 @@ impl SimulatedWearer {
     #[must_use]
     pub fn with_fault(mut self, fault: GloveFault) -> Self {
         self.sensors.add_fault(fault);
+        self
+    }
+
+    /// Returns the person in a home-made glove while they take poses.
+    #[must_use]
+    pub fn in_home_made_glove(mut self, kind: HomeMadeGlove) -> Self {
+        self.home_made = Some(HomeMadeSensors::new(kind, &mut self.random));
         self
     }
 
@@ -174,10 +187,11 @@ impl SimulatedWearer {
             }
         }
         let (time, random) = (self.advance(), &mut self.random);
-        (
-            time,
-            self.sensors.read_with_spikes(&self.angles, SPIKE, random),
-        )
+        let channels = match &self.home_made {
+            Some(sensors) => sensors.read(&self.angles, random),
+            None => self.sensors.read_with_spikes(&self.angles, SPIKE, random),
+        };
+        (time, channels)
     }
 
     /// Returns a random posture: each sensor bends its joints to a fraction of their range, all fractions equally likely.

@@ -127,6 +127,7 @@ impl GloveSensors {
         Channels {
             full_scale: self.full_scale,
             counts: counts.collect(),
+            unsent: Default::default(),
         }
     }
 

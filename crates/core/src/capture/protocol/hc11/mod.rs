@@ -17,7 +17,7 @@ use crate::names::named_enum;
 /// The HC11 protocol.
 pub const PROTOCOL: Protocol = Protocol {
     name: "hc11",
-    summary: "flex-sensor glove with the 68HC11 converter: 64 counts of 8 bits per packet",
+    summary: "HC11: flex-sensor glove with the 68HC11 converter, 64 counts of 8 bits per packet",
     sample: SampleKind::Channels,
     has_both_hands: false,
     has_parts: false,
@@ -189,6 +189,7 @@ pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
     Channels {
         full_scale: u16::from(u8::MAX),
         counts: body.iter().copied().map(u16::from).collect(),
+        unsent: Default::default(),
     }
 }
 

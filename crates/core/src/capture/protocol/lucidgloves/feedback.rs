@@ -1,7 +1,8 @@
 //! Messages to a glove: force feedback and haptic pulses.
 //!
 //! The firmware (`LucidVR/lucidgloves`, `haptics.ino` and `Encoding.ino`) takes a finger that a line does not name as free, so
-//! each line names all five. A pulse is understood by firmware for vibration motors only; that for servos reads it as a line
+//! each line names all five. The legacy encoding has the forces of the five fingers with `&` between them, and no pulses
+//! (`Encoding/LegacyEncoding.cpp`): such firmware takes a line of the alpha encoding as 0 for the thumb. A pulse is understood by firmware for vibration motors only; that for servos reads it as a line
 //! without fingers, so the line with the forces comes last.
 
 use std::io::Write;
@@ -11,8 +12,14 @@ use crate::capture::feedback::{Feedback, FeedbackFormat, Pulse};
 use crate::capture::{Channels, Sample};
 use crate::hand::Finger;
 
-/// The feedback of the alpha encoding, which firmware with the legacy encoding reads too.
-pub(super) const FORMAT: FeedbackFormat = FeedbackFormat { curl, encode };
+/// The feedback of the alpha encoding.
+pub(super) static ALPHA: FeedbackFormat = FeedbackFormat { curl, encode };
+
+/// The feedback of the legacy encoding.
+pub(super) static LEGACY: FeedbackFormat = FeedbackFormat {
+    curl,
+    encode: encode_legacy,
+};
 
 /// The value that holds a finger straight: the servo is at the end of its range.
 const FULL_FORCE: f32 = 1000.0;
@@ -38,11 +45,22 @@ fn encode(feedback: &Feedback, line: &mut Vec<u8>) {
     }
     if let Some(forces) = feedback.forces {
         for (key, force) in (b'A'..).zip(forces) {
-            let value = (force.clamp(0.0, 1.0) * FULL_FORCE).round() as u16;
-            let _ = write!(line, "{}{value}", char::from(key));
+            let _ = write!(line, "{}{}", char::from(key), value(force));
         }
         line.push(b'\n');
     }
+}
+
+/// Writes `0&700&0&0&0` with its line end.
+fn encode_legacy(feedback: &Feedback, line: &mut Vec<u8>) {
+    if let Some(forces) = feedback.forces {
+        let [thumb, index, middle, ring, little] = forces.map(value);
+        let _ = writeln!(line, "{thumb}&{index}&{middle}&{ring}&{little}");
+    }
+}
+
+fn value(force: f32) -> u16 {
+    (force.clamp(0.0, 1.0) * FULL_FORCE).round() as u16
 }
 
 #[cfg(test)]
@@ -68,6 +86,17 @@ mod tests {
             "F0.00G0.00H0.00\nA250B250C250D250E250\n"
         );
         assert_eq!(encoded(None, None), "");
+    }
+
+    #[test]
+    fn a_legacy_line_has_five_numbers_and_no_pulse() {
+        let mut line = Vec::new();
+        let feedback = Feedback {
+            forces: Some([0.0, 1.0, 0.5, 2.0, f32::NAN]),
+            pulse: Some(Pulse::Press),
+        };
+        (LEGACY.encode)(&feedback, &mut line);
+        assert_eq!(String::from_utf8(line).unwrap(), "0&1000&500&1000&0\n");
     }
 
     #[test]

@@ -18,7 +18,8 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions, space,
 };
-use crate::capture::{Channels, Sample, SampleKind};
+use crate::capture::feedback::FeedbackFormat;
+use crate::capture::{ChannelSet, Channels, Sample, SampleKind};
 use crate::hand::Finger;
 
 /// The LucidGloves protocol.
@@ -33,7 +34,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // A thumb with one digit.
     min_packet_bytes: 3,
     default_baud: std::num::NonZeroU32::new(115_200),
-    feedback: Some(&feedback::FORMAT),
+    feedback: Some(&feedback::ALPHA),
     options: &[&MAX, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(decoder(max(options))),
@@ -147,7 +148,7 @@ impl Fields {
     /// Reads a line without its line end, in either encoding. An error states why it is no packet.
     pub fn parse(line: &[u8]) -> Result<Self, PacketError> {
         let line = line.trim_ascii();
-        let fields = match line.contains(&b'&') {
+        let fields = match is_legacy(line) {
             true => legacy::parse(line)?,
             false => alpha::parse(line)?,
         };
@@ -180,7 +181,7 @@ impl Fields {
     /// Converts the values to counts of 0..=[`FULL_SCALE`]. Values outside 0..=`max` are clamped.
     ///
     /// A joint that the line does not name follows the curl of its finger. A finger without a value is
-    /// [unknown](Channels::UNKNOWN). A splay or stick without a value is at rest.
+    /// [unknown](Channels::UNKNOWN). A splay, stick or trigger without a value is at rest, and [unsent](Channels::unsent).
     pub fn channels(&self, max: u16) -> Channels {
         let count = |value: i64| {
             let value = value.clamp(0, i64::from(max)) as u32;
@@ -200,16 +201,34 @@ impl Fields {
         Channels {
             full_scale: FULL_SCALE,
             counts,
+            unsent: self.unsent(),
         }
+    }
+
+    /// Returns the channels with a value of its own in a line, of which this line names none.
+    fn unsent(&self) -> ChannelSet {
+        let splays = (SPLAY..).zip(self.splays);
+        let others = [
+            (STICK_X, self.stick[0]),
+            (STICK_Y, self.stick[1]),
+            (TRIGGER, self.trigger),
+        ];
+        let mut unsent = ChannelSet::NONE;
+        for (channel, value) in splays.chain(others) {
+            if value.is_none() {
+                unsent.insert(channel);
+            }
+        }
+        unsent
     }
 
     /// Returns the fields that a glove with a converter of [`FULL_SCALE`] sends for these channels.
     pub fn from_channels(channels: &Channels) -> Self {
         let value = |channel: usize| {
             let count = channels.counts.get(channel).copied();
-            count
-                .filter(|&count| count != Channels::UNKNOWN)
-                .map(i64::from)
+            let is_sent =
+                |count: &u16| *count != Channels::UNKNOWN && !channels.unsent.contains(channel);
+            count.filter(is_sent).map(i64::from)
         };
         let finger = |first: usize| std::array::from_fn(|index| value(first + index));
         Self {
@@ -231,11 +250,16 @@ impl Fields {
 #[derive(Clone, Copy, Debug)]
 pub struct LucidParser {
     max: u16,
+    /// The feedback in the encoding of the latest packet.
+    feedback: Option<&'static FeedbackFormat>,
 }
 
 /// Creates a decoder for a converter with values of 0..=`max`.
 pub fn decoder(max: u16) -> LineDecoder<LucidParser> {
-    LineDecoder::with_parser(LucidParser { max })
+    LineDecoder::with_parser(LucidParser {
+        max,
+        feedback: None,
+    })
 }
 
 impl LineParser for LucidParser {
@@ -244,9 +268,21 @@ impl LineParser for LucidParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let fields = Fields::parse(line)?;
+        self.feedback = Some(match is_legacy(line) {
+            true => &feedback::LEGACY,
+            false => &feedback::ALPHA,
+        });
         emit(Packet::new(Sample::Channels(fields.channels(self.max)), 0));
         Ok(())
     }
+
+    fn feedback(&self) -> Option<&'static FeedbackFormat> {
+        self.feedback
+    }
+}
+
+fn is_legacy(line: &[u8]) -> bool {
+    line.contains(&b'&')
 }
 
 /// Returns the error of a line that has not the form of a packet.

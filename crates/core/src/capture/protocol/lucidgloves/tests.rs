@@ -125,6 +125,24 @@ fn lines_that_name_no_finger_or_are_damaged_are_no_packets() {
 }
 
 #[test]
+fn channels_that_a_line_does_not_name_are_unsent() {
+    let unsent = |line: &str| {
+        let fields = Fields::parse(line.as_bytes()).expect("a packet");
+        let unsent = fields.channels(FULL_SCALE).unsent;
+        let channels = (0..CHANNELS).filter(|channel| unsent.contains(*channel));
+        channels.collect::<Vec<_>>()
+    };
+    let splays = [5, 6, 7, 8, 9];
+    assert_eq!(unsent("A1B2C3D4E5"), [&splays[..], &[30, 31, 32]].concat());
+    assert_eq!(unsent("A1F2047G2047P0"), splays);
+    assert_eq!(unsent("A1F1G1P1(BB)2047(CB)2047"), [5, 8, 9]);
+    assert_eq!(
+        unsent("1&2&3&4&5&6&7&0&0&0&0&0&0"),
+        [&splays[..], &[32]].concat()
+    );
+}
+
+#[test]
 fn unknown_keys_are_ignored() {
     let plain = Fields::parse(b"A1B2");
     assert!(plain.is_ok());
@@ -136,6 +154,7 @@ fn encoded_channels_are_decoded() {
     let mut channels = Channels {
         full_scale: FULL_SCALE,
         counts: (0..CHANNELS as u16).map(|count| 90 * count).collect(),
+        unsent: Default::default(),
     };
     for (index, count) in channels.counts[BUTTONS..].iter_mut().enumerate() {
         *count = FULL_SCALE * (index as u16 % 2);

@@ -1,0 +1,159 @@
+//! Bytes that form no packet: since when they arrive, and what they look like.
+
+use std::time::Instant;
+
+use super::bit_rate;
+use crate::capture::garbage::GarbageDetector;
+use crate::capture::protocol::{Carriers, PROTOCOLS, StreamFormat, hc11};
+
+/// Most bytes that are kept: packets of each protocol, of a fast line in 0.3 s.
+const CAPACITY: usize = 4096;
+
+/// Most datagrams that are kept.
+const MAX_DATAGRAMS: usize = 64;
+
+/// The bytes since the latest packet.
+pub struct UnknownBytes {
+    detector: GarbageDetector,
+    /// The first of the bytes.
+    bytes: Vec<u8>,
+    /// The ends of datagrams in `bytes`; none of a stream.
+    ends: Vec<usize>,
+    is_datagram: bool,
+}
+
+impl UnknownBytes {
+    /// Creates an empty store, of whole datagrams or of a stream.
+    pub fn new(is_datagram: bool) -> Self {
+        Self {
+            detector: GarbageDetector::default(),
+            bytes: Vec::with_capacity(CAPACITY),
+            ends: Vec::with_capacity(if is_datagram { MAX_DATAGRAMS } else { 0 }),
+            is_datagram,
+        }
+    }
+
+    /// Handles bytes that arrived at `now`. Returns `true` if a warning is due. Does not allocate.
+    pub fn update(&mut self, now: Instant, has_packet: bool, bytes: &[u8]) -> bool {
+        match has_packet {
+            true => self.forget(),
+            false => self.keep(bytes),
+        }
+        self.detector.update(now, has_packet)
+    }
+
+    /// Forgets all bytes, and since when they arrive.
+    pub fn clear(&mut self) {
+        self.detector = GarbageDetector::default();
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        self.bytes.clear();
+        self.ends.clear();
+    }
+
+    fn keep(&mut self, bytes: &[u8]) {
+        let room = CAPACITY - self.bytes.len();
+        if !self.is_datagram {
+            self.bytes
+                .extend_from_slice(&bytes[..bytes.len().min(room)]);
+        } else if bytes.len() <= room && self.ends.len() < MAX_DATAGRAMS {
+            self.bytes.extend_from_slice(bytes);
+            self.ends.push(self.bytes.len());
+        }
+    }
+
+    /// Returns what the bytes look like and what to do, such as `looks like LucidGloves: add protocol=lucidgloves`. `None` if no
+    /// protocol fits better than `format`, and no other bit rate does.
+    pub fn likely_format(&self, format: &StreamFormat) -> Option<String> {
+        self.likely_protocols(format)
+            .or_else(|| self.likely_bit_rate(format))
+    }
+
+    fn likely_protocols(&self, format: &StreamFormat) -> Option<String> {
+        let tried = candidates(self.is_datagram).filter(|other| is_other(other, format));
+        let tried: Vec<(usize, StreamFormat)> = tried
+            .map(|format| (self.understood(&format), format))
+            .collect();
+        let most = tried.iter().map(|(understood, _)| *understood).max()?;
+        if most * 2 < self.bytes.len() || most == 0 {
+            return None;
+        }
+        let likely = tried.iter().filter(|(understood, _)| *understood == most);
+        let likely: Vec<&StreamFormat> = likely.map(|(_, format)| format).collect();
+        let titles: Vec<&str> = likely.iter().map(|other| other.protocol.title()).collect();
+        let options: Vec<String> = likely.iter().map(|other| options(other)).collect();
+        let verb = match format.protocol == PROTOCOLS[0] {
+            true => "add",
+            false => "set",
+        };
+        Some(format!(
+            "looks like {}: {verb} {}",
+            titles.join(" or "),
+            options.join(" or ")
+        ))
+    }
+
+    /// Returns the number of bytes that are packets of a format.
+    fn understood(&self, format: &StreamFormat) -> usize {
+        let mut decoder = format.decoder();
+        let mut packets = 0;
+        let mut start = 0;
+        let stream = [self.bytes.len()];
+        let ends = match self.is_datagram {
+            true => &self.ends[..],
+            false => &stream,
+        };
+        for &end in ends {
+            decoder.push(&self.bytes[start..end], &mut |_| packets += 1);
+            decoder.finish(&mut |_| packets += 1);
+            start = end;
+        }
+        let stats = decoder.stats();
+        let fewest = if self.is_datagram { 1 } else { 2 };
+        match packets >= fewest {
+            true => (stats.bytes - stats.skipped_bytes) as usize,
+            false => 0,
+        }
+    }
+
+    fn likely_bit_rate(&self, format: &StreamFormat) -> Option<String> {
+        let baud = bit_rate::slower_sender(&self.bytes, format.baud?)?;
+        Some(format!(
+            "looks like a sender at a lower bit rate: set baud={baud}"
+        ))
+    }
+}
+
+/// Returns the formats to try: all protocols with their default options, and the other framing of the HC11.
+fn candidates(is_datagram: bool) -> impl Iterator<Item = StreamFormat> {
+    let refused = match is_datagram {
+        true => Carriers::Streams,
+        false => Carriers::Datagrams,
+    };
+    let protocols = PROTOCOLS.iter().map(|protocol| StreamFormat::new(protocol));
+    let hash = hc11::Hc11Format {
+        framing: hc11::Framing::Hash,
+        ..hc11::Hc11Format::default()
+    };
+    protocols
+        .chain([hash.into()])
+        .filter(move |format| format.protocol.carriers != refused)
+}
+
+/// Returns whether a format could understand what another one does not: other options of one protocol read the same packets, but for
+/// the marks of the HC11.
+fn is_other(candidate: &StreamFormat, format: &StreamFormat) -> bool {
+    let is_same = candidate.protocol == format.protocol;
+    !is_same || (format.protocol == &hc11::PROTOCOL && candidate.options != format.options)
+}
+
+/// Returns the options of a URI that give a format, with `&` between them.
+fn options(format: &StreamFormat) -> String {
+    let without_baud = StreamFormat {
+        baud: None,
+        ..format.clone()
+    };
+    without_baud.to_string().trim_start_matches('?').to_owned()
+}
