@@ -24,7 +24,15 @@ fn layout(fields: &str) -> String {
 }
 
 fn mistakes() -> Vec<Mistake> {
-    [syntax(), numbers(), names(), structure(), meaning()].concat()
+    [
+        syntax(),
+        brackets_and_quotes(),
+        numbers(),
+        names(),
+        structure(),
+        meaning(),
+    ]
+    .concat()
 }
 
 fn syntax() -> Vec<Mistake> {
@@ -75,6 +83,12 @@ fn syntax() -> Vec<Mistake> {
             board("rows: [(at_mm: (0, 0); keys: \"Q W\")]"),
             "3:22: write `,` in place of `;`",
         ),
+    ]
+}
+
+fn brackets_and_quotes() -> Vec<Mistake> {
+    let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
+    vec![
         (
             "a missing comma",
             board(&format!("pitch_mm: 19\n{row}")),
