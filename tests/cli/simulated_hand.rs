@@ -14,7 +14,7 @@ use crate::support::run::{ARMED, TIMEOUT, line_receiver, shipped};
 
 const MIXER: &str = r#"Layout(name: "My mixer", boards: [(
     pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
-    sliders: [(name: "Fader 1", at_mm: (0, 0), length_mm: 60, output: Axis(LeftX))],
+    sliders: [(name: "Fader 1", at_mm: (0, 0), length_mm: 60, output: Axis("LeftX"))],
     knobs: [(name: "Pan", at_mm: (60, 0), diameter_mm: 40, output: ScrollY(24))],
     toggles: [(name: "Mute", at_mm: (-60, 0), size_mm: Box(20, 20), tap: Key("AudioVolumeMute"))],
 )])"#;
@@ -92,7 +92,9 @@ fn a_layout_without_characters_gets_a_tour() {
 #[test]
 fn the_demo_types_fast_with_either_hand() {
     for hand in ["right", "left"] {
-        let demo = run(["demo", "--text", "Hi you", "--fast", "--hand", hand]).done();
+        let layout = "qwerty-two-flat";
+        let arguments = ["demo", "--layout", layout, "--text", "Hi you", "--fast"];
+        let demo = run(arguments.into_iter().chain(["--hand", hand])).done();
         assert!(
             demo.out.contains("0.00 % character error rate"),
             "{}",

@@ -56,7 +56,9 @@ impl LiveTask {
             let mut states = live.states.clone();
             let can_do = |action: &HandAction| {
                 let hand = hand_for(action, scene, &sides, 0);
-                states[hand].add(&[action.clone()], scene, period).is_ok()
+                states[hand]
+                    .add(std::slice::from_ref(action), scene, period)
+                    .is_ok()
             };
             step.actions.iter().any(|it| it.target_point().is_some()) && actions.all(can_do)
         });

@@ -82,7 +82,7 @@ impl SimulatedHand {
             Sensor::Joints(sensor) => {
                 let hand = TypingHand::without_glove(arm);
                 let hand = match sensor {
-                    JointSensor::Displacement => hand.as_stiff(),
+                    JointSensor::Displacement => hand.stiffened(),
                     _ => hand,
                 };
                 (hand, Output::Joints(sensor, noise))

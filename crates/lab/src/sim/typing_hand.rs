@@ -148,7 +148,7 @@ impl TypingHand {
     }
 
     /// Becomes the hand of a sensor that shows it as a whole: only the path of the index fingertip counts.
-    pub(super) fn as_stiff(self) -> Self {
+    pub(super) fn stiffened(self) -> Self {
         Self {
             is_stiff: true,
             ..self
