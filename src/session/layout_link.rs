@@ -3,6 +3,9 @@
 //! The loop forwards commands that need a layout to be built or written, and never waits for them. The manager hands built
 //! layouts back and waits until the loop has activated them.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use super::layout_trial::{self, LayoutTrial, TrialRequest};
@@ -10,7 +13,9 @@ use super::reply::{ReplySender, RequestError};
 use super::waker::Waker;
 use crate::command::Command;
 use crate::contact::board_pose::BoardPose;
+use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
+use crate::sim::LayoutFeed;
 
 /// Requests that wait for a busy layout manager: one of each client of the control socket.
 const QUEUE_LENGTH: usize = 16;
@@ -72,6 +77,9 @@ pub struct LayoutLink {
     swaps: Sender<LayoutSwap>,
     ended: Receiver<()>,
     waker: Waker,
+    /// The simulated hands of the session.
+    hands: LayoutFeed,
+    active_profile: Arc<AtomicUsize>,
 }
 
 impl LayoutLink {
@@ -80,20 +88,30 @@ impl LayoutLink {
         let (trial_sender, trials) = bounded(layout_trial::QUEUE_LENGTH);
         let (swaps, swap_receiver) = bounded(1);
         let (end, ended) = bounded(0);
+        let active_profile = Arc::new(AtomicUsize::new(0));
         let manager_end = Self {
             requests,
             trials,
             swaps,
             ended,
             waker,
+            hands: LayoutFeed::default(),
+            active_profile: Arc::clone(&active_profile),
         };
         let loop_end = LoopLayoutLink {
             requests: request_sender,
             trial: LayoutTrial::new(trial_sender),
             swaps: swap_receiver,
+            active_profile,
             _end: end,
         };
         (manager_end, loop_end)
+    }
+
+    /// Tells simulated hands of the layouts that become active.
+    #[must_use]
+    pub(super) fn with_hands(self, hands: LayoutFeed) -> Self {
+        Self { hands, ..self }
     }
 
     /// Requests of the loop; disconnected when the session has ended.
@@ -106,13 +124,16 @@ impl LayoutLink {
         &self.trials
     }
 
-    /// Activates a layout, waits until the loop uses it, and frees the old one.
+    /// Activates a layout, waits until the loop uses it, and frees the old one. Simulated hands lift first and follow.
     pub(crate) fn activate(
         &self,
         layout: LayoutInstance,
         profile: usize,
         keep_board_poses: bool,
     ) -> Result<(), SessionEnded> {
+        let followed = (profile == self.active_profile.load(Ordering::Relaxed))
+            .then(|| self.hands.begin_change());
+        let layout_of_hands = layout.layout().cloned();
         let (retired, old) = bounded(1);
         let swap = LayoutSwap {
             layout: Box::new(layout),
@@ -125,9 +146,27 @@ impl LayoutLink {
             recv(self.ended) -> _ => return Err(SessionEnded),
         }
         self.waker.wake();
-        select! {
-            recv(old) -> old => old.map(drop).map_err(|_| SessionEnded),
-            recv(self.ended) -> _ => Err(SessionEnded),
+        let old = select! {
+            recv(old) -> old => old.map_err(|_| SessionEnded)?,
+            recv(self.ended) -> _ => return Err(SessionEnded),
+        };
+        if let Some((change, mut layout)) = followed.zip(layout_of_hands) {
+            if keep_board_poses {
+                copy_board_poses(&old, Arc::make_mut(&mut layout));
+            }
+            change.activate(layout);
+        }
+        Ok(())
+    }
+}
+
+/// Moves the boards of a layout to where they were, as the loop does if their number is the same.
+fn copy_board_poses(old: &LayoutInstance, layout: &mut Layout) {
+    let old = old.scene().surfaces();
+    if old.len() == layout.scene.surfaces().len() {
+        for (index, surface) in old.iter().enumerate() {
+            let pose = surface.anchor_from_surface();
+            layout.scene.set_surface_pose(index, pose);
         }
     }
 }
@@ -138,6 +177,7 @@ pub(super) struct LoopLayoutLink {
     requests: Sender<LayoutRequest>,
     trial: LayoutTrial,
     swaps: Receiver<LayoutSwap>,
+    active_profile: Arc<AtomicUsize>,
     _end: Sender<()>,
 }
 
@@ -147,6 +187,11 @@ impl LoopLayoutLink {
         self.requests
             .try_send(request)
             .map_err(|_| RequestError::QueueFull)
+    }
+
+    /// Notes the active profile: a change of another one does not concern the hands.
+    pub fn set_active_profile(&self, profile: usize) {
+        self.active_profile.store(profile, Ordering::Relaxed);
     }
 
     /// The sending end for layouts that are tried.

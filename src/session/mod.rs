@@ -448,6 +448,7 @@ fn start_layout_manager(
         watch: options.watch_layouts,
         is_recorded: options.record_to.is_some(),
     };
+    let hands = setup.layout_feed.clone();
     let (setup, has_sink) = (Arc::clone(setup), options.output.is_some());
     let required = setup.required_capabilities();
     let build = move |layout: &Layout| {
@@ -461,6 +462,9 @@ fn start_layout_manager(
             .map_err(|error| error.to_string())
     };
     let notices = notices.sender();
+    let of_hands = notices.clone();
+    hands.set_receiver(move |message| of_hands.send(Notice::SimulatedHand(message)));
+    let link = commands.link_layouts().with_hands(hands);
     let report = move |report: LayoutReport| {
         if let Some(notifier) = &mut notifier
             && !matches!(report, LayoutReport::Command(_))
@@ -469,5 +473,5 @@ fn start_layout_manager(
         }
         notices.send(Notice::Layout(report));
     };
-    reload::start(layouts, commands.link_layouts(), policy, build, report)
+    reload::start(layouts, link, policy, build, report)
 }

@@ -84,6 +84,8 @@ pub enum Notice {
     FileIncomplete(String),
     /// Outcome of a change to a layout.
     Layout(LayoutReport),
+    /// What a simulated hand leaves out, and why.
+    SimulatedHand(String),
     /// Notices of one kind and source that were held back, as there was one of them a short time ago.
     HeldBack(Box<HeldBack<Notice>>),
     /// This many notices were dropped because the receiver was too slow.
@@ -175,6 +177,7 @@ impl fmt::Display for Notice {
             }
             Self::FileIncomplete(reason) => write!(f, "{reason}; the session goes on without it"),
             Self::Layout(report) => report.fmt(f),
+            Self::SimulatedHand(message) => f.write_str(&escape_line(message)),
             Self::HeldBack(held_back) => held_back.fmt(f),
             Self::Missed(count) => write!(
                 f,

@@ -16,6 +16,7 @@ use crate::layout::{Fit, Glove, Layout};
 use crate::message::escape;
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
+use crate::sim::LayoutFeed;
 
 /// A setup with all files that it names, checked.
 #[derive(Clone, Debug)]
@@ -40,6 +41,8 @@ pub struct LoadedSetup {
     pub ignored_permissions: Vec<&'static str>,
     estimator: EstimatorSettings,
     pub(super) pipeline: PipelineSettings,
+    /// The changes of the active layout, for the simulated hands of the setup.
+    pub layout_feed: LayoutFeed,
 }
 
 /// The glove and the arm of a hand.
@@ -169,6 +172,7 @@ impl LoadedSetup {
                 ..EstimatorSettings::default()
             },
             pipeline: setup.pipeline_settings()?,
+            layout_feed: LayoutFeed::default(),
             setup,
         };
         loaded.check_roles()?;

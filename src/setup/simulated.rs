@@ -1,12 +1,14 @@
 //! The simulated hands of a setup, which type texts and play scripts.
 
+use std::sync::Arc;
+
 use super::{LoadedSetup, SetupError};
 use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::kinematics::ArmModel;
 use crate::message::escape;
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, Sensor, SimulatedStream, SimulatedTypist,
-    TypistError, TypistSettings, open_script,
+    self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
+    SimulatedTypist, TourStop, TypistError, TypistSettings, open_script,
 };
 
 impl LoadedSetup {
@@ -57,22 +59,26 @@ impl LoadedSetup {
         let actions = sim::taps_for_text(text, &self.layout.key_bindings());
         let actions = actions.map_err(TypistError::from)?;
         let hands = self.hands(kind)?;
-        SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands).map_err(
-            |error| match self.reach_message(&error) {
-                Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
-                    SetupError::Value(format!(
-                        "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
-                         pressed; choose another layout, or play a script",
-                        escape(&self.layout.file),
-                    ))
-                }
-                Some(message) => SetupError::Value(format!(
-                    "cannot type on {}: key {message}",
+        let typist = SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands);
+        let typist = typist.map_err(|error| match self.reach_message(&error) {
+            Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
+                SetupError::Value(format!(
+                    "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
+                     pressed; choose another layout, or play a script",
                     escape(&self.layout.file),
-                )),
-                None => error.into(),
-            },
-        )
+                ))
+            }
+            Some(message) => SetupError::Value(format!(
+                "cannot type on {}: key {message}",
+                escape(&self.layout.file),
+            )),
+            None => error.into(),
+        })?;
+        Ok(self.following(typist, HandTask::Text(text.to_owned())))
+    }
+
+    fn following(&self, typist: SimulatedTypist, task: HandTask) -> SimulatedTypist {
+        typist.following(task, Arc::new(self.layout.clone()), &self.layout_feed)
     }
 
     /// Returns a simulated hand that plays a script, a path or the text itself, and sends packets in `format`.
@@ -92,29 +98,56 @@ impl LoadedSetup {
         };
         let hands = self.hands(SampleKind::Channels)?;
         let scene = &self.layout.scene;
-        let actions = self.placed(script.actions());
-        SimulatedTypist::with_hands(&settings, &actions, scene, &hands).map_err(
-            |error| match &error {
-                TypistError::Action(action_error) => {
-                    let message = self.reach_message(&error);
-                    let message = message.unwrap_or_else(|| error.to_string());
-                    script.error(action_error.index, message).into()
-                }
-                TypistError::CannotType(_) => error.into(),
-            },
-        )
+        let fit = &self.layout.fit;
+        let actions = script.actions().iter().cloned();
+        let actions: Vec<HandAction> = actions.map(|action| action.placed(fit)).collect();
+        let typist = SimulatedTypist::with_hands(&settings, &actions, scene, &hands);
+        let typist = typist.map_err(|error| match &error {
+            TypistError::Action(action_error) => {
+                let message = self.reach_message(&error);
+                let message = message.unwrap_or_else(|| error.to_string());
+                script.error(action_error.index, message).into()
+            }
+            TypistError::CannotType(_) => SetupError::from(error),
+        })?;
+        Ok(self.following(typist, HandTask::Script(script)))
     }
 
-    /// Returns the actions with the positions in space where the first hand finds them, as it finds targets in space.
-    fn placed(&self, actions: &[HandAction]) -> Vec<HandAction> {
-        let fit = &self.layout.fit;
-        let place = |action: &HandAction| match action {
-            HandAction::Point(position, time) => {
-                HandAction::Point(fit.position_from_elbow(*position), *time)
-            }
-            other => other.clone(),
+    /// Returns a simulated hand that does a task as far as the layout permits, without end, and sends packets in `format`. It says what
+    /// it leaves out.
+    pub fn live_hand(
+        &self,
+        task: HandTask,
+        format: &Hc11Format,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let settings = TypistSettings {
+            name: "simulated hand".to_owned(),
+            packet_period: format.packet_period(),
+            noise: 0.0,
+            seed: 0,
         };
-        actions.iter().map(place).collect()
+        let hands = self.hands(SampleKind::Channels)?;
+        let layout = Arc::new(self.layout.clone());
+        let typist = SimulatedTypist::live(&settings, task, layout, &self.layout_feed, &hands)?;
+        Ok(typist.repeated())
+    }
+
+    /// Returns a script that uses each control of the layout once, as far as the simulated hands can. Comments name what it leaves out.
+    pub fn tour(&self) -> String {
+        let can_play = |stop: &TourStop| {
+            let format = Hc11Format::default();
+            self.scripted(&stop.actions, &format, 0.0, 0).is_ok()
+        };
+        let (stops, others): (Vec<TourStop>, Vec<TourStop>) =
+            sim::tour(&self.layout).into_iter().partition(can_play);
+        let mut text = sim::tour_text(&self.layout, &stops);
+        for stop in others {
+            let name = escape(&stop.name);
+            text.push_str(&format!(
+                "# left out, as the simulated hand cannot use it: {name}\n"
+            ));
+        }
+        text
     }
 
     /// Returns the arms of the simulated hands with sensors whose samples are of this kind.
@@ -139,30 +172,38 @@ impl LoadedSetup {
         rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
     }
 
-    /// Returns the message for a target out of reach, with its name.
+    /// Returns the message for a target that no finger presses alone, with its name.
     fn reach_message(&self, error: &TypistError) -> Option<String> {
-        let TypistError::Action(ActionError {
-            kind:
-                ActionErrorKind::OutOfReach {
-                    target: Some(target),
-                    metres,
-                },
-            ..
-        }) = error
-        else {
+        let TypistError::Action(ActionError { kind, .. }) = error else {
             return None;
         };
         let names = self.layout.target_names();
-        let name = names.get(*target).to_string();
-        let name = escape(&name);
-        Some(match metres.is_finite() {
-            true => format!(
-                "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
+        let name = |target| escape(&names.get(target).to_string()).to_string();
+        Some(match kind {
+            ActionErrorKind::OutOfReach {
+                target: Some(target),
+                metres,
+            } if metres.is_finite() => format!(
+                "`{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
+                name(*target),
                 metres * 1e3
             ),
-            false => {
-                format!("`{name}` is reserved for the other hand; add an `other_hand` to the setup")
-            }
+            ActionErrorKind::OutOfReach {
+                target: Some(target),
+                ..
+            } => format!(
+                "`{}` is reserved for the other hand; add an `other_hand` to the setup",
+                name(*target)
+            ),
+            ActionErrorKind::WouldPress { finger, target } => format!(
+                "the {finger} finger of the simulated hand would press `{}`; make the keys smaller or move them apart",
+                name(*target)
+            ),
+            ActionErrorKind::WouldMiss(target) => format!(
+                "`{}` cannot be pressed: another control is in front of it",
+                name(*target)
+            ),
+            _ => return None,
         })
     }
 }
@@ -171,14 +212,13 @@ impl LoadedSetup {
 mod tests {
     use crate::capture::{Hc11Format, Reading, Source, SourceEvent};
     use crate::setup::Setup;
-    use crate::sim::RepeatedTypist;
 
     #[test]
     fn a_repeated_typist_moves_as_at_first_and_time_goes_on() {
         let setup = Setup::default().load_files().unwrap();
         let typist = setup.typist("a", &Hc11Format::default(), 0.0, 0).unwrap();
         let count = typist.count_packets() as usize;
-        let mut repeated = RepeatedTypist::new(typist);
+        let mut repeated = typist.repeated();
         let next = || match repeated.next() {
             Ok(SourceEvent::Reading(reading)) => Some(reading),
             _ => None,

@@ -5,12 +5,10 @@
 
 mod open_script;
 mod player;
-mod repeated;
 mod source;
 mod stream;
 
 pub use ademan_lab::sim::*;
 pub use open_script::open_script;
 pub use player::{PacketWriters, PlaybackStats, play};
-pub use repeated::RepeatedTypist;
 pub use stream::{SimulatedStream, packet_period};

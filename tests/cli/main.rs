@@ -47,6 +47,7 @@ mod security;
 mod senders;
 mod share;
 mod signals;
+mod simulated_hand;
 mod source_recordings;
 mod terminal;
 mod text_line;

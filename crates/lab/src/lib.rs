@@ -4,7 +4,8 @@
 //! - [`batch`] computes forward kinematics and contact of many hands at once.
 
 use ademan_core::{
-    calibrate, capture, contact, device, document, estimate, hand, kinematics, message, names, time,
+    calibrate, capture, command, contact, device, document, estimate, hand, kinematics, layout,
+    message, names, time,
 };
 
 pub mod batch;

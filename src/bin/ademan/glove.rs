@@ -37,5 +37,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let glove = Glove::parse(&document)?;
     let text = new_file::renamed(&document.text, &glove.name, &path);
     let next = "ademan run --source serial:/dev/ttyUSB0 --glove FILE";
-    new_file::create(&path, &text, &document.file, next)
+    let origin = format!("a copy of {}", document.file);
+    new_file::create(&path, &text, &origin, next)
 }

@@ -85,7 +85,8 @@ fn new(file: &Path, from: &str) -> Result<(), Failure> {
     let original = Layout::load(from)?;
     let text = new_file::renamed(&original.text, &original.name, &path);
     let next = "ademan layout check FILE && ademan demo --layout FILE";
-    new_file::create(&path, &text, &original.file, next)
+    let origin = format!("a copy of {}", original.file);
+    new_file::create(&path, &text, &origin, next)
 }
 
 /// Lists the layouts that come with the program, then those of the configuration folder.

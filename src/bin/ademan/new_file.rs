@@ -23,7 +23,7 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
     text.replacen(&field(old_name), &field(&name), 1)
 }
 
-/// Creates a file, says of what it is a copy, and the commands that use it. Fails if it exists.
+/// Creates a file, says what it is, and the commands that use it. Fails if it exists.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
     let cannot_write = |error: FileError| {
         Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
@@ -33,7 +33,7 @@ pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(),
     written.map_err(|error| cannot_write(error.into()))?;
     let mut out = io::stdout().lock();
     let shown = escape_path(path);
-    writeln!(out, "wrote {shown}, a copy of {}", escape(original))?;
+    writeln!(out, "wrote {shown}, {}", escape(original))?;
     let next = next.replace("FILE", &shell_word(&path.to_string_lossy()));
     Ok(writeln!(out, "edit it, then: {next}")?)
 }

@@ -2,11 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use ademan::files::Load;
+use ademan::hand::Side;
+use ademan::layout::Layout;
+use ademan::message::shell_word;
+use ademan::setup::{OtherHand, Setup};
 
 use crate::demo::script;
 use crate::failure::Failure;
-use crate::new_file;
+use crate::{complete, new_file};
 
 /// Create scripts for a simulated hand
 #[derive(clap::Args)]
@@ -18,13 +22,15 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Create a script as a copy of the one that the demo plays on a layout
-    #[command(after_help = "Example: ademan script new mine --from media")]
+    /// Create a script for a layout: a copy of the one that the demo plays, or a tour that uses each control once
+    #[command(
+        after_help = "Examples:\n  ademan script new mine --from media\n  ademan script new tour --from my-mixer.ron"
+    )]
     New {
         /// File to create (.txt is added); an existing file is not overwritten
         file: PathBuf,
-        /// Layout whose script is copied
-        #[arg(long, value_name = "LAYOUT", value_parser = PossibleValuesParser::new(script::layouts()))]
+        /// Layout: the name of one that comes with the program, or a file
+        #[arg(long, value_name = "LAYOUT", add = complete::layout())]
         from: String,
     },
 }
@@ -32,8 +38,27 @@ enum Action {
 pub fn run(args: Args) -> Result<(), Failure> {
     let Action::New { file, from } = args.action;
     let path = new_file::with_extension(&file, "txt");
-    let text = script::text(&from).expect("the parser accepts only layouts with a script");
-    let original = format!("examples/scripts/{from}.txt");
-    let next = format!("ademan demo --layout {from} --script FILE");
-    new_file::create(&path, text, &original, &next)
+    let next = format!("ademan demo --layout {} --script FILE", shell_word(&from));
+    match script::for_layout(&from) {
+        Some(text) => {
+            let original = format!("a copy of examples/scripts/{from}.txt");
+            new_file::create(&path, text, &original, &next)
+        }
+        None => {
+            let original = format!("a tour of {from}");
+            new_file::create(&path, &tour(&from)?, &original, &next)
+        }
+    }
+}
+
+/// Returns a script that uses each control of a layout once, as far as the hands of the demo can.
+fn tour(layout: &str) -> Result<String, Failure> {
+    let loaded = Layout::load(layout)?;
+    let setup = Setup {
+        layout: layout.to_owned(),
+        allow_system_keys: true,
+        other_hand: loaded.has_board_for(Side::Left).then(OtherHand::default),
+        ..Setup::default()
+    };
+    Ok(setup.load_files()?.tour())
 }

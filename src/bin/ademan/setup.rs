@@ -32,5 +32,5 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let Action::New { file } = args.action;
     let path = new_file::with_extension(&file, "ron");
     let next = "ademan doctor FILE && ademan run FILE";
-    new_file::create(&path, EXAMPLE, "examples/setup.ron", next)
+    new_file::create(&path, EXAMPLE, "a copy of examples/setup.ron", next)
 }

@@ -2,12 +2,9 @@
 
 use ademan::capture::{Hc11Format, Source};
 use ademan::session::{Notice, NoticeReceiver, SessionOptions};
-use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
-use ademan::sim::RepeatedTypist;
 
-use crate::demo::script;
-use crate::demo::text::{self, TextChoice};
+use crate::demo::looping;
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
 use crate::{complete, messages, session, stats};
@@ -50,7 +47,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let setup = setup.load_files()?;
     let source = match &setup.setup.source {
         Some(_) => None,
-        None => Some(simulated_hand(&setup)?),
+        None => {
+            let hand = looping::hand(&setup, &Hc11Format::default())?;
+            Some(Box::new(hand) as Box<dyn Source>)
+        }
     };
     session::prepare()?;
     if source.is_some() {
@@ -76,17 +76,4 @@ fn print_notices() -> NoticeReceiver {
             messages::print_notice(&notice);
         }
     })
-}
-
-/// Returns a hand that types or plays what suits the layout, again and again.
-fn simulated_hand(setup: &LoadedSetup) -> Result<Box<dyn Source>, Failure> {
-    let format = Hc11Format::default();
-    let hand = match script::for_layout(&setup.setup.layout) {
-        Some(script) => setup.scripted(script, &format, 0.0, 0)?,
-        None => {
-            let text = text::choose(TextChoice::Default, &setup.layout)?;
-            setup.typist(&text, &format, 0.0, 0)?
-        }
-    };
-    Ok(Box::new(RepeatedTypist::new(hand)))
 }

@@ -93,6 +93,9 @@ impl SessionLoop<'_> {
 
     pub(super) fn update_target_names(&mut self) {
         self.profile = self.pipeline.active_profile();
+        if let Some(link) = self.commands.layouts() {
+            link.set_active_profile(self.profile);
+        }
         self.target_names = self.pipeline.target_names().clone();
         self.sink.0.set_target_names(&self.target_names);
     }

@@ -66,7 +66,8 @@ pub struct FilePolicy {
 /// layouts on request, until the session loop at the other end of `link` ends.
 ///
 /// `layouts` are those of the setup, in the order of its profiles. `build` makes a layout ready for the loop, or refuses it.
-/// `report` receives the outcome of every change, in order. A file that was saved is active at most 0.2 s later. Saves in
+/// `report` receives the outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if
+/// simulated hands have to lift first. Saves in
 /// quick succession count as one; while they go on for longer than 2 s, each 2 s as one. Two saves in one tick of the file
 /// system's clock, 2 s on FAT, look like one if their lengths are equal.
 pub fn start(

@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Vec3};
 use super::TargetId;
 use super::front_index::FrontIndex;
 pub use super::target::{DRAG_MARGIN, Shape, TREMOR_MARGIN, Target};
-use crate::hand::{Joint, Side};
+use crate::hand::{Finger, Joint, Side};
 use crate::kinematics::HandPose;
 
 /// The reference point of a surface.
@@ -107,6 +107,8 @@ impl Surface {
 pub struct Scene {
     surfaces: Vec<Surface>,
     target_count: u32,
+    /// The fingers that targets are made for.
+    fingers: Vec<(TargetId, Finger)>,
 }
 
 impl Scene {
@@ -164,6 +166,18 @@ impl Scene {
         if let Some(surface) = self.surfaces.get_mut(index) {
             surface.anchor_from_surface = anchor_from_surface;
         }
+    }
+
+    /// Makes a target for a finger. Every finger can still touch it.
+    pub fn set_finger(&mut self, target: TargetId, finger: Finger) {
+        self.fingers.push((target, finger));
+    }
+
+    /// Returns the finger that a target is made for, if it is made for one.
+    pub fn finger(&self, target: TargetId) -> Option<Finger> {
+        let mut fingers = self.fingers.iter();
+        let found = fingers.find(|(other, _)| *other == target);
+        found.map(|(_, finger)| *finger)
     }
 
     /// Returns the number of targets.

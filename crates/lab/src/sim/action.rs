@@ -6,6 +6,7 @@ use parry3d::math::{Vec2, Vec3};
 
 use crate::contact::TargetId;
 use crate::hand::Dof;
+use crate::layout::Fit;
 
 /// One action of a simulated hand.
 ///
@@ -52,6 +53,14 @@ impl HandAction {
     /// Creates a tap on the center of a target.
     pub fn tap(target: TargetId) -> Self {
         Self::Tap(TargetPoint::center(target))
+    }
+
+    /// Returns the action with the position in space where a hand with this fit finds it, as it finds targets in space.
+    pub fn placed(self, fit: &Fit) -> Self {
+        match self {
+            Self::Point(position, time) => Self::Point(fit.position_from_elbow(position), time),
+            other => other,
+        }
     }
 
     /// Returns the point that the action presses, if any.

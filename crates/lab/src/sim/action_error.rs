@@ -1,7 +1,7 @@
 //! Errors of actions that a simulated hand cannot perform.
 
 use crate::contact::TargetId;
-use crate::hand::Dof;
+use crate::hand::{Dof, Finger};
 use crate::message::escape;
 use crate::names::UnknownName;
 
@@ -32,6 +32,22 @@ pub enum ActionErrorKind {
          that it measures"
     )]
     NotOnBoard,
+    /// A press at which a finger would press another target, too or instead.
+    #[error("the {finger} finger would press another target", finger = .finger.name())]
+    WouldPress {
+        /// The finger.
+        finger: Finger,
+        /// The target that it would press.
+        target: TargetId,
+    },
+    /// A press that would not press the target.
+    #[error(
+        "the fingertip would not press it; another control is in front of it, or its travel is too long"
+    )]
+    WouldMiss(TargetId),
+    /// A target to which every way touches another one.
+    #[error("no way to it is free of other controls")]
+    NoWay,
     /// An action that needs a pressed fingertip.
     #[error("the fingertip presses nothing; put a `press` or a `push` before this")]
     NotPressed,

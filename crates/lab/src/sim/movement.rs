@@ -3,6 +3,7 @@
 use glam::Quat;
 use parry3d::math::Vec3;
 
+use super::effector::Effector;
 use super::typing_hand::TypingHand;
 
 /// A planned movement. It starts in the posture that the hand then has.
@@ -10,10 +11,16 @@ use super::typing_hand::TypingHand;
 pub(super) struct Movement {
     /// Channels that are moved directly: their indices in the posture, and their values at the end.
     pub(super) channel_targets: Vec<(usize, f64)>,
-    /// Path of the index fingertip; `None` if the fingertip follows from the channels.
+    /// Path of the fingertip that points; `None` if the fingertip follows from the channels.
     pub(super) path: Option<TipPath>,
+    /// What moves along the path.
+    pub(super) effector: Effector,
     /// `true` if the thumb stays at the index finger.
     pub(super) is_pinched: bool,
+    /// `true` if the fingertip presses a target during a part of the movement.
+    pub(super) is_down: bool,
+    /// `true` if the fingertip presses a target at the end.
+    pub(super) ends_down: bool,
     /// Duration in packets; more than 0.
     pub(super) packets: u32,
 }
@@ -70,9 +77,19 @@ impl ActiveMovement {
         Self {
             locked: locked.collect(),
             start_values: values.to_vec(),
-            start_tip: hand.tip(values),
+            start_tip: hand.tip_of(movement.effector.finger, values),
             movement,
         }
+    }
+
+    /// Returns whether the fingertip presses a target during a part of the movement.
+    pub(super) fn is_down(&self) -> bool {
+        self.movement.is_down
+    }
+
+    /// Returns whether the fingertip presses a target at the end.
+    pub(super) fn ends_down(&self) -> bool {
+        self.movement.ends_down
     }
 
     /// Returns the duration in packets.
@@ -97,7 +114,7 @@ impl ActiveMovement {
         let tip = path.at(self.start_tip, t);
         match self.movement.is_pinched {
             true => hand.reach_pinched(tip, values, &self.locked),
-            false => hand.reach(tip, values, &self.locked),
+            false => hand.reach_with(self.movement.effector, tip, values, &self.locked),
         }
     }
 }

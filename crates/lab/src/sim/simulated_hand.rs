@@ -31,6 +31,8 @@ pub(super) struct SimulatedHand {
     active: Option<ActiveMovement>,
     /// Number of packets of the active movement so far.
     packet: u32,
+    /// The fingertip presses a target after the movements so far.
+    is_pressed: bool,
     output: Output,
 }
 
@@ -77,10 +79,14 @@ impl SimulatedHand {
                 TypingHand::new(arm, map),
                 Output::Glove(GloveOutput::new(map, noise)),
             ),
-            Sensor::Joints(sensor) => (
-                TypingHand::without_glove(arm),
-                Output::Joints(sensor, noise),
-            ),
+            Sensor::Joints(sensor) => {
+                let hand = TypingHand::without_glove(arm);
+                let hand = match sensor {
+                    JointSensor::Displacement => hand.stiffened(),
+                    _ => hand,
+                };
+                (hand, Output::Joints(sensor, noise))
+            }
         };
         let plan = planner::plan(actions, hand, scene, settings.packet_period)?;
         Ok(Self {
@@ -91,6 +97,7 @@ impl SimulatedHand {
             begun: 0,
             active: None,
             packet: 0,
+            is_pressed: false,
             output,
         })
     }
@@ -119,6 +126,7 @@ impl SimulatedHand {
         let fraction = self.packet as f32 / active.packets() as f32;
         active.step(fraction, &self.hand, &mut self.values);
         if self.packet == active.packets() {
+            self.is_pressed = active.ends_down();
             self.active = None;
             self.packet = 0;
         }
@@ -130,6 +138,63 @@ impl SimulatedHand {
         let movement = self.movements.next();
         self.active =
             movement.map(|movement| ActiveMovement::begin(movement, &mut self.hand, &self.values));
+    }
+
+    /// Returns whether the first `actions` actions are done, also if the hand moves on.
+    pub(super) fn has_done(&self, actions: usize) -> bool {
+        let last = actions.checked_sub(1);
+        let end = last.and_then(|last| self.action_ends.get(last));
+        end.is_none_or(|&end| self.begun > end) || self.has_finished(actions)
+    }
+
+    /// Returns the hand.
+    pub(super) fn hand(&self) -> &TypingHand {
+        &self.hand
+    }
+
+    /// Returns the present posture.
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Goes to a posture at once, before the hand is shown.
+    pub(super) fn set_posture(&mut self, values: &[f64]) {
+        self.values.copy_from_slice(values);
+    }
+
+    /// Returns whether the fingertip presses a target, or is on its way down to one or up from it.
+    pub(super) fn is_down(&self) -> bool {
+        self.active
+            .as_ref()
+            .map_or(self.is_pressed, ActiveMovement::is_down)
+    }
+
+    /// Returns whether the fingertip has pressed and only has to lift.
+    pub(super) fn is_lifting(&self) -> bool {
+        let lifts = |movement: &Movement| movement.is_down && !movement.ends_down;
+        match &self.active {
+            Some(active) if active.is_down() && !active.ends_down() => true,
+            _ => self.movements.as_slice().first().is_some_and(lifts),
+        }
+    }
+
+    /// Returns whether movements are left.
+    pub(super) fn has_movements(&self) -> bool {
+        self.active.is_some() || self.movements.len() > 0
+    }
+
+    /// Adds movements to a hand that has none.
+    pub(super) fn append(&mut self, movements: Vec<Movement>) {
+        self.movements = movements.into_iter();
+        self.action_ends = vec![0];
+    }
+
+    /// Gives up all movements and keeps the present posture.
+    pub(super) fn stop(&mut self) {
+        self.append(Vec::new());
+        self.active = None;
+        self.packet = 0;
+        self.is_pressed = false;
     }
 
     /// Returns whether the first `actions` actions are done.

@@ -1,15 +1,18 @@
 //! Postures of a hand that points with the index finger, and inverse kinematics from targets to postures.
 
 use arrayvec::ArrayVec;
-use parry3d::math::{Pose, Vec2, Vec3};
+use parry3d::math::{Vec2, Vec3};
 
 use super::action::TargetPoint;
+use super::effector::{Effector, Limb};
+use super::reach_target::ReachTarget;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::estimate::{AffineMap, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::{
-    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik, typing_angle,
+    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, half_bent_fingers,
+    solve_ik, typing_angle,
 };
 use crate::time::Timestamp;
 
@@ -28,14 +31,9 @@ pub(super) const PINCH_GAP: f64 = 0.012;
 /// Number of attempts to bring thumb and index finger together.
 const PINCH_ROUNDS: usize = 60;
 
-/// Angles that move the index fingertip.
-const REACHING: [Dof; 5] = [
-    Dof::ElbowFlexion,
-    Dof::WristFlexion,
-    Dof::WristDeviation,
-    Dof::IndexMcpFlexion,
-    Dof::IndexPipFlexion,
-];
+/// Flexion of the MCP joint of an index finger that is out of the way of another finger, in radians.
+const RAISED: f64 = -0.5;
+
 /// Angles that move the thumb to the index finger.
 const OPPOSING: [Dof; 4] = [
     Dof::ThumbCmcAbduction,
@@ -58,6 +56,8 @@ pub struct TypingHand {
     /// The angles that the glove does not measure.
     assumed: JointAngles,
     resting_pose: HandPose,
+    /// The sensor shows the hand as a whole and not its joints.
+    is_stiff: bool,
 }
 
 /// The positions of the center of the fingertip during a tap (world, metres).
@@ -67,32 +67,6 @@ pub struct TapPath {
     pub hover: Vec3,
     /// Position with the key fully pressed.
     pub bottom: Vec3,
-}
-
-/// A target that the fingertip can press. Heights are those of the fingertip's pad above the front of the target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ReachTarget {
-    /// Pose of the target in the world.
-    pub(super) world_from_target: Pose,
-    /// Height before and after a press, in metres.
-    pub(super) hover_height: f32,
-    /// Height at the end of the travel, in metres; negative.
-    pub(super) bottom_height: f32,
-    /// Travel in metres.
-    pub(super) travel: f32,
-    tip_radius: f32,
-}
-
-impl ReachTarget {
-    /// Returns the center of the fingertip (world, metres) for a point of the front and a height of the pad.
-    pub(super) fn tip_position(&self, point: TargetPoint, height: f32) -> Vec3 {
-        self.world_from_target * point.offset.extend(height + self.tip_radius)
-    }
-
-    /// Returns the pad of a fingertip (target frame, metres) whose center is at `tip` (world, metres).
-    pub(super) fn pad_position(&self, tip: Vec3) -> Vec3 {
-        self.world_from_target.inverse_transform_point(tip) - Vec3::Z * self.tip_radius
-    }
 }
 
 impl TypingHand {
@@ -112,6 +86,7 @@ impl TypingHand {
             variables: variables.collect(),
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
+            is_stiff: false,
         }
         .at_rest()
     }
@@ -139,8 +114,22 @@ impl TypingHand {
             channels: (0..variables.len()).collect(),
             variables,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
+            is_stiff: false,
         }
         .at_rest()
+    }
+
+    /// Becomes the hand of a sensor that shows it as a whole: only the path of the index fingertip counts.
+    pub(super) fn stiffened(self) -> Self {
+        Self {
+            is_stiff: true,
+            ..self
+        }
+    }
+
+    /// Returns whether only the path of the index fingertip counts.
+    pub(super) fn is_stiff(&self) -> bool {
+        self.is_stiff
     }
 
     /// Returns the arm.
@@ -185,9 +174,24 @@ impl TypingHand {
         self.arm.forward(&estimate)
     }
 
+    /// Returns the pose of a hand whose arm rests and whose fingers are half bent.
+    pub(super) fn half_bent_pose(&self) -> HandPose {
+        let mut angles = self.angles(&self.rest_values());
+        let fingers = half_bent_fingers();
+        for &dof in Dof::ALL.iter().filter(|dof| dof.finger().is_some()) {
+            angles.set(dof, fingers.get(dof));
+        }
+        self.arm.forward(&Estimate::new(Timestamp(0), angles))
+    }
+
     /// Returns the index fingertip in a posture (world, metres); the origin if the arm has none.
     pub(super) fn tip(&self, values: &[f64]) -> Vec3 {
-        self.pose(values).fingertip(FINGER).unwrap_or_default()
+        self.tip_of(FINGER, values)
+    }
+
+    /// Returns a fingertip in a posture (world, metres); the origin if the arm has none.
+    pub(super) fn tip_of(&self, finger: Finger, values: &[f64]) -> Vec3 {
+        self.pose(values).fingertip(finger).unwrap_or_default()
     }
 
     /// Returns the elbow at rest (world, metres); the origin if the arm model has none.
@@ -198,9 +202,20 @@ impl TypingHand {
     /// Moves the index fingertip to `tip` (world, metres) by elbow, wrist and index finger, except the channels with
     /// the indices `locked`. Returns the remaining distance in metres.
     pub fn reach(&self, tip: Vec3, values: &mut [f64], locked: &[usize]) -> f64 {
-        let indices = self.indices_of(&REACHING);
+        self.reach_with(Effector::INDEX, tip, values, locked)
+    }
+
+    /// Does the same as [`reach`](Self::reach) with another finger or fewer joints.
+    pub(super) fn reach_with(
+        &self,
+        effector: Effector,
+        tip: Vec3,
+        values: &mut [f64],
+        locked: &[usize],
+    ) -> f64 {
+        let indices = (0..self.variables.len()).filter(|&index| self.is_used_by(effector, index));
         let free = indices.filter(|index| !locked.contains(index));
-        self.solve(FINGER, free, tip, values)
+        self.solve(effector.finger, free, tip, values)
     }
 
     /// Like [`reach`](Self::reach), with the thumb at the index finger. The index finger moves as little as possible.
@@ -215,9 +230,57 @@ impl TypingHand {
         distance
     }
 
-    /// Returns whether pointing moves a channel.
+    /// Returns whether pointing with the index finger moves a channel.
     pub(super) fn is_used_to_reach(&self, index: usize) -> bool {
-        self.indices_of(&REACHING).any(|other| other == index)
+        self.is_used_by(Effector::INDEX, index)
+    }
+
+    fn is_used_by(&self, effector: Effector, index: usize) -> bool {
+        let mut measured = self.variables[index].mappings.iter();
+        measured.any(|(dof, _)| effector.uses(*dof))
+    }
+
+    /// Returns the finger that a channel measures; `None` for the arm.
+    pub(super) fn finger_of(&self, index: usize) -> Option<Finger> {
+        let first = self.variables[index].mappings.first();
+        first.and_then(|(dof, _)| dof.finger())
+    }
+
+    /// Returns the channels that have to move before `effector` points, with their values then: the posture at rest, but with a
+    /// raised index finger if another finger or no arm points. The arm stays where it is if it points.
+    pub(super) fn pointing_posture(
+        &self,
+        effector: Effector,
+        rest: &[f64],
+        values: &[f64],
+    ) -> Vec<(usize, f64)> {
+        let is_index = effector == Effector::INDEX;
+        let value = |index: usize| match self.finger_of(index) {
+            None if effector.limb == Limb::Arm => values[index],
+            Some(Finger::Index) if !is_index => self.raised(index),
+            _ => rest[index],
+        };
+        let is_far = |&(index, value): &(usize, f64)| {
+            let (low, high) = self.variables[index].range;
+            (values[index] - value).abs() > (high - low) * 1e-3
+        };
+        let all = (0..self.variables.len()).map(|index| (index, value(index)));
+        all.filter(is_far).collect()
+    }
+
+    /// Returns the value of a channel of a raised index finger.
+    fn raised(&self, index: usize) -> f64 {
+        let variable = &self.variables[index];
+        let (low, high) = variable.range;
+        let value = variable.mappings.first().map(|(dof, map)| {
+            let radians = if *dof == Dof::IndexMcpFlexion {
+                RAISED
+            } else {
+                0.0
+            };
+            map.apply_inverse(radians)
+        });
+        value.unwrap_or(variable.rest).clamp(low, high)
     }
 
     /// Returns the indices of the channels that move the thumb.

@@ -1,19 +1,26 @@
 //! A simulated person with sensors on the hands, who moves the index fingers to targets.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::action::HandAction;
 use super::action_error::ActionError;
+use super::follower::Follower;
+use super::layout_feed::LayoutFeed;
+use super::live::{LiveTask, rewound};
+use super::sensed_hand::{SensedHand, assign_hands};
 use super::sensor::Sensor;
 use super::settings::TypistSettings;
 use super::simulated_hand::{GloveCounts, Progress, SimulatedHand};
+use super::task::{HandTask, TaskStep};
 use super::text_plan::PlanError;
 use crate::capture::{Reading, Sample};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
+use crate::layout::Layout;
 use crate::time::Timestamp;
 
 /// Reason why a simulated person cannot play a text or a script.
@@ -44,15 +51,13 @@ impl TypistError {
 ///
 /// Performs a list of [`HandAction`]s one after the other, each with the hand for which the board of its target is
 /// made. The hands are clear of all targets for 600 ms at the start and at the end.
-#[derive(Clone)]
 pub struct SimulatedTypist {
     name: String,
     /// One or two hands.
     hands: Vec<SensedHand>,
-    /// Index of the hand that performs each action.
-    hand_of_action: Vec<usize>,
-    /// Number of actions that may be performed so far, including the present one.
-    permitted: usize,
+    part: Part,
+    follower: Option<Follower>,
+    repeats: bool,
     period: Duration,
     packet: u64,
     readings: u64,
@@ -60,10 +65,22 @@ pub struct SimulatedTypist {
     pending: VecDeque<Reading>,
 }
 
+/// What the hands do.
+enum Part {
+    /// A list of actions that was planned as a whole.
+    Planned(Planned),
+    /// A task that is planned step by step.
+    Live(Box<LiveTask>),
+}
+
 #[derive(Clone)]
-struct SensedHand {
-    side: Side,
-    hand: SimulatedHand,
+struct Planned {
+    /// Index of the hand that performs each action.
+    hand_of_action: Vec<usize>,
+    /// Number of actions that may be performed so far, including the present one.
+    permitted: usize,
+    /// The hands before the first action, if the list is repeated.
+    start: Option<Vec<SensedHand>>,
 }
 
 impl SimulatedTypist {
@@ -103,12 +120,18 @@ impl SimulatedTypist {
                 hand,
             })
         };
-        let hands: Result<_, TypistError> = hands.iter().enumerate().map(sense).collect();
+        let hands: Result<Vec<SensedHand>, TypistError> =
+            hands.iter().enumerate().map(sense).collect();
         Ok(Self {
             name: settings.name.clone(),
             hands: hands?,
-            hand_of_action,
-            permitted: 1,
+            part: Part::Planned(Planned {
+                hand_of_action,
+                permitted: 1,
+                start: None,
+            }),
+            follower: None,
+            repeats: false,
             period: settings.packet_period,
             packet: 0,
             readings: 0,
@@ -116,14 +139,48 @@ impl SimulatedTypist {
         })
     }
 
-    /// Starts again as `start` did; the time goes on.
-    pub fn repeat(&mut self, start: &Self) {
-        let (packet, readings) = (self.packet, self.readings);
-        *self = Self {
-            packet,
-            readings,
-            ..start.clone()
-        };
+    /// Creates a person who plans a task while performing it: steps that the layout does not permit are skipped, with a message to
+    /// the receiver of `feed`. Follows the layout as [`following`](Self::following) does.
+    ///
+    /// # Panics
+    /// If there is no hand.
+    pub fn live(
+        settings: &TypistSettings,
+        task: HandTask,
+        layout: Arc<Layout>,
+        feed: &LayoutFeed,
+        hands: &[(&ArmModel, Sensor)],
+    ) -> Result<Self, TypistError> {
+        let mut typist = Self::with_hands(settings, &[], &layout.scene, hands)?;
+        let live = LiveTask::start(
+            task.clone(),
+            Arc::clone(&layout),
+            &mut typist.hands,
+            typist.period,
+        );
+        typist.part = Part::Live(Box::new(live));
+        typist.follower = Some(Follower::new(task, layout, feed));
+        Ok(typist)
+    }
+
+    /// Follows the changes of the layout: lifts before each and does the rest of its task on the new layout. `task` on `layout`
+    /// gave the actions of this person.
+    #[must_use]
+    pub fn following(self, task: HandTask, layout: Arc<Layout>, feed: &LayoutFeed) -> Self {
+        Self {
+            follower: Some(Follower::new(task, layout, feed)),
+            ..self
+        }
+    }
+
+    /// Starts again at the end, without end. Only for a person who has not begun.
+    #[must_use]
+    pub fn repeated(mut self) -> Self {
+        self.repeats = true;
+        if let Part::Planned(planned) = &mut self.part {
+            planned.start = Some(self.hands.clone());
+        }
+        self
     }
 
     /// Returns the name for messages.
@@ -166,11 +223,14 @@ impl SimulatedTypist {
         self.hands.iter().map(|hand| hand.side)
     }
 
-    /// Returns the number of packets until the end.
+    /// Returns the number of packets until the end; 0 if the person plans step by step.
     pub fn count_packets(&self) -> u64 {
-        let mut rest = self.clone();
+        let Part::Planned(planned) = &self.part else {
+            return 0;
+        };
+        let (mut planned, mut hands) = (planned.clone(), self.hands.clone());
         let mut packets = 0;
-        while rest.advance() {
+        while planned.advance(&mut hands) {
             packets += 1;
         }
         packets
@@ -194,7 +254,10 @@ impl SimulatedTypist {
 
     /// Returns what the sensor of each hand measures in the next packet, or `None` at the end.
     pub fn next_samples(&mut self) -> Option<Vec<(Side, Sample)>> {
-        if !self.advance() {
+        self.follow();
+        if !self.is_lifted() && !self.advance() {
+            // A change of the layout does not wait for a hand that has ended.
+            self.follower = None;
             return None;
         }
         self.packet += 1;
@@ -208,27 +271,95 @@ impl SimulatedTypist {
 
     /// Moves the hands by one packet. Returns `false` at the end.
     fn advance(&mut self) -> bool {
+        match &mut self.part {
+            Part::Live(live) => {
+                let is_moved = live.advance(&mut self.hands, self.repeats);
+                let messages = live.take_messages();
+                if let Some(follower) = &self.follower {
+                    messages.into_iter().for_each(|it| follower.say(it));
+                }
+                is_moved
+            }
+            Part::Planned(planned) => {
+                if planned.advance(&mut self.hands) {
+                    return true;
+                }
+                let Some(start) = &planned.start else {
+                    return false;
+                };
+                self.hands.clone_from(start);
+                planned.permitted = 1;
+                planned.advance(&mut self.hands)
+            }
+        }
+    }
+
+    /// Returns whether the hands keep still, clear of all targets, because the layout is about to change.
+    fn is_lifted(&self) -> bool {
+        let follower = self.follower.as_ref();
+        follower.is_some_and(Follower::is_lifted)
+    }
+
+    /// Lifts before a change of the layout, and goes on after it.
+    fn follow(&mut self) {
+        let Some(follower) = &mut self.follower else {
+            return;
+        };
+        let is_down = self.hands.iter().any(|hand| hand.hand.is_down());
+        let Some(layout) = follower.update(is_down) else {
+            return;
+        };
+        let task = follower.task();
+        let part = std::mem::replace(&mut self.part, Part::Planned(Planned::default()));
+        let live = match part {
+            Part::Live(live) => live.set_layout(layout, &mut self.hands),
+            Part::Planned(planned) => {
+                let steps = task.resolve(follower.first_layout());
+                let steps = steps.steps(follower.first_layout());
+                let next = planned.next_step(&steps, &self.hands);
+                let is_same = task
+                    .resolve(&layout)
+                    .is_same(&task.resolve(follower.first_layout()));
+                let next = if is_same { next } else { 0 };
+                LiveTask::resume(task.clone(), layout, next, &mut self.hands, self.period)
+            }
+        };
+        self.part = Part::Live(Box::new(live));
+    }
+
+    /// Returns whether the first `actions` actions are done and no hand is moving.
+    pub fn has_finished(&self, actions: usize) -> bool {
+        match &self.part {
+            Part::Planned(planned) => planned.has_finished(actions, &self.hands),
+            Part::Live(_) => false,
+        }
+    }
+}
+
+impl Planned {
+    /// Moves the hands by one packet. Returns `false` at the end.
+    fn advance(&mut self, hands: &mut [SensedHand]) -> bool {
         let is_last = self.permitted >= self.hand_of_action.len();
         let mut is_finished = true;
-        for hand in 0..self.hands.len() {
+        for (index, hand) in hands.iter_mut().enumerate() {
             let permitted = match is_last {
                 true => usize::MAX,
-                false => self.own_actions(hand, self.permitted),
+                false => self.own_actions(index, self.permitted),
             };
-            is_finished &= self.hands[hand].hand.advance(permitted) == Progress::Finished;
+            is_finished &= hand.hand.advance(permitted) == Progress::Finished;
         }
         if is_finished && is_last {
             return false;
         }
-        if !is_last && self.has_finished(self.permitted) {
+        if !is_last && self.has_finished(self.permitted, hands) {
             self.permitted += 1;
         }
         true
     }
 
     /// Returns whether the first `actions` actions are done and no hand is moving.
-    pub fn has_finished(&self, actions: usize) -> bool {
-        let mut hands = self.hands.iter().enumerate();
+    fn has_finished(&self, actions: usize, hands: &[SensedHand]) -> bool {
+        let mut hands = hands.iter().enumerate();
         hands.all(|(index, hand)| hand.hand.has_finished(self.own_actions(index, actions)))
     }
 
@@ -237,20 +368,32 @@ impl SimulatedTypist {
         let first = self.hand_of_action.iter().take(actions);
         first.filter(|&&other| other == hand).count()
     }
+
+    /// Returns the index of the first step that is not complete; `steps` gave the actions.
+    fn next_step(&self, steps: &[TaskStep], hands: &[SensedHand]) -> usize {
+        let mut all = hands.iter().enumerate();
+        let is_done = hands.iter().any(|hand| hand.hand.is_lifting())
+            || all.all(|(index, hand)| hand.hand.has_done(self.own_actions(index, self.permitted)));
+        let done = if is_done {
+            self.permitted
+        } else {
+            self.permitted - 1
+        };
+        let mut actions = 0;
+        let complete = steps.iter().take_while(|step| {
+            actions += step.actions.len();
+            actions <= done
+        });
+        rewound(steps, complete.count(), hands)
+    }
 }
 
-/// Assigns each action to the hand for which the board of its target is made, otherwise to the first hand. An action
-/// without a target goes to the hand of the action before it.
-fn assign_hands(actions: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<usize> {
-    let mut hand = 0;
-    let assign = |action: &HandAction| {
-        if let Some(point) = action.target_point() {
-            let found = scene.target(point.target);
-            let side = found.and_then(|(surface, _)| surface.side());
-            let index = side.and_then(|side| sides.iter().position(|other| *other == side));
-            hand = index.unwrap_or(0);
+impl Default for Planned {
+    fn default() -> Self {
+        Self {
+            hand_of_action: Vec::new(),
+            permitted: 1,
+            start: None,
         }
-        hand
-    };
-    actions.iter().map(assign).collect()
+    }
 }

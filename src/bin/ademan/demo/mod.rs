@@ -1,5 +1,6 @@
 //! `ademan demo`: a simulated hand types or plays a script, from glove bytes to events.
 
+pub mod looping;
 mod player;
 pub mod script;
 mod task;
@@ -10,7 +11,7 @@ use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
-use ademan::capture::{Hc11Format, Source, open_loopback};
+use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
 use ademan::files::Load;
@@ -18,9 +19,10 @@ use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::message::escape;
 use ademan::output;
-use ademan::session::{Session, SessionOptions, Summary};
+use ademan::session::{Session, SessionHandle, SessionOptions, Summary};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
+use ademan::sim::{PacketWriters, PlaybackStats, SimulatedStream, SimulatedTypist};
+use clap::builder::PossibleValuesParser;
 
 use crate::complete;
 use crate::failure::Failure;
@@ -33,13 +35,17 @@ use player::Player;
 use task::Task;
 use text::TextChoice;
 
+/// The gloves of the hands.
+const RIGHT_GLOVE: &str = "unam-hc11";
+const LEFT_GLOVE: &str = "unam-hc11-left";
+
 /// Stall timeout. The simulated hand pauses only when the whole machine is busy, which should not release its keys.
 const STALL_TIMEOUT_MS: u32 = 1000;
 
 /// Watch a simulated hand type a text or play a script, from glove bytes to events
 #[derive(Clone, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan demo\n  ademan demo --layout media\n  ademan demo --all\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
+    after_help = "Examples:\n  ademan demo\n  ademan demo --layout media\n  ademan demo --all\n  ademan demo --layout my-mixer.ron --repeat\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
 )]
 pub struct Args {
     /// Text to type, in characters of a US keyboard. By default the demo chooses a text or a script for the layout
@@ -54,6 +60,15 @@ pub struct Args {
     /// Play every layout that comes with the program for some seconds
     #[arg(long, conflicts_with_all = ["layout", "text", "script"])]
     all: bool,
+    /// Start again at the end, until Ctrl-C. The hand follows the layout file when it is saved
+    #[arg(long, conflicts_with = "all")]
+    repeat: bool,
+    /// Play faster than real time, without the simulated serial line
+    #[arg(long, conflicts_with = "repeat")]
+    fast: bool,
+    /// The first hand, for boards that are for either
+    #[arg(long, value_name = "SIDE", default_value = "right", value_parser = PossibleValuesParser::new(["left", "right"]))]
+    hand: String,
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,
@@ -112,23 +127,31 @@ fn cancel(player: &CurrentPlayer) {
 
 /// Plays one demo to its end.
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
-    let (mut setup, line) = (load_setup(args)?, line_format(args)?);
-    let (mut task, hand) = simulated_hand(args, &setup, &line)?;
+    let (setup, line) = (load_setup(args)?, line_format(args)?);
+    let (task, hand) = simulated_hand(args, &setup, &line)?;
+    match args.fast {
+        true => play_fast(args, current, setup, &line, task, hand),
+        false => play_on_line(args, current, setup, line, task, hand),
+    }
+}
+
+/// Plays over simulated serial lines, in real time.
+fn play_on_line(
+    args: &Args,
+    current: &CurrentPlayer,
+    mut setup: LoadedSetup,
+    line: Hc11Format,
+    mut task: Task,
+    hand: SimulatedTypist,
+) -> Result<(), Failure> {
     let hands = hand.hand_count();
     let (writers, source) = open_loopbacks(&mut setup, line, hands)?;
-    writeln!(
-        io::stdout(),
-        "a simulated hand {} on {} over {}",
-        task.description(),
-        escape(&setup.layout.name),
-        source.name()
-    )?;
+    announce(&task, &setup, source.name())?;
+    let hand = if args.repeat { hand.repeated() } else { hand };
     let options = SessionOptions {
         source: Some(source),
-        watchdog: Some(watchdog::program(Command::Stop)?),
-        lossless_snapshots: true,
-        on_notice: Some(session::print_notices()),
-        ..SessionOptions::default()
+        watch_layouts: true,
+        ..session_options()?
     };
     let session = Session::start(setup, options)?;
     session.wait_until_started();
@@ -137,21 +160,7 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     if signals::is_stop_requested() {
         player.cancel();
     }
-    let is_drawn = view::is_possible() && !output::uses_stdout(&args.output);
-    let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |task: &Task| {
-        if let Some(view) = &view {
-            view.task().set(vec![task.goal(), task.result()]);
-        }
-    };
-    show(&task);
-    for snapshot in session.snapshots() {
-        task.update(&snapshot);
-        if !snapshot.events.is_empty() {
-            show(&task);
-        }
-    }
-    drop(view);
+    watch(args, &session, &mut task);
     // The session may have ended first, by an error or the loss of the watchdog.
     player.cancel();
     let playback = player.join()?;
@@ -161,18 +170,104 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     report(&playback, &summary, &line, hands as u64)?;
     match task.is_done(&playback) {
         true => Ok(()),
+        false if playback.is_cancelled && args.repeat => Ok(()),
         false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
         false => Err(Failure::job("the typed text differs from the given one")),
     }
 }
 
+/// Plays the bytes of the gloves as fast as the session takes them.
+fn play_fast(
+    args: &Args,
+    current: &CurrentPlayer,
+    setup: LoadedSetup,
+    line: &Hc11Format,
+    mut task: Task,
+    hand: SimulatedTypist,
+) -> Result<(), Failure> {
+    let stream = SimulatedStream::new(hand, &StreamFormat::from(*line)).map_err(Failure::job)?;
+    announce(&task, &setup, "its bytes, faster than real time")?;
+    let options = SessionOptions {
+        source: Some(Box::new(stream)),
+        ..session_options()?
+    };
+    let session = Session::start(setup, options)?;
+    let commands = session.commands().clone();
+    let stop = Box::new(move || _ = commands.send(Command::Stop));
+    *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(stop);
+    if signals::is_stop_requested() {
+        _ = session.commands().send(Command::Stop);
+    }
+    watch(args, &session, &mut task);
+    let summary = session.join()?;
+    let playback = PlaybackStats {
+        is_cancelled: signals::is_stop_requested(),
+        ..PlaybackStats::default()
+    };
+    let is_printed = args.output == "transcript";
+    let mut out = io::stdout().lock();
+    task.report(&mut out, &playback, is_printed)?;
+    writeln!(out, "readings   {}", stats::line(&summary.stats))?;
+    match task.is_done(&playback) {
+        true => Ok(()),
+        false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
+        false => Err(Failure::job("the typed text differs from the given one")),
+    }
+}
+
+fn announce(task: &Task, setup: &LoadedSetup, source: &str) -> io::Result<()> {
+    writeln!(
+        io::stdout(),
+        "a simulated hand {} on {} over {source}",
+        task.description(),
+        escape(&setup.layout.name),
+    )
+}
+
+fn session_options() -> Result<SessionOptions, Failure> {
+    Ok(SessionOptions {
+        watchdog: Some(watchdog::program(Command::Stop)?),
+        lossless_snapshots: true,
+        on_notice: Some(session::print_notices()),
+        ..SessionOptions::default()
+    })
+}
+
+/// Shows a session and its task until the session ends.
+fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
+    let is_drawn = view::is_possible() && !output::uses_stdout(&args.output);
+    let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
+    let show = |task: &Task| {
+        if let Some(view) = &view {
+            view.task().set(vec![task.goal(), task.result()]);
+        }
+    };
+    show(task);
+    for snapshot in session.snapshots() {
+        task.update(&snapshot);
+        if !snapshot.events.is_empty() {
+            show(task);
+        }
+    }
+}
+
 fn load_setup(args: &Args) -> Result<LoadedSetup, Failure> {
     let layout = Layout::load(&args.layout)?;
+    let is_left = args.hand == "left";
+    let [first, other] = match is_left {
+        true => [LEFT_GLOVE, RIGHT_GLOVE],
+        false => [RIGHT_GLOVE, LEFT_GLOVE],
+    };
+    let other_side = if is_left { Side::Right } else { Side::Left };
     let setup = Setup {
         layout: args.layout.clone(),
         output: args.output.clone(),
         stall_timeout_ms: STALL_TIMEOUT_MS,
-        other_hand: layout.has_board_for(Side::Left).then(OtherHand::default),
+        glove: Some(first.to_owned()),
+        other_hand: layout.has_board_for(other_side).then(|| OtherHand {
+            glove: Some(other.to_owned()),
+            ..OtherHand::default()
+        }),
         ..Setup::default()
     };
     Ok(setup.load_files()?)
@@ -193,7 +288,7 @@ fn simulated_hand(
 ) -> Result<(Task, SimulatedTypist), Failure> {
     let play = |script: &str, title: &str| {
         let hand = setup.scripted(script, line, args.noise, args.seed)?;
-        Ok((Task::play(title, &setup.layout), hand))
+        Ok((Task::play(title, &setup.layout).repeated(args.repeat), hand))
     };
     if let Some(script) = &args.script {
         return play(script, script);
@@ -206,9 +301,15 @@ fn simulated_hand(
             None => TextChoice::Default,
         },
     };
-    let text = text::choose(choice, &setup.layout)?;
+    let text = match text::choose(choice, &setup.layout) {
+        Err(_) if args.text.is_none() => {
+            let tour = setup.tour();
+            return play(&tour, &script::title(&tour));
+        }
+        text => text?,
+    };
     let hand = setup.typist(&text, line, args.noise, args.seed)?;
-    Ok((Task::type_text(text), hand))
+    Ok((Task::type_text(text).repeated(args.repeat), hand))
 }
 
 fn noise(text: &str) -> Result<f64, String> {

@@ -27,13 +27,8 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "workshop"
 };
 
-/// Returns the names of the layouts that have a script.
-pub fn layouts() -> impl Iterator<Item = &'static str> {
-    SCRIPTS.iter().map(|(name, _)| *name)
-}
-
 /// Returns the script of a shipped layout.
-pub fn text(layout: &str) -> Option<&'static str> {
+fn text(layout: &str) -> Option<&'static str> {
     let script = SCRIPTS.iter().find(|(name, _)| *name == layout);
     script.map(|(_, text)| *text)
 }

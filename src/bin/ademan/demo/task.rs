@@ -13,6 +13,9 @@ use ademan::time::Timestamp;
 /// Longest excerpt of a script in one line, in characters.
 const MAX_EXCERPT: usize = 60;
 
+/// Events of a repeated script that are kept.
+const MAX_EVENTS: usize = 1000;
+
 /// A task and its result so far.
 pub enum Task {
     /// Types a text, which a text field with a US keymap receives.
@@ -21,12 +24,14 @@ pub enum Task {
         field: UsTextField,
         first: Option<Timestamp>,
         last: Timestamp,
+        is_repeated: bool,
     },
     /// Plays a script and collects all events.
     Play {
         script: String,
         names: TargetNames,
         events: Vec<OutputEvent>,
+        is_repeated: bool,
     },
 }
 
@@ -37,6 +42,7 @@ impl Task {
             field: UsTextField::new(),
             first: None,
             last: Timestamp(0),
+            is_repeated: false,
         }
     }
 
@@ -49,7 +55,15 @@ impl Task {
             script: short,
             names: layout.target_names(),
             events: Vec::new(),
+            is_repeated: false,
         }
+    }
+
+    /// Becomes a task that starts again at its end: only the last result is kept.
+    pub fn repeated(mut self, repeats: bool) -> Self {
+        let (Self::Type { is_repeated, .. } | Self::Play { is_repeated, .. }) = &mut self;
+        *is_repeated = repeats;
+        self
     }
 
     /// The predicate of a sentence about the hand.
@@ -72,15 +86,34 @@ impl Task {
     pub fn update(&mut self, snapshot: &Snapshot) {
         match self {
             Self::Type {
-                field, first, last, ..
+                text,
+                field,
+                first,
+                last,
+                is_repeated,
             } => {
                 for event in &snapshot.events {
+                    if *is_repeated
+                        && field.text().len() >= text.len()
+                        && field.pressed().is_empty()
+                    {
+                        (*field, *first) = (UsTextField::new(), None);
+                    }
                     field.handle(event);
                     first.get_or_insert(event.time);
                     *last = event.time;
                 }
             }
-            Self::Play { events, .. } => events.extend(snapshot.events.iter().copied()),
+            Self::Play {
+                events,
+                is_repeated,
+                ..
+            } => {
+                if *is_repeated && events.len() > MAX_EVENTS {
+                    events.drain(..MAX_EVENTS / 2);
+                }
+                events.extend(snapshot.events.iter().copied());
+            }
         }
     }
 
@@ -119,6 +152,7 @@ impl Task {
                 field,
                 first,
                 last,
+                ..
             } => {
                 let first = first.unwrap_or_default();
                 let score = TypingScore::new(text, field.text(), first, *last);

@@ -36,7 +36,7 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
     Err(Failure::wrong_use(match choice {
         TextChoice::Given(_) => "nothing to type: --text is empty".to_owned(),
         _ => format!(
-            "no key of `{}` writes a character: name a script for the hand with --script (docs/scripts.md); `ademan layout show` draws the keys",
+            "no key of `{}` writes a character; `ademan layout show` draws the keys",
             layout.name
         ),
     }))

@@ -24,7 +24,7 @@ use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
 use crate::device::{Axis, KeyCode};
 use crate::document::{Document, DocumentError, Spanned, line_number};
-use crate::hand::Side;
+use crate::hand::{Finger, Side};
 use crate::names::UnknownName;
 
 /// A layout that is being built.
@@ -276,6 +276,11 @@ impl<'a> LayoutBuilder<'a> {
     pub fn key_source(&self, key: &Key) -> &'a str {
         let target = self.targets.get(key.face.name.as_str());
         target.map_or(self.name.text, |target| target.source)
+    }
+
+    /// Makes a target for a finger.
+    pub fn set_finger(&mut self, target: TargetId, finger: Finger) {
+        self.scene.set_finger(target, finger);
     }
 
     /// Adds a control to the current board.

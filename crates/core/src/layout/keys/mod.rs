@@ -231,6 +231,9 @@ impl<'a> KeySchema<'a> {
         let lift = metres(fields.lift_mm.get()) * builder.board().scale + fit_offset.z;
         let pose = KeyPose::new(lift, fields.rotation_deg);
         let face = builder.add_posed_face(face, pose)?;
+        if let Some(finger) = fields.finger {
+            builder.set_finger(face.target, finger);
+        }
         let key = Key {
             face,
             actions: vec![action],

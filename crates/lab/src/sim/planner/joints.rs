@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{MOVE_PACKETS, Planner, PressedTip, TURN_TIME, TipState, check_reach};
+use super::{MOVE_PACKETS, Planner, PressedTip, TURN_TIME, TipState};
 use crate::hand::{Dof, Finger};
 use crate::names::UnknownName;
 use crate::sim::action_error::ActionErrorKind;
@@ -17,11 +17,11 @@ impl Planner<'_> {
     ) -> Result<(), ActionErrorKind> {
         let mut channel_targets = Vec::new();
         for &(dof, radians) in angles {
-            let index = self.hand.index_of(dof).ok_or_else(|| {
-                let known = self.hand.dofs().map(Dof::name);
+            let index = self.state.hand.index_of(dof).ok_or_else(|| {
+                let known = self.state.hand.dofs().map(Dof::name);
                 ActionErrorKind::NoSensor(UnknownName::new("degree of freedom", dof.name(), known))
             })?;
-            let value = self.hand.value_at(index, dof, radians);
+            let value = self.state.hand.value_at(index, dof, radians);
             let value = value.map_err(|(low, high)| ActionErrorKind::AngleOutOfRange {
                 dof,
                 wanted: radians.to_degrees(),
@@ -31,9 +31,12 @@ impl Planner<'_> {
             channel_targets.retain(|(other, _)| *other != index);
             channel_targets.push((index, value));
         }
+        for finger in angles.iter().filter_map(|(dof, _)| dof.finger()) {
+            self.state.posed = self.state.posed.with(finger);
+        }
         let moves = |finger| angles.iter().any(|(dof, _)| dof.finger() == finger);
         if moves(Some(Finger::Thumb)) {
-            self.is_pinched = false;
+            self.state.is_pinched = false;
         }
         let moves_tip = moves(None) || moves(Some(Finger::Index));
         self.move_channels(channel_targets, time.unwrap_or(TURN_TIME), moves_tip)
@@ -46,56 +49,56 @@ impl Planner<'_> {
         time: Duration,
         moves_tip: bool,
     ) -> Result<(), ActionErrorKind> {
-        if let TipState::Pressed(PressedTip { id, tip, .. }) = self.tip_state {
+        if let TipState::Pressed(PressedTip { id, tip, .. }) = self.state.tip_state {
             let path = Some(TipPath::To(tip));
             let distance = self.push_movement(channel_targets, path, time, MOVE_PACKETS);
-            return check_reach(distance, Some(id));
+            return self.check_reach(distance, Some(id));
         }
         if moves_tip {
-            self.tip_state = TipState::Free;
+            self.state.tip_state = TipState::Free;
         }
         self.push_movement(channel_targets, None, time, MOVE_PACKETS);
         Ok(())
     }
 
     pub(super) fn pinch(&mut self, time: Duration) -> Result<(), ActionErrorKind> {
-        if self.is_pinched {
+        if self.state.is_pinched {
             return Ok(());
         }
-        let mut values = self.values.clone();
-        match self.tip_state {
-            TipState::Pressed(_) => self.hand.bring_thumb_to_index(&mut values),
-            TipState::Clear | TipState::Free => self.hand.pinch(&mut values),
+        let mut values = self.state.values.clone();
+        match self.state.tip_state {
+            TipState::Pressed(_) => self.state.hand.bring_thumb_to_index(&mut values),
+            TipState::Clear | TipState::Free => self.state.hand.pinch(&mut values),
         }
-        let changed = (0..values.len()).filter(|&index| values[index] != self.values[index]);
+        let changed = (0..values.len()).filter(|&index| values[index] != self.state.values[index]);
         let channel_targets: Vec<(usize, f64)> =
             changed.map(|index| (index, values[index])).collect();
         let indices = channel_targets.iter().map(|&(index, _)| index);
-        let of_index_finger = indices.filter(|&index| self.hand.is_used_to_reach(index));
-        self.before_pinch = of_index_finger
-            .map(|index| (index, self.values[index]))
+        let of_index_finger = indices.filter(|&index| self.state.hand.is_used_to_reach(index));
+        self.state.before_pinch = of_index_finger
+            .map(|index| (index, self.state.values[index]))
             .collect();
-        let moves_tip = !self.before_pinch.is_empty();
+        let moves_tip = !self.state.before_pinch.is_empty();
         self.move_channels(channel_targets, time, moves_tip)?;
-        self.is_pinched = true;
+        self.state.is_pinched = true;
         Ok(())
     }
 
     /// Checks that thumb and index finger are together during a pinch.
     pub(super) fn check_pinch(&self) -> Result<(), ActionErrorKind> {
-        let gap = self.hand.pinch_gap(&self.values);
-        match self.is_pinched && gap > PINCH_GAP {
+        let gap = self.state.hand.pinch_gap(&self.state.values);
+        match self.state.is_pinched && gap > PINCH_GAP {
             true => Err(ActionErrorKind::PinchFailed(gap)),
             false => Ok(()),
         }
     }
 
     pub(super) fn unpinch(&mut self, time: Duration) -> Result<(), ActionErrorKind> {
-        self.is_pinched = false;
-        let mut channel_targets = std::mem::take(&mut self.before_pinch);
+        self.state.is_pinched = false;
+        let mut channel_targets = std::mem::take(&mut self.state.before_pinch);
         let moves_tip = !channel_targets.is_empty();
-        let thumb = self.hand.thumb_indices();
-        channel_targets.extend(thumb.map(|index| (index, self.rest[index])));
+        let thumb = self.state.hand.thumb_indices();
+        channel_targets.extend(thumb.map(|index| (index, self.state.rest[index])));
         self.move_channels(channel_targets, time, moves_tip)
     }
 }

@@ -1,6 +1,10 @@
 //! Translation of actions to movements.
 
+mod aim;
 mod joints;
+mod route;
+mod state;
+mod watch;
 
 use std::time::Duration;
 
@@ -8,10 +12,14 @@ use parry3d::math::Vec3;
 
 use super::action::{HandAction, TargetPoint};
 use super::action_error::{ActionError, ActionErrorKind};
+use super::effector::Effector;
 use super::movement::{ActiveMovement, Movement, TipPath};
-use super::typing_hand::{REACH_TOLERANCE, ReachTarget, TypingHand};
+use super::reach_target::ReachTarget;
+use super::typing_hand::{REACH_TOLERANCE, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
+pub(super) use state::HandState;
+use watch::Watch;
 
 /// Time for which the hand is clear of all targets at the start and at the end.
 const CLEAR_TIME: Duration = Duration::from_millis(600);
@@ -46,27 +54,18 @@ pub(super) fn plan(
     scene: &Scene,
     period: Duration,
 ) -> Result<Plan, ActionError> {
-    let mut planner = Planner {
-        scene,
-        period,
-        values: hand.rest_values(),
-        rest: hand.rest_values(),
-        hand: hand.clone(),
-        movements: Vec::new(),
-        tip_state: TipState::Clear,
-        is_pinched: false,
-        before_pinch: Vec::new(),
-        home: Vec3::ZERO,
-    };
+    let mut planner = Planner::new(HandState::new(hand.clone()), scene, period);
     planner.begin(actions);
-    let start_values = planner.values.clone();
+    let start_values = planner.state.values.clone();
     let mut action_ends = Vec::with_capacity(actions.len());
     for (index, action) in actions.iter().enumerate() {
         let done = planner.add(action).and_then(|()| planner.check_pinch());
         done.map_err(|kind| ActionError { index, kind })?;
         action_ends.push(planner.movements.len());
     }
-    planner.end();
+    if !actions.is_empty() {
+        planner.end();
+    }
     Ok(Plan {
         hand,
         start_values,
@@ -79,21 +78,15 @@ pub(super) fn plan(
 struct Planner<'a> {
     scene: &'a Scene,
     period: Duration,
-    hand: TypingHand,
-    /// Posture to which the hand returns at the end.
-    rest: Vec<f64>,
-    /// Posture after the movements so far.
-    values: Vec<f64>,
+    state: HandState,
     movements: Vec<Movement>,
-    tip_state: TipState,
-    is_pinched: bool,
-    /// Channels besides those of the thumb that the pinch changed: their indices, and their values before.
-    before_pinch: Vec<(usize, f64)>,
-    /// First position of the fingertip, clear of all targets (world, metres).
-    home: Vec3,
+    /// The fingertip starts above the first point of the actions.
+    starts_above: bool,
+    /// Contacts on the way to a target.
+    watch: Option<Watch>,
 }
 
-/// The state of the index fingertip.
+/// The state of the fingertip that points.
 #[derive(Clone, Copy)]
 enum TipState {
     /// Above the front of a target, or at its first position.
@@ -112,41 +105,73 @@ struct PressedTip {
     tip: Vec3,
 }
 
-impl Planner<'_> {
+impl<'a> Planner<'a> {
+    fn new(state: HandState, scene: &'a Scene, period: Duration) -> Self {
+        Self {
+            scene,
+            period,
+            state,
+            movements: Vec::new(),
+            starts_above: false,
+            watch: None,
+        }
+    }
+
     /// Starts above the first target of the actions, so that the hand is clear of all targets.
     fn begin(&mut self, actions: &[HandAction]) {
         if actions.is_empty() {
             return;
         }
-        // An unreachable target is reported by its own action.
-        if let Some(point) = actions.iter().find_map(HandAction::target_point)
-            && let Ok(target) = self.reach_target(point.target)
-        {
-            let hover = target.tip_position(point, target.hover_height);
-            self.hand.reach(hover, &mut self.values, &[]);
+        if let Some(point) = actions.iter().find_map(HandAction::target_point) {
+            self.start_at(point);
         }
-        self.home = self.hand.tip(&self.values);
+        self.state.home = self.tip();
         self.wait(CLEAR_TIME);
     }
 
-    /// Returns to the first posture, clear of all targets.
-    fn end(&mut self) {
-        if self.movements.is_empty() {
+    /// Starts above a point, or with the fingers extended if another finger than the index finger presses it.
+    fn start_at(&mut self, point: TargetPoint) {
+        let best = self.effectors(point.target).first().copied();
+        let state = &mut self.state;
+        if let Some(effector) = best.filter(|&best| best != Effector::INDEX) {
+            state.effector = effector;
+            let posture = state
+                .hand
+                .pointing_posture(effector, &state.rest, &state.values);
+            for (index, value) in posture {
+                state.values[index] = value;
+            }
             return;
         }
+        // An unreachable target is reported by its own action.
+        if let Ok(target) = self.reach_target(point.target) {
+            let hover = target.tip_position(point, target.hover_height);
+            self.state.hand.reach(hover, &mut self.state.values, &[]);
+            self.starts_above = true;
+        }
+    }
+
+    /// Returns to the first posture, clear of all targets. A hand at a board that moves with the wrist stays above it.
+    fn end(&mut self) {
         self.lift();
-        let rest = self.rest.iter().copied().enumerate();
+        if self.state.effector != Effector::INDEX {
+            self.state.is_pinched = false;
+            self.wait(CLEAR_TIME);
+            return;
+        }
+        let rest = self.state.rest.iter().copied().enumerate();
         let channel_targets: Vec<(usize, f64)> = rest
             .filter(|&(index, value)| {
-                !self.hand.is_used_to_reach(index) && (self.values[index] - value).abs() > 0.5
+                !self.state.hand.is_used_to_reach(index)
+                    && (self.state.values[index] - value).abs() > 0.5
             })
             .collect();
-        let is_free = matches!(self.tip_state, TipState::Free);
+        let is_free = matches!(self.state.tip_state, TipState::Free);
         let tip = match is_free {
-            true => self.home,
-            false => self.hand.tip(&self.values),
+            true => self.state.home,
+            false => self.tip(),
         };
-        self.is_pinched = false;
+        self.state.is_pinched = false;
         if !channel_targets.is_empty() || is_free {
             let time = self.travel_time(tip).max(TURN_TIME);
             self.push_movement(channel_targets, Some(TipPath::To(tip)), time, MOVE_PACKETS);
@@ -155,6 +180,9 @@ impl Planner<'_> {
     }
 
     fn add(&mut self, action: &HandAction) -> Result<(), ActionErrorKind> {
+        if self.state.is_displaced && !self.state.is_raised && action.target_point().is_none() {
+            self.rise();
+        }
         match action {
             HandAction::Tap(point) => {
                 self.press(*point)?;
@@ -187,13 +215,11 @@ impl Planner<'_> {
     }
 
     fn press(&mut self, point: TargetPoint) -> Result<(), ActionErrorKind> {
-        self.lift();
-        let target = self.approach(point)?;
-        self.press_to(point, target, target.bottom_height)
+        self.press_by_any(point, |target| target.bottom_height)
     }
 
     fn push(&mut self, id: TargetId, fraction: f32) -> Result<(), ActionErrorKind> {
-        if let TipState::Pressed(mut pressed) = self.tip_state
+        if let TipState::Pressed(mut pressed) = self.state.tip_state
             && pressed.id == id
         {
             let pad = pressed.target.pad_position(pressed.tip);
@@ -205,45 +231,15 @@ impl Planner<'_> {
             pressed.tip = pressed.target.tip_position(point, height);
             let path = TipPath::To(pressed.tip);
             let distance = self.move_tip(path, PRESS_TIME, PRESS_PACKETS);
-            check_reach(distance, Some(id))?;
-            self.tip_state = TipState::Pressed(pressed);
+            self.check_reach(distance, Some(id))?;
+            self.state.tip_state = TipState::Pressed(pressed);
             return Ok(());
         }
-        self.lift();
-        let point = TargetPoint::center(id);
-        let target = self.approach(point)?;
-        self.press_to(point, target, -fraction * target.travel)
-    }
-
-    /// Moves the fingertip above a point.
-    fn approach(&mut self, point: TargetPoint) -> Result<ReachTarget, ActionErrorKind> {
-        let target = self.reach_target(point.target)?;
-        let hover = target.tip_position(point, target.hover_height);
-        // After the first movement the fingertip is above the first point of the actions.
-        let is_first = self.movements.len() == 1;
-        if !is_first {
-            let time = self.travel_time(hover);
-            self.move_tip(TipPath::To(hover), time, MOVE_PACKETS);
-        }
-        self.tip_state = TipState::Clear;
-        Ok(target)
-    }
-
-    fn press_to(
-        &mut self,
-        point: TargetPoint,
-        target: ReachTarget,
-        height: f32,
-    ) -> Result<(), ActionErrorKind> {
-        let (id, tip) = (point.target, target.tip_position(point, height));
-        let distance = self.move_tip(TipPath::To(tip), PRESS_TIME, PRESS_PACKETS);
-        check_reach(distance, Some(id))?;
-        self.tip_state = TipState::Pressed(PressedTip { id, target, tip });
-        Ok(())
+        self.press_by_any(TargetPoint::center(id), |target| -fraction * target.travel)
     }
 
     fn lift(&mut self) {
-        let TipState::Pressed(PressedTip { id, target, tip }) = self.tip_state else {
+        let TipState::Pressed(PressedTip { id, target, tip }) = self.state.tip_state else {
             return;
         };
         let point = TargetPoint {
@@ -252,7 +248,8 @@ impl Planner<'_> {
         };
         let hover = target.tip_position(point, target.hover_height);
         self.move_tip(TipPath::To(hover), PRESS_TIME, PRESS_PACKETS);
-        self.tip_state = TipState::Clear;
+        self.mark_last(false);
+        self.state.tip_state = TipState::Clear;
     }
 
     fn arc(&mut self, radians: f32, time: Option<Duration>) -> Result<(), ActionErrorKind> {
@@ -280,24 +277,25 @@ impl Planner<'_> {
     ) -> Result<(), ActionErrorKind> {
         let time = time.unwrap_or_else(|| slide_time(length));
         let distance = self.move_tip(path, time, PRESS_PACKETS);
-        check_reach(distance, Some(pressed.id))?;
+        self.check_reach(distance, Some(pressed.id))?;
         pressed.tip = path.end(pressed.tip);
-        self.tip_state = TipState::Pressed(pressed);
+        self.state.tip_state = TipState::Pressed(pressed);
         Ok(())
     }
 
     fn point(&mut self, position: Vec3, time: Option<Duration>) -> Result<(), ActionErrorKind> {
         self.lift();
-        let tip = self.hand.elbow() + position;
-        let length = tip.distance(self.hand.tip(&self.values));
+        self.point_with(Effector::INDEX);
+        let tip = self.state.hand.elbow() + position;
+        let length = tip.distance(self.tip());
         let time = time.unwrap_or_else(|| slide_time(length));
         let distance = self.move_tip(TipPath::To(tip), time, MOVE_PACKETS);
-        self.tip_state = TipState::Free;
-        check_reach(distance, None)
+        self.state.tip_state = TipState::Free;
+        self.check_reach(distance, None)
     }
 
     fn pressed_tip(&self) -> Result<PressedTip, ActionErrorKind> {
-        match self.tip_state {
+        match self.state.tip_state {
             TipState::Pressed(pressed) => Ok(pressed),
             TipState::Clear | TipState::Free => Err(ActionErrorKind::NotPressed),
         }
@@ -311,7 +309,8 @@ impl Planner<'_> {
             target: Some(target),
             metres: f64::INFINITY,
         };
-        self.hand
+        self.state
+            .hand
             .reach_target(self.scene, target)
             .ok_or(out_of_reach)
     }
@@ -321,13 +320,29 @@ impl Planner<'_> {
         self.movements.push(Movement {
             channel_targets: Vec::new(),
             path: None,
+            effector: self.state.effector,
             is_pinched: false,
+            is_down: self.is_down(),
+            ends_down: self.is_down(),
             packets,
         });
     }
 
+    /// Returns the fingertip that points (world, metres).
+    fn tip(&self) -> Vec3 {
+        let state = &self.state;
+        state.hand.tip_of(state.effector.finger, &state.values)
+    }
+
+    fn is_down(&self) -> bool {
+        matches!(self.state.tip_state, TipState::Pressed(_))
+    }
+
     /// Adds a movement of the fingertip along a path; see [`push_movement`](Self::push_movement).
     fn move_tip(&mut self, path: TipPath, time: Duration, min_packets: u32) -> f64 {
+        if self.state.effector != Effector::INDEX {
+            return self.move_finger(path, time, min_packets);
+        }
         self.push_movement(Vec::new(), Some(path), time, min_packets)
     }
 
@@ -343,30 +358,39 @@ impl Planner<'_> {
         let movement = Movement {
             channel_targets,
             path,
-            is_pinched: self.is_pinched,
+            effector: self.state.effector,
+            is_pinched: self.state.is_pinched,
+            is_down: self.is_down(),
+            ends_down: self.is_down(),
             packets: self.packets(time, min_packets),
         };
-        let active = ActiveMovement::begin(movement.clone(), &mut self.hand, &self.values);
+        let active =
+            ActiveMovement::begin(movement.clone(), &mut self.state.hand, &self.state.values);
         self.movements.push(movement);
         // The posture of a pinching thumb depends on all steps before it.
-        let steps = match self.is_pinched {
+        let steps = match self.state.is_pinched {
             true => active.packets(),
             false => check_steps(path),
         };
-        self.perform(&active, steps)
+        let before = self.state.values.clone();
+        let distance = self.perform(&active, steps);
+        if let Some(watch) = &mut self.watch {
+            watch.follow(&active, before, &self.state, self.scene);
+        }
+        distance
     }
 
     /// Performs a movement in `steps` steps, and packet by packet if one of them is out of reach, since inverse
     /// kinematics finds distant solutions in short steps. Returns the largest distance from the path in metres.
     fn perform(&mut self, active: &ActiveMovement, steps: u32) -> f64 {
-        let before = self.values.clone();
+        let before = self.state.values.clone();
         let mut max_distance = 0_f64;
         for steps in [steps, active.packets()] {
-            self.values.clone_from(&before);
+            self.state.values.clone_from(&before);
             max_distance = 0.0;
             for step in 1..=steps {
                 let fraction = step as f32 / steps as f32;
-                let distance = active.step(fraction, &self.hand, &mut self.values);
+                let distance = active.step(fraction, &self.state.hand, &mut self.state.values);
                 max_distance = max_distance.max(distance);
             }
             if max_distance <= REACH_TOLERANCE {
@@ -384,7 +408,7 @@ impl Planner<'_> {
     /// Fitts's law: MT = a + b log₂(A/W + 1) with a = 60 ms and b = 85 ms, the middle of the published ranges for
     /// taps of a fingertip, and W = 19 mm, the width of a key.
     fn travel_time(&self, to: Vec3) -> Duration {
-        let distance = self.hand.tip(&self.values).distance(to);
+        let distance = self.tip().distance(to);
         let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();
         Duration::from_secs_f64(0.060 + 0.085 * difficulty)
     }
@@ -397,13 +421,6 @@ fn check_steps(path: Option<TipPath>) -> u32 {
             (radians.abs() / CHECK_ANGLE).ceil().max(1.0) as u32
         }
         Some(TipPath::To(_)) | None => 1,
-    }
-}
-
-fn check_reach(metres: f64, target: Option<TargetId>) -> Result<(), ActionErrorKind> {
-    match metres > REACH_TOLERANCE {
-        true => Err(ActionErrorKind::OutOfReach { target, metres }),
-        false => Ok(()),
     }
 }
 

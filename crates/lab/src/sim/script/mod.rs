@@ -119,6 +119,28 @@ impl Script {
         &self.actions
     }
 
+    /// Returns the text.
+    pub fn text(&self) -> &str {
+        &self.document.text
+    }
+
+    /// Iterates over the steps with their actions for targets with other names, or the reason why there is none.
+    pub(super) fn actions_for<'a>(
+        &'a self,
+        names: &'a TargetNames,
+    ) -> impl Iterator<Item = (&'a str, Result<HandAction, String>)> {
+        let text = &self.document.text;
+        self.spans.iter().map(move |span| {
+            let step = text.get(span.clone()).unwrap_or_default();
+            // The text was parsed before, so that only a name can be unknown.
+            let action = tokenize(step).and_then(|tokens| match tokens.first() {
+                Some(tokens) => parse_step(tokens, names),
+                None => Ok(HandAction::Lift),
+            });
+            (step, action.map_err(|error| error.message))
+        })
+    }
+
     /// Creates an error at an action, given its index in [`actions`](Self::actions).
     pub fn error(&self, action: usize, message: impl std::fmt::Display) -> DocumentError {
         let span = self.spans.get(action).cloned().unwrap_or(0..0);

@@ -11,7 +11,8 @@ use crate::hand::Finger;
 use crate::kinematics::ArmModel;
 use crate::sim::action::TargetPoint;
 use crate::sim::movement::minimum_jerk;
-use crate::sim::typing_hand::{ReachTarget, TypingHand};
+use crate::sim::reach_target::ReachTarget;
+use crate::sim::typing_hand::TypingHand;
 use crate::time::Timestamp;
 
 /// The height above a key's front at which a fingertip arrives, in metres: a finger moves to another key in an arc.

@@ -1,0 +1,175 @@
+//! The layout that a session uses now, for the simulated hands that follow it.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use crate::layout::Layout;
+
+/// Longest time that a change waits for a hand to lift: a tap takes 0.2 s.
+const LIFT_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// A function that receives messages for the user.
+type MessageReceiver = Box<dyn Fn(String) + Send>;
+
+/// The changes of the active layout of a session, for the simulated hands of its setup.
+///
+/// The layout manager [begins](Self::begin_change) a change and waits until the hands have lifted, so that no press is on its way
+/// when the boards move. The hands look at a counter between two packets. The session loop takes no part.
+#[derive(Clone, Default)]
+pub struct LayoutFeed(Arc<Shared>);
+
+#[derive(Default)]
+struct Shared {
+    /// The number of changes of `state`, so that a hand locks it only after one.
+    version: AtomicU64,
+    state: Mutex<FeedState>,
+    lifted: Condvar,
+    receiver: Mutex<Option<MessageReceiver>>,
+}
+
+#[derive(Default)]
+struct FeedState {
+    /// The hands that follow.
+    hands: usize,
+    /// The hands that have lifted for the present change.
+    lifted: usize,
+    is_changing: bool,
+    /// The active layout, once it has changed.
+    layout: Option<Arc<Layout>>,
+}
+
+/// A change of the layout. Dropping it without a layout leaves the active layout as it is.
+#[must_use]
+pub struct LayoutChange(LayoutFeed);
+
+/// News for a hand.
+#[derive(Clone, Debug)]
+pub(super) enum LayoutNews {
+    /// The layout is about to change: the hand lifts.
+    Changing,
+    /// This layout is active; `None` if it is the first one.
+    Active(Option<Arc<Layout>>),
+}
+
+/// A hand that follows the layout.
+pub(super) struct LayoutFollower {
+    feed: LayoutFeed,
+    /// The last version that the hand has seen.
+    seen: u64,
+    has_lifted: bool,
+}
+
+impl LayoutFeed {
+    /// Sets the function that receives the messages of the hands.
+    pub fn set_receiver(&self, receiver: impl Fn(String) + Send + 'static) {
+        *lock(&self.0.receiver) = Some(Box::new(receiver));
+    }
+
+    /// Announces a change and waits until every hand has lifted, for at most 0.5 s. Returns at once if no hand follows.
+    pub fn begin_change(&self) -> LayoutChange {
+        let mut state = lock(&self.0.state);
+        state.is_changing = true;
+        state.lifted = 0;
+        self.0.version.fetch_add(1, Ordering::Release);
+        let is_waiting = |state: &mut FeedState| state.lifted < state.hands;
+        let waited = self
+            .0
+            .lifted
+            .wait_timeout_while(state, LIFT_TIMEOUT, is_waiting);
+        drop(waited);
+        LayoutChange(self.clone())
+    }
+
+    /// Adds a hand.
+    pub(super) fn follow(&self) -> LayoutFollower {
+        let mut state = lock(&self.0.state);
+        state.hands += 1;
+        LayoutFollower {
+            feed: self.clone(),
+            // A layout that was activated before is news.
+            seen: 0,
+            has_lifted: false,
+        }
+    }
+
+    fn end_change(&self, layout: Option<Arc<Layout>>) {
+        let mut state = lock(&self.0.state);
+        state.is_changing = false;
+        state.layout = layout.or(state.layout.take());
+        self.0.version.fetch_add(1, Ordering::Release);
+    }
+}
+
+impl LayoutChange {
+    /// Ends the change: this layout is active now.
+    pub fn activate(self, layout: Arc<Layout>) {
+        self.0.end_change(Some(layout));
+    }
+}
+
+impl Drop for LayoutChange {
+    fn drop(&mut self) {
+        let is_changing = lock(&self.0.0.state).is_changing;
+        if is_changing {
+            self.0.end_change(None);
+        }
+    }
+}
+
+impl LayoutFollower {
+    /// Returns what has changed since the last call.
+    pub(super) fn news(&mut self) -> Option<LayoutNews> {
+        let version = self.feed.0.version.load(Ordering::Acquire);
+        if version == self.seen {
+            return None;
+        }
+        let state = lock(&self.feed.0.state);
+        self.seen = self.feed.0.version.load(Ordering::Acquire);
+        self.has_lifted = false;
+        Some(match state.is_changing {
+            true => LayoutNews::Changing,
+            false => LayoutNews::Active(state.layout.clone()),
+        })
+    }
+
+    /// Reports that the hand has lifted for the present change.
+    pub(super) fn report_lifted(&mut self) {
+        let mut state = lock(&self.feed.0.state);
+        let is_current = self.seen == self.feed.0.version.load(Ordering::Acquire);
+        if state.is_changing && is_current && !self.has_lifted {
+            self.has_lifted = true;
+            state.lifted += 1;
+            self.feed.0.lifted.notify_all();
+        }
+    }
+
+    /// Passes a message to the user.
+    pub(super) fn say(&self, message: String) {
+        if let Some(receiver) = &*lock(&self.feed.0.receiver) {
+            receiver(message);
+        }
+    }
+}
+
+impl Drop for LayoutFollower {
+    fn drop(&mut self) {
+        let mut state = lock(&self.feed.0.state);
+        state.hands -= 1;
+        if self.has_lifted {
+            state.lifted = state.lifted.saturating_sub(1);
+        }
+        self.feed.0.lifted.notify_all();
+    }
+}
+
+impl fmt::Debug for LayoutFeed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LayoutFeed").finish_non_exhaustive()
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

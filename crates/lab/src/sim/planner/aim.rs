@@ -1,0 +1,235 @@
+//! Presses of a target: the finger that presses it, the way to it, and what is pressed there.
+
+use std::time::Duration;
+
+use parry3d::math::{Vec2, Vec3};
+
+use super::watch::Watch;
+use super::{
+    CLEAR_TIME, MOVE_PACKETS, PRESS_PACKETS, PRESS_TIME, Planner, PressedTip, TURN_TIME, TipState,
+};
+use crate::contact::TargetId;
+use crate::contact::surface::Anchor;
+use crate::hand::{Finger, Joint};
+use crate::sim::action::TargetPoint;
+use crate::sim::action_error::ActionErrorKind;
+use crate::sim::effector::{Effector, Limb};
+use crate::sim::movement::TipPath;
+use crate::sim::reach_target::ReachTarget;
+use crate::sim::typing_hand::REACH_TOLERANCE;
+
+/// Largest error of a fingertip on a board at the wrist, in metres: it cannot go to the center of every key, and presses only if
+/// it is on the right one.
+const WRIST_TOLERANCE: f64 = 0.01;
+
+/// Shortest time of a movement of the joints of one finger.
+const FINGER_TIME: Duration = Duration::from_millis(150);
+
+impl Planner<'_> {
+    /// Checks that the fingertip was near enough to its path.
+    pub(super) fn check_reach(
+        &self,
+        metres: f64,
+        target: Option<TargetId>,
+    ) -> Result<(), ActionErrorKind> {
+        let tolerance = match self.state.effector.limb {
+            Limb::Arm => REACH_TOLERANCE,
+            Limb::Hand | Limb::Finger => WRIST_TOLERANCE,
+        };
+        match metres > tolerance {
+            true => Err(ActionErrorKind::OutOfReach { target, metres }),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns what may press a target, best first: the finger that the layout names, at a board that moves with the wrist the
+    /// fingers by their distance, and otherwise the index finger, then the thumb.
+    pub(super) fn effectors(&self, target: TargetId) -> Vec<Effector> {
+        let Some((surface, found)) = self.scene.target(target) else {
+            return vec![Effector::INDEX];
+        };
+        if self.state.is_pinched || self.state.hand.is_stiff() {
+            return vec![Effector::INDEX];
+        }
+        let named = self.scene.finger(target);
+        if surface.anchor() != Anchor::Joint(Joint::Wrist) {
+            let arm = |finger| Effector {
+                finger,
+                limb: Limb::Arm,
+            };
+            let fingers = named.map_or(vec![Finger::Index, Finger::Thumb], |finger| vec![finger]);
+            return fingers.into_iter().map(arm).collect();
+        }
+        let center = |pose| {
+            let world_from_surface = surface.world_from_surface(pose)?;
+            Some((world_from_surface * found.surface_from_target).translation)
+        };
+        let pose = self.state.hand.half_bent_pose();
+        let goal: Vec3 = center(&pose).unwrap_or_default();
+        let distance = |finger: &Finger| {
+            let tip = pose.fingertip(*finger);
+            tip.map_or(f32::INFINITY, |tip| tip.distance(goal))
+        };
+        let mut fingers = named.map_or(Finger::ALL.to_vec(), |finger| vec![finger]);
+        fingers.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let limbs = [Limb::Finger, Limb::Hand];
+        let all = limbs.into_iter().flat_map(|limb| {
+            let fingers = fingers.iter();
+            fingers.map(move |&finger| Effector { finger, limb })
+        });
+        all.collect()
+    }
+
+    /// Presses a point with the first finger that reaches it and presses nothing else. An error is that of the best finger.
+    pub(super) fn press_by_any(
+        &mut self,
+        point: TargetPoint,
+        height: impl Fn(&ReachTarget) -> f32,
+    ) -> Result<(), ActionErrorKind> {
+        self.lift();
+        let (state, count) = (self.state.clone(), self.movements.len());
+        let mut first_error = None;
+        for effector in self.effectors(point.target) {
+            match self.press_with(effector, point, &height) {
+                Ok(()) => return Ok(()),
+                Err(error) => _ = first_error.get_or_insert(error),
+            }
+            self.state = state.clone();
+            self.movements.truncate(count);
+        }
+        Err(first_error.unwrap_or(ActionErrorKind::NotOnBoard))
+    }
+
+    fn press_with(
+        &mut self,
+        effector: Effector,
+        point: TargetPoint,
+        height: &impl Fn(&ReachTarget) -> f32,
+    ) -> Result<(), ActionErrorKind> {
+        let target = self.reach_target(point.target)?;
+        self.watch = Some(Watch::start(&self.state, self.scene));
+        self.point_with(effector);
+        let height = height(&target);
+        let pressed = self
+            .approach(point, &target)
+            .and_then(|()| self.press_to(point, target, height));
+        let watch = self.watch.take();
+        pressed?;
+        let is_full = height <= target.bottom_height;
+        match watch {
+            Some(watch) => self.check_presses(&watch, point, is_full),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a press that another target takes, or that another finger makes too. A point beside the center may be beside the
+    /// target, and a finger that the actions have bent may press on purpose.
+    fn check_presses(
+        &self,
+        watch: &Watch,
+        point: TargetPoint,
+        is_full: bool,
+    ) -> Result<(), ActionErrorKind> {
+        if self.state.hand.is_stiff() || self.state.is_pinched {
+            return Ok(());
+        }
+        let own = self.state.effector.finger;
+        let is_center = point.offset == Vec2::ZERO;
+        let is_wrong = |finger: Finger, target: TargetId| match finger == own {
+            true => is_center && target != point.target,
+            false => !self.state.posed.contains(finger),
+        };
+        let mut presses = watch.presses();
+        if let Some(wrong) = presses.find(|touch| is_wrong(touch.finger, touch.target)) {
+            return Err(ActionErrorKind::WouldPress {
+                finger: wrong.finger,
+                target: wrong.target,
+            });
+        }
+        let mut presses = watch.presses();
+        let is_pressed = presses.any(|touch| touch.finger == own && touch.target == point.target);
+        match is_pressed || !is_full || !is_center {
+            true => Ok(()),
+            false => Err(ActionErrorKind::WouldMiss(point.target)),
+        }
+    }
+
+    /// Points with another fingertip. The fingers that do not point are extended, and a hand at a board that moves with the wrist
+    /// does not move the elbow.
+    pub(super) fn point_with(&mut self, effector: Effector) {
+        if effector == self.state.effector {
+            return;
+        }
+        self.state.effector = effector;
+        let state = &self.state;
+        let posture = state
+            .hand
+            .pointing_posture(effector, &state.rest, &state.values);
+        let is_posed = |finger| state.posed.contains(finger);
+        let free = posture.into_iter();
+        let free = free.filter(|&(index, _)| !state.hand.finger_of(index).is_some_and(is_posed));
+        let channel_targets: Vec<(usize, f64)> = free.collect();
+        if !channel_targets.is_empty() {
+            self.push_movement(channel_targets, None, TURN_TIME, MOVE_PACKETS);
+        }
+    }
+
+    /// Moves another fingertip than that of the index finger to the end of a path, joint by joint: such a finger has few ways to a
+    /// point. Returns the distance from the end in metres.
+    pub(super) fn move_finger(&mut self, path: TipPath, time: Duration, min_packets: u32) -> f64 {
+        let state = &self.state;
+        let goal = path.end(self.tip());
+        let mut values = state.values.clone();
+        let hand = &state.hand;
+        let distance = hand.reach_with(state.effector, goal, &mut values, &[]);
+        let changed = (0..values.len()).filter(|&index| values[index] != state.values[index]);
+        let channel_targets = changed.map(|index| (index, values[index])).collect();
+        self.push_movement(channel_targets, None, time.max(FINGER_TIME), min_packets);
+        distance
+    }
+
+    /// Moves the fingertip above a point.
+    fn approach(
+        &mut self,
+        point: TargetPoint,
+        target: &ReachTarget,
+    ) -> Result<(), ActionErrorKind> {
+        let hover = target.tip_position(point, target.hover_height);
+        // After the first movement the fingertip is above the first point of the actions.
+        let is_there = self.starts_above
+            && self.movements.len() == 1
+            && self.state.effector == Effector::INDEX;
+        if self.state.is_displaced {
+            self.go_around(hover, target.world_from_target.rotation * Vec3::Z)?;
+            // A pipeline that is not armed yet is armed here.
+            self.wait(CLEAR_TIME);
+        } else if !is_there {
+            let time = self.travel_time(hover);
+            self.move_tip(TipPath::To(hover), time, MOVE_PACKETS);
+        }
+        self.state.tip_state = TipState::Clear;
+        Ok(())
+    }
+
+    fn press_to(
+        &mut self,
+        point: TargetPoint,
+        target: ReachTarget,
+        height: f32,
+    ) -> Result<(), ActionErrorKind> {
+        let (id, tip) = (point.target, target.tip_position(point, height));
+        let distance = self.move_tip(TipPath::To(tip), PRESS_TIME, PRESS_PACKETS);
+        self.mark_last(true);
+        self.check_reach(distance, Some(id))?;
+        self.state.tip_state = TipState::Pressed(PressedTip { id, target, tip });
+        Ok(())
+    }
+
+    /// Marks the last movement as one that presses, up to its end or not.
+    pub(super) fn mark_last(&mut self, ends_down: bool) {
+        if let Some(movement) = self.movements.last_mut() {
+            movement.is_down = true;
+            movement.ends_down = ends_down;
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The state of a hand between two actions.
+
+use std::time::Duration;
+
+use parry3d::math::Vec3;
+
+use super::{Planner, TipState};
+use crate::contact::surface::Scene;
+use crate::hand::FingerSet;
+use crate::sim::action::HandAction;
+use crate::sim::action_error::ActionErrorKind;
+use crate::sim::effector::Effector;
+use crate::sim::movement::Movement;
+use crate::sim::typing_hand::TypingHand;
+
+/// A hand between two actions.
+#[derive(Clone)]
+pub(in crate::sim) struct HandState {
+    pub(in crate::sim) hand: TypingHand,
+    /// Posture after the movements so far.
+    pub(in crate::sim) values: Vec<f64>,
+    /// Posture to which the hand returns at the end.
+    pub(super) rest: Vec<f64>,
+    pub(super) tip_state: TipState,
+    /// What moves to the targets.
+    pub(super) effector: Effector,
+    /// Fingers whose joints the actions have set. They stay as they are when another finger points.
+    pub(super) posed: FingerSet,
+    pub(super) is_pinched: bool,
+    /// Channels besides those of the thumb that the pinch changed: their indices, and their values before.
+    pub(super) before_pinch: Vec<(usize, f64)>,
+    /// First position of the fingertip, clear of all targets (world, metres).
+    pub(super) home: Vec3,
+    /// The boards have moved under the hand: the next way to a target is checked for contacts.
+    pub(super) is_displaced: bool,
+    /// The hand has risen since then.
+    pub(super) is_raised: bool,
+}
+
+impl HandState {
+    /// Creates a hand at rest.
+    pub(in crate::sim) fn new(hand: TypingHand) -> Self {
+        Self {
+            values: hand.rest_values(),
+            rest: hand.rest_values(),
+            hand,
+            tip_state: TipState::Clear,
+            effector: Effector::INDEX,
+            posed: FingerSet::NONE,
+            is_pinched: false,
+            before_pinch: Vec::new(),
+            home: Vec3::ZERO,
+            is_displaced: false,
+            is_raised: false,
+        }
+    }
+
+    /// Stays in the posture `values` while the boards move.
+    pub(in crate::sim) fn displace(&mut self, values: &[f64]) {
+        self.values.copy_from_slice(values);
+        self.tip_state = TipState::Clear;
+        self.is_pinched = false;
+        self.is_displaced = true;
+        self.is_raised = false;
+    }
+
+    /// Keeps what an earlier state of the hand has beside its posture.
+    pub(in crate::sim) fn keep_habits(&mut self, earlier: &Self) {
+        self.rest.clone_from(&earlier.rest);
+        self.effector = earlier.effector;
+        self.posed = earlier.posed;
+    }
+
+    /// Goes to the start of these actions, and returns the movements that show the hand there.
+    pub(in crate::sim) fn begin(
+        &mut self,
+        actions: &[HandAction],
+        scene: &Scene,
+        period: Duration,
+    ) -> Vec<Movement> {
+        let mut planner = Planner::new(self.clone(), scene, period);
+        planner.begin(actions);
+        *self = planner.state;
+        planner.movements
+    }
+
+    /// Plans actions that follow. An error changes nothing.
+    pub(in crate::sim) fn add(
+        &mut self,
+        actions: &[HandAction],
+        scene: &Scene,
+        period: Duration,
+    ) -> Result<Vec<Movement>, ActionErrorKind> {
+        let mut planner = Planner::new(self.clone(), scene, period);
+        for action in actions {
+            planner.add(action)?;
+            planner.check_pinch()?;
+        }
+        *self = planner.state;
+        Ok(planner.movements)
+    }
+
+    /// Plans the return to the first posture.
+    pub(in crate::sim) fn end(&mut self, scene: &Scene, period: Duration) -> Vec<Movement> {
+        let mut planner = Planner::new(self.clone(), scene, period);
+        planner.end();
+        *self = planner.state;
+        planner.movements
+    }
+}

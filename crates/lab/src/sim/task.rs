@@ -1,0 +1,108 @@
+//! Tasks of a simulated hand: a text, a script, or what suits the layout.
+
+use super::action::HandAction;
+use super::script::Script;
+use super::text_plan::taps_for_text;
+use super::tour::{tour, tour_text};
+use crate::document::Document;
+use crate::layout::Layout;
+use crate::message::escape;
+
+/// A task of a simulated hand, for any layout.
+#[derive(Clone, Debug)]
+pub enum HandTask {
+    /// Types a text.
+    Text(String),
+    /// Plays a script.
+    Script(Script),
+    /// Does what the function returns for the active layout.
+    Fitting(fn(&Layout) -> HandTask),
+}
+
+/// The part of a task that is done as a whole or not at all: a character of a text, a step of a script.
+#[derive(Clone, Debug)]
+pub(super) struct TaskStep {
+    /// Its actions; none if there is a problem.
+    pub(super) actions: Vec<HandAction>,
+    /// The reason why the layout does not permit it.
+    pub(super) problem: Option<String>,
+    /// Its words, for messages.
+    pub(super) name: String,
+}
+
+impl HandTask {
+    /// Creates a tour of the controls of a layout.
+    pub fn tour(layout: &Layout) -> Self {
+        let text = tour_text(layout, &tour(layout));
+        match Script::parse(Document::new("tour", text.as_str()), &layout.target_names()) {
+            Ok(script) => Self::Script(script),
+            // A tour is valid; without it the hand rests.
+            Err(_) => Self::Text(String::new()),
+        }
+    }
+
+    /// Returns the text or script for a layout.
+    pub(super) fn resolve(&self, layout: &Layout) -> Self {
+        match self {
+            Self::Fitting(choose) => match choose(layout) {
+                Self::Fitting(_) => Self::Text(String::new()),
+                chosen => chosen,
+            },
+            given => given.clone(),
+        }
+    }
+
+    /// Returns whether two texts or scripts are the same.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Text(text), Self::Text(other)) => text == other,
+            (Self::Script(script), Self::Script(other)) => script.text() == other.text(),
+            _ => false,
+        }
+    }
+
+    /// Returns the steps on a layout. A step has the same index on every layout.
+    pub(super) fn steps(&self, layout: &Layout) -> Vec<TaskStep> {
+        match self {
+            Self::Text(text) => text_steps(text, layout),
+            Self::Script(script) => script_steps(script, layout),
+            Self::Fitting(_) => Vec::new(),
+        }
+    }
+}
+
+fn text_steps(text: &str, layout: &Layout) -> Vec<TaskStep> {
+    let keys = layout.key_bindings();
+    let step = |character: char| {
+        let name = character.to_string();
+        let taps = taps_for_text(&name, &keys);
+        let (actions, problem) = match taps {
+            Ok(actions) => (actions, None),
+            // A message never contains what is typed.
+            Err(_) => (Vec::new(), Some("no key of the layout types it".to_owned())),
+        };
+        TaskStep {
+            actions,
+            problem,
+            name: "a character".to_owned(),
+        }
+    };
+    text.chars().map(step).collect()
+}
+
+fn script_steps(script: &Script, layout: &Layout) -> Vec<TaskStep> {
+    let names = layout.target_names();
+    let parsed = script.actions_for(&names);
+    let step = |(name, action): (&str, Result<HandAction, String>)| {
+        let (actions, problem) = match action {
+            Ok(action) => (vec![action.placed(&layout.fit)], None),
+            Err(problem) => (Vec::new(), Some(problem)),
+        };
+        TaskStep {
+            actions,
+            problem,
+            name: format!("`{}`", escape(name)),
+        }
+    };
+    parsed.map(step).collect()
+}

@@ -1,0 +1,170 @@
+//! A tour of a layout: a script that uses each control once.
+
+use std::fmt::Write;
+
+use crate::command::Command;
+use crate::device::KeyAction;
+use crate::device::trigger::{Measure, Trigger};
+use crate::layout::{Control, ControlKind, Key, Layout};
+
+/// Rest between two controls, in ms.
+const PAUSE_MS: u32 = 200;
+/// Turn of a knob, in degrees.
+const TURN_DEG: u32 = 90;
+/// Part of a control that a drag uses: the fingertip stays inside.
+const INNER: f32 = 0.8;
+/// Angle by which a trigger is passed, in degrees.
+const BEYOND_DEG: f32 = 5.0;
+
+/// A part of a tour: one control.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TourStop {
+    /// The name of the control.
+    pub name: String,
+    /// The actions, as in a script.
+    pub actions: String,
+}
+
+/// Returns the stops of a tour: each control is touched once, sliders are moved along their travel, knobs are turned, joints are bent
+/// for the triggers. Leaves out keys that end or pause the session or change the layout, and what no script can name.
+pub fn tour(layout: &Layout) -> Vec<TourStop> {
+    let keys = layout.keys.iter().filter(|key| !is_disruptive(key));
+    let keys = keys.filter_map(|key| tap(&key.face.name));
+    let controls = layout.controls.iter().flat_map(control_stops);
+    let triggers = layout.triggers.iter();
+    let triggers = triggers.filter_map(|(name, trigger)| trigger_stop(name, trigger));
+    let mut stops: Vec<TourStop> = keys.chain(controls).chain(triggers).collect();
+    if layout.pointer.is_some() || !layout.spaces.is_empty() {
+        stops.extend(arm_stops());
+    }
+    stops
+}
+
+/// Returns a script of these stops.
+pub fn tour_text(layout: &Layout, stops: &[TourStop]) -> String {
+    let title: String = layout.name.chars().filter(|it| !it.is_control()).collect();
+    let mut text = format!("# A tour of {title}: each control once.\n");
+    if stops.is_empty() {
+        text.push_str("wait 1000   # the layout has no control that the hand can use\n");
+    }
+    for stop in stops {
+        _ = writeln!(text, "{}; wait {PAUSE_MS}", stop.actions);
+    }
+    text
+}
+
+/// Returns whether a key ends or pauses the session, or changes the layout under the tour.
+fn is_disruptive(key: &Key) -> bool {
+    let actions = key.actions.iter().flatten().copied();
+    actions.chain(key.hold_action()).any(|action| match action {
+        KeyAction::Command(command) => !matches!(command, Command::State | Command::Recenter),
+        _ => false,
+    })
+}
+
+fn tap(name: &str) -> Option<TourStop> {
+    stop(name, |quoted| format!("tap {quoted}"))
+}
+
+fn stop(name: &str, actions: impl Fn(&str) -> String) -> Option<TourStop> {
+    Some(TourStop {
+        name: name.to_owned(),
+        actions: actions(&quoted(name)?),
+    })
+}
+
+/// Returns a name as a script writes it; `None` for one with both kinds of quotes or a line break.
+fn quoted(name: &str) -> Option<String> {
+    let is_plain = |c: char| !c.is_whitespace() && !matches!(c, ';' | '&' | '#' | '"' | '\'');
+    match name {
+        _ if name.contains(['\n', '\r']) => None,
+        _ if !name.is_empty() && name.chars().all(is_plain) => Some(name.to_owned()),
+        _ if !name.contains('"') => Some(format!("\"{name}\"")),
+        _ if !name.contains('\'') => Some(format!("'{name}'")),
+        _ => None,
+    }
+}
+
+fn control_stops(control: &Control) -> Vec<TourStop> {
+    let first = control.faces.first();
+    let half = first.map_or(0.0, |face| face.outline.half_extents().min_element());
+    let drag = |actions: String| {
+        let face = first.into_iter();
+        let stops =
+            face.filter_map(|face| stop(&face.name, |name| format!("press {name}{actions}")));
+        stops.collect()
+    };
+    match &control.kind {
+        ControlKind::Toggle(_) | ControlKind::Radio(_) => {
+            let faces = control.faces.iter();
+            faces.filter_map(|face| tap(&face.name)).collect()
+        }
+        ControlKind::Slider(slider) => {
+            let end = millimetres(slider.half_length * INNER);
+            drag(format!(
+                " {} 0; slide {} 0; slide {} 0; lift",
+                -end,
+                2 * end,
+                -end
+            ))
+        }
+        ControlKind::Knob(knob) => {
+            let rim = millimetres(knob.radius * INNER);
+            drag(format!(" {rim} 0; arc -{TURN_DEG}; arc {TURN_DEG}; lift"))
+        }
+        ControlKind::Joystick(stick) => {
+            let end = millimetres(stick.max_deflection);
+            drag(format!(
+                "; slide {end} 0; slide -{end} 0; slide 0 {end}; slide 0 -{end}; lift"
+            ))
+        }
+        ControlKind::TouchSurface(_) => {
+            let end = millimetres(half * INNER * 0.5);
+            drag(format!(
+                " -{end} 0; slide {} 0; slide 0 {end}; lift",
+                2 * end
+            ))
+        }
+    }
+}
+
+fn trigger_stop(name: &str, trigger: &Trigger) -> Option<TourStop> {
+    let actions = match trigger.measure {
+        Measure::Angle(dof) => {
+            let beyond = BEYOND_DEG.copysign(trigger.on - trigger.off);
+            let (on, off) = (trigger.on.to_degrees(), trigger.off.to_degrees());
+            let joint = dof.name();
+            format!(
+                "set {joint} {:.0}; set {joint} {:.0}",
+                on + beyond,
+                off - beyond
+            )
+        }
+        Measure::Pinch(crate::hand::Finger::Index) => "pinch; unpinch".to_owned(),
+        Measure::Pinch(_) | Measure::Input(_) => return None,
+    };
+    Some(TourStop {
+        name: name.to_owned(),
+        actions,
+    })
+}
+
+/// Returns movements of the arm, which position a cursor and pass through targets in space.
+fn arm_stops() -> impl Iterator<Item = TourStop> {
+    let moves = [
+        "set elbow-flexion 45",
+        "set wrist-flexion -10",
+        "set wrist-flexion 5",
+        "set wrist-deviation 10",
+        "set wrist-deviation 0",
+        "set elbow-flexion 34",
+    ];
+    moves.into_iter().map(|actions| TourStop {
+        name: "the arm".to_owned(),
+        actions: actions.to_owned(),
+    })
+}
+
+fn millimetres(metres: f32) -> i32 {
+    ((metres * 1e3).floor() as i32).max(1)
+}
