@@ -111,6 +111,17 @@ pub struct AutoRecenterSchema {
     pub max_offset_mm: RecenterOffset,
 }
 
+/// The way in which fingers press the keys of a board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Contact")]
+pub enum ContactSchema {
+    /// A fingertip touches a key.
+    #[default]
+    Touch,
+    /// A finger bends, wherever the hand is: each key is that of a finger.
+    Bend,
+}
+
 /// The shape of a board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename = "BoardShape", deny_unknown_fields)]

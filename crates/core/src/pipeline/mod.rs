@@ -30,10 +30,11 @@ use self::output_gate::OutputGate;
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
+use crate::contact::surface::Target;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
-use crate::estimate::{Estimate, HandEstimator, Rejection};
-use crate::hand::Side;
+use crate::estimate::{Estimate, FingerBends, HandEstimator, Rejection};
+use crate::hand::{Finger, FingerSet, Side};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
 
@@ -47,6 +48,8 @@ pub struct StepOutput {
     pub estimate: Estimate,
     /// The result of forward kinematics.
     pub pose: HandPose,
+    /// The bends of the fingers; none if the layout does not depend on them.
+    pub bends: FingerBends,
     /// The result of contact tracking.
     pub touches: Touches,
     /// The commands of the devices. The pipeline has executed those that it [handles](Pipeline::handles); the others are
@@ -182,7 +185,8 @@ impl Pipeline {
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
-        layout.track(&output.pose, &mut output.touches);
+        output.bends = layout.bends(hand.estimator.bend_ranges(), &output.estimate.angles);
+        layout.track(&output.pose, &output.bends, &mut output.touches);
     }
 
     fn update_devices(&mut self, index: usize, events: &mut Events) {
@@ -307,6 +311,33 @@ impl Pipeline {
             true => PipelineState::Paused,
             false => self.state,
         }
+    }
+
+    /// Returns the fingers that must be straightened before they press, because the output is not armed while they are bent;
+    /// none if they press by touch.
+    pub fn bent_fingers(&self) -> FingerSet {
+        let layout = &self.profiles[self.active_profile].layout;
+        let tracked = self
+            .hands
+            .iter()
+            .filter(|hand| hand.last_accepted.is_some());
+        let bent = tracked.map(|hand| layout.bent_fingers(&hand.output.pose, &hand.output.bends));
+        bent.fold(FingerSet::NONE, FingerSet::union)
+    }
+
+    /// Iterates over the known bends of fingers that press a target by bending, with that target.
+    pub fn finger_bends(&self) -> impl Iterator<Item = (Side, Finger, f32, &Target)> {
+        let scene = self.layout().scene();
+        let tracked = self
+            .hands
+            .iter()
+            .filter(|hand| hand.last_accepted.is_some());
+        tracked.flat_map(move |hand| {
+            Finger::ALL.iter().filter_map(move |&finger| {
+                let (_, target) = scene.bend_target(hand.side(), finger)?;
+                Some((hand.side(), finger, hand.output.bends.get(finger)?, target))
+            })
+        })
     }
 
     /// Returns whether readings are expected: one was accepted, and no stall followed.
@@ -452,7 +483,7 @@ impl Pipeline {
         }
         let hand = &mut self.hands[index];
         let layout = &self.profiles[self.active_profile].layout;
-        hand.is_clear = layout.is_clear(&hand.output.pose);
+        hand.is_clear = layout.is_clear(&hand.output.pose, &hand.output.bends);
         let is_clear = self.hands.iter().any(|hand| hand.is_clear);
         if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
             self.clear_since = None;

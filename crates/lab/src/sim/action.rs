@@ -14,6 +14,8 @@ use crate::hand::Dof;
 pub enum HandAction {
     /// Presses a point of a target and lifts the fingertip again.
     Tap(TargetPoint),
+    /// Bends the fingers of targets that are pressed by bending, together, and straightens them again.
+    Chord(Vec<TargetId>),
     /// Moves the index fingertip above a point and down to the end of the target's travel. It stays there.
     Press(TargetPoint),
     /// Presses a target to this fraction of its travel, 0..=1. If the fingertip presses the target already, only the
@@ -52,6 +54,14 @@ impl HandAction {
     /// Creates a tap on the center of a target.
     pub fn tap(target: TargetId) -> Self {
         Self::Tap(TargetPoint::center(target))
+    }
+
+    /// Returns the target that the action presses, the first one of a chord, if any.
+    pub fn target(&self) -> Option<TargetId> {
+        match self {
+            Self::Chord(targets) => targets.first().copied(),
+            other => other.target_point().map(|point| point.target),
+        }
     }
 
     /// Returns the point that the action presses, if any.

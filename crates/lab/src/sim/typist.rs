@@ -244,8 +244,8 @@ impl SimulatedTypist {
 fn assign_hands(actions: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<usize> {
     let mut hand = 0;
     let assign = |action: &HandAction| {
-        if let Some(point) = action.target_point() {
-            let found = scene.target(point.target);
+        if let Some(target) = action.target() {
+            let found = scene.target(target);
             let side = found.and_then(|(surface, _)| surface.side());
             let index = side.and_then(|side| sides.iter().position(|other| *other == side));
             hand = index.unwrap_or(0);

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::ChordSchema;
 use super::activation::check_layer_action;
 use crate::document::{DocumentError, Pairs, Spanned};
 use crate::layout::builder::LayoutBuilder;
@@ -14,8 +15,11 @@ pub(in crate::layout) struct LayerSchema<'a> {
     #[serde(borrow)]
     pub name: Spanned<'a>,
     /// Name of a key → its key code in this layer.
-    #[serde(borrow)]
+    #[serde(borrow, default)]
     keys: Pairs<'a, Spanned<'a>>,
+    /// Actions of chords in this layer.
+    #[serde(borrow, default)]
+    chords: Vec<ChordSchema<'a>>,
 }
 
 impl<'a> LayerSchema<'a> {
@@ -27,6 +31,19 @@ impl<'a> LayerSchema<'a> {
     ) -> Result<(), DocumentError> {
         for &(name, code) in &self.keys.0 {
             let built = self.build_key(builder, layer, name, code);
+            builder.collect(built)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the actions to the chords, after those of the base layer.
+    pub fn build_chords(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        layer: usize,
+    ) -> Result<(), DocumentError> {
+        for chord in &self.chords {
+            let built = chord.build_in_layer(builder, layer);
             builder.collect(built)?;
         }
         Ok(())

@@ -18,7 +18,7 @@ use super::quantity::{
     Debounce, DwellTime, HoldAfter, Offset, Pitch, PressAt, ReleaseAt, Rotation, Travel, duration,
     metres, position,
 };
-use super::schema::{Action, Label, LatchSchema, OutlineSchema};
+use super::schema::{Action, ContactSchema, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, Spanned};
@@ -89,7 +89,7 @@ struct KeyFields<'a> {
     /// Rotations about X, then Y, then Z of the board at the key.
     #[serde(default)]
     rotation_deg: (Rotation, Rotation, Rotation),
-    /// The finger that the key is for: the key follows its fingertip on another hand.
+    /// The finger that the key is for: the key follows its fingertip on another hand, or is pressed by its bend.
     #[serde(default)]
     finger: Option<Finger>,
     /// Outline.
@@ -231,6 +231,9 @@ impl<'a> KeySchema<'a> {
         let lift = metres(fields.lift_mm.get()) * builder.board().scale + fit_offset.z;
         let pose = KeyPose::new(lift, fields.rotation_deg);
         let face = builder.add_posed_face(face, pose)?;
+        if let (ContactSchema::Bend, Some(finger)) = (builder.board().contact, fields.finger) {
+            builder.add_bent_finger(self.name.text, finger)?;
+        }
         let key = Key {
             face,
             actions: vec![action],
@@ -249,7 +252,11 @@ impl<'a> KeySchema<'a> {
         };
         let board = builder.board();
         let Some(fingertips) = board.fit.fingertips else {
-            let message = "`finger` is for keys of a board with `anchor: wrist`";
+            if board.contact == ContactSchema::Bend {
+                return Ok(Vec3::ZERO);
+            }
+            let message =
+                "`finger` is for keys of a board with `anchor: wrist` or with `contact: Bend`";
             return Err(builder.error(self.name.text, message));
         };
         // The position is that of a fingertip, so it does not scale with the sizes.

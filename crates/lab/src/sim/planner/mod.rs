@@ -1,5 +1,6 @@
 //! Translation of actions to movements.
 
+mod bends;
 mod joints;
 
 use std::time::Duration;
@@ -12,6 +13,7 @@ use super::movement::{ActiveMovement, Movement, TipPath};
 use super::typing_hand::{REACH_TOLERANCE, ReachTarget, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
+use crate::hand::Finger;
 
 /// Time for which the hand is clear of all targets at the start and at the end.
 const CLEAR_TIME: Duration = Duration::from_millis(600);
@@ -57,6 +59,7 @@ pub(super) fn plan(
         is_pinched: false,
         before_pinch: Vec::new(),
         home: Vec3::ZERO,
+        bent: Vec::new(),
     };
     planner.begin(actions);
     let start_values = planner.values.clone();
@@ -91,6 +94,8 @@ struct Planner<'a> {
     before_pinch: Vec<(usize, f64)>,
     /// First position of the fingertip, clear of all targets (world, metres).
     home: Vec3,
+    /// Fingers that are bent to press.
+    bent: Vec<Finger>,
 }
 
 /// The state of the index fingertip.
@@ -118,8 +123,10 @@ impl Planner<'_> {
         if actions.is_empty() {
             return;
         }
+        if self.scene.has_bend_targets() {
+            self.begin_straight();
         // An unreachable target is reported by its own action.
-        if let Some(point) = actions.iter().find_map(HandAction::target_point)
+        } else if let Some(point) = actions.iter().find_map(HandAction::target_point)
             && let Ok(target) = self.reach_target(point.target)
         {
             let hover = target.tip_position(point, target.hover_height);
@@ -156,6 +163,7 @@ impl Planner<'_> {
 
     fn add(&mut self, action: &HandAction) -> Result<(), ActionErrorKind> {
         match action {
+            HandAction::Chord(targets) => self.play_chord(targets),
             HandAction::Tap(point) => {
                 self.press(*point)?;
                 self.wait(PRESS_TIME.max(PRESS_PACKETS * self.period));
@@ -188,6 +196,9 @@ impl Planner<'_> {
 
     fn press(&mut self, point: TargetPoint) -> Result<(), ActionErrorKind> {
         self.lift();
+        if self.finger_of(point.target).is_some() {
+            return self.bend(&[point.target]);
+        }
         let target = self.approach(point)?;
         self.press_to(point, target, target.bottom_height)
     }
@@ -243,6 +254,7 @@ impl Planner<'_> {
     }
 
     fn lift(&mut self) {
+        self.straighten();
         let TipState::Pressed(PressedTip { id, target, tip }) = self.tip_state else {
             return;
         };
