@@ -11,7 +11,7 @@ const COMMITTED: [(&str, &str); 4] = [
     ("qwerty-arc", "docs/qwerty-arc.svg"),
     ("media", "docs/media.svg"),
     ("direct", "docs/direct.svg"),
-    ("chords-five", "docs/chords-five.svg"),
+    ("chords-bend", "docs/chords-bend.svg"),
 ];
 
 #[test]

@@ -210,7 +210,7 @@ fn names() -> Vec<Mistake> {
         (
             "a field that does not exist",
             board(&format!("colour: 3,\n{row}")),
-            "3:1: unknown field `colour`, expected one of: pose, hand, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
+            "3:1: unknown field `colour`, expected one of: pose, hand, contact, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
         ),
         (
             "a field in capitals",
@@ -483,7 +483,7 @@ fn a_chord_of_a_layer_has_one_action_and_no_activation_of_its_own() {
         ("(keys: \"Q W\", action: Layer(\"y\"))", "unknown layer `y`"),
     ] {
         let found = lines(&layout(&format!(
-            "layers: [(name: \"x\", chords: [{chords}])]"
+            "layers: [(name: \"x\", keys: {{}}, chords: [{chords}])]"
         )));
         assert!(found.len() == 1 && found[0].contains(message), "{found:?}");
     }

@@ -15,7 +15,7 @@ pub(in crate::layout) struct LayerSchema<'a> {
     #[serde(borrow)]
     pub name: Spanned<'a>,
     /// Name of a key → its key code in this layer.
-    #[serde(borrow, default)]
+    #[serde(borrow)]
     keys: Pairs<'a, Spanned<'a>>,
     /// Actions of chords in this layer.
     #[serde(borrow, default)]
