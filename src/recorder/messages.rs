@@ -4,7 +4,7 @@ use crate::capture::recording::message::wire::{
     put_bytes, put_integer, put_nonzero_double, put_nonzero_float, put_present_integer,
 };
 use crate::capture::recording::message::{put_rounded_angles, put_side};
-use crate::contact::{TargetName, TargetNames, Touch};
+use crate::contact::{Press, TargetName, TargetNames, Touch};
 use crate::device::{EventKind, OutputEvent};
 use crate::hand::{JointAngles, Side};
 use crate::time::Timestamp;
@@ -26,6 +26,25 @@ pub(super) fn encode_touch(touch: &Touch, names: &TargetNames, out: &mut Vec<u8>
     put_nonzero_float(out, 7, touch.depth);
     put_nonzero_float(out, 8, touch.position.x);
     put_nonzero_float(out, 9, touch.position.y);
+}
+
+/// Appends a press.
+pub(super) fn encode_press(press: &Press, names: &TargetNames, out: &mut Vec<u8>) {
+    put_integer(out, 1, press.time.0);
+    put_side(out, 2, Some(press.side));
+    put_integer(out, 3, press.finger.index() as u64 + 1);
+    put_target(out, 4, names.get(press.target));
+    for (field, coordinate) in (6..).zip(press.point.to_array()) {
+        put_nonzero_float(out, field, coordinate);
+    }
+    put_nonzero_float(out, 9, press.depth);
+    put_nonzero_float(out, 10, press.speed);
+    for neighbor in &press.neighbors {
+        let mut message = Vec::new();
+        put_target(&mut message, 1, names.get(neighbor.target));
+        put_nonzero_float(&mut message, 3, neighbor.distance);
+        put_bytes(out, 11, &message);
+    }
 }
 
 /// Appends an event.

@@ -21,7 +21,7 @@ use crate::files::{self, FileError};
 use crate::message::{escape_line, escape_path};
 use crate::snapshot::Snapshot;
 use container::Container;
-use messages::{encode_angles, encode_event, encode_touch};
+use messages::{encode_angles, encode_event, encode_press, encode_touch};
 
 /// Library name in the header of the file.
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
@@ -72,6 +72,7 @@ struct Channels {
     readings: u16,
     angles: u16,
     touches: u16,
+    presses: u16,
     events: u16,
     commands: u16,
 }
@@ -171,6 +172,11 @@ fn add_step(container: &mut Container<File>, channels: &Channels, snapshot: &Sna
             encode_touch(touch, names, out);
         });
     }
+    for press in &snapshot.presses {
+        container.add_message(channels.presses, press.time, |out| {
+            encode_press(press, names, out);
+        });
+    }
     for event in &snapshot.events {
         container.add_message(channels.events, event.time, |out| {
             encode_event(event, names, out);
@@ -209,6 +215,7 @@ fn start(file: File, setup: &RecordedSetup) -> io::Result<(Container<File>, Chan
         readings: channel(READINGS_TOPIC, "ademan.Reading")?,
         angles: channel("/angles", "ademan.Angles")?,
         touches: channel("/touches", "ademan.Touch")?,
+        presses: channel("/presses", "ademan.Press")?,
         events: channel("/events", "ademan.OutputEvent")?,
         commands: channel(COMMANDS_TOPIC, "ademan.Command")?,
     };

@@ -175,6 +175,7 @@ mod tests {
             angles: None,
             pose: None,
             touches: &[],
+            presses: &[],
             events: &[],
             commands: &[],
             executed: None,

@@ -15,6 +15,8 @@ named_enum! {
         Pose = "pose",
         /// Touches of the fingertips.
         Touches = "touches",
+        /// Presses among the touches, with their evidence.
+        Presses = "presses",
         /// Events sent to the output.
         Events = "events",
         /// Commands that the layout issued.
@@ -34,6 +36,7 @@ impl ShareKind {
             Self::Angles => Some(Stage::Angles),
             Self::Pose => Some(Stage::Pose),
             Self::Touches => Some(Stage::Touches),
+            Self::Presses => Some(Stage::Presses),
             Self::Events => Some(Stage::Events),
             Self::Commands => Some(Stage::Commands),
             Self::Layout | Self::Scene => None,

@@ -172,7 +172,7 @@ impl LineEncoder {
         let Ok(()) = stage.for_each_json(&step.snapshot, &mut object, |_, object| {
             let is_continuous = match stage {
                 Stage::Touches => touches.next().is_some_and(|it| it.phase == Phase::Moved),
-                Stage::Events | Stage::Commands => false,
+                Stage::Presses | Stage::Events | Stage::Commands => false,
                 _ => true,
             };
             self.buffer.clear();

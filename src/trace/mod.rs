@@ -6,6 +6,7 @@
 //! | `angles` | accepted reading | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
 //! | `pose` | accepted reading | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
 //! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"position":[0.001,-0.002]}` |
+//! | `presses` | press | `{"time_us":12400,"side":"right","finger":"index","target":"Q","point_mm":[12.1,40.3,-1.5],"depth_mm":1.5,"speed_mm_s":180.0,"neighbors":[{"target":"W","distance_mm":9.4}]}` |
 //! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":"ArrowUp","depth":0.5}` |
 //! | `commands` | command | `{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":0.0,"z_mm":-5.0}` |
 //!
@@ -20,11 +21,13 @@ pub mod hand_signals;
 mod pose;
 pub mod signal;
 
+use arrayvec::ArrayVec;
 use serde::{Serialize, Serializer};
 
 use crate::capture::{Reading, recording};
 use crate::command::Command;
-use crate::contact::{Phase, TargetName, TargetNames, Touch};
+use crate::contact::press::MAX_NEIGHBORS;
+use crate::contact::{Neighbor, Phase, Press, TargetName, TargetNames, Touch};
 use crate::device::{Axis, EventKind, KeyCode, OutputEvent, TimedCommand};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
@@ -32,6 +35,8 @@ use crate::kinematics::HandPose;
 use crate::names::named_enum;
 use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
+
+const MM_PER_METRE: f32 = 1e3;
 
 named_enum! {
     /// A stage with observable results, in the order of the data flow.
@@ -44,6 +49,8 @@ named_enum! {
         Pose = "pose",
         /// Touches of the fingertips.
         Touches = "touches",
+        /// Presses among the touches, with their evidence.
+        Presses = "presses",
         /// Events sent to the output.
         Events = "events",
         /// Commands that the layout issued, and those from outside that the pipeline executed.
@@ -74,6 +81,9 @@ impl Stage {
                 .try_for_each(|pose| write(pose.time, pose_json(pose, buffer))),
             Self::Touches => snapshot.touches.iter().try_for_each(|touch| {
                 write(touch.time, json(&TouchJson::new(touch, names), buffer))
+            }),
+            Self::Presses => snapshot.presses.iter().try_for_each(|press| {
+                write(press.time, json(&PressJson::new(press, names), buffer))
             }),
             Self::Events => snapshot
                 .events
@@ -194,6 +204,43 @@ impl<'a> TouchJson<'a> {
 }
 
 #[derive(Serialize)]
+struct PressJson<'a> {
+    time_us: Timestamp,
+    side: Side,
+    finger: Finger,
+    target: TargetName<'a>,
+    point_mm: [f32; 3],
+    depth_mm: f32,
+    speed_mm_s: f32,
+    neighbors: ArrayVec<NeighborJson<'a>, MAX_NEIGHBORS>,
+}
+
+#[derive(Serialize)]
+struct NeighborJson<'a> {
+    target: TargetName<'a>,
+    distance_mm: f32,
+}
+
+impl<'a> PressJson<'a> {
+    fn new(press: &Press, names: &'a TargetNames) -> Self {
+        let neighbor = |neighbor: &Neighbor| NeighborJson {
+            target: names.get(neighbor.target),
+            distance_mm: neighbor.distance * MM_PER_METRE,
+        };
+        Self {
+            time_us: press.time,
+            side: press.side,
+            finger: press.finger,
+            target: names.get(press.target),
+            point_mm: (press.point * MM_PER_METRE).to_array(),
+            depth_mm: press.depth * MM_PER_METRE,
+            speed_mm_s: press.speed * MM_PER_METRE,
+            neighbors: press.neighbors.iter().map(neighbor).collect(),
+        }
+    }
+}
+
+#[derive(Serialize)]
 struct EventJson<'a> {
     time_us: Timestamp,
     #[serde(flatten)]
@@ -266,7 +313,7 @@ struct CommandJson {
 mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
-    use crate::contact::{TargetId, Touches};
+    use crate::contact::{Presses, TargetId, Touches};
     use crate::device::{Events, TimedCommands};
     use crate::hand::{Dof, Joint};
     use crate::pipeline::PipelineState;
@@ -297,6 +344,20 @@ mod tests {
             depth: 0.5,
             position: Vec2::new(0.25, -0.5),
         };
+        let neighbor = Neighbor {
+            target: TargetId(8),
+            distance: 0.25,
+        };
+        let press = Press {
+            time: Timestamp(12_400),
+            side: Side::Left,
+            finger: Finger::Index,
+            target: TargetId(7),
+            point: Vec3::new(0.5, -0.25, -0.125),
+            depth: 0.125,
+            speed: 0.5,
+            neighbors: [neighbor].into_iter().collect(),
+        };
         let event = |action| OutputEvent {
             time: Timestamp(12_400),
             kind: action,
@@ -312,6 +373,7 @@ mod tests {
             angles: Some(angles),
             pose: Some(pose),
             touches: Touches::from_iter([touch]),
+            presses: Presses::from_iter([press]),
             events: Events::from_iter([
                 event(EventKind::KeyUp(q)),
                 event(EventKind::KeyDown(q)),
@@ -370,6 +432,9 @@ mod tests {
                 r#"{"time_us":12400,"side":"left","finger":"index","target":"key 7","phase":"pressed","depth":0.5,"position":[0.25,-0.5]}"#,
             ],
             &[
+                r#"{"time_us":12400,"side":"left","finger":"index","target":"key 7","point_mm":[500.0,-250.0,-125.0],"depth_mm":125.0,"speed_mm_s":500.0,"neighbors":[{"target":8,"distance_mm":250.0}]}"#,
+            ],
+            &[
                 r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"key-down","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"depth","target":"key 7","depth":0.1}"#,
@@ -395,6 +460,7 @@ mod tests {
             angles: None,
             pose: None,
             touches: Touches::new(),
+            presses: Default::default(),
             events: Events::new(),
             commands: TimedCommands::new(),
             executed: None,

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod arm;
 mod body_landmarks;
 mod bvh;
 mod calibrate;

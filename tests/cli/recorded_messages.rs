@@ -97,6 +97,17 @@ fn assert_same_time((time, _): &(u64, Map<String, Value>), object: &Map<String, 
     assert_eq!(Some(time / 1000), object["time_us"].as_u64());
 }
 
+/// Compares metres of a message with millimetres of a line.
+fn assert_all_close(metres: &[f64], millimetres: &[f64]) {
+    assert_eq!(metres.len(), millimetres.len());
+    for (found, expected) in metres.iter().zip(millimetres) {
+        assert!(
+            (found * 1e3 - expected).abs() < 1e-3,
+            "{found} m, {expected} mm"
+        );
+    }
+}
+
 #[test]
 fn other_programs_read_every_stage_as_it_is_traced() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -108,7 +119,8 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         Err(reason) => return println!("SKIPPED: no packages of Python: {reason}"),
     };
     let topics: Vec<&str> = messages.keys().map(String::as_str).collect();
-    assert_eq!(topics, ["/angles", "/events", "/readings", "/touches"]);
+    let expected = ["/angles", "/events", "/presses", "/readings", "/touches"];
+    assert_eq!(topics, expected);
     let mut both = |topic: &str, stage: &str| {
         let messages = messages.remove(topic).expect("the topic was read");
         let lines = trace(stage, recording);
@@ -141,6 +153,26 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         let found = numbers(&fields, &["x_m", "y_m", "depth"]);
         for (found, expected) in found.iter().zip(expected) {
             assert_eq!(*found as f32, expected as f32);
+        }
+    }
+    for (message, line) in both("/presses", "presses") {
+        assert_same_time(&message, &line);
+        let fields = Value::Object(message.1);
+        assert_eq!(fields["finger"], upper("FINGER", &line["finger"]));
+        assert_eq!(fields["name"], line["target"]);
+        let found = numbers(&fields, &["x_m", "y_m", "z_m", "depth_m", "speed_m_s"]);
+        let mut expected = listed(&line["point_mm"]);
+        expected.extend(numbers(
+            &Value::Object(line.clone()),
+            &["depth_mm", "speed_mm_s"],
+        ));
+        assert_all_close(&found, &expected);
+        let neighbors = fields["neighbors"].as_array().expect("neighbors of a key");
+        assert!(!neighbors.is_empty());
+        for (found, expected) in neighbors.iter().zip(line["neighbors"].as_array().unwrap()) {
+            assert_eq!(found["name"], expected["target"]);
+            let distance = numbers(found, &["distance_m"]);
+            assert_all_close(&distance, &numbers(expected, &["distance_mm"]));
         }
     }
     for (message, line) in both("/events", "events") {

@@ -65,6 +65,7 @@ fn snapshot(number: u64) -> Snapshot {
         angles: Some(angles),
         pose: Some(pose),
         touches: Touches::from_iter([touch]),
+        presses: Default::default(),
         events: Events::from_iter([event]),
         commands: Default::default(),
         executed: None,

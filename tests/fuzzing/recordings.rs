@@ -189,6 +189,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         angles: None,
         pose: None,
         touches: Touches::new(),
+        presses: Default::default(),
         events: Events::new(),
         commands: Default::default(),
         executed: None,

@@ -24,6 +24,7 @@ mod network_poses;
 mod panels;
 mod pauses;
 mod placement;
+mod press_filters;
 mod random_vectors;
 mod recorded_landmarks;
 mod rig;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::command::CommandOrigin;
-use crate::contact::{TargetNames, Touch, Touches};
+use crate::contact::{Press, Presses, TargetNames, Touch, Touches};
 use crate::device::{Events, OutputEvent, TimedCommand, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::hand::Side;
@@ -34,6 +34,8 @@ pub struct StepView<'a> {
     pub pose: Option<&'a HandPose>,
     /// Touches of the fingertips.
     pub touches: &'a [Touch],
+    /// Presses among the touches, with their evidence.
+    pub presses: &'a [Press],
     /// Events sent to the output.
     pub events: &'a [OutputEvent],
     /// Commands that the devices issued.
@@ -61,6 +63,7 @@ impl StepView<'_> {
             angles: self.angles.copied(),
             pose: self.pose.copied(),
             touches: self.touches.iter().copied().collect(),
+            presses: self.presses.iter().cloned().collect(),
             events: self.events.iter().copied().collect(),
             commands: self.commands.iter().copied().collect(),
             executed: self.executed.copied(),
@@ -92,6 +95,8 @@ pub struct Snapshot {
     pub pose: Option<HandPose>,
     /// Touches of the fingertips.
     pub touches: Touches,
+    /// Presses among the touches, with their evidence.
+    pub presses: Presses,
     /// Events sent to the output.
     pub events: Events,
     /// Commands that the devices issued.
@@ -119,6 +124,7 @@ impl Snapshot {
             angles: self.angles.as_ref(),
             pose: self.pose.as_ref(),
             touches: &self.touches,
+            presses: &self.presses,
             events: &self.events,
             commands: &self.commands,
             executed: self.executed.as_ref(),

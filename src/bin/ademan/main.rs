@@ -32,6 +32,7 @@ macro_rules! subcommands {
     };
 }
 
+mod arm;
 mod calibrate;
 mod complete;
 mod completions;
@@ -109,6 +110,7 @@ subcommands! {
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),
+    Arm(arm),
     Record(record),
     Replay(replay),
     Export(export),

@@ -276,6 +276,7 @@ mod tests {
             angles: None,
             pose: None,
             touches: &[],
+            presses: &[],
             events: &Events::from_iter([OutputEvent {
                 time,
                 kind: EventKind::KeyUp("Q".parse().unwrap()),

@@ -35,6 +35,7 @@ impl SessionLoop<'_> {
             angles: output.map(|output| &output.estimate.angles),
             pose: output.map(|output| &output.pose),
             touches: output.map_or(&[], |output| &output.touches),
+            presses: output.map_or(&[], |output| &output.presses),
             events: &self.events,
             commands: output.map_or(&[], |output| &output.commands),
             executed: self.executed.as_ref(),

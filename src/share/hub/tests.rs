@@ -33,6 +33,7 @@ fn step(time: u64) -> SharedStep {
         angles: Some(JointAngles::default()),
         pose: Some(HandPose::new(Timestamp(time), Side::Right, 0.008)),
         touches: Touches::new(),
+        presses: Default::default(),
         events: Events::new(),
         commands: TimedCommands::new(),
         executed: None,

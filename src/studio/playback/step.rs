@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::capture::recording::message::{decode_reading, encode_reading};
 use crate::command::CommandOrigin;
-use crate::contact::{TargetNames, Touch};
+use crate::contact::{Press, TargetNames, Touch};
 use crate::device::{OutputEvent, TimedCommand};
 use crate::hand::{JointAngles, Side};
 use crate::kinematics::HandPose;
@@ -24,6 +24,7 @@ pub struct RecordedStep {
     reading: Box<[u8]>,
     hand: Option<Box<(JointAngles, HandPose)>>,
     touches: Box<[Touch]>,
+    presses: Box<[Press]>,
     events: Box<[OutputEvent]>,
     commands: Box<[TimedCommand]>,
     executed: Option<TimedCommand>,
@@ -48,6 +49,7 @@ impl RecordedStep {
             reading: reading.into(),
             hand: hand.map(|(angles, pose)| Box::new((*angles, *pose))),
             touches: step.touches.into(),
+            presses: step.presses.into(),
             events: step.events.into(),
             commands: step.commands.into(),
             executed: step.executed.copied(),
@@ -72,6 +74,7 @@ impl RecordedStep {
             angles: hand.map(|(angles, _)| angles),
             pose: hand.map(|(_, pose)| pose),
             touches: &self.touches,
+            presses: &self.presses,
             events: &self.events,
             commands: &self.commands,
             executed: self.executed.as_ref(),

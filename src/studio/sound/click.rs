@@ -120,6 +120,7 @@ pub(super) mod tests {
             angles: None,
             pose: None,
             touches: Default::default(),
+            presses: Default::default(),
             events: Default::default(),
             commands: Default::default(),
             executed: None,

@@ -3,6 +3,7 @@
 mod bend_tracker;
 pub mod board_pose;
 pub mod hit_test;
+pub mod press;
 pub mod surface;
 pub mod sweep;
 pub mod tracker;
@@ -15,9 +16,9 @@ mod target_names;
 
 pub use bend_tracker::{BendTracker, bent_fingers};
 pub use fingertip_positions::trusted_fingertip;
+pub use press::{Neighbor, Press, Presses};
 pub use target_names::{TargetName, TargetNames};
-pub use tracker::ContactTracker;
-pub use tracker::PlacedHand;
+pub use tracker::{ContactTracker, PlacedHand};
 
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;

@@ -4,6 +4,7 @@ use parry3d::math::{Vec2, Vec3};
 
 use super::fingertip_positions::{FingertipPositions, Fingertips, trusted_fingertip};
 use super::hit_test::{self, Crossing};
+use super::press::{self, Press, Presses};
 use super::surface::{Scene, Shape, Target};
 use super::sweep::{self, Sweep};
 use super::{Phase, TargetId, Touch, Touches};
@@ -29,8 +30,8 @@ use crate::time::Timestamp;
 pub struct ContactTracker {
     /// The hand of the last pose.
     side: Side,
-    /// The time of the last pose.
-    time: Timestamp,
+    /// The times of the pose before the last one, and of the last one.
+    span: [Timestamp; 2],
     /// The fingertip positions, for each surface of the scene.
     positions: Vec<FingertipPositions>,
     fingers: [FingerState; Finger::COUNT],
@@ -76,7 +77,7 @@ impl ContactTracker {
     pub fn new(scene: &Scene) -> Self {
         Self {
             side: Side::Right,
-            time: Timestamp::default(),
+            span: [Timestamp::default(); 2],
             positions: vec![FingertipPositions::default(); scene.surfaces().len()],
             fingers: [FingerState::default(); Finger::COUNT],
         }
@@ -96,7 +97,7 @@ impl ContactTracker {
         let hand = PlacedHand {
             side: pose.side,
             tip_radius: pose.tip_radius,
-            span: [self.time, pose.time],
+            span: [self.span[1], pose.time],
         };
         let (fingers, mut step) = self.begin_step(scene, &hand, touches);
         for (state, &finger) in fingers.iter_mut().zip(Finger::ALL) {
@@ -132,7 +133,7 @@ impl ContactTracker {
     ) -> (&'a mut [FingerState; Finger::COUNT], StepContext<'a>) {
         let [start, end] = hand.span;
         self.side = hand.side;
-        self.time = end;
+        self.span = hand.span;
         let step = StepContext {
             side: hand.side,
             scene,
@@ -160,7 +161,23 @@ impl ContactTracker {
         }
         self.fingers = [FingerState::default(); Finger::COUNT];
         self.positions.fill(FingertipPositions::default());
-        self.time = time;
+        self.span = [time; 2];
+    }
+
+    /// Appends the presses among the touches of the last update to `presses`, with their evidence. Does not allocate.
+    pub fn add_presses(&self, scene: &Scene, touches: &[Touch], presses: &mut Presses) {
+        let [start, end] = self.span;
+        let seconds = end.since(start).as_secs_f64();
+        for touch in touches.iter().filter(|touch| touch.phase == Phase::Pressed) {
+            let Some((index, surface, target)) = press::locate(scene, touch.target) else {
+                continue;
+            };
+            let positions = self.positions.get(index);
+            let centers = positions.and_then(|positions| positions.centers(touch.finger));
+            if let Some(centers) = centers.filter(|_| !presses.is_full()) {
+                presses.push(Press::new(touch, (surface, target), centers, seconds));
+            }
+        }
     }
 
     /// Returns whether no fingertip touches a target.

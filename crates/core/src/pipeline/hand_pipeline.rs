@@ -1,7 +1,7 @@
 //! The stages of one hand from readings to poses.
 
 use super::StepOutput;
-use crate::contact::Touches;
+use crate::contact::{Presses, Touches};
 use crate::device::TimedCommands;
 use crate::estimate::{Estimate, FingerBends, HandEstimator, JointAngles};
 use crate::hand::{HandPart, Side};
@@ -39,6 +39,7 @@ impl HandPipeline {
                 pose: arm.forward(&estimate),
                 bends: FingerBends::default(),
                 touches: Touches::new(),
+                presses: Presses::new(),
                 commands: TimedCommands::new(),
             },
             estimator: estimator.into(),

@@ -11,7 +11,7 @@ use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches
 use crate::device::{
     CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
 };
-use crate::estimate::{BendRanges, FingerBends, JointAngles};
+use crate::estimate::{BendRanges, FingerBends};
 use crate::hand::{FingerSet, Side};
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
@@ -111,22 +111,22 @@ impl LayoutInstance {
         self.devices.iter().find_map(|device| device.cursor())
     }
 
-    /// Returns the bends of the fingers of a hand, or none if no target depends on them.
-    pub(super) fn bends(&self, ranges: &BendRanges, angles: &JointAngles) -> FingerBends {
-        match self.is_bent {
-            true => ranges.bends(angles),
-            false => FingerBends::default(),
+    /// Updates the contacts of one hand and replaces its bends, touches and presses. Bends are not measured unless a target
+    /// depends on them, and have no evidence of presses.
+    pub(super) fn track(&mut self, step: &mut StepOutput, ranges: &BendRanges) {
+        step.touches.clear();
+        step.presses.clear();
+        let side = step.pose.side.index();
+        if self.is_bent {
+            step.bends = ranges.bends(&step.estimate.angles);
+            let tracker = &mut self.bend_trackers[side];
+            tracker.update(&self.scene, &step.pose, &step.bends, &mut step.touches);
+            return;
         }
-    }
-
-    /// Updates the contacts of one hand and replaces `touches`.
-    pub(super) fn track(&mut self, pose: &HandPose, bends: &FingerBends, touches: &mut Touches) {
-        touches.clear();
-        let side = pose.side.index();
-        match self.is_bent {
-            true => self.bend_trackers[side].update(&self.scene, pose, bends, touches),
-            false => self.trackers[side].update(&self.scene, pose, touches),
-        }
+        step.bends = FingerBends::default();
+        let tracker = &mut self.trackers[side];
+        tracker.update(&self.scene, &step.pose, &mut step.touches);
+        tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
     }
 
     /// Returns whether the hand is clear of every control.

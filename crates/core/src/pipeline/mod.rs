@@ -1,6 +1,7 @@
 //! Stages 2 to 5 for one reading: estimation, kinematics, contact and devices, and the output gate.
 
 mod auto_recenter;
+mod bends;
 mod board_move;
 mod command_error;
 mod commands;
@@ -9,6 +10,7 @@ mod layout_instance;
 mod learning;
 mod output_gate;
 mod permissions;
+pub mod press_filter;
 mod rate_limit;
 mod release_order;
 mod settings;
@@ -19,6 +21,7 @@ mod zero;
 pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
 pub use permissions::{SourcePermissions, SourceRole};
+pub use press_filter::PressFilter;
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
 pub use state::{PipelineState, Suppressed};
@@ -27,14 +30,14 @@ use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
+use self::press_filter::{FilterInput, PressFilters};
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
-use crate::contact::surface::Target;
-use crate::contact::{TargetNames, Touches};
+use crate::contact::{Presses, TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{Estimate, FingerBends, HandEstimator, Rejection};
-use crate::hand::{Finger, FingerSet, Side};
+use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
 
@@ -52,6 +55,8 @@ pub struct StepOutput {
     pub bends: FingerBends,
     /// The result of contact tracking.
     pub touches: Touches,
+    /// The presses among the touches, with their evidence.
+    pub presses: Presses,
     /// The commands of the devices. The pipeline has executed those that it [handles](Pipeline::handles); the others are
     /// left to the caller.
     pub commands: TimedCommands,
@@ -68,6 +73,7 @@ pub struct Pipeline {
     profiles: Vec<Profile>,
     active_profile: usize,
     settings: PipelineSettings,
+    filters: PressFilters,
     gate: OutputGate,
     /// The state without a requested pause.
     state: PipelineState,
@@ -103,6 +109,7 @@ impl Pipeline {
             profiles: vec![Profile { name, layout }],
             active_profile: 0,
             settings,
+            filters: PressFilters::default(),
             gate: OutputGate::new(settings.permissions, settings.allow_system_keys),
             state: PipelineState::Starting,
             time: Timestamp::default(),
@@ -128,6 +135,13 @@ impl Pipeline {
     #[must_use]
     pub fn with_second_source(mut self, permissions: SourcePermissions) -> Self {
         self.gate.add_source(permissions);
+        self
+    }
+
+    /// Adds a filter of presses behind the others.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Box<dyn PressFilter>) -> Self {
+        self.filters.add(filter);
         self
     }
 
@@ -185,8 +199,7 @@ impl Pipeline {
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
-        output.bends = layout.bends(hand.estimator.bend_ranges(), &output.estimate.angles);
-        layout.track(&output.pose, &output.bends, &mut output.touches);
+        layout.track(output, hand.estimator.bend_ranges());
     }
 
     fn update_devices(&mut self, index: usize, events: &mut Events) {
@@ -313,33 +326,6 @@ impl Pipeline {
         }
     }
 
-    /// Returns the fingers that must be straightened before they press, because the output is not armed while they are bent;
-    /// none if they press by touch.
-    pub fn bent_fingers(&self) -> FingerSet {
-        let layout = &self.profiles[self.active_profile].layout;
-        let tracked = self
-            .hands
-            .iter()
-            .filter(|hand| hand.last_accepted.is_some());
-        let bent = tracked.map(|hand| layout.bent_fingers(&hand.output.pose, &hand.output.bends));
-        bent.fold(FingerSet::NONE, FingerSet::union)
-    }
-
-    /// Iterates over the known bends of fingers that press a target by bending, with that target.
-    pub fn finger_bends(&self) -> impl Iterator<Item = (Side, Finger, f32, &Target)> {
-        let scene = self.layout().scene();
-        let tracked = self
-            .hands
-            .iter()
-            .filter(|hand| hand.last_accepted.is_some());
-        tracked.flat_map(move |hand| {
-            Finger::ALL.iter().filter_map(move |&finger| {
-                let (_, target) = scene.bend_target(hand.side(), finger)?;
-                Some((hand.side(), finger, hand.output.bends.get(finger)?, target))
-            })
-        })
-    }
-
     /// Returns whether readings are expected: one was accepted, and no stall followed.
     pub fn expects_readings(&self) -> bool {
         self.hands.iter().any(|hand| hand.last_accepted.is_some())
@@ -411,6 +397,12 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
+        let input = FilterInput {
+            time: output.pose.time,
+            side: output.pose.side,
+            presses: &output.presses,
+        };
+        self.filters.apply(&input, first, events);
         if !self.gate.filter(index, first, events) && !self.suspend(index) {
             self.pause(CommandOrigin::RateLimit, events);
         }
@@ -451,6 +443,7 @@ impl Pipeline {
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let first = events.len();
         let is_paused = self.is_paused();
+        self.filters.reset();
         let layout = self.active_layout();
         match is_paused {
             // The presses of a pause were never emitted.

@@ -71,6 +71,27 @@ impl ArmAttributes {
     }
 }
 
+impl ArmAttributes {
+    /// Returns the attributes with a shoulder rotation that has a sign: negative if the arm is turned past the
+    /// [full rotation](FullRotation). Unlike without the sign, [`landmarks`](Self::landmarks) gives every pose back.
+    pub fn signed_from_landmarks(pose: &HalfPose, side: Side) -> Result<Self, ArmAttributesError> {
+        let attributes = Self::from_landmarks(pose, side)?;
+        let turned_past = Self {
+            shoulder_rotation: -attributes.shoulder_rotation,
+            ..attributes
+        };
+        let arm = pose.arm(side);
+        let error = |attributes: &Self| {
+            let landmarks = attributes.landmarks(&pose.trunk(), side)?;
+            Ok(landmarks.wrist.distance(arm.wrist) + landmarks.index.distance(arm.index))
+        };
+        match error(&turned_past)? < error(&attributes)? {
+            true => Ok(turned_past),
+            false => Ok(attributes),
+        }
+    }
+}
+
 /// Returns the direction of a limb that is longer than `smallest`.
 fn direction(limb: DVec3, smallest: f64) -> Option<DVec3> {
     (limb.length() > smallest).then(|| unit(limb)).flatten()

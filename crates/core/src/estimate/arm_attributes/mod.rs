@@ -13,6 +13,7 @@
 //! shoulder rotation has no sign: a pose that is turned past the full rotation does not come back from its attributes.
 
 mod bases;
+mod between;
 mod from_landmarks;
 mod full_rotation;
 mod half_pose;

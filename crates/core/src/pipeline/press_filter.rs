@@ -1,0 +1,234 @@
+//! Filters of presses: stages between the devices and the output gate that may hold, replace or add key events.
+//!
+//! A filter sees the events of a step before the [gate](super::output_gate), with the evidence of the presses that caused them, and
+//! changes the list. What it returns is checked here, so that no filter can leave a key down or hold a release:
+//!
+//! - A release that the devices emit leaves in the same step. A filter that drops it does not hold it back.
+//! - A key that a filter presses while no control holds it is released at once.
+//! - A pause, a loss and a stall [reset](PressFilter::reset) the filters: what they hold is never emitted.
+
+use crate::contact::Press;
+use crate::device::pressed_keys::PressedKeys;
+use crate::device::{EventKind, Events, OutputEvent};
+use crate::hand::Side;
+use crate::time::Timestamp;
+
+/// The input of a filter beside the events: one hand in one step.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterInput<'a> {
+    /// The time of the step.
+    pub time: Timestamp,
+    /// The hand.
+    pub side: Side,
+    /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as that of a
+    /// chord.
+    pub presses: &'a [Press],
+}
+
+/// A stage that may hold, replace or add key events.
+///
+/// It is called for each accepted reading while output is armed, also without events, so that it can emit what it holds. Like every
+/// stage it neither allocates nor blocks, and it holds no press longer than 250 ms.
+pub trait PressFilter: Send {
+    /// Changes the events of a step.
+    fn filter(&mut self, input: &FilterInput, events: &mut Events);
+
+    /// Forgets the presses that it holds.
+    fn reset(&mut self);
+}
+
+/// The filters of a pipeline, in order.
+#[derive(Default)]
+pub(super) struct PressFilters {
+    filters: Vec<Box<dyn PressFilter>>,
+    /// The keys that the devices hold.
+    held: PressedKeys,
+}
+
+impl PressFilters {
+    /// Adds a filter behind the others.
+    pub(super) fn add(&mut self, filter: Box<dyn PressFilter>) {
+        self.filters.push(filter);
+    }
+
+    /// Forgets the presses that filters hold.
+    pub(super) fn reset(&mut self) {
+        self.held = PressedKeys::default();
+        for filter in &mut self.filters {
+            filter.reset();
+        }
+    }
+
+    /// Passes the events from index `first` through the filters.
+    pub(super) fn apply(&mut self, input: &FilterInput, first: usize, events: &mut Events) {
+        if self.filters.is_empty() {
+            return;
+        }
+        let emitted: Events = events.drain(first..).collect();
+        for event in &emitted {
+            match event.kind {
+                EventKind::KeyDown(key) => _ = self.held.press(key),
+                EventKind::KeyUp(key) => _ = self.held.release(key),
+                _ => {}
+            }
+        }
+        let mut filtered = emitted.clone();
+        for filter in &mut self.filters {
+            filter.filter(input, &mut filtered);
+        }
+        for &event in emitted.iter().filter(|event| is_release(event)) {
+            if !filtered.contains(&event) {
+                // There was room for it before the filters.
+                let _ = events.try_push(event);
+            }
+        }
+        for (index, &event) in filtered.iter().enumerate() {
+            let later = &filtered[index + 1..];
+            self.push(event, later, events);
+        }
+    }
+
+    /// Appends an event, and its release if nothing else would release the key.
+    fn push(&self, event: OutputEvent, later: &[OutputEvent], events: &mut Events) {
+        let EventKind::KeyDown(key) = event.kind else {
+            let _ = events.try_push(event);
+            return;
+        };
+        let is_released_later = later
+            .iter()
+            .any(|event| event.kind == EventKind::KeyUp(key));
+        let is_tap = !self.held.contains(key) && !is_released_later;
+        let releases = later.iter().filter(|event| is_release(event)).count();
+        if events.remaining_capacity() < 1 + usize::from(is_tap) + releases {
+            return;
+        }
+        events.push(event);
+        if is_tap {
+            let kind = EventKind::KeyUp(key);
+            events.push(OutputEvent { kind, ..event });
+        }
+    }
+}
+
+fn is_release(event: &OutputEvent) -> bool {
+    matches!(event.kind, EventKind::KeyUp(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::KeyCode;
+
+    /// A filter made of a function.
+    struct Filter<F>(F);
+
+    impl<F: FnMut(&FilterInput, &mut Events) + Send> PressFilter for Filter<F> {
+        fn filter(&mut self, input: &FilterInput, events: &mut Events) {
+            (self.0)(input, events);
+        }
+
+        fn reset(&mut self) {}
+    }
+
+    fn key(name: &str) -> KeyCode {
+        name.parse().expect("the name of a key")
+    }
+
+    fn event(kind: EventKind) -> OutputEvent {
+        let time = Timestamp(1_000);
+        OutputEvent { time, kind }
+    }
+
+    fn down(key: KeyCode) -> OutputEvent {
+        event(EventKind::KeyDown(key))
+    }
+
+    fn up(key: KeyCode) -> OutputEvent {
+        event(EventKind::KeyUp(key))
+    }
+
+    /// Passes the events of several steps through one filter.
+    fn filtered(
+        filter: impl FnMut(&FilterInput, &mut Events) + Send + 'static,
+        steps: &[&[OutputEvent]],
+    ) -> Vec<Vec<OutputEvent>> {
+        let mut filters = PressFilters::default();
+        filters.add(Box::new(Filter(filter)));
+        let apply = |step: &&[OutputEvent]| {
+            let mut events = Events::from_iter(step.iter().copied());
+            let input = FilterInput {
+                time: Timestamp(1_000),
+                side: Side::Right,
+                presses: &[],
+            };
+            filters.apply(&input, 0, &mut events);
+            events.to_vec()
+        };
+        steps.iter().map(apply).collect()
+    }
+
+    #[test]
+    fn a_filter_may_replace_a_press() {
+        let to_b = |_: &FilterInput, events: &mut Events| {
+            for event in events {
+                if event.kind == EventKind::KeyDown(key("A")) {
+                    event.kind = EventKind::KeyDown(key("B"));
+                }
+            }
+        };
+        let steps = filtered(to_b, &[&[down(key("A"))], &[up(key("A"))]]);
+        // No control holds B, so it is tapped; the gate suppresses the release of A.
+        assert_eq!(steps[0], [down(key("B")), up(key("B"))]);
+        assert_eq!(steps[1], [up(key("A"))]);
+    }
+
+    #[test]
+    fn a_release_is_not_held() {
+        let steps = filtered(
+            |_, events| events.clear(),
+            &[&[down(key("A"))], &[up(key("A")), down(key("B"))]],
+        );
+        assert_eq!(steps, [vec![], vec![up(key("A"))]]);
+    }
+
+    #[test]
+    fn a_press_that_is_held_beyond_its_release_becomes_a_tap() {
+        let mut held = None;
+        let delay = move |_: &FilterInput, events: &mut Events| {
+            let press = events
+                .iter()
+                .position(|event| matches!(event.kind, EventKind::KeyDown(_)));
+            match press {
+                Some(index) => held = Some(events.remove(index)),
+                None => events.extend(held.take()),
+            }
+        };
+        let steps = filtered(delay, &[&[down(key("A")), up(key("A"))], &[]]);
+        assert_eq!(steps[0], [up(key("A"))]);
+        assert_eq!(steps[1], [down(key("A")), up(key("A"))]);
+    }
+
+    #[test]
+    fn a_key_that_a_control_holds_stays_down() {
+        let steps = filtered(|_, _| {}, &[&[down(key("A"))], &[], &[up(key("A"))]]);
+        assert_eq!(steps, [vec![down(key("A"))], vec![], vec![up(key("A"))]]);
+    }
+
+    #[test]
+    fn a_full_list_drops_presses_and_no_release() {
+        let flood = |_: &FilterInput, events: &mut Events| {
+            while events.len() < events.capacity() {
+                events.push(down(key("B")));
+            }
+        };
+        let steps = filtered(flood, &[&[down(key("A"))], &[up(key("A"))]]);
+        for step in steps {
+            let count = |kind| step.iter().filter(|event| event.kind == kind).count();
+            assert_eq!(
+                count(EventKind::KeyDown(key("B"))),
+                count(EventKind::KeyUp(key("B")))
+            );
+            assert!(step.len() > 180);
+        }
+    }
+}

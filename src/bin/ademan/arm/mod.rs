@@ -1,0 +1,67 @@
+//! `ademan arm`: attributes of both arms from landmarks of a body, landmarks from attributes, and movements between postures.
+
+mod attributes;
+mod between;
+mod csv;
+mod landmarks;
+mod poses;
+mod strip;
+mod values;
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::files;
+use ademan::message::escape_path;
+
+use crate::failure::Failure;
+
+/// Attributes of both arms (directions, lengths, angles) from landmarks, and back, and movements between postures
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan arm attributes poses.jsonl > attributes.jsonl\n  ademan arm landmarks attributes.jsonl > poses.jsonl\n  ademan arm between rest.jsonl reach.jsonl --ms 800 --output movement.jsonl\n  ademan run --source 'file:movement.jsonl?protocol=body-landmarks&rate_hz=60'"
+)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Subcommand,
+}
+
+#[derive(clap::Subcommand)]
+enum Subcommand {
+    Attributes(attributes::Args),
+    Landmarks(landmarks::Args),
+    Between(between::Args),
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.command {
+        Subcommand::Attributes(args) => attributes::run(&args),
+        Subcommand::Landmarks(args) => landmarks::run(&args),
+        Subcommand::Between(args) => between::run(&args),
+    }
+}
+
+/// The destination of results.
+#[derive(clap::Args)]
+struct OutputArgs {
+    /// File to create; standard output without it. An existing file is not overwritten
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// Opens the destination.
+    fn open(&self) -> Result<Box<dyn Write>, Failure> {
+        match &self.output {
+            Some(path) => Ok(Box::new(BufWriter::new(create(path)?))),
+            None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
+        }
+    }
+}
+
+fn create(path: &Path) -> Result<File, Failure> {
+    files::create_new(path).map_err(|error| {
+        Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
+    })
+}

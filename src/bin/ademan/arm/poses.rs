@@ -1,0 +1,188 @@
+//! Poses from files: landmarks or attributes, one pose per line.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use ademan::estimate::arm_attributes::{HALF_POSE_ROWS, HalfPose, ImageSize};
+use ademan::files;
+use ademan::message::{escape_line, escape_path};
+use glam::DVec3;
+use serde_json::Value;
+
+use super::values::Line;
+use crate::failure::Failure;
+
+/// The number of landmarks of a whole pose, and the first of those that a half pose has.
+const POSE_ROWS: usize = 33;
+const FIRST_ROW: usize = 11;
+
+/// The longest line, in bytes.
+const MAX_LINE_BYTES: u64 = 1 << 16;
+
+/// The fields that hold landmarks, in world coordinates or normalised.
+const LANDMARK_FIELDS: [&str; 3] = ["pose_world_landmarks", "body_landmarks", "pose_landmarks"];
+
+/// A pose of a file.
+pub struct Pose {
+    /// Time in microseconds, if the line states it.
+    pub time_us: Option<u64>,
+    pub half: HalfPose,
+}
+
+/// Reads the poses of a file, `-` for standard input.
+pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure> {
+    let read_line = |number: usize, text: &str| {
+        let pose = parse(text, image);
+        pose.map_err(|reason| {
+            Failure::wrong_use(format!(
+                "{}:{number}: {}",
+                escape_path(path),
+                escape_line(&reason)
+            ))
+        })
+    };
+    let mut poses = Vec::new();
+    for (number, text) in lines(path)? {
+        poses.push(read_line(number, &text)?);
+    }
+    match poses.is_empty() {
+        true => Err(Failure::wrong_use(format!(
+            "{} holds no pose: one per line, landmarks as JSON or CSV, or attributes of `ademan arm attributes`",
+            escape_path(path)
+        ))),
+        false => Ok(poses),
+    }
+}
+
+/// Returns the lines of a file that are not blank, with their numbers.
+pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
+    let cannot_read =
+        |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
+    let mut reader: Box<dyn BufRead> = match path.as_os_str() == "-" {
+        true => Box::new(std::io::stdin().lock()),
+        false => {
+            let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
+            Box::new(BufReader::new(file))
+        }
+    };
+    let mut found = Vec::new();
+    for number in 1.. {
+        let mut line = String::new();
+        let read = (&mut reader).take(MAX_LINE_BYTES).read_line(&mut line);
+        match read.map_err(|error| cannot_read(error.to_string()))? {
+            0 => break,
+            length if length as u64 == MAX_LINE_BYTES => {
+                return Err(cannot_read(format!("line {number} is longer than 64 KiB")));
+            }
+            _ if line.trim().is_empty() => {}
+            _ => found.push((number, line)),
+        }
+    }
+    Ok(found)
+}
+
+/// Parses one pose. An error states what it could be and is not.
+fn parse(text: &str, image: Option<ImageSize>) -> Result<Pose, String> {
+    let Ok(value) = serde_json::from_str::<Value>(text) else {
+        let rows = csv_rows(text).ok_or(
+            "neither JSON nor comma-separated numbers of 14 or 33 landmarks; \
+             `ademan arm attributes --help` lists the formats",
+        )?;
+        return half_pose(&rows, image, None);
+    };
+    if value.get("trunk").is_some() {
+        let line: Line = serde_json::from_value(value).map_err(|error| error.to_string())?;
+        let half = line.pose()?;
+        return Ok(Pose {
+            time_us: line.time_us,
+            half,
+        });
+    }
+    let time_us = value.get("time_us").and_then(Value::as_u64);
+    let field = LANDMARK_FIELDS.iter().find_map(|name| value.get(name));
+    let list = field.unwrap_or(&value).as_array().ok_or_else(|| {
+        format!(
+            "a pose is a list of landmarks, or an object with one of `{}`",
+            LANDMARK_FIELDS.join("`, `")
+        )
+    })?;
+    // The bridge emits one list for each person.
+    let of_person = list.first().and_then(Value::as_array);
+    let is_nested = of_person.is_some_and(|first| first.first().is_some_and(Value::is_array));
+    let list = of_person.filter(|_| is_nested).unwrap_or(list);
+    half_pose(&list.iter().map(row).collect::<Vec<_>>(), image, time_us)
+}
+
+/// Returns the position of a landmark; not a number for one that is missing.
+fn row(value: &Value) -> DVec3 {
+    let number = |index: usize, name: &str| {
+        let number = value.get(index).or_else(|| value.get(name));
+        number.and_then(Value::as_f64).unwrap_or(f64::NAN)
+    };
+    DVec3::new(number(0, "x"), number(1, "y"), number(2, "z"))
+}
+
+fn csv_rows(text: &str) -> Option<Vec<DVec3>> {
+    let fields = text.trim().split([',', ';', '\t']).map(str::trim);
+    let numbers: Vec<f64> = fields
+        .map(|field| match field.is_empty() {
+            true => Some(f64::NAN),
+            false => field.parse().ok(),
+        })
+        .collect::<Option<_>>()?;
+    // With or without the visibility of each landmark.
+    let width = [3, 4].into_iter().find(|width| {
+        [HALF_POSE_ROWS, POSE_ROWS].contains(&(numbers.len() / width))
+            && numbers.len().is_multiple_of(*width)
+    })?;
+    let rows = numbers.chunks(width);
+    Some(rows.map(|row| DVec3::new(row[0], row[1], row[2])).collect())
+}
+
+fn half_pose(
+    rows: &[DVec3],
+    image: Option<ImageSize>,
+    time_us: Option<u64>,
+) -> Result<Pose, String> {
+    let rows = match rows.len() {
+        HALF_POSE_ROWS => rows,
+        POSE_ROWS => &rows[FIRST_ROW..FIRST_ROW + HALF_POSE_ROWS],
+        count => {
+            return Err(format!(
+                "{count} landmarks; a pose has {POSE_ROWS}, a half pose {HALF_POSE_ROWS}"
+            ));
+        }
+    };
+    let placed = |row: &DVec3| image.map_or(*row, |image| image.to_pixels(*row));
+    let rows: Vec<DVec3> = rows.iter().map(placed).collect();
+    let rows = rows.try_into().expect("the number of rows was checked");
+    Ok(Pose {
+        time_us,
+        half: HalfPose::from_rows(&rows),
+    })
+}
+
+/// Parses the size of an image, such as `1280,720`.
+pub fn image_size(text: &str) -> Result<ImageSize, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let size = text.split_once([',', 'x']);
+    match size.map(|(width, height)| (number(width), number(height))) {
+        Some((Some(width), Some(height))) if width >= 1.0 && height >= 1.0 => {
+            Ok(ImageSize { width, height })
+        }
+        _ => Err("write the width and the height in pixels, such as 1280,720".into()),
+    }
+}
+
+/// Writes the landmarks of a pose as a line of the protocol `body-landmarks`.
+pub fn landmark_line(pose: &HalfPose, time_us: Option<u64>) -> String {
+    let mut points = vec![[0.0; 4]; POSE_ROWS];
+    for (point, row) in points[FIRST_ROW..].iter_mut().zip(pose.rows()) {
+        *point = [row.x, row.y, row.z, 1.0];
+    }
+    let mut line = serde_json::json!({ "pose_world_landmarks": points });
+    if let Some(time_us) = time_us {
+        line["time_us"] = time_us.into();
+    }
+    line.to_string()
+}

@@ -1,0 +1,253 @@
+//! Attributes of arms from landmarks, and movements between postures.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::text_line::pressed_keys;
+use crate::{file, run, text};
+
+/// The names of attributes in the vectors, and here.
+const NAMES: [(&str, &str); 11] = [
+    ("shoulder_direction", "shoulder_direction"),
+    ("upperarm_length", "upper_arm_length"),
+    ("shoulder_rotation", "shoulder_rotation"),
+    ("elbow_angle", "elbow_angle"),
+    ("forearm_length", "forearm_length"),
+    ("elbow_rotation", "elbow_rotation"),
+    ("wrist_rotation", "wrist_rotation"),
+    ("wrist_inclination", "wrist_inclination"),
+    ("pinky_vector", "little_vector"),
+    ("index_vector", "index_vector"),
+    ("thumb_vector", "thumb_vector"),
+];
+
+fn vectors() -> Vec<Value> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/arm_attributes.json");
+    let text = std::fs::read_to_string(path).expect("the vectors are in the repository");
+    let vectors: Value = serde_json::from_str(&text).expect("vectors are JSON");
+    let cases = vectors["cases"].as_array().expect("a list of cases").iter();
+    let is_pose = |case: &&Value| case["kind"] == "pose_to_attributes";
+    cases.filter(is_pose).cloned().collect()
+}
+
+fn lines(text: &str) -> Vec<Value> {
+    let lines = text.lines();
+    lines
+        .map(|line| serde_json::from_str(line).expect("a line of JSON"))
+        .collect()
+}
+
+fn assert_close(found: &Value, expected: &Value, tolerance: f64, what: &str) {
+    let numbers = |value: &Value| match value.as_array() {
+        Some(list) => list.iter().filter_map(Value::as_f64).collect(),
+        None => vec![value.as_f64().unwrap_or(f64::NAN)],
+    };
+    let (found, expected) = (numbers(found), numbers(expected));
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (found, expected) in found.iter().zip(&expected) {
+        let tolerance = tolerance * (1.0 + expected.abs());
+        assert!(
+            (found - expected).abs() <= tolerance,
+            "{what}: {found} instead of {expected}"
+        );
+    }
+}
+
+#[test]
+fn normalised_landmarks_have_the_attributes_of_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = vectors();
+    assert!(cases.len() > 30, "{} cases", cases.len());
+    for case in cases {
+        let size = format!("{},{}", case["width"], case["height"]);
+        let pose = file(&folder, "pose.json", case["half_pose"].to_string());
+        let printed = run(["arm", "attributes", &pose, "--image-size", &size]).done();
+        let line = &lines(&printed.out)[0];
+        std::fs::remove_file(&pose).unwrap();
+        if !case["attributes"].is_object() {
+            // The reference refuses the pose: here what it does not determine is null.
+            let arms = [&line["left"], &line["right"]];
+            let is_unknown = |arm: &&Value| arm["elbow_rotation"].is_null();
+            assert!(arms.iter().any(is_unknown), "{}", case["name"]);
+            continue;
+        }
+        for side in ["left", "right"] {
+            for (reference, name) in NAMES {
+                let expected = &case["attributes"][format!("{side}_{reference}")];
+                let what = format!("{} {side} {name}", case["name"]);
+                assert_close(&line[side][name], expected, 1e-6, &what);
+            }
+        }
+    }
+}
+
+/// Returns the landmarks of a recorded person in metres, frame by frame, as lines.
+fn squats() -> Option<Vec<String>> {
+    let folder = std::env::var_os("ADEMAN_PEERS").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
+        PathBuf::from,
+    );
+    let path = folder.join("landmarks/tfjs_pose_squats_5fps.json");
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        println!("SKIPPED: there is no {}", path.display());
+        return None;
+    };
+    let recording: Value = serde_json::from_str(&text).expect("a file of landmarks");
+    let frames = recording["frames"].as_array().expect("a list of frames");
+    let line = |frame: &Value| json!({ "pose_world_landmarks": frame["world"] }).to_string();
+    Some(frames.iter().map(line).collect())
+}
+
+fn point(pose: &Value, row: usize) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        pose["pose_world_landmarks"][row][axis]
+            .as_f64()
+            .expect("a number")
+    })
+}
+
+fn distance(pose: &Value, from: usize, to: usize) -> f64 {
+    let (from, to) = (point(pose, from), point(pose, to));
+    let squares = from.iter().zip(to).map(|(from, to)| (from - to).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+#[test]
+fn signed_attributes_give_the_landmarks_of_a_recorded_person_back() {
+    let Some(squats) = squats() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let poses = file(&folder, "poses.jsonl", squats.join("\n"));
+    let attributes = run(["arm", "attributes", &poses, "--signed"]).done();
+    let attributes = file(&folder, "attributes.jsonl", &attributes.out);
+    let back = lines(&run(["arm", "landmarks", &attributes]).done().out);
+    assert_eq!(back.len(), squats.len());
+    for (back, line) in back.iter().zip(&squats) {
+        let original: Value = serde_json::from_str(line).unwrap();
+        for row in 11..25 {
+            for (found, expected) in point(back, row).iter().zip(point(&original, row)) {
+                assert!((found - expected).abs() < 1e-9, "row {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
+    let Some(squats) = squats() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let start = file(&folder, "start.jsonl", &squats[0]);
+    let end = file(&folder, "end.jsonl", &squats[12]);
+    let movement = folder.path().join("movement.jsonl");
+    let made = ["arm", "between", &start, &end, "--ms", "500", "--output"];
+    run(made.into_iter().chain([text(&movement)])).done();
+    let poses = lines(&std::fs::read_to_string(&movement).unwrap());
+    assert_eq!(poses.len(), 31);
+    let ends = [&squats[0], &squats[12]].map(|line| serde_json::from_str::<Value>(line).unwrap());
+    for (pose, original) in [(&poses[0], &ends[0]), (&poses[30], &ends[1])] {
+        (11..25).for_each(|row| assert_eq!(point(pose, row), point(original, row)));
+    }
+    for (from, to) in [(11, 13), (13, 15), (12, 14), (14, 16)] {
+        let ends = ends.each_ref().map(|pose| distance(pose, from, to));
+        let (shortest, longest) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        for pose in &poses {
+            let length = distance(pose, from, to);
+            assert!(length > shortest - 1e-9 && length < longest + 1e-9);
+        }
+    }
+
+    let source = format!("file:{}?protocol=body-landmarks", text(&movement));
+    let angles = run(["trace", "angles", "--source", &source]).done();
+    assert!(lines(&angles.out).len() >= 31, "{}", angles.err);
+    let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
+    assert!(pressed_keys(&typed.out).is_empty(), "{}", typed.out);
+
+    let again = run(["arm", "between", &start, &end, "--output", text(&movement)]);
+    assert_eq!(again.code, Some(2), "an existing file is replaced");
+}
+
+#[test]
+fn missing_landmarks_cost_only_the_attributes_that_need_them() {
+    let case = &vectors()[0];
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = case["half_pose"].clone();
+    // The left index finger.
+    rows[8] = Value::Null;
+    let pose = file(&folder, "pose.json", rows.to_string());
+    let size = format!("{},{}", case["width"], case["height"]);
+    let printed = run(["arm", "attributes", &pose, "--image-size", &size]).done();
+    let line = &lines(&printed.out)[0];
+    let known = NAMES.iter().filter(|(reference, name)| {
+        let expected = &case["attributes"][format!("left_{reference}")];
+        let found = &line["left"][name];
+        if !found.is_null() {
+            assert_close(found, expected, 1e-6, name);
+        }
+        !found.is_null()
+    });
+    assert_eq!(
+        known.count(),
+        5,
+        "direction, lengths, rotation and angle: {line}"
+    );
+    assert!(line["right"]["index_vector"].is_array());
+    let back = file(&folder, "attributes.jsonl", &printed.out);
+    let refused = run(["arm", "landmarks", &back]);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.err.contains("of the left arm is null"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
+fn a_file_without_poses_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = vectors()[0]["half_pose"].to_string();
+    for (content, expected) in [
+        (
+            format!("{good}\n1,2,3\n"),
+            ":2: neither JSON nor comma-separated numbers",
+        ),
+        (
+            "[[0,0,0]]".to_owned(),
+            ":1: 1 landmarks; a pose has 33, a half pose 14",
+        ),
+        ("{\"a\":1}".to_owned(), ":1: a pose is a list of landmarks"),
+        ("\n\n".to_owned(), "holds no pose"),
+    ] {
+        let path = file(&folder, "bad.txt", &content);
+        let ended = run(["arm", "attributes", &path]);
+        assert_eq!(ended.code, Some(2), "{content}");
+        assert!(ended.err.contains(expected), "{}", ended.err);
+        std::fs::remove_file(&path).unwrap();
+    }
+}
+
+#[test]
+fn comma_separated_values_have_a_column_for_each_number() {
+    let case = &vectors()[0];
+    let folder = tempfile::tempdir().unwrap();
+    let rows = case["half_pose"].as_array().unwrap();
+    let numbers: Vec<String> = rows
+        .iter()
+        .flat_map(|row| row.as_array().unwrap().iter().map(Value::to_string))
+        .collect();
+    let pose = file(&folder, "pose.csv", numbers.join(","));
+    let printed = run(["arm", "attributes", &pose, "--csv"]).done();
+    let rows: Vec<Vec<&str>> = printed
+        .out
+        .lines()
+        .map(|line| line.split(',').collect())
+        .collect();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[0].len(), 1 + 2 * (7 + 4 * 3));
+    assert_eq!(rows[1].len(), rows[0].len());
+    assert_eq!(rows[0][4], "left_upper_arm_length");
+    assert!(
+        rows[1][1..]
+            .iter()
+            .all(|field| field.parse::<f64>().is_ok())
+    );
+}

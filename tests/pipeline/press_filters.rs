@@ -1,0 +1,111 @@
+//! Filters of presses in the whole pipeline: a simulated hand types through them.
+
+use ademan::capture::{Hc11Format, Source, SourceEvent};
+use ademan::command::CommandOrigin;
+use ademan::device::{EventKind, Events, KeyCode, OutputEvent};
+use ademan::pipeline::PressFilter;
+use ademan::pipeline::press_filter::FilterInput;
+use ademan::setup::Setup;
+use ademan::sim::UsTextField;
+
+fn key(name: &str) -> KeyCode {
+    name.parse().expect("the name of a key")
+}
+
+/// Types `x` for each press by the index finger that has a key within 10 mm beside it.
+struct Replace;
+
+impl PressFilter for Replace {
+    fn filter(&mut self, input: &FilterInput, events: &mut Events) {
+        let is_close = |press: &ademan::contact::Press| {
+            let nearest = press.neighbors.first();
+            nearest.is_some_and(|neighbor| neighbor.distance < 0.01)
+        };
+        if !input.presses.iter().any(is_close) {
+            return;
+        }
+        for event in events {
+            if matches!(event.kind, EventKind::KeyDown(_)) {
+                event.kind = EventKind::KeyDown(key("X"));
+            }
+        }
+    }
+
+    fn reset(&mut self) {}
+}
+
+/// Holds each press until it is reset.
+#[derive(Default)]
+struct Hold {
+    held: Vec<OutputEvent>,
+    is_reset: bool,
+}
+
+impl PressFilter for Hold {
+    fn filter(&mut self, _: &FilterInput, events: &mut Events) {
+        let is_press = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
+        self.held.extend(events.iter().copied().filter(is_press));
+        events.retain(|event| !is_press(event));
+        if self.is_reset {
+            // A filter that disobeys: it emits what it held before the reset.
+            events.extend(self.held.drain(..));
+        }
+    }
+
+    fn reset(&mut self) {
+        self.is_reset = true;
+    }
+}
+
+/// Types a text with a filter, and pauses after this number of readings. Returns the text, the events and the keys that stay down.
+fn typed(text: &str, filter: Box<dyn PressFilter>, pause_after: usize) -> (String, usize, usize) {
+    let setup = Setup::default().load_files().expect("the shipped layout");
+    let format = Hc11Format::default();
+    let mut hand = setup.typist(text, &format, 0.0, 0).expect("a text");
+    let mut pipeline = setup.pipeline().with_filter(filter);
+    let (mut field, mut down, mut presses) = (UsTextField::new(), Vec::new(), 0);
+    let mut count = 0;
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
+        let mut events = Events::new();
+        pipeline
+            .step(&reading, &mut events)
+            .expect("a clear reading");
+        count += 1;
+        if count == pause_after {
+            pipeline.pause(CommandOrigin::Client, &mut events);
+        }
+        for event in &events {
+            field.handle(event);
+            match event.kind {
+                EventKind::KeyDown(key) => {
+                    presses += 1;
+                    down.push(key);
+                }
+                EventKind::KeyUp(key) => down.retain(|other| *other != key),
+                _ => {}
+            }
+        }
+    }
+    (field.text().to_owned(), presses, down.len())
+}
+
+#[test]
+fn a_filter_replaces_keys_by_the_evidence_of_their_presses() {
+    // The hand presses the middle of the space bar, which is far from its neighbors.
+    assert_eq!(
+        typed("ab c", Box::new(Replace), usize::MAX),
+        ("xx x".to_owned(), 4, 0)
+    );
+}
+
+#[test]
+fn presses_that_a_filter_holds_leave_no_key_down() {
+    let (text, presses, down) = typed("ab c", Box::new(Hold::default()), usize::MAX);
+    assert_eq!((text.as_str(), presses, down), ("", 0, 0));
+}
+
+#[test]
+fn nothing_is_emitted_after_a_pause_whatever_a_filter_holds() {
+    let (text, presses, down) = typed("ab c", Box::new(Hold::default()), 300);
+    assert_eq!((text.as_str(), presses, down), ("", 0, 0));
+}
