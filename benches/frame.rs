@@ -1,6 +1,6 @@
 //! The time of one pipeline step for one hand, by stage. All figures are per reading.
 //!
-//! The readings are those of a simulated typist on the shipped board. The boards of the benchmark
+//! The readings come from a simulated typist on the shipped board. The boards of the benchmark
 //! have the same keys below the hand and more keys around them. A sample is one pass over all
 //! readings, so rest, movement and presses have their natural frequency. `a_nothing` is the cost
 //! of copying a reading, which the figures of `c_` and `g_` include.

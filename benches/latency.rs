@@ -21,7 +21,7 @@
 //! includes that wait of the protocol, which is stated beside it.
 //!
 //! `-- uinput` measures to readers of kernel devices in place of these, where `/dev/uinput` is available:
-//! `tests/outputs/vm/run latency`. A number is that of the packets.
+//! `tests/outputs/vm/run latency`. A number sets the number of packets.
 //!
 //! Prints tables. Without `--bench` (as in `cargo test --benches`) it measures a few packets.
 

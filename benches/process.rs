@@ -187,7 +187,7 @@ fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
         let due = Duration::from_secs(1) * number / rate_hz;
         sleep(due.saturating_sub(begun.elapsed()));
         loopback.writer.write_all(packet).expect("the line is open");
-        // Not the start of the program.
+        // The start of the program does not count.
         if at_half.is_none() && due > feed / 2 {
             at_half = Some((Instant::now(), Effort::of(child.id())));
         }

@@ -11,23 +11,46 @@
 //!                                                                         └───View──▶ terminal, control socket
 //! ```
 //!
+//! The stages, in the order of the data flow. All but the sources and [`output`] are the crate `ademan_core`, which touches no file,
+//! thread or clock:
+//!
 //! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s. A source that has to
-//!   block, such as a recording, several sources at once, or any outside Linux, has a thread of its own and a bounded channel.
+//!   block, such as a recording, several sources at once, or any outside Linux, has a thread and a bounded channel.
 //! - [`estimate`] derives joint angles and rejects implausible readings.
 //! - [`kinematics`] computes the positions of the fingertips.
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
-//! - [`device`] turns touches into events and [`command`]s: keyboards, sliders, joysticks, pointers.
+//! - [`device`] turns touches into events and commands: keyboards, sliders, joysticks, pointers.
+//! - [`layout`] builds boards, controls, gloves and arms from RON files.
 //! - [`pipeline`] runs these stages for one reading. It neither allocates nor blocks, and it reads no clock.
+//! - [`snapshot`] shows observers the results of all stages for one step.
 //! - [`output`] sends events to the desktop, the kernel or another program.
-//! - [`session`] owns the threads around the pipeline: capture, layouts that are edited while they are used, the control
-//!   socket, panic keys and recordings.
-//! - [`calibrate`] turns readings of known poses into the values of a glove file.
+//!
+//! Types and functions that all parts share:
+//!
+//! - [`time`] holds time stamps, which every stage receives as an argument.
+//! - [`hand`] names sides, fingers, joints and degrees of freedom, and holds their angles and positions.
+//! - [`geometry`] computes directions and rotations in three dimensions.
+//! - [`names`] gives values one spelling, and suggests the nearest valid name for a misspelled one.
+//! - [`message`] escapes foreign text in messages, and [`message_limits`] limits their number.
+//! - [`document`] reads RON texts, and reports errors with line and column.
+//! - [`command`] lists the commands to a running session, from layouts, sockets and people.
+//! - [`files`] opens the files of a person: only regular files, and only trusted ones for what decides what is typed.
+//! - [`advice`] explains missing permissions and services, with the shell commands that help.
+//! - [`priority`] raises the priority of the threads that press and release keys.
 //! - [`network`] connects machines: TLS, tokens with roles, and routers of zenoh.
+//!
+//! Parts around the pipeline:
+//!
+//! - [`session`] owns the threads of a run: capture, layouts that are edited while they are used, the control socket, panic
+//!   keys and recordings.
+//! - [`setup`] reads the file that names sources, gloves, layouts and outputs, and loads what it names.
+//! - [`doctor`] checks the machine against a setup.
+//! - [`recorder`] writes recordings, and [`trace`] writes the results of each stage as JSON.
 //! - [`share`] gives joint angles and poses to other programs.
-//! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
-//! - `studio`, with the feature of that name, shows a session in a window.
-//! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
+//! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
+//! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
+//! - `studio`, with the feature of that name, shows a session in a window.
 //!
 //! # Example
 //!

@@ -27,7 +27,7 @@ use crate::target::InputTarget;
 /// The first argument of the child process.
 const COMMAND: &str = "panic";
 
-/// The threads that panic: that of the source, that of the loop, and a detached one, like those of the control socket,
+/// The threads that panic: the threads of the source and of the loop, and a detached one, like the threads of the control socket,
 /// of layout files and of signals.
 pub const THREADS: [&str; 3] = ["capture thread", "loop", "detached thread"];
 

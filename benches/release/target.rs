@@ -147,7 +147,7 @@ fn keys(device: &RefCell<Option<Device>>) -> Vec<KeyCode> {
     state.map_or_else(|_| Vec::new(), |keys| keys.iter().collect())
 }
 
-/// Returns the keyboard of the program as soon as there is only one: that of the previous program may still exist.
+/// Returns the keyboard of the program as soon as there is only one: the keyboard of the previous program may still exist.
 fn find_keyboard() -> Device {
     loop {
         let is_own = |(_, device): &(_, Device)| device.name() == Some("Ademan keyboard");

@@ -135,7 +135,7 @@ pub fn main() {
     let mut cpu = Vec::new();
     for part in 0..parts {
         let clients = (part % 2 == 1).then(|| start_clients(&addresses));
-        // The first lines are those of connections.
+        // The first lines report connections.
         thread::sleep(length / 10);
         has_clients.store(clients.is_some(), Ordering::Relaxed);
         let (before, began) = (processor_time(), Instant::now());

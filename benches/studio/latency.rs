@@ -41,7 +41,7 @@ pub fn print(server: &XServer, is_test: bool) {
         .env("DISPLAY", server.display())
         .env_remove("WAYLAND_DISPLAY")
         .env("LIBGL_ALWAYS_SOFTWARE", "1")
-        // As `ademan studio` sets it.
+        // `ademan studio` sets it too.
         .env("LP_NUM_THREADS", "0");
     let mut session = Process::start(&mut command).expect("this program starts");
     let status = session.0.wait().expect("it exits");

@@ -45,14 +45,14 @@ impl<T: Copy + PartialEq> ActiveSender<T> {
         if self.get(now).is_some_and(|active| active != sender) {
             return false;
         }
-        self.has_changed = self.latest.is_some_and(|latest| latest != sender);
+        self.has_changed |= self.latest.is_some_and(|latest| latest != sender);
         self.latest = Some(sender);
         true
     }
 
-    /// Returns `true` if the bytes read last are of another sender than those before them.
-    pub fn has_changed(&self) -> bool {
-        self.has_changed
+    /// Returns `true` if bytes of another sender were read since the latest call.
+    pub fn take_change(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
     }
 
     /// Makes the sender active whose bytes were read last, as they held a valid packet. Returns it if another one, or none, was
@@ -76,16 +76,16 @@ mod tests {
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
         // Without a valid packet both are read, and each is told from the other.
-        assert!(senders.read_from('a', at(0)) && !senders.has_changed());
-        assert!(senders.read_from('b', at(1)) && senders.has_changed());
-        assert!(senders.read_from('b', at(2)) && !senders.has_changed());
+        assert!(senders.read_from('a', at(0)) && !senders.take_change());
+        assert!(senders.read_from('b', at(1)) && senders.take_change());
+        assert!(senders.read_from('b', at(2)) && !senders.take_change());
         assert_eq!(senders.accept(at(2)), Some('b'));
         assert!(!senders.read_from('a', at(2001)));
         // Bytes without a packet keep it active no longer.
-        assert!(senders.read_from('b', at(2001)) && !senders.has_changed());
+        assert!(senders.read_from('b', at(2001)) && !senders.take_change());
         assert_eq!(senders.get(at(2002)), None);
         assert_eq!(senders.last(), Some('b'));
-        assert!(senders.read_from('a', at(2002)) && senders.has_changed());
+        assert!(senders.read_from('a', at(2002)) && senders.take_change());
         assert_eq!(senders.accept(at(2002)), Some('a'));
         assert!(!senders.read_from('b', at(2003)));
         assert!(senders.read_from('a', at(4000)));

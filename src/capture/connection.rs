@@ -58,8 +58,9 @@ pub(super) trait ByteStream: Read + Send {
         false
     }
 
-    /// Returns `true` if the latest read returned bytes of another sender than the read before it. The default has one sender.
-    fn has_other_sender(&self) -> bool {
+    /// Returns `true` if the bytes of the latest read are the first of another sender since the latest call. The default has one
+    /// sender.
+    fn take_sender_change(&mut self) -> bool {
         false
     }
 

@@ -197,8 +197,9 @@ impl<S: Source> EventSource<S> {
         }
     }
 
-    /// Returns the statistics if packets were refused since the latest event with statistics.
-    pub fn unreported(&self) -> Option<SourceStats> {
+    /// Stops the source. Returns the statistics if packets were refused since the latest event with statistics.
+    pub fn stop(&mut self) -> Option<SourceStats> {
+        self.source.stop();
         let (stats, (_, reported)) = (self.stats(), self.reported);
         (stats.invalid != reported.invalid).then_some(stats)
     }

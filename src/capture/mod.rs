@@ -194,6 +194,10 @@ pub trait Source: Send {
         None
     }
 
+    /// Ends the capture: nothing is read any more, and the [statistics](Self::stats) become those of everything that was. The
+    /// default changes nothing. It may wait for a second.
+    fn stop(&mut self) {}
+
     /// Returns the statistics since the source was opened.
     fn stats(&self) -> SourceStats {
         SourceStats::default()
@@ -243,6 +247,10 @@ impl Source for Box<dyn Source> {
 
     fn clock(&self) -> Option<Timestamp> {
         (**self).clock()
+    }
+
+    fn stop(&mut self) {
+        (**self).stop();
     }
 
     fn stats(&self) -> SourceStats {

@@ -108,6 +108,10 @@ impl<S: Source> Source for PacedSource<S> {
         ))
     }
 
+    fn stop(&mut self) {
+        self.source.stop();
+    }
+
     fn stats(&self) -> SourceStats {
         self.source.stats()
     }

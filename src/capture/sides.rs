@@ -100,6 +100,10 @@ impl Source for SidedSource {
         self.source.is_live()
     }
 
+    fn stop(&mut self) {
+        self.source.stop();
+    }
+
     fn stats(&self) -> SourceStats {
         let stats = self.source.stats();
         SourceStats {

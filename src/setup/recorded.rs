@@ -29,6 +29,15 @@ impl LoadedSetup {
         recorded: &RecordedSetup,
         settings: &ReplaySettings,
     ) -> Result<Self, SetupError> {
+        Self::from_changed_recording(recorded, settings, |_| {})
+    }
+
+    /// Loads the setup of a recording after a change to it, which names no other file.
+    pub fn from_changed_recording(
+        recorded: &RecordedSetup,
+        settings: &ReplaySettings,
+        change: impl FnOnce(&mut Setup),
+    ) -> Result<Self, SetupError> {
         let document = |kind: &str| {
             let entry = recorded.get(kind)?;
             Some(Document::new(entry.name.as_str(), entry.text.as_str()))
@@ -37,6 +46,7 @@ impl LoadedSetup {
             Some(setup) => setup.parse()?,
             None => Setup::default(),
         };
+        change(&mut setup);
         let own = settings.permissions;
         let ignored_permissions = own.map_or(Vec::new(), |own| setup.replace_permissions(own));
         let read = |kind: &str, name: &str| {

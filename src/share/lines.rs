@@ -131,7 +131,7 @@ impl LineEncoder {
             LineKind::Plain(ShareFormat::TextLine) => self.write_text_line(angles, pose, None),
             LineKind::TimedTextLine => self.write_text_line(angles, pose, Some(step.shared_at)),
             LineKind::Plain(ShareFormat::Angles) => {
-                angles_json(pose.time, angles, &mut self.buffer);
+                angles_json(pose, angles, &mut self.buffer);
                 self.buffer.push(b'\n');
                 true
             }
@@ -180,10 +180,6 @@ impl LineEncoder {
             self.buffer.extend_from_slice(br#"{"kind":""#);
             self.buffer.extend_from_slice(kind.as_bytes());
             self.buffer.push(b'"');
-            if let (Stage::Angles, Some(pose)) = (stage, &step.snapshot.pose) {
-                let side = format!(r#","side":"{}""#, pose.side);
-                self.buffer.extend_from_slice(side.as_bytes());
-            }
             self.buffer.push(b',');
             self.buffer.extend_from_slice(&object[1..]);
             self.buffer.push(b'\n');

@@ -3,7 +3,7 @@
 //! | stage | one object per | form |
 //! |---|---|---|
 //! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` or `{"time_us":12500,"angles_rad":{"index-mcp-flexion":0.12}}` or `{"time_us":12500,"joints_m":{"wrist":[x,y,z]}}` or `{"time_us":12500,"side":"right","body_landmarks":[[x,y,z,confidence]]}` or `{"time_us":12500,"side":"right","bones":{"right":{"hand":[x,y,z,w]}}}` or `{"time_us":12500,"displacement":{"joint":"wrist","translation_m":[x,y,z],"rotation":[x,y,z,w]}}` |
-//! | `angles` | accepted reading | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
+//! | `angles` | accepted reading | `{"time_us":12500,"side":"right","angles":{"index-mcp-flexion":0.12}}` |
 //! | `pose` | accepted reading | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
 //! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"position":[0.001,-0.002]}` |
 //! | `presses` | press | `{"time_us":12400,"side":"right","finger":"index","target":"Q","point_mm":[12.1,40.3,-1.5],"depth_mm":1.5,"speed_mm_s":180.0,"neighbors":[{"target":"W","distance_mm":9.4}]}` |
@@ -72,9 +72,12 @@ impl Stage {
                 .reading
                 .iter()
                 .try_for_each(|reading| write(reading.time, reading_json(reading, buffer))),
-            Self::Angles => snapshot.angles.iter().zip(&snapshot.pose).try_for_each(
-                |(angles, &HandPose { time, .. })| write(time, angles_json(time, angles, buffer)),
-            ),
+            Self::Angles => {
+                let mut hands = snapshot.angles.iter().zip(&snapshot.pose);
+                hands.try_for_each(|(angles, pose)| {
+                    write(pose.time, angles_json(pose, angles, buffer))
+                })
+            }
             Self::Pose => snapshot
                 .pose
                 .iter()
@@ -107,9 +110,14 @@ pub fn reading_json<'a>(reading: &Reading, buffer: &'a mut Vec<u8>) -> &'a [u8] 
     json(reading, buffer)
 }
 
-/// Returns the object of [`Stage::Angles`] without a line end. `buffer` is overwritten.
-pub fn angles_json<'a>(time: Timestamp, angles: &JointAngles, buffer: &'a mut Vec<u8>) -> &'a [u8] {
-    json(&AnglesJson::new(time, angles), buffer)
+/// Returns the object of [`Stage::Angles`] for a pose and its angles, without a line end. `buffer` is overwritten.
+pub fn angles_json<'a>(pose: &HandPose, angles: &JointAngles, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    let angles = AnglesJson {
+        time_us: pose.time,
+        side: pose.side,
+        angles,
+    };
+    json(&angles, buffer)
 }
 
 /// Returns the object of [`Stage::Pose`] without a line end. `buffer` is overwritten.
@@ -161,17 +169,9 @@ fn json<'a>(value: &impl Serialize, buffer: &'a mut Vec<u8>) -> &'a [u8] {
 #[derive(Serialize)]
 struct AnglesJson<'a> {
     time_us: Timestamp,
+    side: Side,
     #[serde(serialize_with = "known_angles")]
     angles: &'a JointAngles,
-}
-
-impl<'a> AnglesJson<'a> {
-    fn new(time: Timestamp, angles: &'a JointAngles) -> Self {
-        Self {
-            time_us: time,
-            angles,
-        }
-    }
 }
 
 fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S::Ok, S::Error> {
@@ -423,7 +423,7 @@ mod tests {
         let expected: [&[&str]; Stage::COUNT] = [
             &[r#"{"time_us":12500,"full_scale":255,"channels":[3,141]}"#],
             &[
-                r#"{"time_us":12500,"angles":{"elbow-flexion":-1.0,"index-mcp-flexion":0.30000000000000004}}"#,
+                r#"{"time_us":12500,"side":"right","angles":{"elbow-flexion":-1.0,"index-mcp-flexion":0.30000000000000004}}"#,
             ],
             &[
                 r#"{"time_us":12500,"side":"right","positions":{"wrist":[0.1,-0.25,1e-7]},"orientations":{"wrist":[0.0,0.0,0.0,1.0]}}"#,

@@ -178,7 +178,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/faulty_readings.rs", "infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything"),
         ("tests/cli/faults/files.rs", "numbers_that_no_sensor_can_measure_are_refused"),
         ("crates/core/src/capture/protocol/body_landmarks.rs", "every_invalid_line_is_refused_with_its_reason"),
-        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
+        ("tests/files/layout_errors.rs", "a_wrong_number_on_a_board_has_its_position"),
     ])),
     fault(30, "angles outside their limits, missing channels", Tests(&[
         ("crates/core/src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
@@ -252,7 +252,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(40, "a syntax error, an unknown field, a wrong type", Tests(&[
         ("tests/files/layout_errors.rs", "a_syntax_error_has_its_position"),
-        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
+        ("tests/files/layout_errors.rs", "a_wrong_missing_or_duplicate_field_has_its_position"),
         ("tests/cli/wrong_use.rs", "errors_in_a_setup_name_the_file_and_the_position"),
         ("tests/cli/wrong_use.rs", "all_layouts_are_checked_even_after_an_invalid_one"),
     ])),
@@ -260,12 +260,12 @@ pub const FAULTS: &[Fault] = &[
         ("tests/files/layout_errors.rs", "nesting_of_200_levels_is_an_error_and_not_a_crash"),
     ])),
     fault(42, "duplicate names, overlapping keys, sizes of zero or NaN", Tests(&[
-        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
+        ("tests/files/layout_errors.rs", "a_duplicate_or_overlapping_key_has_its_position"),
         ("tests/pipeline/panels/handle_errors.rs", "controls_that_overlap_or_share_a_name_are_refused"),
         ("crates/core/src/layout/outline.rs", "touching_edges_do_not_overlap_and_a_tenth_of_a_millimetre_does"),
     ])),
     fault(43, "an unknown key, or a forbidden one", Tests(&[
-        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
+        ("tests/files/layout_errors.rs", "an_unknown_name_on_a_board_has_its_position"),
         ("tests/pipeline/limits.rs", "system_keys_need_the_permission_of_the_setup"),
     ])),
     fault(44, "a bad file is saved while a key is held", Tests(&[

@@ -4,9 +4,9 @@ use crate::evidence::Evidence;
 
 /// The degree to which a requirement is met.
 pub enum Status {
-    /// As these tests show.
+    /// Met, as these tests show.
     Met(&'static [Evidence]),
-    /// As these tests show, with this exception.
+    /// Met with this exception, as these tests show.
     Partly(&'static [Evidence], &'static str),
     /// The requirement is about a feature that does not exist.
     NotApplicable(&'static str),

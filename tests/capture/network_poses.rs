@@ -1,4 +1,4 @@
-//! Datagrams of opentrack and VMC on real sockets; those of VMC are made by the package python-osc too.
+//! Datagrams of opentrack and VMC on real sockets; the package python-osc makes datagrams of VMC too.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 
 use crate::text_line::{TIMEOUT, samples, uri};
 
-/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port meanwhile.
+/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port.
 fn open_at_free_port(format: &str) -> (Box<dyn Source>, SocketAddr) {
     for _ in 0..100 {
         let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
@@ -155,6 +155,29 @@ fn no_frame_is_made_of_the_datagrams_of_two_senders() {
     second
         .send_to(&osc("/VMC/Ext/T", None, &[1.0]), address)
         .unwrap();
+    let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
+        panic!("not bones");
+    };
+    assert_eq!(bones.left.known().count(), 0, "of the first sender");
+    assert_eq!(bones.right.known().count(), 1);
+}
+
+#[test]
+fn an_empty_datagram_does_not_let_the_bones_of_another_sender_pass_for_its_own() {
+    let (mut source, address) = open_at_free_port("vmc");
+    let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let bone = |name| {
+        let numbers = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        osc("/VMC/Ext/Bone/Pos", Some(name), &numbers)
+    };
+    first.send_to(&bone("LeftHand"), address).unwrap();
+    for datagram in [
+        &b""[..],
+        &bone("RightHand"),
+        &osc("/VMC/Ext/T", None, &[1.0]),
+    ] {
+        second.send_to(datagram, address).unwrap();
+    }
     let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
         panic!("not bones");
     };

@@ -82,6 +82,42 @@ fn both_hands_of_a_body_type() {
 }
 
 #[test]
+fn a_trace_of_a_recording_shows_both_hands_and_touches_its_own_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "two-keys.ron", TWO_KEYS);
+    let path = file(
+        &folder,
+        "body.jsonl",
+        lines(&[Side::Left, Side::Right]).concat(),
+    );
+    let setup = format!(
+        "Setup(source: \"file:{path}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
+    );
+    let setup = file(&folder, "two.ron", setup);
+    let recording = folder.path().join("two-hands.mcap");
+    let recording = recording.to_str().unwrap();
+    run(["record", recording, "--setup", &setup]).done();
+    let trace = |stage: &str| {
+        let source = format!("recording:{recording}");
+        let ended = run(["trace", stage, "--source", &source]).done();
+        let used = format!("using the setup in {recording}\n");
+        assert!(ended.err.contains(&used), "{}", ended.err);
+        let lines = ended.out.lines();
+        let lines = lines.map(|line| serde_json::from_str(line).expect("an object"));
+        lines.collect::<Vec<serde_json::Value>>()
+    };
+    for stage in ["angles", "pose"] {
+        let lines = trace(stage);
+        for side in ["left", "right"] {
+            assert!(lines.iter().any(|line| line["side"] == side), "{stage}");
+        }
+    }
+    let events = trace("events");
+    let keys: Vec<_> = events.iter().map(|line| line["key"].as_str()).collect();
+    assert_eq!(keys, [Some("F"), Some("F"), Some("J"), Some("J")]);
+}
+
+#[test]
 fn landmarks_on_the_standard_input_are_read() {
     let lines = lines(&[Side::Right]);
     let mut program = ademan([

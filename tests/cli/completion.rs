@@ -109,7 +109,7 @@ fn check(program: &str, line: &str, found: &[String], offered: &[&str], not_offe
 fn bash_completes_names_files_and_sources() {
     let folder = folder();
     for (line, offered, not_offered) in CASES {
-        // As the shell calls it: words are split at colons, too.
+        // The shell calls it like this: words are split at colons, too.
         let script = format!(
             "source ./_bash; line='{line}'; COMP_LINE=$line; COMP_POINT=${{#line}}; \
              _ademan ademan; printf '%s\\n' \"${{COMPREPLY[@]}}\""

@@ -65,7 +65,7 @@ fn a_path_precedes_the_configuration_folder_and_this_one_a_shipped_layout() {
     is_drawn("media.ron", " B ");
     is_drawn("./media", " C ");
     is_drawn("./media.ron", " B ");
-    // The name with its folder is that of the shipped file.
+    // The name with its folder means the shipped file.
     is_drawn("panels/media", "Seek");
 }
 

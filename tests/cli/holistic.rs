@@ -8,7 +8,7 @@ use crate::body_landmarks::{TAPPED, keys};
 use crate::support::body::{ONE_KEY, RATE_HZ, taps};
 use crate::{file, run, text};
 
-/// Returns a straight hand whose index fingertip is as far from the wrist as that of the body. The other fingers are short.
+/// Returns a straight hand whose index fingertip is as far from the wrist as in the body. The other fingers are short.
 fn hand() -> JointPositions {
     let wrist = DVec3::new(0.0, -0.1, -0.5);
     let mut positions = JointPositions::default();

@@ -4,6 +4,7 @@
 mod support;
 
 mod arm;
+mod body;
 mod body_landmarks;
 mod bvh;
 mod calibrate;

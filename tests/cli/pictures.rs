@@ -1,31 +1,10 @@
-//! `ademan layout show` with pictures: files, standard output, and the pictures in the documentation.
+//! `ademan layout show` with pictures: files and standard output.
 
 use std::fs;
 
 #[cfg(feature = "png")]
 use super::ademan;
 use super::{run, text};
-
-/// The pictures in the documentation, with the layout of each.
-const COMMITTED: [(&str, &str); 4] = [
-    ("qwerty-arc", "docs/qwerty-arc.svg"),
-    ("media", "docs/media.svg"),
-    ("direct", "docs/direct.svg"),
-    ("chords-bend", "docs/chords-bend.svg"),
-];
-
-#[test]
-fn the_pictures_in_the_documentation_are_up_to_date() {
-    for (layout, path) in COMMITTED {
-        let drawn = run(["layout", "show", layout, "--svg", "-"]).done().out;
-        let path = format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
-        let committed = fs::read_to_string(&path).unwrap_or_default();
-        assert!(
-            drawn == committed,
-            "draw it again: ademan layout show {layout} --overwrite --svg {path}"
-        );
-    }
-}
 
 #[test]
 fn a_picture_goes_to_a_file_or_to_standard_output() {

@@ -1,6 +1,6 @@
 //! One recording of each kind of source, in `tests/recordings`, with the transcript that it gives.
 //!
-//! `ADEMAN_WRITE=1 cargo test --test cli source_recordings` records them anew with `ademan record`; review the transcripts.
+//! `ADEMAN_WRITE=1 cargo test --test cli source_recordings` records them again with `ademan record`; review the transcripts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const TYPED: &str = "hi";
 /// One of this many lines of a LucidGloves build is recorded, to keep the recording small.
 const THINNING: usize = 3;
 
-/// The protocols whose lines join those of others, which are recorded.
+/// The protocols whose lines consist of lines of other protocols, which are recorded.
 const JOINED: [&str; 1] = ["holistic"];
 
 /// A recording, the protocol of its source with its options, and how it is made.

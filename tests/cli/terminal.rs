@@ -113,7 +113,7 @@ fn a_transcript_on_the_terminal_is_not_drawn_over() {
 /// A demo in a terminal of its own, from the moment at which it draws.
 struct RunningDemo {
     script: Child,
-    /// Not read any more.
+    /// The terminal is not read any more.
     _screen: ChildStdout,
     /// The id of the process of the demo.
     process: String,
@@ -222,7 +222,7 @@ fn one_signal_ends_the_demo_in_a_terminal_that_accepts_nothing() {
     let Some(mut demo) = start_demo(folder.path(), &text) else {
         return;
     };
-    // As after Ctrl-S: the terminal passes on nothing more, and fills.
+    // After Ctrl-S the terminal passes on nothing more, and fills.
     signal("STOP", demo.script.id());
     wait_until_blocked(&demo.process);
     signal("INT", demo.process.parse().unwrap());

@@ -8,7 +8,8 @@ use ademan::device::KeyCode;
 use ademan::hand::{Dof, Finger, Joint};
 use serde_json::{Map, Value};
 
-use super::{ademan, run};
+use super::{ademan, file, run};
+use crate::support::source::text_lines;
 
 /// The objects of a stage while `hi` is typed. Their times must not decrease.
 fn lines(stage: &str) -> Vec<Map<String, Value>> {
@@ -57,6 +58,27 @@ fn angles_are_in_radians_by_joint() {
             name.parse::<Dof>().unwrap();
             assert!(angle.as_f64().unwrap().abs() < 4.0, "{name} {angle}");
         }
+    }
+}
+
+#[test]
+fn a_trace_without_results_says_what_became_of_the_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = text_lines("hi");
+    // The wrist is bent further than any.
+    let impossible = lines.iter().map(|line| {
+        let mut values: Vec<_> = line.split_ascii_whitespace().collect();
+        values[4] = "150";
+        values.join(" ") + "\n"
+    });
+    let path = file(&folder, "hand.txt", impossible.collect::<String>());
+    let source = format!("file:{path}?protocol=text-line");
+    for stage in ["angles", "pose", "events"] {
+        let ended = run(["trace", stage, "--source", &source]).done();
+        assert_eq!(ended.out, "");
+        let readings = format!("{} readings: 0 accepted, ", lines.len());
+        assert!(ended.err.starts_with(&readings), "{}", ended.err);
+        assert!(ended.err.contains(" rejected ("), "{}", ended.err);
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{ademan, file, run};
 /// The indices of a text line that hold angles of the arm: the wrist, the forearm and the elbow.
 const ARM_INDICES: [usize; 4] = [4, 17, 25, 41];
 
-/// Returns a line with only the angles of the arm, or only those of the fingers; the others are 0.
+/// Returns a line with only the angles of the arm, or only the angles of the fingers; the others are 0.
 fn part_of(line: &str, is_arm: bool) -> String {
     let values = line.split_ascii_whitespace().enumerate();
     let values = values.map(

@@ -93,6 +93,30 @@ fn keys_are_found_by_alias_code_and_character() {
 }
 
 #[test]
+fn the_fields_of_layouts_are_found_by_structure_and_by_name() {
+    let fields = |word: &str| run(["layout", "fields", word]).done().out;
+    let slider = fields("SLIDER");
+    assert!(slider.starts_with("Slider: "), "{slider}");
+    let length = slider.lines().find(|line| line.contains("length_mm"));
+    let length: Vec<&str> = length.expect("a row").split_whitespace().collect();
+    assert_eq!(
+        length[..6],
+        ["length_mm", "required", "1", "to", "500", "mm"]
+    );
+    let named = fields("dead_zone");
+    for structure in ["Joystick: ", "Pointer: ", "PointingMode: "] {
+        assert!(named.contains(structure), "{structure}\n{named}");
+    }
+    let json = run(["layout", "fields", "knob", "--json"]).done().out;
+    let tables: Vec<serde_json::Value> = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(tables.len(), 1);
+    assert_eq!(tables[0]["name"], "Knob");
+    let refused = run(["layout", "fields", "slidr"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("did you mean"), "{}", refused.err);
+}
+
+#[test]
 fn a_program_built_for_x11_refuses_a_wayland_session() {
     let mut run = ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
     // There might be an X server beside the compositor.

@@ -18,13 +18,21 @@ fn error_of(text: &str) -> DocumentError {
     Layout::parse(text, "t.ron").expect_err("the layout is wrong")
 }
 
-/// Each case is a board and the expected `LINE:COLUMN: message`.
+/// Checks cases of a board and the expected `LINE:COLUMN: message`.
+fn check_boards(cases: &[(String, &str)]) {
+    for (fields, expected) in cases {
+        check(&board(fields), expected);
+    }
+}
+
+/// Returns a board with a key that has these fields.
+fn key(fields: &str) -> String {
+    format!("keys: [(code: \"A\", at_mm: (0, 0), {fields})]")
+}
+
 #[test]
-fn an_error_on_a_board_has_its_position() {
-    let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
-    let key = |fields: &str| format!("keys: [(code: \"A\", at_mm: (0, 0), {fields})]");
-    let cases: &[(String, &str)] = &[
-        // Unknown names.
+fn an_unknown_name_on_a_board_has_its_position() {
+    check_boards(&[
         (
             "kyes: []".into(),
             "3:1: unknown field `kyes`, did you mean `keys`?",
@@ -61,7 +69,12 @@ fn an_error_on_a_board_has_its_position() {
             "keys: [(layer: \"symbls\", at_mm: (0, 0))]".into(),
             "3:17: unknown layer `symbls`",
         ),
-        // Numbers.
+    ]);
+}
+
+#[test]
+fn a_wrong_number_on_a_board_has_its_position() {
+    check_boards(&[
         (
             key("size_mm: Box(0, 17)"),
             "3:48: 0 is out of range: a size is 1 to 500 mm",
@@ -106,7 +119,12 @@ fn an_error_on_a_board_has_its_position() {
             key("press_at: 0.2"),
             "3:16: press_at 0.2 of the key `A` must be greater than release_at 0.25",
         ),
-        // Wrong types, missing and duplicate fields.
+    ]);
+}
+
+#[test]
+fn a_wrong_missing_or_duplicate_field_has_its_position() {
+    check_boards(&[
         (
             key("travel_mm: \"4\""),
             "3:46: expected a number, without quotes",
@@ -134,7 +152,12 @@ fn an_error_on_a_board_has_its_position() {
             key("latch: Momentary"),
             "3:16: `A` cannot have a latch, only modifiers and layers can",
         ),
-        // Contradictions in the activation of a key.
+    ]);
+}
+
+#[test]
+fn a_contradiction_in_the_activation_of_a_key_has_its_position() {
+    check_boards(&[
         (
             key("activate_on: Relese"),
             "3:48: unknown value `Relese`, did you mean `Release`?",
@@ -203,7 +226,13 @@ fn an_error_on_a_board_has_its_position() {
             "rows: [(at_mm: (0, 0), keys: \" \")]".into(),
             "3:32: the text is empty",
         ),
-        // Duplicate and overlapping keys.
+    ]);
+}
+
+#[test]
+fn a_duplicate_or_overlapping_key_has_its_position() {
+    let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
+    check_boards(&[
         (
             "rows: [(at_mm: (0, 0), keys: \"Q W Q\")]".into(),
             "3:35: duplicate name `Q`: there is a key with this name in line 3, set another `name`",
@@ -233,10 +262,7 @@ fn an_error_on_a_board_has_its_position() {
             "3:36: the key `W` is more than 2000 mm from the center of its board",
         ),
         ("keys: []".into(), "1:15: board 1 has no keys"),
-    ];
-    for (fields, expected) in cases {
-        check(&board(fields), expected);
-    }
+    ]);
     check(
         "Layout(name: \"t\", boards: [])",
         "1:15: the layout has no keys and no other controls, add `boards`",

@@ -1,5 +1,6 @@
 //! The files that users write, and recordings.
 
+mod guide;
 mod layout_errors;
 mod layout_mistakes;
 mod layouts;

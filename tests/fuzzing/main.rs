@@ -1,6 +1,6 @@
 //! Seeded random inputs for every parser and for the pipeline: 10 million bytes each, and a million steps.
 //!
-//! The targets are those of `fuzz/`, which searches for inputs by coverage. More bytes and steps, or another seed:
+//! The targets are shared with `fuzz/`, which searches for inputs by coverage. More bytes and steps, or another seed:
 //! `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
 
 mod hostile;

@@ -1,6 +1,6 @@
 //! Calibration of simulated people in gloves of which nothing is known but the shipped file.
 //!
-//! The ranges from which people and gloves are drawn are those of `ademan::sim::SimulatedWearer`.
+//! People and gloves are drawn from the ranges of `ademan::sim::SimulatedWearer`.
 
 use std::time::Duration;
 
@@ -212,7 +212,7 @@ fn fifty_people_have_their_joints_within_3_degrees_in_half_of_the_cases_and_8_in
 
 #[test]
 fn the_curvature_of_bend_sensors_matters() {
-    // A fit that expects linear sensors, as those of a glove that scales its counts itself.
+    // A fit that expects linear sensors, as in a glove that scales its counts itself.
     let linear = shipped().with_full_range(true);
     let (mut curved_errors, mut linear_errors) = (Vec::new(), Vec::new());
     for seed in 0..50 {

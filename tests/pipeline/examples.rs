@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scripts")
 }
 
-/// The continuous values since the last other event, such as that of a slider: the first and the last, or the sum. Of an
+/// The continuous values since the last other event, such as the value of a slider: the first and the last, or the sum. Of an
 /// axis also the largest deflection between them.
 #[derive(Default)]
 struct Ranges {

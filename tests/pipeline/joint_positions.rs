@@ -12,6 +12,7 @@ use ademan::hand::{Dof, Finger, Joint, JointPositions, Side};
 use ademan::kinematics::{ArmModel, BoneLengths};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
+use glam::{DQuat, DVec3};
 
 use crate::support::source::typing_poses;
 
@@ -74,6 +75,89 @@ fn supination_is_zero_with_the_palm_on_a_table_and_positive_with_the_palm_turned
             let flexion = angles.get(Dof::ElbowFlexion).to_degrees();
             assert!((flexion - 90.0).abs() < 1e-9, "{flexion}");
         }
+    }
+}
+
+/// Returns a hand in the plane y = 0 with the palm down whose joints of a finger beyond the first bend by `bends` about an axis
+/// that is turned from that of the palm by `tilt` about the bone, to bend across the palm, in degrees.
+fn hand_with_bends(side: Side, finger: Finger, tilt: f64, bends: [f64; 2]) -> JointPositions {
+    let mirrored = |point: DVec3| match side {
+        Side::Right => point,
+        Side::Left => point * DVec3::new(-1.0, 1.0, 1.0),
+    };
+    let mut positions = JointPositions::default();
+    positions.set(Joint::Wrist, DVec3::ZERO);
+    // The thumb of a right hand with the palm down is on its left.
+    for (joint, x) in [
+        (Joint::IndexPhalanxProximal, -0.02),
+        (Joint::MiddlePhalanxProximal, 0.0),
+        (Joint::LittlePhalanxProximal, 0.03),
+    ] {
+        positions.set(joint, mirrored(DVec3::new(x, 0.0, -0.09)));
+    }
+    let tip = Joint::tip(finger).index();
+    let joints = &Joint::ALL[tip - 3..=tip];
+    let mut at = match positions.get(joints[0]) {
+        Some(knuckle) => mirrored(knuckle),
+        None => DVec3::new(-0.02, 0.0, -0.03),
+    };
+    let mut bone = match finger {
+        Finger::Thumb => DVec3::new(-0.6, 0.0, -0.8),
+        _ => DVec3::NEG_Z,
+    };
+    // About it a bone turns down.
+    let towards_palm = bone.cross(DVec3::NEG_Y);
+    let axis = DQuat::from_axis_angle(bone, -tilt.to_radians()) * towards_palm;
+    positions.set(joints[0], mirrored(at));
+    for (index, &joint) in joints[1..].iter().enumerate() {
+        if let Some(bend) = index.checked_sub(1).map(|index| bends[index]) {
+            bone = DQuat::from_axis_angle(axis, bend.to_radians()) * bone;
+        }
+        at += bone * 0.03;
+        positions.set(joint, mirrored(at));
+    }
+    positions
+}
+
+#[test]
+fn the_angle_of_a_hinge_joint_is_that_of_its_bones_whatever_the_axis_of_the_palm() {
+    let thumb = [Dof::ThumbMcpFlexion, Dof::ThumbIpFlexion];
+    let little = [Dof::LittlePipFlexion, Dof::LittleDipFlexion];
+    for side in [Side::Left, Side::Right] {
+        for (finger, dofs, tilts) in [
+            (Finger::Thumb, thumb, [0.0, 45.0, 90.0, 135.0]),
+            (Finger::Little, little, [-70.0, -40.0, 0.0, 60.0]),
+        ] {
+            for tilt in tilts {
+                for bends in [[5.0, 72.0], [74.0, 100.0], [13.0, -10.0]] {
+                    let positions = hand_with_bends(side, finger, tilt, bends);
+                    let angles = hand_angles(&positions, side);
+                    for (dof, bend) in dofs.into_iter().zip(bends) {
+                        let found = angles.get(dof).to_degrees();
+                        assert!(
+                            (found - bend).abs() < 1e-6,
+                            "{side} {tilt} {dof}: {found}, not {bend}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_finger_that_is_pushed_sideways_does_not_jump_between_flexion_and_extension() {
+    let angle = |tilt| {
+        let positions = hand_with_bends(Side::Right, Finger::Little, tilt, [10.0, 0.0]);
+        hand_angles(&positions, Side::Right)
+            .get(Dof::LittlePipFlexion)
+            .to_degrees()
+    };
+    assert!((angle(60.0) - 10.0).abs() < 1e-6);
+    assert!((angle(120.0) + 10.0).abs() < 1e-6);
+    for tilt in 60..120 {
+        let [before, after] = [tilt, tilt + 1].map(|tilt| angle(f64::from(tilt)));
+        assert!((before - after).abs() < 1.0, "{tilt}: {before} {after}");
     }
 }
 

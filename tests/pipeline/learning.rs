@@ -122,7 +122,7 @@ struct Learning {
 
 impl Learning {
     /// Returns an armed hand above the key H. The calibrated range of the channel of `dof` begins and ends the given counts
-    /// below and above that of the clear hand.
+    /// below and above the clear hand.
     fn new(dof: Dof, (below, above): (f64, f64)) -> Self {
         let mut loaded = Setup::default().load_files().expect("a setup");
         loaded.setup.learn_ranges = true;

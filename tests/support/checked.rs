@@ -17,7 +17,7 @@ use parry3d::math::Vec3;
 
 use super::oracle::{Cause, Observation, Oracle, OutputRules};
 
-/// A pipeline with an oracle. Methods that only read are those of the pipeline.
+/// A pipeline with an oracle. Methods that only read pass through to the pipeline.
 pub struct CheckedPipeline {
     pipeline: Pipeline,
     oracle: Oracle,

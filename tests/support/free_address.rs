@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
 use std::process;
 use std::sync::atomic::{AtomicU16, Ordering};
 
-/// Ports below those that the system gives to sockets without one, so that no other socket takes them meanwhile.
+/// Ports below those that the system gives to sockets without one, so that no other socket takes them in the meantime.
 const FIRST_PORT: u16 = 20_000;
 const PORTS: u16 = 12_000;
 

@@ -24,7 +24,7 @@ impl Drop for Process {
     }
 }
 
-/// Sends a signal to a process. Its name is that of `kill -s`: `STOP`.
+/// Sends a signal to a process. It has the name that `kill -s` uses: `STOP`.
 pub fn signal(signal: &str, process: u32) {
     let mut kill = Command::new("kill");
     kill.args(["-s", signal, &process.to_string()]);
@@ -37,7 +37,7 @@ pub fn signal(signal: &str, process: u32) {
 pub fn of_threads(process: u32, file: &str) -> io::Result<Vec<String>> {
     let threads = fs::read_dir(format!("/proc/{process}/task"))?.flatten();
     let read = |thread: fs::DirEntry| fs::read_to_string(thread.path().join(file));
-    // A thread may end meanwhile.
+    // A thread may end while the list is read.
     Ok(threads.flat_map(read).collect())
 }
 

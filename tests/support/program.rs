@@ -62,7 +62,7 @@ impl Program {
         );
     }
 
-    /// Sends signals without a delay between them. Their names are those of `kill -s`: `INT`, `TERM`, `HUP`.
+    /// Sends signals without a delay between them. They have the names that `kill -s` uses: `INT`, `TERM`, `HUP`.
     pub fn signal(&self, signals: &[&str]) {
         let process = self.id();
         let commands: Vec<_> = signals

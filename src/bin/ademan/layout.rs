@@ -9,7 +9,7 @@ use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
-use crate::{complete, key_list, layout_check, new_file, picture};
+use crate::{complete, field_list, key_list, layout_check, new_file, picture};
 
 /// Create, check, list and draw layouts
 #[derive(clap::Args)]
@@ -59,6 +59,11 @@ enum Action {
         after_help = "Examples:\n  ademan layout keys\n  ademan layout keys vol\n  ademan layout keys ';'"
     )]
     Keys(key_list::Args),
+    /// List the fields of layout files, with defaults and valid values
+    #[command(
+        after_help = "Examples:\n  ademan layout fields\n  ademan layout fields slider\n  ademan layout fields dead_zone"
+    )]
+    Fields(field_list::Args),
     /// Draw a layout in the terminal, or as a picture
     #[command(after_help = picture::EXAMPLES)]
     Show(picture::Args),
@@ -75,6 +80,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         } => layout_check::check(&files, hand, setup.as_deref(), json),
         Action::List(args) => list(&args),
         Action::Keys(args) => key_list::print(&args),
+        Action::Fields(args) => field_list::print(&args),
         Action::Show(args) => picture::show(&args),
     }
 }

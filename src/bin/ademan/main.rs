@@ -33,6 +33,7 @@ macro_rules! subcommands {
 }
 
 mod arm;
+mod body;
 mod calibrate;
 mod complete;
 mod completions;
@@ -42,6 +43,7 @@ mod demo;
 mod doctor;
 mod export;
 mod failure;
+mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
@@ -111,6 +113,7 @@ subcommands! {
     Ctl(ctl),
     Calibrate(calibrate),
     Arm(arm),
+    Body(body),
     Record(record),
     Replay(replay),
     Export(export),

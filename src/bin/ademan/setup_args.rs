@@ -1,10 +1,12 @@
 //! Flags that override fields of a setup, shared by several subcommands.
 
+use std::path::Path;
+
 use ademan::capture::SourceUri;
 use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
-use ademan::setup::Setup;
+use ademan::setup::{ReplaySettings, Setup};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::complete;
@@ -55,7 +57,7 @@ impl SetupArgs {
     }
 
     /// Reads a setup file and applies the flags. Without a file, it is `setup.ron` in the configuration folder if there is one.
-    pub fn read_setup(self, file: Option<&str>) -> Result<Setup, Failure> {
+    pub fn read_setup(&self, file: Option<&str>) -> Result<Setup, Failure> {
         let own = files::in_config_folder(OWN_SETUP);
         let mut setup = match (file, own) {
             (Some(path), _) => Setup::load(path)?,
@@ -66,14 +68,36 @@ impl SetupArgs {
             }
             (None, None) => Setup::default(),
         };
-        setup.source = self.source.or(setup.source);
-        setup.arm_source = self.arm_source.or(setup.arm_source);
+        setup.source = self.source.clone().or(setup.source);
+        setup.arm_source = self.arm_source.clone().or(setup.arm_source);
+        setup.glove = self.glove.clone().or(setup.glove);
+        setup.layout = self.layout.clone().unwrap_or(setup.layout);
+        self.override_permissions(&mut setup);
+        Ok(setup)
+    }
+
+    /// Applies the flags that name no file and no source.
+    pub fn override_permissions(&self, setup: &mut Setup) {
         setup.arm_role = self.arm_role.or(setup.arm_role);
         setup.role = self.role.or(setup.role);
-        setup.glove = self.glove.or(setup.glove);
-        setup.layout = self.layout.unwrap_or(setup.layout);
         setup.learn_ranges |= self.learn_ranges;
-        Ok(setup)
+    }
+
+    /// Returns the recording that is the only source.
+    pub fn recording(&self) -> Option<&Path> {
+        match (&self.source, &self.arm_source) {
+            (Some(SourceUri::Recording { path }), None) => Some(path),
+            _ => None,
+        }
+    }
+
+    /// Returns the replacements of the glove and the layout of a recording.
+    pub fn replay_settings(&self) -> ReplaySettings<'_> {
+        ReplaySettings {
+            glove: self.glove.as_deref(),
+            layout: self.layout.as_deref(),
+            permissions: None,
+        }
     }
 }
 

@@ -55,8 +55,8 @@ impl InPlaceCapture {
 
     /// Reads no more. If packets were refused since the latest statistics, the last event has them.
     pub fn stop(&mut self) {
-        let source = self.source.as_ref();
-        if let Some(stats) = source.and_then(|source| source.unreported()) {
+        let source = self.source.as_mut();
+        if let Some(stats) = source.and_then(EventSource::stop) {
             let _ = self.queue.push(CaptureEvent::Noise(stats));
         }
     }

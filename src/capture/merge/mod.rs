@@ -10,6 +10,7 @@ use arrayvec::ArrayVec;
 use crossbeam_channel::{Receiver, never, select};
 
 use super::clock_offset::ClockOffset;
+use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::{
     CancelToken, CaptureError, CaptureEvent, CaptureThread, MAX_BLOCK, Reading, Source,
@@ -51,6 +52,8 @@ pub struct MergedSource {
     /// Time of the latest reading. Times never decrease, and those of parts increase.
     time: Timestamp,
     cancel: Option<CancelToken>,
+    /// Time at which a call returns without a reading, so that packets that were refused since the last one are reported.
+    report_at: Option<Instant>,
 }
 
 struct MergedInput {
@@ -62,13 +65,15 @@ struct MergedInput {
     events: Receiver<CaptureEvent>,
     clock_offset: ClockOffset,
     stats: SourceStats,
+    /// Readings that were held back and then dropped.
+    dropped: u64,
     /// Readings that wait for slower sources, and when they are due. Of a source that is not live, the next reading until it
     /// is the earliest.
     held: VecDeque<(Instant, Reading)>,
     has_ended: bool,
     feedback: Option<FeedbackDevice>,
     /// Stops the source when it is dropped.
-    _thread: CaptureThread,
+    thread: CaptureThread,
 }
 
 impl MergedInput {
@@ -85,10 +90,11 @@ impl MergedInput {
             events: thread.events().clone(),
             clock_offset: ClockOffset::default(),
             stats: SourceStats::default(),
+            dropped: 0,
             held: VecDeque::with_capacity(MAX_HELD),
             has_ended: false,
             feedback,
-            _thread: thread,
+            thread,
         })
     }
 
@@ -115,7 +121,7 @@ impl MergedInput {
             ) => {}
             Some(CaptureEvent::Lost(error)) => {
                 self.stats.losses += 1;
-                self.held.clear();
+                self.drop_held();
                 return Err(CaptureError::PartLost {
                     side: self.side,
                     part: self.part,
@@ -148,7 +154,7 @@ impl MergedInput {
         reading.time = reading.time + self.hold;
         if self.held.len() == MAX_HELD {
             self.held.pop_front();
-            self.stats.dropped += 1;
+            self.dropped += 1;
         }
         self.held.push_back((received_at + self.hold, reading));
     }
@@ -159,6 +165,21 @@ impl MergedInput {
 
     fn time(&self) -> Option<Timestamp> {
         self.held.front().map(|(_, reading)| reading.time)
+    }
+
+    /// Stops the source and adopts its last statistics.
+    fn stop(&mut self) {
+        self.thread.stop();
+        while let Ok(event) = self.events.try_recv() {
+            // A loss changes nothing any more.
+            let _ = self.handle(Some(event), None);
+        }
+        self.drop_held();
+    }
+
+    fn drop_held(&mut self) {
+        self.dropped += self.held.len() as u64;
+        self.held.clear();
     }
 
     fn end(&mut self) {
@@ -184,6 +205,7 @@ impl MergedSource {
             inputs: inputs.collect::<Result<_, _>>()?,
             time: Timestamp::default(),
             cancel: None,
+            report_at: None,
         })
     }
 
@@ -199,11 +221,17 @@ impl MergedSource {
                 return Ok(input.held.pop_front().map(|(_, reading)| reading));
             }
             Some((due_at, _)) => due_at - now,
-            None if self.cancel.is_some() => NO_DEADLINE,
+            None if self.cancel.is_some() => self.time_to_report(now),
             None => MAX_BLOCK,
         };
         self.wait(timeout)?;
         Ok(None)
+    }
+
+    /// Returns the time until the next report is due.
+    fn time_to_report(&mut self, now: Instant) -> Duration {
+        self.report_at = self.report_at.filter(|&at| at > now);
+        self.report_at.map_or(NO_DEADLINE, |at| at - now)
     }
 
     /// Waits for an event of any source, at most for `timeout`, and handles it.
@@ -223,6 +251,9 @@ impl MergedSource {
             recv(cancelled) -> _ => return Ok(()),
             default(timeout) => return Ok(()),
         };
+        if let Some(CaptureEvent::Noise(_)) = event {
+            self.report_at = Some(Instant::now() + NOISE_INTERVAL);
+        }
         self.inputs[index].handle(event, Some(self.start))
     }
 
@@ -285,6 +316,13 @@ impl Source for MergedSource {
         &self.name
     }
 
+    /// Stops all sources. Their readings that were not returned are dropped.
+    fn stop(&mut self) {
+        for input in &mut self.inputs {
+            input.stop();
+        }
+    }
+
     /// Returns the period of the slowest source.
     fn packet_period(&self) -> Option<Duration> {
         let periods = self.inputs.iter().map(|input| input.packet_period);
@@ -296,7 +334,10 @@ impl Source for MergedSource {
     }
 
     fn stats(&self) -> SourceStats {
-        let stats = self.inputs.iter().map(|input| input.stats);
+        let stats = self.inputs.iter().map(|input| SourceStats {
+            dropped: input.stats.dropped + input.dropped,
+            ..input.stats
+        });
         stats.fold(SourceStats::default(), |sum, stats| SourceStats {
             bytes: sum.bytes + stats.bytes,
             skipped_bytes: sum.skipped_bytes + stats.skipped_bytes,

@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::*;
-use crate::capture::{Channels, Sample};
+use crate::capture::{Channels, InvalidPacket, Sample};
 
 /// Source with a name and readings at these times, in microseconds. One named `live` is live.
 struct TimedSource(&'static str, Vec<u64>);
@@ -292,4 +292,67 @@ fn a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods() {
     }
     assert_eq!(steady, STEADY_READINGS, "beside {flooded} readings");
     assert!(dropped > STEADY_READINGS, "{dropped}");
+}
+
+/// A source without readings that has refused this number of packets.
+struct Refused(Arc<AtomicU64>);
+
+impl Source for Refused {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        std::thread::sleep(Duration::from_millis(1));
+        Ok(SourceEvent::Idle)
+    }
+
+    fn name(&self) -> &str {
+        "refused"
+    }
+
+    fn stats(&self) -> SourceStats {
+        let mut stats = SourceStats::default();
+        for _ in 0..self.0.load(Ordering::Relaxed) {
+            stats.invalid.count(InvalidPacket::Truncated);
+        }
+        stats
+    }
+}
+
+/// Merges the fingers and the arm, which have refused these numbers of packets.
+fn merged_refusals(refused: [&Arc<AtomicU64>; 2]) -> MergedSource {
+    let sources = HandPart::ALL.iter().zip(refused);
+    let sources = sources.map(|(&part, refused)| PartialSource {
+        source: Box::new(Refused(Arc::clone(refused))) as Box<dyn Source>,
+        side: Some(Side::Right),
+        part: Some(part),
+        delay: Duration::ZERO,
+    });
+    MergedSource::start(sources.collect()).unwrap()
+}
+
+fn refused_packets(event: &CaptureEvent) -> u64 {
+    match event {
+        CaptureEvent::Noise(stats) => stats.invalid.get(InvalidPacket::Truncated),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn packets_that_parts_refused_before_a_stop_are_in_the_last_statistics() {
+    let (fingers, arm) = (Arc::default(), Arc::default());
+    let mut capture = spawn(merged_refusals([&fingers, &arm])).unwrap();
+    fingers.store(3, Ordering::Relaxed);
+    arm.store(4, Ordering::Relaxed);
+    capture.stop();
+    let last = capture.events().iter().last().expect("an event");
+    assert_eq!(refused_packets(&last), 7);
+}
+
+#[test]
+fn packets_that_a_part_refused_are_reported_without_another_event() {
+    let (fingers, arm) = (Arc::new(AtomicU64::new(1)), Arc::default());
+    let merged = merged_refusals([&fingers, &arm]);
+    // The part reports when the next report of the merged source is not due yet.
+    std::thread::sleep(Duration::from_millis(200));
+    let capture = spawn(merged).unwrap();
+    let event = capture.events().recv_timeout(Duration::from_secs(60));
+    assert_eq!(refused_packets(&event.expect("a report")), 1);
 }

@@ -210,8 +210,8 @@ impl<C: Connector> StreamSource<C> {
 
     /// Forgets what another sender has sent before the bytes that were just read: one packet never holds bytes of two.
     fn forget_other_sender(&mut self) {
-        if let State::Connected(connection) = &self.state
-            && connection.bytes.has_other_sender()
+        if let State::Connected(connection) = &mut self.state
+            && connection.bytes.take_sender_change()
         {
             self.decoder.reset();
             if let Some(sender) = &mut self.pending.sender {

@@ -147,7 +147,7 @@ fn capture(mut source: EventSource<impl Source>, sender: &mut EventSender) {
     }
     // The queue of a live source has room for every event.
     if source.source.is_live()
-        && let Some(stats) = source.unreported()
+        && let Some(stats) = source.stop()
     {
         sender.send(CaptureEvent::Noise(stats));
     }

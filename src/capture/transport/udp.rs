@@ -114,8 +114,8 @@ impl ByteStream for Datagrams {
         }))
     }
 
-    fn has_other_sender(&self) -> bool {
-        self.senders.has_changed()
+    fn take_sender_change(&mut self) -> bool {
+        self.senders.take_change()
     }
 
     fn accept_sender(&mut self) {

@@ -86,13 +86,9 @@ const LATCHES: &[&str] = &["Momentary", "OneShot", "Lock"];
 
 /// Returns the fields that a part can have, those with its name and position first.
 pub fn fields_of(part: Part) -> Vec<FieldSpec> {
-    use FieldType::{Action, Bool, Choice, Outline, Output, Point, Ron, Text};
-    let named = [field("name", Text), field("label", Text)];
+    use FieldType::{Action, Choice, Outline, Output, Point, Ron, Text};
     let at = field("at_mm", Point { count: 2 });
-    let output = field("output", Output);
-    let steps = number!("steps", Steps);
-    let initial = number!("initial", Fraction, Some(0.0));
-    let of_control: Vec<FieldSpec> = match part {
+    let of_part: Vec<FieldSpec> = match part {
         Part::Layout => {
             return vec![
                 field("name", Text),
@@ -122,7 +118,7 @@ pub fn fields_of(part: Part) -> Vec<FieldSpec> {
                 field("hand", Choice(SIDES)),
                 field("when", Ron),
                 field("action", Action),
-                output,
+                field("output", Output),
             ];
         }
         Part::Pointer => return pointer_fields(),
@@ -152,83 +148,101 @@ pub fn fields_of(part: Part) -> Vec<FieldSpec> {
                 number!("hold_after_ms", HoldAfter, default),
             ];
         }
-        Part::Control { kind, .. } => match kind {
-            ControlKind::Key => key_fields(),
-            ControlKind::Toggle => vec![
-                at,
-                field("size_mm", Outline),
-                field("hold", Action),
-                field("tap", Action),
-            ],
-            ControlKind::Radio => {
-                return vec![
-                    field("name", Text),
-                    field("options", Ron),
-                    field("initial", Text),
-                ];
-            }
-            ControlKind::TouchSurface => vec![
-                at,
-                field("size_mm", Outline),
-                field("mode", Choice(&["Touchscreen", "Touchpad"])),
-                number!("px_per_mm", PixelsPerMm, default),
-                number!("acceleration", Acceleration, default),
-                number!("mm_per_detent", MmPerDetent, default),
-                field("natural_scrolling", Bool),
-            ],
-            ControlKind::Slider => vec![
-                at,
-                number!("length_mm", Size, None),
-                number!("width_mm", Size, default),
-                number!("rotation_deg", Rotation, default),
-                field("grab", Choice(&["Absolute", "Relative"])),
-                steps,
-                initial,
-                output,
-            ],
-            ControlKind::Lever => vec![
-                at,
-                number!("length_mm", Size, None),
-                number!("width_mm", Size, default),
-                number!("rotation_deg", Rotation, default),
-                number!("throw_deg", Throw, default),
-                number!("detents", Steps),
-                number!("rest", Fraction, Some(0.5)),
-                field("springs_back", Bool),
-                output,
-            ],
-            ControlKind::Knob => vec![
-                at,
-                number!("diameter_mm", Size, None),
-                number!("range_deg", KnobRange, default),
-                field("endless", Bool),
-                steps,
-                initial,
-                output,
-            ],
-            ControlKind::Valve => vec![
-                at,
-                number!("diameter_mm", Size, None),
-                number!("turns", Turns, default),
-                steps,
-                initial,
-                output,
-            ],
-            ControlKind::Joystick => vec![
-                at,
-                number!("diameter_mm", Size, None),
-                number!("travel_mm", Travel),
-                number!("max_deflection_mm", MaxDeflection, default),
-                number!("dead_zone", StickDeadZone, default),
-                number!("exponent", StickExponent, default),
-                field("axes", Ron),
-                field("direction_keys", Ron),
-                field("push_action", Action),
-                number!("pointer_px_per_s", StickSpeed),
-            ],
-        },
+        Part::Control { kind, .. } => return control_fields(kind),
     };
-    named.into_iter().chain(of_control).collect()
+    named(of_part)
+}
+
+/// Returns fields with the name and the label of a control before them.
+fn named(fields: Vec<FieldSpec>) -> Vec<FieldSpec> {
+    let named = [
+        field("name", FieldType::Text),
+        field("label", FieldType::Text),
+    ];
+    named.into_iter().chain(fields).collect()
+}
+
+fn control_fields(kind: ControlKind) -> Vec<FieldSpec> {
+    use FieldType::{Action, Bool, Choice, Outline, Output, Point, Ron, Text};
+    let at = field("at_mm", Point { count: 2 });
+    let output = field("output", Output);
+    let steps = number!("steps", Steps);
+    let initial = number!("initial", Fraction, Some(0.0));
+    named(match kind {
+        ControlKind::Key => key_fields(),
+        ControlKind::Toggle => vec![
+            at,
+            field("size_mm", Outline),
+            field("hold", Action),
+            field("tap", Action),
+        ],
+        ControlKind::Radio => {
+            return vec![
+                field("name", Text),
+                field("options", Ron),
+                field("initial", Text),
+            ];
+        }
+        ControlKind::TouchSurface => vec![
+            at,
+            field("size_mm", Outline),
+            field("mode", Choice(&["Touchscreen", "Touchpad"])),
+            number!("px_per_mm", PixelsPerMm, default),
+            number!("acceleration", Acceleration, default),
+            number!("mm_per_detent", MmPerDetent, default),
+            field("natural_scrolling", Bool),
+        ],
+        ControlKind::Slider => vec![
+            at,
+            number!("length_mm", Size, None),
+            number!("width_mm", Size, default),
+            number!("rotation_deg", Rotation, default),
+            field("grab", Choice(&["Absolute", "Relative"])),
+            steps,
+            initial,
+            output,
+        ],
+        ControlKind::Lever => vec![
+            at,
+            number!("length_mm", Size, None),
+            number!("width_mm", Size, default),
+            number!("rotation_deg", Rotation, default),
+            number!("throw_deg", Throw, default),
+            number!("detents", Steps),
+            number!("rest", Fraction, Some(0.5)),
+            field("springs_back", Bool),
+            output,
+        ],
+        ControlKind::Knob => vec![
+            at,
+            number!("diameter_mm", Size, None),
+            number!("range_deg", KnobRange, default),
+            field("endless", Bool),
+            steps,
+            initial,
+            output,
+        ],
+        ControlKind::Valve => vec![
+            at,
+            number!("diameter_mm", Size, None),
+            number!("turns", Turns, default),
+            steps,
+            initial,
+            output,
+        ],
+        ControlKind::Joystick => vec![
+            at,
+            number!("diameter_mm", Size, None),
+            number!("travel_mm", Travel),
+            number!("max_deflection_mm", MaxDeflection, default),
+            number!("dead_zone", StickDeadZone, default),
+            number!("exponent", StickExponent, default),
+            field("axes", Ron),
+            field("direction_keys", Ron),
+            field("push_action", Action),
+            number!("pointer_px_per_s", StickSpeed),
+        ],
+    })
 }
 
 fn key_fields() -> Vec<FieldSpec> {

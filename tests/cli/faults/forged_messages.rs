@@ -86,6 +86,7 @@ const COMMANDS: &[&[&str]] = &[
     &["layout", "show", "media", "--hand", "NAME,1"],
     &["layout", "check", "NAME"],
     &["layout", "check", "media", "--setup", "NAME"],
+    &["layout", "fields", "NAME"],
     &["layout", "keys", "NAME"],
     &["layout", "new", "no/NAME"],
     &["layout", "new", "new NAME"],

@@ -87,7 +87,7 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_is_reported_and_needs_no_me
     let mut sent = 0;
     let start = Instant::now();
     let mut memory = None;
-    // As many bytes as arrive in a minute, for longer than the warning takes.
+    // These are the bytes of a minute, longer than the warning takes.
     while sent < 60 * 115_200 / 10 || start.elapsed() < Duration::from_secs(3) {
         let noise: Vec<u8> = (0..8_192).map(|_| random.u8(..)).collect();
         for bytes in received.iter().chain([&noise]) {

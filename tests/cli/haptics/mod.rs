@@ -143,7 +143,7 @@ fn a_touch_and_a_press_are_felt_as_pulses() {
         let run = Run::start(Glove::start(carrier), &["--haptics", "pulse"]);
         let off = "F0.00G0.00H0.00";
         assert_eq!(run.glove.next_feedback(), off, "{carrier:?}");
-        // So slowly that the pulse of the touch is over before that of the press.
+        // The finger is so slow that the pulse of the touch ends before the pulse of the press.
         let mut steps = 1..100;
         for pulse in ["F160.00G0.02H0.40", "F160.00G0.03H1.00"] {
             while run.glove.feedback.is_empty() {

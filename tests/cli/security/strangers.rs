@@ -461,7 +461,7 @@ fn a_layout_that_another_user_edits_is_not_activated() {
         if !give_away(&edited, Some(NOBODY), None) {
             return;
         }
-        // As an editor saves.
+        // Editors save like this.
         fs::rename(&edited, run.path()).expect("an own folder");
         run.wait_for_message("my.ron: this file belongs to another user, use one of your own");
         assert_eq!(run.next_message(), "the active layout stays");

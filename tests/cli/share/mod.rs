@@ -49,7 +49,7 @@ fn share(text: &str, target: &str) -> (Process, String) {
     (process, address.to_owned())
 }
 
-/// Returns whether the keys that another program has typed are those of a text in their order. A busy machine loses
+/// Returns `true` if another program has typed keys of a text in their order. A busy machine loses
 /// some, and never adds one.
 fn is_part_of(typed: &str, text: &str) -> bool {
     let mut rest = text.chars();
@@ -58,7 +58,7 @@ fn is_part_of(typed: &str, text: &str) -> bool {
 
 #[test]
 fn another_program_types_what_the_first_one_shares() {
-    // Long enough for a busy machine to start the second program meanwhile.
+    // The text is long enough for a busy machine to start the second program.
     let text = "hola hola hola hola hola";
     let (mut first, address) = typist(text, "text-line");
     let source = format!("tcp:{address}?protocol=text-line");

@@ -33,7 +33,7 @@ pub enum Attack {
     PauseByCommand,
     /// SIGUSR1 to the program and its watchdog, as by `pkill`.
     PauseBySignal,
-    /// As many clients as the control socket accepts, which send nothing.
+    /// Silent clients, in the number that the control socket accepts.
     ConnectSilentClients,
     /// A client that sends requests and reads no response.
     ConnectFloodingClient,
@@ -108,7 +108,7 @@ impl Attack {
             Self::DropPresses => (260, 400),
             // Longer than the time-out of the watchdog.
             Self::StopProgram | Self::StopWatchdog => (600, 1_500),
-            // Long enough for some presses of a typing hand.
+            // This takes long enough for some presses of a typing hand.
             Self::PauseByCommand | Self::PauseBySignal => (1_000, 1_500),
             _ => (100, 1_000),
         };

@@ -41,7 +41,7 @@ fn setting<T: std::str::FromStr>(name: &str, default: T) -> T {
     })
 }
 
-/// Returns the attacks of the run: those of the setting, or all.
+/// Returns the attacks of the run: the ones in the setting, or all.
 fn attacks() -> Vec<Attack> {
     let Ok(names) = std::env::var("ADEMAN_CHAOS_ATTACKS") else {
         return Attack::ALL.to_vec();

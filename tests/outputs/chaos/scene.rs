@@ -22,7 +22,7 @@ use crate::support::process::Process;
 use crate::support::run::shipped;
 use crate::support::x11::XServer;
 
-/// As many clients as the control socket accepts.
+/// The number of clients that the control socket accepts.
 const CLIENTS: usize = 16;
 
 /// Packets of a hand that is clear of all keys, for longer than a run needs to be armed.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// As many as starve the others if the program answers each frame before it serves the next client.
+/// The number that starves the other clients if the program answers each frame before it serves the next client.
 const CLIENTS: usize = 2;
 
 /// A pong with no content, and the first part of a message with no content; both are masked with zeros.

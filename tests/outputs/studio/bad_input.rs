@@ -9,7 +9,7 @@ use crate::support::binary::ademan;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 
-/// Checks that a command exits with code 2 and says these words, without those of its libraries.
+/// Checks that a command exits with code 2 and prints these words, without messages of its libraries.
 fn check_refusal(mut command: Command, words: &[&str]) {
     let output = command.output().expect("the program starts");
     let message = String::from_utf8_lossy(&output.stderr);

@@ -16,7 +16,7 @@ const SYSTEMCTL: &str = "as-ana systemctl --user";
 /// The log of the unit.
 const LOG: &str = "/run/user/1000/ademan.log";
 
-/// First TCP port of X servers: that of display 0.
+/// First TCP port of X servers: the port of display 0.
 const X11_PORT: u16 = 6000;
 
 /// The machine, and the log of all key events on its X server.

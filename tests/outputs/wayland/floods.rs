@@ -75,7 +75,7 @@ fn keys_are_released_when_a_stopped_compositor_continues_and_presses_of_before_a
     let Some(window) = Window::open(&compositor) else {
         return;
     };
-    // A second keyboard, like that of the user.
+    // A second keyboard, like the keyboard of the user.
     let mut other = compositor.desktop();
     let mut sink = compositor.desktop();
     sink.send(&[event(EventKind::KeyDown(key("A")))])

@@ -56,7 +56,7 @@ fn characters_that_are_not_in_the_keymap_arrive_byte_for_byte() {
         sink.send(&[event(EventKind::Character(character))])
             .expect("the queue has room");
     }
-    // As one text.
+    // The same characters arrive as one text.
     let events = text.chars().map(EventKind::Character).map(event);
     sink.send(&events.collect::<Vec<_>>())
         .expect("the queue has room");

@@ -49,7 +49,7 @@ impl Killed {
     fn attempt() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
-        // As that of a real user, so that the loop writes the keys.
+        // Real users have a runtime folder in memory; with it the loop writes the keys.
         let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
         let port = runtime.path().join("glove");
         let glove = Glove::plug_in(&port, press.clear());

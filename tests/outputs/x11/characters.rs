@@ -344,7 +344,7 @@ impl Typed {
         let server = XServer::start()?;
         let client = KeymapClient::connect(&server);
         let keymap = client.keymap();
-        // As that of a real user.
+        // Real users have a runtime folder in memory.
         let folder = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
         let layout = folder.path().join("text.ron");
         fs::write(&layout, LAYOUT).expect("the folder is writable");

@@ -16,7 +16,7 @@ pub fn server_with(keymap: &[&str]) -> Option<XServer> {
     set_keymap(&server, keymap).then_some(server)
 }
 
-/// Changes the keymap of the server to that of these arguments of setxkbmap. Returns `false` with a message if it is not
+/// Sets the keymap of the server by these arguments of setxkbmap. Returns `false` with a message if it is not
 /// installed.
 pub fn set_keymap(server: &XServer, keymap: &[&str]) -> bool {
     let mut command = Command::new("setxkbmap");

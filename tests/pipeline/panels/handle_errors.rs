@@ -10,20 +10,22 @@ fn refusal(fields: &str) -> String {
     format!("{line}:{column}: {}", error.message())
 }
 
+/// Checks that each list of controls is refused on the second line, with this part of the message.
+fn check(cases: &[(String, &str)]) {
+    for (fields, expected) in cases {
+        let message = refusal(fields);
+        assert!(
+            message.starts_with("2:") && message.contains(expected),
+            "{fields}\n{message}"
+        );
+    }
+}
+
 #[test]
-fn errors_of_controls_are_reported_with_their_position() {
+fn an_error_of_a_slider_has_its_position() {
     let slider =
         |fields: &str| format!("sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50, {fields})]");
-    let knob =
-        |fields: &str| format!("knobs: [(name: \"K\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
-    let lever =
-        |fields: &str| format!("levers: [(name: \"L\", at_mm: (0, 0), length_mm: 50, {fields})]");
-    let valve =
-        |fields: &str| format!("valves: [(name: \"V\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
-    let stick = |fields: &str| {
-        format!("joysticks: [(name: \"J\", at_mm: (0, 0), diameter_mm: 40, {fields})]")
-    };
-    let cases = [
+    check(&[
         (
             slider("steps: 0"),
             "out of range: a number of steps is 1 to 1000",
@@ -58,6 +60,14 @@ fn errors_of_controls_are_reported_with_their_position() {
             slider("width_mm: 1e308"),
             "out of range: a size is 1 to 500 mm",
         ),
+    ]);
+}
+
+#[test]
+fn an_error_of_a_knob_has_its_position() {
+    let knob =
+        |fields: &str| format!("knobs: [(name: \"K\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
+    check(&[
         (
             knob("range_deg: 0"),
             "out of range: the range of a knob is 10 to 360°",
@@ -74,6 +84,16 @@ fn errors_of_controls_are_reported_with_their_position() {
             knob("endless: true, output: Axis(\"LeftX\")"),
             "the knob `K` is endless and cannot output an axis, which has ends",
         ),
+    ]);
+}
+
+#[test]
+fn an_error_of_a_lever_or_valve_has_its_position() {
+    let lever =
+        |fields: &str| format!("levers: [(name: \"L\", at_mm: (0, 0), length_mm: 50, {fields})]");
+    let valve =
+        |fields: &str| format!("valves: [(name: \"V\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
+    check(&[
         (
             lever("throw_deg: 180"),
             "out of range: a throw is 5 to 170°",
@@ -94,6 +114,15 @@ fn errors_of_controls_are_reported_with_their_position() {
             valve("turns: -1"),
             "out of range: a number of turns is 0.25 to 50",
         ),
+    ]);
+}
+
+#[test]
+fn an_error_of_a_joystick_has_its_position() {
+    let stick = |fields: &str| {
+        format!("joysticks: [(name: \"J\", at_mm: (0, 0), diameter_mm: 40, {fields})]")
+    };
+    check(&[
         (
             stick(""),
             "the joystick `J` has no output, add `axes`, `direction_keys`, `push_action` or `pointer_px_per_s`",
@@ -120,14 +149,7 @@ fn errors_of_controls_are_reported_with_their_position() {
             "the joystick `J` has a `push_action` and needs a `travel_mm` of at least 10, not 4: otherwise every touch is a push",
         ),
         (stick("direction_keys: (up: Key(\"W\"))"), "`down`"),
-    ];
-    for (fields, expected) in cases {
-        let message = refusal(&fields);
-        assert!(
-            message.starts_with("2:") && message.contains(expected),
-            "{fields}\n{message}"
-        );
-    }
+    ]);
 }
 
 #[test]

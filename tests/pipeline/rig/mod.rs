@@ -28,7 +28,7 @@
 //! | `release` | everything is released, as by the pipeline |
 //! | `release-devices` | the devices release everything, the contacts stay |
 //!
-//! **Orders of `scenarios`:** those of the simulated hand (`docs/scripts.md`) and those of `scenarios::directive`, which
+//! **Orders of `scenarios`:** the orders of the simulated hand (`docs/scripts.md`) and of `scenarios::directive`, which
 //! are about what happens to the run.
 //!
 //! Events are written as [`transcript`] says.

@@ -17,7 +17,7 @@
 //! | `rail FINGER COUNT` | from now on the sensors of a finger read this |
 //! | `repair` | all sensors read what they should |
 //! | `clock SECONDS` | the time stamps jump, back when negative |
-//! | `swap` | from now on the readings of one hand are labelled as those of the other |
+//! | `swap` | from now on the readings of one hand have the label of the other |
 //! | `pause`, `resume`, `stop` | a command to the pipeline |
 //! | `reload LAYOUT` | the file of the first layout is saved with this content; `(refused)` when it is invalid |
 //! | `profile INDEX` | another layout of the setup becomes active |

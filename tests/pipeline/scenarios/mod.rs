@@ -1,4 +1,4 @@
-//! Scenarios: a hand plays, something happens to the run meanwhile, and these events are expected.
+//! Scenarios: a hand plays while something happens to the run, and these events are expected.
 //!
 //! The files are `tests/scenarios/*.txt`. A scenario begins with `## ` and its name; `setup:` names its layout. Lines at
 //! the margin are the script, indented lines the transcript of the line above:

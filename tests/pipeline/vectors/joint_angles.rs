@@ -78,7 +78,7 @@ pub fn t_pose(file: &Value) -> usize {
     cases.len()
 }
 
-/// Returns the tolerance of a case, or that of the file: a number, or a table by quantity.
+/// Returns the tolerance of a case, or of the file: a number, or a table by quantity.
 fn tolerance_of<'a>(case: &'a Value, file: &'a Value, quantity: &str) -> &'a Value {
     match &case["tolerance"] {
         own @ Value::Number(_) => own,

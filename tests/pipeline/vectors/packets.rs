@@ -27,7 +27,7 @@ pub fn packets(file: &Value) -> usize {
     cases.len()
 }
 
-/// Returns the chunk sizes to test: the whole stream, single bytes, and those of the case.
+/// Returns the chunk sizes to test: the whole stream, single bytes, and the sizes of the case.
 fn cuts(case: &Value, length: usize) -> Vec<Vec<usize>> {
     let mut cuts = vec![vec![length], vec![1; length]];
     if let Some(chunks) = case["chunks"].as_array() {

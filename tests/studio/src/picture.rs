@@ -145,7 +145,7 @@ pub fn save(picture: &RgbaImage, path: &Path) {
         .expect("the picture can be written");
 }
 
-/// Returns a folder from that of this package.
+/// Returns a folder relative to the folder of this package.
 pub fn folder(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }

@@ -168,7 +168,7 @@ fn two_layouts_are_compared() {
         recorded.go_to(index);
         recorded.window.click(text(mark));
     }
-    // That of the default is in a temporary folder.
+    // The default folder is a temporary one.
     let name = "greeting-part.mcap";
     recorded.window.enter(text("recording-file"), name);
     recorded.leave();

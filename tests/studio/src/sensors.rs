@@ -78,7 +78,7 @@ fn check_elbow(window: &mut StudioWindow, zero: f64, full_range: f64) {
 fn another_offset_and_gain_change_the_angle_at_once_and_are_saved_with_the_comments() {
     let mut own = OwnGlove::open();
     let window = &mut own.window;
-    // The angle is then that of the present count alone.
+    // The angle then depends on the present count alone.
     window.click(text("filter-off"));
     window.click(text("joint-elbow"));
     check_elbow(window, 31.0, FULL_RANGE_RAD);

@@ -186,7 +186,7 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    /// Creates an oracle for a new pipeline; `rules` are those of its profiles, in order.
+    /// Creates an oracle for a new pipeline; `rules` are the rules of its profiles, in order.
     pub fn new(rules: impl IntoIterator<Item = OutputRules>, settings: PipelineSettings) -> Self {
         Self {
             rules: rules.into_iter().collect(),

@@ -1,4 +1,4 @@
-//! Invariant I6 of touches: after a release of everything, touches have to begin anew.
+//! Invariant I6 of touches: after a release of everything, touches have to begin again.
 
 use ademan::contact::{Phase, TargetId};
 use ademan::hand::{Finger, Side};

@@ -6,6 +6,7 @@
 mod all_errors;
 mod error;
 mod field_names;
+mod fields;
 mod format;
 mod pairs;
 mod ranged;
@@ -19,6 +20,8 @@ pub use error::byte_offset;
 pub(crate) use error::line_number;
 pub use error::{DocumentError, DocumentFault};
 pub use field_names::Structure;
+pub(crate) use fields::{Attributes, FieldType, Values, add_table, attributes, doc_line, schema};
+pub use fields::{Row, Table};
 pub use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};

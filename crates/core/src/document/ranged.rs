@@ -28,6 +28,17 @@ macro_rules! ranged_numbers {
             }
         )?
 
+        impl $crate::document::FieldType for $name {
+            fn values() -> String {
+                format!(concat!("{} to {}", $unit), Self::RANGE.start(), Self::RANGE.end())
+            }
+
+            fn default_text() -> String {
+                let default: &[f64] = &[$($default)?];
+                default.first().map_or("none".into(), f64::to_string)
+            }
+        }
+
         impl<'de> serde::Deserialize<'de> for $name {
             fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let value = <f64 as serde::Deserialize>::deserialize(deserializer)?;

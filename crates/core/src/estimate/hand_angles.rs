@@ -7,12 +7,20 @@ use crate::hand::{Dof, Finger, Joint, JointAngles, JointPositions, Side};
 /// Smallest sine of an angle between two directions that determine a plane.
 const MIN_SINE: f64 = 0.05;
 
+/// Weight of a bend across the palm in the direction in which a thumb flexes; that of a bend towards the palm is 1.
+const THUMB_ACROSS: f64 = 2.0;
+
+/// Smallest cosine of the angle between the axis of a bend and that of flexion at which all of the bend is flexion. Below it the
+/// bone goes sideways, and flexion and extension pass into each other.
+const MIN_COSINE: f64 = 0.2;
+
 /// Returns the angles between the bones whose joints are known, in radians.
 ///
 /// Directions of the palm: along it from the wrist to the knuckle of the middle finger, across it from the knuckle of the
 /// little finger to that of the index finger. Supination is 0 if the palm faces away from the direction in which the
 /// elbow bends, as on a table, and unknown while the arm is straight. Shoulder angles are those of the upper arm in the
-/// world, 0 if it points straight forward.
+/// world, 0 if it points straight forward. The angle of a hinge joint, one beyond the knuckle of a finger or the base of the
+/// thumb, is that between its two bones, whatever the direction of its axis; the palm decides only which way is flexion.
 pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
     let sign = sign(side);
     let mut angles = JointAngles::default();
@@ -143,16 +151,16 @@ fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3, upper_arm: O
     angles.set(Dof::ForearmSupination, supination.atan2(away));
 }
 
-/// Sets the angles of a finger: abduction about the palm's Y, then flexion of its joints about its own Z.
+/// Sets the angles of a finger: abduction about the palm's Y and flexion of the first bone, then those of the hinge joints.
 fn set_finger(angles: &mut JointAngles, palm: &Palm, bones: &Bones, finger: Finger) {
     let tip = Joint::tip(finger).index();
     let joints = &Joint::ALL[tip - 3..=tip];
     let directions = [0, 1, 2].map(|bone| bones.direction(joints[bone], joints[bone + 1]));
     let dofs: [Dof; 4] = std::array::from_fn(|index| Dof::ALL[8 + 4 * finger.index() + index]);
-    let Some(first) = directions[0] else {
+    let Some(along) = directions[0] else {
         return;
     };
-    let first = palm.components(first);
+    let first = palm.components(along);
     let in_palm = first.x.hypot(first.z);
     // A finger that is bent by more than a right angle points backwards.
     let forward = 1_f64.copysign(first.x);
@@ -163,9 +171,22 @@ fn set_finger(angles: &mut JointAngles, palm: &Palm, bones: &Bones, finger: Fing
     angles.set(dofs[0], palm.sign * spread);
     angles.set(dofs[1], first.y.atan2(in_palm * forward));
     let axis = palm.x * spread.sin() + palm.z * spread.cos();
+    let flexion = match finger {
+        // A thumb bends across the palm rather than towards it.
+        Finger::Thumb => axis + THUMB_ACROSS * palm.sign * axis.cross(along),
+        _ => axis,
+    };
     for (bone, dof) in dofs[2..].iter().enumerate() {
         if let (Some(before), Some(after)) = (directions[bone], directions[bone + 1]) {
-            angles.set(*dof, before.cross(after).dot(axis).atan2(before.dot(after)));
+            angles.set(*dof, hinge_angle(before, after, flexion));
         }
     }
+}
+
+/// Returns the angle between two bones of length 1, positive if they turn about `flexion`, negative if against it.
+fn hinge_angle(before: DVec3, after: DVec3, flexion: DVec3) -> f64 {
+    let bend = before.cross(after);
+    let angle = bend.length().atan2(before.dot(after));
+    let cosine = bend.normalize_or_zero().dot(flexion.normalize_or_zero());
+    angle * (cosine / MIN_COSINE).clamp(-1.0, 1.0)
 }

@@ -131,6 +131,23 @@ impl BodyPoints {
         Ok(BodyRotations { local })
     }
 
+    /// Returns the middle of the hips, where the [root](BodyJoint::Hips) is.
+    pub fn root_position(&self) -> DVec3 {
+        self.get(BodyPoint::LeftHip)
+            .midpoint(self.get(BodyPoint::RightHip))
+    }
+
+    /// Returns the lengths of the bones in the order of [`BodyJoint::ALL`]; that of the root is the distance between the hips.
+    pub fn lengths(&self) -> [f64; BodyJoint::COUNT] {
+        let mut lengths = [0.0; BodyJoint::COUNT];
+        for &joint in BodyJoint::ALL {
+            lengths[joint.index()] = self.bone(joint).length();
+        }
+        let hips = self.get(BodyPoint::LeftHip) - self.get(BodyPoint::RightHip);
+        lengths[BodyJoint::Hips.index()] = hips.length();
+        lengths
+    }
+
     /// Returns the rotation of the hips: X along their line, Y towards the neck.
     fn root(&self, smallest: f64) -> Result<DMat3, BodyError> {
         let across = self.get(BodyPoint::LeftHip) - self.get(BodyPoint::RightHip);
@@ -155,13 +172,12 @@ impl BodyPoints {
     fn bone(&self, joint: BodyJoint) -> DVec3 {
         use BodyPoint as P;
         let along = |from: P, to: P| self.get(to) - self.get(from);
-        let hips = || self.get(P::LeftHip).midpoint(self.get(P::RightHip));
         let neck = || {
             self.get(P::LeftShoulder)
                 .midpoint(self.get(P::RightShoulder))
         };
         match joint {
-            BodyJoint::Hips | BodyJoint::Spine => neck() - hips(),
+            BodyJoint::Hips | BodyJoint::Spine => neck() - self.root_position(),
             BodyJoint::Neck => along(P::RightShoulder, P::LeftShoulder),
             BodyJoint::LeftShoulder => along(P::LeftShoulder, P::LeftElbow),
             BodyJoint::LeftElbow => along(P::LeftElbow, P::LeftWrist),
@@ -185,6 +201,45 @@ impl BodyPoints {
 }
 
 impl BodyRotations {
+    /// Creates the rotations of the joints, each in the frame of its parent, in the order of [`BodyJoint::ALL`].
+    pub const fn new(local: [DMat3; BodyJoint::COUNT]) -> Self {
+        Self { local }
+    }
+
+    /// Returns the positions of a body with these rotations, the [root](BodyPoints::root_position) and the
+    /// [lengths](BodyPoints::lengths) of its bones: the inverse of [`BodyPoints::rotations`].
+    pub fn points(&self, root: DVec3, lengths: &[f64; BodyJoint::COUNT]) -> BodyPoints {
+        let mut world = self.local;
+        for &joint in &BodyJoint::ALL[1..] {
+            world[joint.index()] = world[parent(joint).index()] * self.local[joint.index()];
+        }
+        let bone = |joint: BodyJoint| {
+            world[joint.index()] * t_pose_direction(joint) * lengths[joint.index()]
+        };
+        let mut positions = [DVec3::ZERO; BodyPoint::COUNT];
+        let mut set = |point: BodyPoint, position: DVec3| positions[point.index()] = position;
+        let hips = world[0] * DVec3::X * lengths[0] / 2.0;
+        let shoulders = bone(BodyJoint::Neck) / 2.0;
+        let neck = root + bone(BodyJoint::Spine);
+        for (first, joints, points) in LIMBS {
+            let is_left = points[0].name().starts_with("left");
+            let (middle, half) = match first {
+                BodyJoint::Hips => (root, hips),
+                _ => (neck, shoulders),
+            };
+            let start = if is_left {
+                middle + half
+            } else {
+                middle - half
+            };
+            let joint = start + bone(joints[0]);
+            set(points[0], start);
+            set(points[1], joint);
+            set(points[2], joint + bone(joints[1]));
+        }
+        BodyPoints { positions }
+    }
+
     /// Returns the rotation of a joint in the frame of its parent.
     pub fn get(&self, joint: BodyJoint) -> &DMat3 {
         &self.local[joint.index()]
@@ -197,6 +252,33 @@ impl BodyRotations {
         angles.expect("rotations of finite points are finite")
     }
 }
+
+/// The limbs: the joint that they hang from, their joints, and their points from the trunk to the end.
+const LIMBS: [(BodyJoint, [BodyJoint; 2], [BodyPoint; 3]); 4] = {
+    use {BodyJoint as J, BodyPoint as P};
+    [
+        (
+            J::Neck,
+            [J::LeftShoulder, J::LeftElbow],
+            [P::LeftShoulder, P::LeftElbow, P::LeftWrist],
+        ),
+        (
+            J::Neck,
+            [J::RightShoulder, J::RightElbow],
+            [P::RightShoulder, P::RightElbow, P::RightWrist],
+        ),
+        (
+            J::Hips,
+            [J::LeftHip, J::LeftKnee],
+            [P::LeftHip, P::LeftKnee, P::LeftFoot],
+        ),
+        (
+            J::Hips,
+            [J::RightHip, J::RightKnee],
+            [P::RightHip, P::RightKnee, P::RightFoot],
+        ),
+    ]
+};
 
 const fn parent(joint: BodyJoint) -> BodyJoint {
     match joint {
@@ -278,6 +360,23 @@ mod tests {
                     let error = bone.distance(body.bone(joint).normalize());
                     assert!(error < 1e-9, "{joint}: {error:e}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn rotations_and_lengths_give_the_positions_again() {
+        let mut random = fastrand::Rng::with_seed(6);
+        for _ in 0..200 {
+            let position = |_| DVec3::from_array(std::array::from_fn(|_| random.f64()));
+            let body = BodyPoints {
+                positions: [(); BodyPoint::COUNT].map(position),
+            };
+            let rotations = body.rotations().expect("a body");
+            let again = rotations.points(body.root_position(), &body.lengths());
+            for &point in BodyPoint::ALL {
+                let error = again.get(point).distance(body.get(point));
+                assert!(error < 1e-9, "{point}: {error:e}");
             }
         }
     }

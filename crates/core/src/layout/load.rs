@@ -15,98 +15,102 @@ use super::schema::{
     AutoRecenterSchema, BoardShapeSchema, ContactSchema, Label, OutlineSchema, PoseSchema,
 };
 use crate::document::{
-    self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error,
+    self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
 };
 use crate::hand::Side;
 
-/// A layout file.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Layout", deny_unknown_fields)]
-pub(super) struct LayoutSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// One line for lists.
-    #[serde(borrow, default)]
-    description: Option<Spanned<'a>>,
-    /// Groups of keys and controls.
-    #[serde(borrow, default)]
-    pub boards: Vec<BoardSchema<'a>>,
-    /// Labels by name of the key.
-    #[serde(borrow, default)]
-    labels: Pairs<'a, Label>,
-    /// Layers other than the base layer.
-    #[serde(borrow, default)]
-    layers: Vec<LayerSchema<'a>>,
-    /// Chords.
-    #[serde(borrow, default)]
-    chords: Vec<ChordSchema<'a>>,
-    /// Maximum time between the first and the last key press of a chord.
-    #[serde(default)]
-    chord_timeout_ms: ChordTimeout,
-    /// Triggers.
-    #[serde(borrow, default)]
-    triggers: Vec<TriggerSchema<'a>>,
-    /// The arm as a pointer.
-    #[serde(borrow, default)]
-    pointer: Option<PointerSchema<'a>>,
-    /// Targets in space.
-    #[serde(borrow, default)]
-    spaces: Vec<SpaceSchema<'a>>,
+schema! {
+    /// A layout file.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Layout", deny_unknown_fields)]
+    pub(super) struct LayoutSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// One line for `ademan layout list`.
+        #[serde(borrow, default)]
+        description: Option<Spanned<'a>>,
+        /// Groups of keys and controls; each moves as one.
+        #[serde(borrow, default)]
+        pub boards: Vec<BoardSchema<'a>>,
+        /// Labels by name of the key: `{"Q": "A", "W": "Z"}`.
+        #[serde(borrow, default)]
+        labels: Pairs<'a, Label>,
+        /// Layers other than the base layer, at most 31.
+        #[serde(borrow, default)]
+        layers: Vec<LayerSchema<'a>>,
+        /// Actions of keys that are pressed together.
+        #[serde(borrow, default)]
+        chords: Vec<ChordSchema<'a>>,
+        /// Maximum time between the first and the last key press of a chord.
+        #[serde(default)]
+        chord_timeout_ms: ChordTimeout,
+        /// Hand postures with an action or value.
+        #[serde(borrow, default)]
+        triggers: Vec<TriggerSchema<'a>>,
+        /// The arm as a pointer.
+        #[serde(borrow, default)]
+        pointer: Option<PointerSchema<'a>>,
+        /// Targets in space.
+        #[serde(borrow, default)]
+        spaces: Vec<SpaceSchema<'a>>,
+    }
 }
 
 /// Declares the schema of a board, with one list for each kind of control.
 macro_rules! board_schema {
     ($($list:ident: $module:ident::$schema:ident,)+) => {
-        /// A group of keys and controls that moves as one.
-        #[derive(Debug, Deserialize)]
-        #[serde(rename = "Board", deny_unknown_fields)]
-        pub(super) struct BoardSchema<'a> {
-            /// Pose of the point (0, 0), and scale.
-            pub pose: PoseSchema,
-            /// The only hand that can touch the board. Default: either.
-            #[serde(default)]
-            pub hand: Option<Side>,
-            /// The way in which fingers press the keys.
-            #[serde(default)]
-            contact: ContactSchema,
-            /// Flat or curved.
-            #[serde(default)]
-            pub shape: BoardShapeSchema,
-            /// Slow motion towards a resting hand. Default: off.
-            #[serde(default)]
-            auto_recenter: Option<AutoRecenterSchema>,
-            /// Distance between the keys of a row.
-            #[serde(default)]
-            pitch_mm: Pitch,
-            /// Default outline.
-            #[serde(default)]
-            size_mm: OutlineSchema,
-            /// Default travel.
-            #[serde(default)]
-            travel_mm: Travel,
-            /// Default press point.
-            #[serde(default)]
-            press_at: PressAt,
-            /// Default release point. Default: 0.25 of the travel, or 0.4 of the bend.
-            #[serde(default)]
-            release_at: Option<ReleaseAt>,
-            /// Default debounce time of keys.
-            #[serde(default)]
-            debounce_ms: Debounce,
-            /// Keys report the depth of a press as a value.
-            #[serde(default)]
-            reports_depth: bool,
-            /// Rows of keys.
-            #[serde(borrow, default)]
-            rows: Vec<RowSchema<'a>>,
-            /// Single keys.
-            #[serde(borrow, default)]
-            keys: Vec<KeySchema<'a>>,
-            $(
+        schema! {
+            /// A group of keys and controls that moves as one.
+            #[derive(Debug, Deserialize)]
+            #[serde(rename = "Board", deny_unknown_fields)]
+            pub(super) struct BoardSchema<'a> {
+                /// Pose of the point (0, 0), and scale.
+                pub pose: PoseSchema,
+                /// The only hand that can touch the board. Default: either.
+                #[serde(default)]
+                pub hand: Option<Side>,
+                /// Way in which fingers press the keys.
+                #[serde(default)]
+                contact: ContactSchema,
+                /// Flat or curved.
+                #[serde(default)]
+                pub shape: BoardShapeSchema,
+                /// Slow motion towards a resting hand. Default: off.
+                #[serde(default)]
+                auto_recenter: Option<AutoRecenterSchema>,
+                /// Distance between the centers of adjacent keys of a row.
+                #[serde(default)]
+                pitch_mm: Pitch,
+                /// Default outline. Default: `Box(17, 17)`.
+                #[serde(default)]
+                size_mm: OutlineSchema,
+                /// Default travel of a key.
+                #[serde(default)]
+                travel_mm: Travel,
+                /// Default press point, as a fraction of the travel; greater than `release_at`.
+                #[serde(default)]
+                press_at: PressAt,
+                /// Default release point, as a fraction of the travel, or of the bend with `contact: Bend`. Default: 0.25 or 0.4.
+                #[serde(default)]
+                release_at: Option<ReleaseAt>,
+                /// Time after a release during which a key ignores presses.
+                #[serde(default)]
+                debounce_ms: Debounce,
+                /// Keys report the depth of a press as a value.
+                #[serde(default)]
+                reports_depth: bool,
+                /// Rows of keys.
                 #[serde(borrow, default)]
-                $list: Vec<super::controls::$module::$schema<'a>>,
-            )+
+                rows: Vec<RowSchema<'a>>,
+                /// Single keys.
+                #[serde(borrow, default)]
+                keys: Vec<KeySchema<'a>>,
+                $(
+                    #[serde(borrow, default)]
+                    $list: Vec<super::controls::$module::$schema<'a>>,
+                )+
+            }
         }
 
         impl<'a> BoardSchema<'a> {

@@ -14,6 +14,7 @@ mod builder;
 mod controls;
 mod devices;
 mod edit;
+mod fields;
 mod fit;
 mod glove;
 mod glove_edit;
@@ -29,6 +30,7 @@ mod schema;
 
 pub use board_shape::BoardShape;
 pub use edit::{move_boards, scale_boards};
+pub use fields::field_tables;
 pub use fit::Fit;
 pub use glove::Glove;
 pub use glove_edit::write_calibration;

@@ -1,7 +1,7 @@
 //! Types as written in a layout file that boards, keys and controls share. Lengths in millimetres, angles in degrees.
 //!
-//! `layouts/README.md` is the guide to the format. A type with the suffix `Schema` is the written form of the checked type of the same
-//! name.
+//! `layouts/README.md` is the guide to the format; the doc comment of a field is its row in the tables of the guide. A type with the
+//! suffix `Schema` is the written form of the checked type of the same name.
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error};
 use super::quantity::{
     Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, Size, Tilt,
 };
-use crate::document::Spanned;
+use crate::document::{FieldType, Spanned, schema};
 
 /// The maximum length of a label, in characters.
 const MAX_LABEL_LENGTH: usize = 16;
@@ -25,6 +25,12 @@ impl Label {
             Some(Self(text)) => text.clone(),
             None => name.text.to_owned(),
         }
+    }
+}
+
+impl FieldType for Label {
+    fn values() -> String {
+        "text".into()
     }
 }
 
@@ -44,124 +50,140 @@ impl<'de> Deserialize<'de> for Label {
     }
 }
 
-/// The pose of a board or volume relative to an anchor, with the scale of what is on it.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Pose", deny_unknown_fields)]
-pub struct PoseSchema {
-    /// The origin of the offsets.
-    pub anchor: AnchorSchema,
-    /// Direction of `forward_mm` and of the far side, clockwise from straight forward.
-    #[serde(default)]
-    pub bearing_deg: Bearing,
-    /// Offset to the right of the bearing.
-    #[serde(default)]
-    pub right_mm: Offset,
-    /// Offset along the bearing. Default: 0, or the radius of an arc.
-    #[serde(default)]
-    pub forward_mm: Option<Offset>,
-    /// Offset upwards.
-    #[serde(default)]
-    pub height_mm: Offset,
-    /// Elevation of the far side.
-    #[serde(default)]
-    pub tilt_deg: Tilt,
-    /// Scale of the positions and sizes on the board, about (0, 0).
-    #[serde(default)]
-    pub scale: BoardScale,
-    /// The parts that depend on the hand.
-    #[serde(default)]
-    pub fit: FitSchema,
-}
-
-/// The parts of a pose that depend on the hand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename = "Fit")]
-pub enum FitSchema {
-    /// The place follows the reach of the hand, sizes its length. A pose with the anchor `world` does not.
-    #[default]
-    Hand,
-    /// None: the lengths are those of the file.
-    Off,
-}
-
-/// The point that a board moves with. It follows the position only: the axes stay those of the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename = "Anchor", rename_all = "lowercase")]
-pub enum AnchorSchema {
-    /// The origin of the world.
-    World,
-    /// The elbow.
-    Elbow,
-    /// The wrist.
-    Wrist,
-}
-
-/// Slow motion of a board towards a resting hand.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename = "AutoRecenter", deny_unknown_fields)]
-pub struct AutoRecenterSchema {
-    /// Speed of the board.
-    #[serde(default)]
-    pub speed_mm_per_s: RecenterSpeed,
-    /// Time that the hand rests before the board moves.
-    #[serde(default)]
-    pub delay_ms: RecenterDelay,
-    /// Maximum offset from the pose in the file.
-    #[serde(default)]
-    pub max_offset_mm: RecenterOffset,
-}
-
-/// The way in which fingers press the keys of a board.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename = "Contact")]
-pub enum ContactSchema {
-    /// A fingertip touches a key.
-    #[default]
-    Touch,
-    /// A finger bends, wherever the hand is: each key is that of a finger.
-    Bend,
-}
-
-/// The shape of a board.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename = "BoardShape", deny_unknown_fields)]
-pub enum BoardShapeSchema {
-    /// A flat board with straight rows.
-    #[default]
-    Flat,
-    /// A flat board whose rows are arcs around a point on the wearer's side.
-    Arc {
-        /// Distance from that point to (0, 0).
-        radius_mm: Radius,
-    },
-    /// A cylinder with its axis in front of the board. All keys face the axis.
-    Cylinder {
-        /// Distance from the axis to (0, 0).
-        radius_mm: Radius,
-        /// The curved direction.
+schema! {
+    /// The pose of the point (0, 0) of a board, or of the center of a box or rectangle, relative to an anchor.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Pose", deny_unknown_fields)]
+    pub struct PoseSchema {
+        /// Origin of the offsets. The board moves with the position of the joint; its axes stay the axes of the world.
+        pub anchor: AnchorSchema,
+        /// Direction in which the board lies: 0 is straight forward, 90 is to the right.
         #[serde(default)]
-        curved: Curved,
-    },
+        pub bearing_deg: Bearing,
+        /// Offset to the right of the bearing.
+        #[serde(default)]
+        pub right_mm: Offset,
+        /// Offset along the bearing. Default: 0, or the radius of an arc.
+        #[serde(default)]
+        pub forward_mm: Option<Offset>,
+        /// Offset upwards; negative is below the anchor.
+        #[serde(default)]
+        pub height_mm: Offset,
+        /// Elevation of the far side; at 90 the board is upright and faces you.
+        #[serde(default)]
+        pub tilt_deg: Tilt,
+        /// Scale of positions, pitches, sizes and lifts on the board, about (0, 0). Travels and radii are not scaled.
+        #[serde(default)]
+        pub scale: BoardScale,
+        /// The parts that depend on the hand of the setup.
+        #[serde(default)]
+        pub fit: FitSchema,
+    }
 }
 
-/// The curved direction of a cylinder.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-pub enum Curved {
-    /// Rows are curved: the axis is parallel to the board's Y.
-    #[default]
-    Rows,
-    /// Columns are curved: the axis is parallel to the board's X.
-    Columns,
+schema! {
+    /// The parts of a pose that depend on the hand.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Fit")]
+    pub enum FitSchema {
+        /// The pose fits the hand.
+        #[default]
+        Hand,
+        /// All lengths are those of the file.
+        Off,
+    }
 }
 
-/// The outline of a key or control.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Outline")]
-pub enum OutlineSchema {
-    /// Width along the row, and depth away from the wearer.
-    Box(Size, Size),
-    /// Diameter.
-    Disc(Size),
+schema! {
+    /// The way in which fingers press the keys of a board.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Contact")]
+    pub enum ContactSchema {
+        /// A fingertip touches a key.
+        #[default]
+        Touch,
+        /// A finger bends, wherever the hand is: each key is that of a finger.
+        Bend,
+    }
+}
+
+schema! {
+    /// The point that a board moves with. It follows the position only: the axes stay those of the world.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Anchor", rename_all = "lowercase")]
+    pub enum AnchorSchema {
+        /// The board does not move.
+        World,
+        /// The elbow.
+        Elbow,
+        /// The wrist.
+        Wrist,
+    }
+}
+
+schema! {
+    /// Slow motion of a board towards a resting hand.
+    #[derive(Clone, Copy, Debug, Deserialize)]
+    #[serde(rename = "AutoRecenter", deny_unknown_fields)]
+    pub struct AutoRecenterSchema {
+        /// Speed of the board.
+        #[serde(default)]
+        pub speed_mm_per_s: RecenterSpeed,
+        /// Time that the hand rests before the board moves.
+        #[serde(default)]
+        pub delay_ms: RecenterDelay,
+        /// Maximum offset from the pose in the file, or of the last command.
+        #[serde(default)]
+        pub max_offset_mm: RecenterOffset,
+    }
+}
+
+schema! {
+    /// The shape of a board.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+    #[serde(rename = "BoardShape", deny_unknown_fields)]
+    pub enum BoardShapeSchema {
+        /// A flat board with straight rows.
+        #[default]
+        Flat,
+        /// A flat board whose rows are arcs around a point on your side.
+        Arc {
+            /// Distance from the center of the arcs to (0, 0).
+            radius_mm: Radius,
+        },
+        /// A cylinder with its axis in front of the board; every key faces the axis.
+        Cylinder {
+            /// Distance from the axis to (0, 0).
+            radius_mm: Radius,
+            /// The curved direction.
+            #[serde(default)]
+            curved: Curved,
+        },
+    }
+}
+
+schema! {
+    /// The curved direction of a cylinder.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    pub enum Curved {
+        /// The axis is parallel to the board's y, and the ends of the rows rise.
+        #[default]
+        Rows,
+        /// The axis is parallel to the board's x, and the near and far rows rise.
+        Columns,
+    }
+}
+
+schema! {
+    /// The outline of a key or control.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "Outline")]
+    pub enum OutlineSchema {
+        /// Width along the row, and depth away from you.
+        Box(Size, Size),
+        /// Diameter.
+        Disc(Size),
+    }
 }
 
 impl Default for OutlineSchema {
@@ -170,24 +192,26 @@ impl Default for OutlineSchema {
     }
 }
 
-/// The action of a press.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub enum Action<'a> {
-    /// Presses a key or button.
-    #[serde(borrow)]
-    Key(Spanned<'a>),
-    /// Activates a layer.
-    Layer(Spanned<'a>),
-    /// Types a text.
-    Text(Spanned<'a>),
-    /// Issues a command to the session, in the words of `ademan ctl`: `nudge 0 0 -10`.
-    Command(Spanned<'a>),
-    /// Holds the pointer still.
-    Clutch,
-    /// Slows the pointer down.
-    Precision,
-    /// No action, for keys that only take part in chords.
-    NoOp,
+schema! {
+    /// The action of a press.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    pub enum Action<'a> {
+        /// Presses a key, or a button of a mouse or gamepad: `Key("MouseLeft")`, `Key("PadSouth")`.
+        #[serde(borrow)]
+        Key(Spanned<'a>),
+        /// Activates a layer.
+        Layer(Spanned<'a>),
+        /// Types a text of 1 to 32 characters, whatever the receiver's keymap is.
+        Text(Spanned<'a>),
+        /// Issues a command to the session, in the words of `ademan ctl`: `Command("nudge 0 0 -10")`.
+        Command(Spanned<'a>),
+        /// Holds the pointer still.
+        Clutch,
+        /// Slows the pointer down.
+        Precision,
+        /// No action, for keys that only take part in chords.
+        NoOp,
+    }
 }
 
 impl<'a> Action<'a> {
@@ -202,14 +226,16 @@ impl<'a> Action<'a> {
     }
 }
 
-/// Duration of a modifier or layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename = "Latch")]
-pub enum LatchSchema {
-    /// Active while its key is pressed.
-    Momentary,
-    /// A tap activates it for the next key.
-    OneShot,
-    /// A tap activates it until the next tap.
-    Lock,
+schema! {
+    /// Duration of a modifier or layer.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Latch")]
+    pub enum LatchSchema {
+        /// While the key is pressed.
+        Momentary,
+        /// A tap activates it for the next key.
+        OneShot,
+        /// A tap activates it until the next tap.
+        Lock,
+    }
 }

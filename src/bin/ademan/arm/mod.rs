@@ -4,7 +4,7 @@ mod attributes;
 mod between;
 mod csv;
 mod landmarks;
-mod poses;
+pub mod poses;
 mod strip;
 mod values;
 
@@ -44,7 +44,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
 
 /// The destination of results.
 #[derive(clap::Args)]
-struct OutputArgs {
+pub struct OutputArgs {
     /// File to create; standard output without it. An existing file is not overwritten
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -52,7 +52,7 @@ struct OutputArgs {
 
 impl OutputArgs {
     /// Opens the destination.
-    fn open(&self) -> Result<Box<dyn Write>, Failure> {
+    pub fn open(&self) -> Result<Box<dyn Write>, Failure> {
         match &self.output {
             Some(path) => Ok(Box::new(BufWriter::new(create(path)?))),
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),

@@ -73,9 +73,9 @@ impl Clients {
         self.state().senders.read_from(id, Instant::now())
     }
 
-    /// Returns `true` if the bytes read last are of another client than those before them.
-    pub fn has_changed(&self) -> bool {
-        self.state().senders.has_changed()
+    /// Returns `true` if bytes of another client were read since the latest call.
+    pub fn take_change(&self) -> bool {
+        self.state().senders.take_change()
     }
 
     /// Makes the client active whose bytes were read last, and disconnects all others.

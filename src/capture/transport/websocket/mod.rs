@@ -125,8 +125,8 @@ struct Messages {
 }
 
 impl ByteStream for Messages {
-    fn has_other_sender(&self) -> bool {
-        self.server.clients().has_changed()
+    fn take_sender_change(&mut self) -> bool {
+        self.server.clients().take_change()
     }
 
     fn accept_sender(&mut self) {

@@ -1,7 +1,9 @@
 //! The joints of one arm and hand in a skeleton.
 
 use arrayvec::ArrayVec;
+use glam::DVec3;
 
+use super::error::shown;
 use super::joint_names::joint_of;
 use super::skeleton::{Node, Skeleton};
 use crate::hand::{Finger, Joint, Side};
@@ -12,13 +14,49 @@ pub struct HandJoints {
     nodes: ArrayVec<(Joint, usize), { Joint::COUNT }>,
 }
 
+/// A reason why the joints of a hand are not known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HandJointsError {
+    /// No joint is the wrist.
+    #[error(
+        "no joint is named as the wrist of the {side} hand; name it `{}Hand` or `{0}Wrist`, or use `hand={}`",
+        title(*side),
+        side.opposite()
+    )]
+    NoWrist {
+        /// The hand.
+        side: Side,
+    },
+    /// Two joints in different places have names of one joint, and neither is better.
+    #[error(
+        "{} and {} are both names of the {joint} of the {side} hand; rename the one that is another joint",
+        shown(names[0].as_bytes()),
+        shown(names[1].as_bytes())
+    )]
+    Ambiguous {
+        /// The hand.
+        side: Side,
+        /// The joint.
+        joint: Joint,
+        /// Both names in file order.
+        names: [String; 2],
+    },
+}
+
+fn title(side: Side) -> &'static str {
+    match side {
+        Side::Left => "Left",
+        Side::Right => "Right",
+    }
+}
+
 impl HandJoints {
-    /// Finds the joints of an arm and hand by [their names](joint_of). Names without a side count if no name has one.
-    /// `None` if there is no wrist.
+    /// Finds the joints of an arm and hand by [their names](joint_of). Names without a side count if no name has one, and
+    /// [vague](super::NamedJoint::is_vague) ones if no other name states the joint.
     ///
     /// A fingertip without a joint of its own is the End Site of the last joint of its finger. In a hand without fingers,
     /// the End Site of the hand is the tip of the index finger, with which layouts are operated.
-    pub fn find(skeleton: &Skeleton, side: Side) -> Option<Self> {
+    pub fn find(skeleton: &Skeleton, side: Side) -> Result<Self, HandJointsError> {
         let nodes = skeleton.nodes();
         let named = |node: &Node| node.name.as_deref().and_then(joint_of);
         let has_sides = nodes
@@ -29,20 +67,20 @@ impl HandJoints {
         let mut joints = Self {
             nodes: ArrayVec::new(),
         };
-        // A name that may be the collar bone counts only if nothing else names the shoulder.
-        for may_be_clavicle in [false, true] {
+        for is_vague in [false, true] {
+            let known = joints.clone();
             for (index, node) in nodes.iter().enumerate() {
-                match named(node) {
-                    Some(named)
-                        if named.side == wanted && named.may_be_clavicle == may_be_clavicle =>
-                    {
-                        joints.add(named.joint, index);
-                    }
-                    _ => {}
+                let Some(named) = named(node) else {
+                    continue;
+                };
+                let is_known = known.node(named.joint).is_some();
+                if named.side == wanted && named.is_vague == is_vague && !is_known {
+                    joints.add_named(named.joint, index, nodes, side)?;
                 }
             }
         }
-        let wrist = joints.node(Joint::Wrist)?;
+        let wrist = joints.node(Joint::Wrist);
+        let wrist = wrist.ok_or(HandJointsError::NoWrist { side })?;
         for &finger in Finger::ALL {
             joints.add_tip(finger, nodes);
         }
@@ -54,7 +92,29 @@ impl HandJoints {
         {
             joints.add(Joint::tip(Finger::Index), end);
         }
-        Some(joints)
+        Ok(joints)
+    }
+
+    /// Adds a joint that a name states. An error if another name as good states it at another place.
+    fn add_named(
+        &mut self,
+        joint: Joint,
+        node: usize,
+        nodes: &[Node],
+        side: Side,
+    ) -> Result<(), HandJointsError> {
+        if let Some(other) = self.node(joint)
+            && !coincide(nodes, other, node)
+        {
+            let name = |node: usize| nodes[node].name.clone().unwrap_or_default();
+            return Err(HandJointsError::Ambiguous {
+                side,
+                joint,
+                names: [name(other), name(node)],
+            });
+        }
+        self.add(joint, node);
+        Ok(())
     }
 
     /// Iterates over the joints and the indices of their nodes.
@@ -88,6 +148,15 @@ impl HandJoints {
     }
 }
 
+/// Returns `true` if a node has the place of an earlier one in every pose without position channels.
+fn coincide(nodes: &[Node], earlier: usize, later: usize) -> bool {
+    let (earlier_node, later_node) = (&nodes[earlier], &nodes[later]);
+    match later_node.parent {
+        Some(parent) if parent == earlier => later_node.offset == DVec3::ZERO,
+        parent => parent == earlier_node.parent && later_node.offset == earlier_node.offset,
+    }
+}
+
 /// Returns the index of the first End Site of a node.
 fn end_site_of(nodes: &[Node], node: usize) -> Option<usize> {
     let is_end_site = |other: &Node| other.parent == Some(node) && other.name.is_none();
@@ -96,8 +165,6 @@ fn end_site_of(nodes: &[Node], node: usize) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     /// Builds a skeleton from names and parents; `-` is an End Site.
@@ -115,8 +182,10 @@ mod tests {
     }
 
     fn found(skeleton: &Skeleton, side: Side) -> String {
-        let Some(joints) = HandJoints::find(skeleton, side) else {
-            return "none".to_owned();
+        let joints = match HandJoints::find(skeleton, side) {
+            Ok(joints) => joints,
+            Err(HandJointsError::NoWrist { .. }) => return "none".to_owned(),
+            Err(error) => return error.to_string(),
         };
         let mut found: Vec<_> = joints.iter().collect();
         found.sort();
@@ -147,6 +216,83 @@ mod tests {
         assert_eq!(
             found(&without, Side::Right),
             "shoulder=1 elbow=2 wrist=3 index-finger-tip=4"
+        );
+    }
+
+    #[test]
+    fn a_finger_without_a_segment_is_its_first_joint_only_without_a_better_name() {
+        // Vicon: the first joint of a finger is in the carpus.
+        let vicon = skeleton(&[
+            ("RightHand", None),
+            ("RightHandIndex", Some(0)),
+            ("RightHandIndex1", Some(1)),
+            ("RightHandIndex2", Some(2)),
+        ]);
+        assert_eq!(
+            found(&vicon, Side::Right),
+            "wrist=0 index-finger-phalanx-proximal=2 index-finger-phalanx-intermediate=3"
+        );
+        // MakeHuman: the end of the hand, from which the finger is apart.
+        let dummy = skeleton(&[
+            ("Hand_R", None),
+            ("__Index1_R", Some(0)),
+            ("Index1_R", Some(1)),
+        ]);
+        assert_eq!(
+            found(&dummy, Side::Right),
+            "wrist=0 index-finger-phalanx-proximal=2"
+        );
+    }
+
+    #[test]
+    fn the_only_finger_beside_a_thumb_is_the_index_finger_and_numbered_fingers_are_not_guessed() {
+        let nodes = [
+            ("RightHand", None),
+            ("RThumb", Some(0)),
+            ("RightHandFinger1", Some(0)),
+            ("RightHandFinger2", Some(0)),
+        ];
+        let mitten = skeleton(&nodes[..3]);
+        assert_eq!(
+            found(&mitten, Side::Right),
+            "wrist=0 thumb-metacarpal=1 index-finger-phalanx-proximal=2"
+        );
+        let mut numbered = skeleton(&nodes[..3]);
+        numbered.push(Node {
+            name: Some(nodes[3].0.to_owned()),
+            parent: Some(0),
+            offset: DVec3::Y,
+            channels: Vec::new(),
+        });
+        let message = found(&numbered, Side::Right);
+        assert!(
+            message.contains("`RightHandFinger2` are both names"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn two_names_of_one_joint_are_an_error_unless_they_are_at_one_place() {
+        let twice = |offset: DVec3| {
+            let mut skeleton = skeleton(&[("wrist.R", None), ("Index1_R", Some(0))]);
+            skeleton.push(Node {
+                name: Some("RightHandIndex1\u{1b}".to_owned()),
+                parent: Some(1),
+                offset,
+                channels: Vec::new(),
+            });
+            found(&skeleton, Side::Right)
+        };
+        let message = twice(DVec3::Y);
+        assert!(
+            message.starts_with(
+                r"`Index1_R` and `RightHandIndex1\u{1b}` are both names of the index-finger-phalanx-proximal of the right"
+            ),
+            "{message}"
+        );
+        assert_eq!(
+            twice(DVec3::ZERO),
+            "wrist=0 index-finger-phalanx-proximal=1"
         );
     }
 

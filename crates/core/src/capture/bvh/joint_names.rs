@@ -6,9 +6,12 @@
 //! | Mixamo | `mixamorig:LeftArm mixamorig:LeftForeArm mixamorig:LeftHand` | `mixamorig:LeftHandIndex1` … `4`, also `LeftInHandIndex` |
 //! | Rokoko | `LeftArm LeftForeArm LeftHand`, `leftUpperArm leftLowerArm` | `LeftFinger2Metacarpal` … `Tip`, `leftIndexProximal` … |
 //! | Xsens | `LeftShoulder LeftElbow LeftWrist`, `LeftUpperArm LeftForeArm LeftHand` | `LeftSecondMC LeftSecondPP LeftSecondMP LeftSecondDP` |
+//! | Vicon | `LeftArm LeftForeArm LeftHand` | `LeftHandIndex1` … `4` below `LeftHandIndex` at the wrist |
+//! | MakeHuman | `upperarm01.L lowerarm01.L wrist.L`, `UpArm_L LoArm_L Hand_L`, `upperarm_l lowerarm_l hand_l` | `metacarpal1.L finger2-1.L`, `Index1_L`, `index_01_l`, `LeftHandFinger1` |
 //!
 //! Case, blanks, `_`, `-` and `.` do not matter, nor does a name space before a colon. The side is `left` or `right` at the
-//! start or end, or `l` or `r`.
+//! start or end, or `l` or `r`. A name that starts with `__` is no joint: MakeHuman has such a node at the end of a bone from
+//! which the bone of that name is apart.
 
 use crate::hand::{Finger, Joint, Side};
 
@@ -19,13 +22,18 @@ pub struct NamedJoint {
     pub side: Option<Side>,
     /// The joint.
     pub joint: Joint,
-    /// `true` for `LeftShoulder`, which is the collar bone if the skeleton also has a `LeftArm`.
-    pub may_be_clavicle: bool,
+    /// `true` if another name of the skeleton can state the joint better: `LeftShoulder` is the collar bone beside a
+    /// `LeftArm`, `LeftHandIndex` a place in the carpus beside a `LeftHandIndex1`, and `LeftHand` the palm beside a
+    /// `LeftWrist`.
+    pub is_vague: bool,
 }
 
 /// Returns the joint that a name states; `None` if it is not one of an arm or hand.
 pub fn joint_of(name: &str) -> Option<NamedJoint> {
     let name = name.rsplit(':').next().unwrap_or(name);
+    if name.starts_with("__") {
+        return None;
+    }
     let letters = name.chars().filter(|letter| letter.is_ascii_alphanumeric());
     let plain: String = letters.map(|letter| letter.to_ascii_lowercase()).collect();
     let candidates = sided(name, &plain).into_iter().flatten();
@@ -33,10 +41,11 @@ pub fn joint_of(name: &str) -> Option<NamedJoint> {
         .map(|(side, part)| (Some(side), part))
         .chain([(None, plain.as_str())])
         .find_map(|(side, part)| {
+            let (joint, is_vague) = arm_joint(part).or_else(|| finger_joint(part))?;
             Some(NamedJoint {
                 side,
-                joint: arm_joint(part).or_else(|| finger_joint(part))?,
-                may_be_clavicle: part == "shoulder",
+                joint,
+                is_vague,
             })
         })
 }
@@ -64,18 +73,38 @@ fn sided<'a>(name: &str, plain: &'a str) -> [Option<(Side, &'a str)>; 6] {
     ]
 }
 
-fn arm_joint(part: &str) -> Option<Joint> {
+/// Returns the joint of an arm, and whether its name is vague.
+fn arm_joint(part: &str) -> Option<(Joint, bool)> {
     match part {
-        "arm" | "upperarm" | "upperarm01" | "uparm" | "shldr" | "humerus" | "shoulder" => {
-            Some(Joint::Shoulder)
+        "arm" | "upperarm" | "upperarm01" | "uparm" | "shldr" | "humerus" => {
+            Some((Joint::Shoulder, false))
         }
-        "forearm" | "lowerarm" | "lowerarm01" | "lowarm" | "elbow" | "radius" => Some(Joint::Elbow),
-        "hand" | "wrist" | "carpus" => Some(Joint::Wrist),
+        "shoulder" => Some((Joint::Shoulder, true)),
+        "forearm" | "lowerarm" | "lowerarm01" | "lowarm" | "loarm" | "elbow" | "radius" => {
+            Some((Joint::Elbow, false))
+        }
+        "wrist" | "carpus" => Some((Joint::Wrist, false)),
+        "hand" => Some((Joint::Wrist, true)),
         _ => None,
     }
 }
 
-fn finger_joint(part: &str) -> Option<Joint> {
+/// Returns the joint of a finger, and whether its name is vague.
+fn finger_joint(part: &str) -> Option<(Joint, bool)> {
+    let by_palm = [
+        // MakeHuman counts the metacarpals from that of the index finger.
+        ("metacarpal1", Joint::IndexMetacarpal),
+        ("metacarpal2", Joint::MiddleMetacarpal),
+        ("metacarpal3", Joint::RingMetacarpal),
+        ("metacarpal4", Joint::LittleMetacarpal),
+    ];
+    // MakeHuman has a skeleton with one chain for all fingers beside the thumb. Elsewhere it may be a thumb itself.
+    if part == "handfinger1" {
+        return Some((Joint::IndexPhalanxProximal, true));
+    }
+    if let Some((_, joint)) = by_palm.iter().find(|(name, _)| *name == part) {
+        return Some((*joint, false));
+    }
     let (part, is_in_hand) = match part.strip_prefix("inhand") {
         Some(rest) => (rest, true),
         None => (part.strip_prefix("hand").unwrap_or(part), false),
@@ -84,10 +113,10 @@ fn finger_joint(part: &str) -> Option<Joint> {
     let segment = match (is_in_hand, segment) {
         (true, "") => "metacarpal",
         (true, _) => return None,
-        (false, segment) => segment,
+        (false, segment) => segment.strip_prefix('0').unwrap_or(segment),
     };
     let index = segment_index(finger, segment, style)?;
-    finger.joints().get(index).copied()
+    Some((*finger.joints().get(index)?, segment.is_empty()))
 }
 
 /// The names that a convention gives the segments of the thumb.
@@ -212,6 +241,17 @@ mod tests {
             ("lowerarm01.R", "right elbow"),
             ("finger2-1.L", "left index-finger-phalanx-proximal"),
             ("hand_l", "left wrist"),
+            ("UpArm_R", "right shoulder"),
+            ("LoArm_R", "right elbow"),
+            ("metacarpal1.R", "right index-finger-metacarpal"),
+            ("metacarpal4.L", "left pinky-finger-metacarpal"),
+            ("Index1_R", "right index-finger-phalanx-proximal"),
+            ("__Index1_R", "none"),
+            ("index_01_l", "left index-finger-phalanx-proximal"),
+            ("thumb_03_r", "right thumb-phalanx-distal"),
+            ("RightHandFinger1", "right index-finger-phalanx-proximal"),
+            ("metatarsal1.R", "none"),
+            ("metacarpal5.R", "none"),
             ("thumb-phalanx-proximal", "any thumb-phalanx-proximal"),
             ("pinky-finger-tip", "any pinky-finger-tip"),
             ("wrist", "any wrist"),
@@ -225,7 +265,15 @@ mod tests {
         ] {
             assert_eq!(read(name), joint, "{name}");
         }
-        assert!(joint_of("RightShoulder").unwrap().may_be_clavicle);
-        assert!(!joint_of("RightArm").unwrap().may_be_clavicle);
+        for (vague, better) in [
+            ("RightShoulder", "RightArm"),
+            ("RightHand", "RightWrist"),
+            ("RightHandIndex", "RightHandIndex1"),
+            ("RThumb", "RThumb1"),
+        ] {
+            let [vague, better] = [vague, better].map(|name| joint_of(name).unwrap());
+            assert_eq!(vague.joint, better.joint);
+            assert!(vague.is_vague && !better.is_vague, "{}", better.joint);
+        }
     }
 }

@@ -245,14 +245,7 @@ impl FrameReader {
                     .to_owned(),
             );
         }
-        HandJoints::find(&motion.skeleton, self.hand).ok_or_else(|| {
-            let (side, other) = (self.hand, self.hand.opposite());
-            let title = if side == Side::Right { "Right" } else { "Left" };
-            format!(
-                "no joint is named as the wrist of the {side} hand; name it `{title}Hand` or `{title}Wrist`, or use \
-                 `hand={other}`"
-            )
-        })
+        HandJoints::find(&motion.skeleton, self.hand).map_err(|error| error.to_string())
     }
 }
 

@@ -6,7 +6,7 @@ use super::value_output::axis;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::joystick::Joystick;
 use crate::device::{Axis, KeyAction};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::{
@@ -17,62 +17,66 @@ use crate::layout::schema::{Action, Label, OutlineSchema};
 /// The minimum travel of a joystick with a push action, in millimetres. With less, every touch would be a push.
 const MIN_PUSH_TRAVEL_MM: f64 = 10.0;
 
-/// A joystick that springs back to its center.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Joystick", deny_unknown_fields)]
-pub(in crate::layout) struct JoystickSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center of the cap.
-    at_mm: (Offset, Offset),
-    /// Diameter of the cap.
-    diameter_mm: Size,
-    /// Travel. Default: that of the board.
-    #[serde(default)]
-    travel_mm: Option<Travel>,
-    /// Deflection to each side at which the axes reach ±1.
-    #[serde(default)]
-    max_deflection_mm: MaxDeflection,
-    /// Dead zone, as a fraction of the maximum deflection.
-    #[serde(default)]
-    dead_zone: StickDeadZone,
-    /// Exponent of the response curve outside the dead zone.
-    #[serde(default)]
-    exponent: StickExponent,
-    /// Axes to the right and away from the wearer.
-    #[serde(borrow, default)]
-    axes: Option<(Spanned<'a>, Spanned<'a>)>,
-    /// Actions while it points in a direction.
-    #[serde(borrow, default)]
-    direction_keys: Option<DirectionKeys<'a>>,
-    /// Action while it is pushed in.
-    #[serde(borrow, default)]
-    push_action: Option<Action<'a>>,
-    /// Speed of the pointer at full deflection.
-    #[serde(default)]
-    pointer_px_per_s: Option<StickSpeed>,
+schema! {
+    /// A joystick that springs back to its center.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Joystick", deny_unknown_fields)]
+    pub(in crate::layout) struct JoystickSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center of the cap.
+        at_mm: (Offset, Offset),
+        /// Diameter of the cap.
+        diameter_mm: Size,
+        /// Travel; at least 10 with a `push_action`. Default: as the board.
+        #[serde(default)]
+        travel_mm: Option<Travel>,
+        /// Deflection to each side at which the axes reach ±1.
+        #[serde(default)]
+        max_deflection_mm: MaxDeflection,
+        /// Fraction of the deflection within which the axes are 0.
+        #[serde(default)]
+        dead_zone: StickDeadZone,
+        /// Exponent of the response curve outside the dead zone; above 1 it is finer near the center.
+        #[serde(default)]
+        exponent: StickExponent,
+        /// Axes to the right and away from you: `("LeftX", "LeftY")`.
+        #[serde(borrow, default)]
+        axes: Option<(Spanned<'a>, Spanned<'a>)>,
+        /// Actions while it points in a direction, from 0.5 of the deflection until it is back within 0.4.
+        #[serde(borrow, default)]
+        direction_keys: Option<DirectionKeys<'a>>,
+        /// Action while it is pushed in, from 0.9 of the travel until it is back within 0.7.
+        #[serde(borrow, default)]
+        push_action: Option<Action<'a>>,
+        /// Speed of the pointer at full deflection.
+        #[serde(default)]
+        pointer_px_per_s: Option<StickSpeed>,
+    }
 }
 
-/// Actions while a joystick points in a direction.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DirectionKeys<'a> {
-    /// Away from the wearer.
-    #[serde(borrow)]
-    up: Action<'a>,
-    /// Towards the wearer.
-    #[serde(borrow)]
-    down: Action<'a>,
-    /// To the left.
-    #[serde(borrow)]
-    left: Action<'a>,
-    /// To the right.
-    #[serde(borrow)]
-    right: Action<'a>,
+schema! {
+    /// Actions while a joystick points in a direction.
+    #[derive(Clone, Copy, Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct DirectionKeys<'a> {
+        /// Away from you.
+        #[serde(borrow)]
+        up: Action<'a>,
+        /// Towards you.
+        #[serde(borrow)]
+        down: Action<'a>,
+        /// To the left.
+        #[serde(borrow)]
+        left: Action<'a>,
+        /// To the right.
+        #[serde(borrow)]
+        right: Action<'a>,
+    }
 }
 
 impl<'a> JoystickSchema<'a> {

@@ -7,41 +7,43 @@ use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::knob::{self, Knob};
 use crate::device::value_output::ValueOutput;
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::{Fraction, KnobRange, Offset, Size, Steps};
 use crate::layout::schema::{Label, OutlineSchema};
 
-/// A knob, limited or endless.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Knob", deny_unknown_fields)]
-pub(in crate::layout) struct KnobSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Diameter.
-    diameter_mm: Size,
-    /// Angle between its ends.
-    #[serde(default)]
-    range_deg: Option<KnobRange>,
-    /// The knob has no ends.
-    #[serde(default)]
-    endless: bool,
-    /// Number of steps of the range, or of a turn if it is endless. Default: continuous.
-    #[serde(default)]
-    steps: Option<Steps>,
-    /// Initial value. Default: 0.
-    #[serde(default)]
-    initial: Option<Fraction>,
-    /// Output of the value.
-    #[serde(borrow, default)]
-    output: Option<ValueOutputSchema<'a>>,
+schema! {
+    /// A knob, limited or endless.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Knob", deny_unknown_fields)]
+    pub(in crate::layout) struct KnobSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Diameter.
+        diameter_mm: Size,
+        /// Angle between its ends.
+        #[serde(default)]
+        range_deg: Option<KnobRange>,
+        /// The knob has no ends: the value counts turns, and the output cannot be an axis.
+        #[serde(default)]
+        endless: bool,
+        /// Number of steps of the range, or of a turn if it is endless. Default: continuous.
+        #[serde(default)]
+        steps: Option<Steps>,
+        /// Initial value. Default: 0.
+        #[serde(default)]
+        initial: Option<Fraction>,
+        /// Output of the value, per turn if it is endless.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
+    }
 }
 
 /// The dial of a knob or valve.

@@ -6,46 +6,48 @@ use super::slider::{TrackSpec, add_track};
 use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::device::value_output::ValueOutput;
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps, Throw};
 use crate::layout::schema::Label;
 
-/// A lever about a hinge at the center of its track.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Lever", deny_unknown_fields)]
-pub(in crate::layout) struct LeverSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Position of the hinge, the center of the track.
-    at_mm: (Offset, Offset),
-    /// Distance of the handle from one end to the other.
-    length_mm: Size,
-    /// Width of the track.
-    #[serde(default)]
-    width_mm: Size,
-    /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from the wearer.
-    #[serde(default)]
-    rotation_deg: Rotation,
-    /// Angle about the hinge from one end to the other.
-    #[serde(default)]
-    throw_deg: Throw,
-    /// Number of detents after the first. Default: continuous.
-    #[serde(default)]
-    detents: Option<Steps>,
-    /// Initial value and rest position of the spring. Default: 0.5, upright.
-    #[serde(default)]
-    rest: Option<Fraction>,
-    /// The lever returns to `rest` when it is released.
-    #[serde(default)]
-    springs_back: bool,
-    /// Output of the value.
-    #[serde(borrow, default)]
-    output: Option<ValueOutputSchema<'a>>,
+schema! {
+    /// A lever about a hinge at the center of its track.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Lever", deny_unknown_fields)]
+    pub(in crate::layout) struct LeverSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Position of the hinge, the center of the track.
+        at_mm: (Offset, Offset),
+        /// Distance of the handle from one end to the other.
+        length_mm: Size,
+        /// Width of the track.
+        #[serde(default)]
+        width_mm: Size,
+        /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from you.
+        #[serde(default)]
+        rotation_deg: Rotation,
+        /// Angle about the hinge from one end to the other.
+        #[serde(default)]
+        throw_deg: Throw,
+        /// Number of detents after the first. Default: continuous.
+        #[serde(default)]
+        detents: Option<Steps>,
+        /// Initial value, and rest position of the spring. Default: 0.5.
+        #[serde(default)]
+        rest: Option<Fraction>,
+        /// The handle returns to `rest` when it is released.
+        #[serde(default)]
+        springs_back: bool,
+        /// Output of the value.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
+    }
 }
 
 impl<'a> LeverSchema<'a> {

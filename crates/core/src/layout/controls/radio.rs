@@ -5,49 +5,53 @@ use serde::Deserialize;
 use super::toggle::toggle_output;
 use crate::device::radio::{Radio, RadioOption};
 use crate::device::toggle::ToggleOutput;
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::Offset;
 use crate::layout::schema::{Action, Label, OutlineSchema};
 use crate::names::UnknownName;
 
-/// A group of options, of which at most one is on.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Radio", deny_unknown_fields)]
-pub(in crate::layout) struct RadioSchema<'a> {
-    /// Name in messages.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// The options, at least two.
-    #[serde(borrow)]
-    options: Vec<RadioOptionSchema<'a>>,
-    /// Name of the option that is on at the start.
-    #[serde(borrow, default)]
-    initial: Option<Spanned<'a>>,
+schema! {
+    /// A group of options, of which at most one is on.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Radio", deny_unknown_fields)]
+    pub(in crate::layout) struct RadioSchema<'a> {
+        /// Name in messages.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// At least two options.
+        #[serde(borrow)]
+        options: Vec<RadioOptionSchema<'a>>,
+        /// Name of the option that is on at the start; it cannot have a `hold`.
+        #[serde(borrow, default)]
+        initial: Option<Spanned<'a>>,
+    }
 }
 
-/// An option of a radio group.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "RadioOption", deny_unknown_fields)]
-struct RadioOptionSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Outline. Default: that of the board.
-    #[serde(default)]
-    size_mm: Option<OutlineSchema>,
-    /// Action that lasts while it is on.
-    #[serde(borrow, default)]
-    hold: Option<Action<'a>>,
-    /// Action that is tapped when it turns on.
-    #[serde(borrow, default)]
-    tap: Option<Action<'a>>,
+schema! {
+    /// An option of a radio group.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "RadioOption", deny_unknown_fields)]
+    struct RadioOptionSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Outline. Default: as the board.
+        #[serde(default)]
+        size_mm: Option<OutlineSchema>,
+        /// Action that lasts while it is on.
+        #[serde(borrow, default)]
+        hold: Option<Action<'a>>,
+        /// Action that is tapped when it turns on.
+        #[serde(borrow, default)]
+        tap: Option<Action<'a>>,
+    }
 }
 
 impl<'a> RadioSchema<'a> {

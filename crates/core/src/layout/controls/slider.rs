@@ -6,55 +6,59 @@ use super::value_output::{ValueOutputSchema, value_output};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{GrabMode, Slider, Track};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps};
 use crate::layout::schema::{Label, OutlineSchema};
 
-/// A slider along a straight track.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Slider", deny_unknown_fields)]
-pub(in crate::layout) struct SliderSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center of the track.
-    at_mm: (Offset, Offset),
-    /// Length of the track.
-    length_mm: Size,
-    /// Width of the track.
-    #[serde(default)]
-    width_mm: Size,
-    /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from the wearer.
-    #[serde(default)]
-    rotation_deg: Rotation,
-    /// Reaction of the handle to a press.
-    #[serde(default)]
-    grab: GrabModeSchema,
-    /// Number of steps. Default: continuous.
-    #[serde(default)]
-    steps: Option<Steps>,
-    /// Initial value. Default: 0.
-    #[serde(default)]
-    initial: Option<Fraction>,
-    /// Output of the value.
-    #[serde(borrow, default)]
-    output: Option<ValueOutputSchema<'a>>,
+schema! {
+    /// A slider along a straight track.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Slider", deny_unknown_fields)]
+    pub(in crate::layout) struct SliderSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center of the track.
+        at_mm: (Offset, Offset),
+        /// Length of the track; its ends are 0 and 1.
+        length_mm: Size,
+        /// Width of the track.
+        #[serde(default)]
+        width_mm: Size,
+        /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from you.
+        #[serde(default)]
+        rotation_deg: Rotation,
+        /// Reaction of the handle to a press.
+        #[serde(default)]
+        grab: GrabModeSchema,
+        /// Number of steps. A hysteresis of a tenth of a step prevents flicker between two steps. Default: continuous.
+        #[serde(default)]
+        steps: Option<Steps>,
+        /// Initial value. Default: 0.
+        #[serde(default)]
+        initial: Option<Fraction>,
+        /// Output of the value. Default: none.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
+    }
 }
 
-/// The reaction of a handle to a press.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename = "GrabMode")]
-enum GrabModeSchema {
-    /// The handle jumps to the fingertip.
-    #[default]
-    Absolute,
-    /// The handle moves as far as the fingertip.
-    Relative,
+schema! {
+    /// The reaction of a handle to a press.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "GrabMode")]
+    enum GrabModeSchema {
+        /// The handle jumps to the finger.
+        #[default]
+        Absolute,
+        /// The handle moves as far as the finger.
+        Relative,
+    }
 }
 
 /// The track of a slider or lever.

@@ -6,48 +6,54 @@ use serde::Deserialize;
 use crate::contact::TargetId;
 use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
 use crate::device::pointer::{AnchoredFrame, SelectionSpace};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::fit::PoseFit;
 use crate::layout::model::SpaceTargets;
 use crate::layout::quantity::{Extent, Offset, metres};
 use crate::layout::schema::{Action, PoseSchema};
 
-/// Targets in space that move as one.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Space", deny_unknown_fields)]
-pub(in crate::layout) struct SpaceSchema<'a> {
-    /// Pose of the frame of the targets.
-    pose: PoseSchema,
-    /// The targets, at least one.
-    #[serde(borrow)]
-    targets: Vec<TargetSchema<'a>>,
+schema! {
+    /// Targets in space that move as one.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Space", deny_unknown_fields)]
+    pub(in crate::layout) struct SpaceSchema<'a> {
+        /// As of the box of a pointer: x to the right, y up, z towards you.
+        pose: PoseSchema,
+        /// At least one target.
+        #[serde(borrow)]
+        targets: Vec<TargetSchema<'a>>,
+    }
 }
 
-/// A target in space.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Target", deny_unknown_fields)]
-struct TargetSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Center: to the right, up, towards the wearer.
-    at_mm: (Offset, Offset, Offset),
-    /// Shape and size.
-    shape: VolumeShapeSchema,
-    /// Action while it is selected.
-    #[serde(borrow, default)]
-    action: Option<Action<'a>>,
+schema! {
+    /// A target in space.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Target", deny_unknown_fields)]
+    struct TargetSchema<'a> {
+        /// Name in events and scripts.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Center: to the right, up, towards you.
+        at_mm: (Offset, Offset, Offset),
+        /// Shape and size.
+        shape: VolumeShapeSchema,
+        /// Action while it is selected.
+        #[serde(borrow, default)]
+        action: Option<Action<'a>>,
+    }
 }
 
-/// The shape and size of a target in space.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "VolumeShape")]
-enum VolumeShapeSchema {
-    /// Diameter.
-    Ball(Extent),
-    /// Width, height and depth.
-    Box(Extent, Extent, Extent),
+schema! {
+    /// The shape and size of a target in space.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "VolumeShape")]
+    enum VolumeShapeSchema {
+        /// Diameter.
+        Ball(Extent),
+        /// Width, height and depth.
+        Box(Extent, Extent, Extent),
+    }
 }
 
 impl<'a> SpaceSchema<'a> {

@@ -3,33 +3,35 @@
 use serde::Deserialize;
 
 use crate::device::toggle::{Toggle, ToggleOutput};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::Offset;
 use crate::layout::schema::{Action, Label, OutlineSchema};
 
-/// A toggle switch: each poke turns it on or off.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Toggle", deny_unknown_fields)]
-pub(in crate::layout) struct ToggleSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Outline. Default: that of the board.
-    #[serde(default)]
-    size_mm: Option<OutlineSchema>,
-    /// Action that lasts while it is on.
-    #[serde(borrow, default)]
-    hold: Option<Action<'a>>,
-    /// Action that is tapped at each change.
-    #[serde(borrow, default)]
-    tap: Option<Action<'a>>,
+schema! {
+    /// A toggle switch: each poke turns it on or off.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Toggle", deny_unknown_fields)]
+    pub(in crate::layout) struct ToggleSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Outline. Default: as the board.
+        #[serde(default)]
+        size_mm: Option<OutlineSchema>,
+        /// Action that lasts while it is on.
+        #[serde(borrow, default)]
+        hold: Option<Action<'a>>,
+        /// Action that is tapped at each change.
+        #[serde(borrow, default)]
+        tap: Option<Action<'a>>,
+    }
 }
 
 impl<'a> ToggleSchema<'a> {

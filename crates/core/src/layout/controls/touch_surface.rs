@@ -4,50 +4,55 @@ use serde::Deserialize;
 
 use crate::contact::surface::Shape;
 use crate::device::touch_surface::{TouchMode, TouchSurface, TouchpadSettings};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
 use crate::layout::model::{Control, ControlKind};
 use crate::layout::quantity::{Acceleration, MmPerDetent, Offset, PixelsPerMm};
 use crate::layout::schema::{Label, OutlineSchema};
 
-/// A touchscreen or touchpad.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "TouchSurface", deny_unknown_fields)]
-pub(in crate::layout) struct TouchSurfaceSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Outline, a box.
-    size_mm: OutlineSchema,
-    /// Absolute or relative pointing.
-    mode: TouchModeSchema,
-    /// Touchpad: speed of the pointer.
-    #[serde(default)]
-    px_per_mm: Option<PixelsPerMm>,
-    /// Touchpad: increase of the speed with a fast finger.
-    #[serde(default)]
-    acceleration: Option<Acceleration>,
-    /// Touchpad: motion of two fingers per detent of the wheel.
-    #[serde(default)]
-    mm_per_detent: Option<MmPerDetent>,
-    /// Touchpad: the content follows the fingers.
-    #[serde(default)]
-    natural_scrolling: Option<bool>,
+schema! {
+    /// A touchscreen or touchpad.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "TouchSurface", deny_unknown_fields)]
+    pub(in crate::layout) struct TouchSurfaceSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Outline, a `Box`.
+        size_mm: OutlineSchema,
+        /// Absolute or relative pointing.
+        mode: TouchModeSchema,
+        /// Touchpad: pointer motion with a slow finger.
+        #[serde(default)]
+        px_per_mm: Option<PixelsPerMm>,
+        /// Touchpad: from 250 mm/s on the pointer moves `1 + acceleration` times as far; below, the factor increases with
+        /// the speed.
+        #[serde(default)]
+        acceleration: Option<Acceleration>,
+        /// Touchpad: motion of two fingers per detent of the wheel.
+        #[serde(default)]
+        mm_per_detent: Option<MmPerDetent>,
+        /// Touchpad: the content follows the fingers, instead of the wheel.
+        #[serde(default)]
+        natural_scrolling: Option<bool>,
+    }
 }
 
-/// The kind of a touch surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename = "TouchMode")]
-enum TouchModeSchema {
-    /// The pointer jumps to the finger.
-    Touchscreen,
-    /// The pointer moves with the finger.
-    Touchpad,
+schema! {
+    /// The kind of a touch surface.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "TouchMode")]
+    enum TouchModeSchema {
+        /// The pointer jumps to the finger.
+        Touchscreen,
+        /// The pointer moves with the finger.
+        Touchpad,
+    }
 }
 
 impl<'a> TouchSurfaceSchema<'a> {

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::trigger::{MAX_TRIGGERS, Measure, Trigger};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::{Dof, Finger, Input, Side};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{FingertipGap, InputValue, JointAngle, metres};
@@ -17,83 +17,88 @@ const PINCH_MM: (f64, f64) = (25.0, 30.0);
 /// Default values at which an input of the glove turns on and off.
 const INPUT: (f64, f64) = (0.5, 0.4);
 
-/// A hand posture with an action or a value.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Trigger", deny_unknown_fields)]
-pub(in crate::layout) struct TriggerSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// The hand. Default: either.
-    #[serde(borrow, default)]
-    hand: Option<Spanned<'a>>,
-    /// The quantity that is measured, and its thresholds.
-    #[serde(borrow)]
-    when: MeasureSchema<'a>,
-    /// Action while it is on.
-    #[serde(borrow, default)]
-    action: Option<Action<'a>>,
-    /// Output of the value.
-    #[serde(borrow, default)]
-    output: Option<ValueOutputSchema<'a>>,
-}
-
-/// The quantity that a trigger measures, the thresholds, and the range of its value.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Measure", deny_unknown_fields)]
-enum MeasureSchema<'a> {
-    /// A joint angle.
-    Angle {
-        /// Name of the degree of freedom.
-        #[serde(borrow)]
-        dof: Spanned<'a>,
-        /// Turns on.
-        on_deg: JointAngle,
-        /// Turns off.
-        off_deg: JointAngle,
-        /// Value 0.
-        #[serde(default)]
-        zero_deg: Option<JointAngle>,
-        /// Value 1.
-        #[serde(default)]
-        full_deg: Option<JointAngle>,
-    },
-    /// The distance between the fingertips of a finger and the thumb.
-    Pinch {
-        /// Name of the finger.
-        #[serde(borrow)]
-        finger: Spanned<'a>,
-        /// Turns on.
-        #[serde(default)]
-        on_mm: Option<FingertipGap>,
-        /// Turns off.
-        #[serde(default)]
-        off_mm: Option<FingertipGap>,
-        /// Value 0.
-        #[serde(default)]
-        zero_mm: Option<FingertipGap>,
-        /// Value 1.
-        #[serde(default)]
-        full_mm: Option<FingertipGap>,
-    },
-    /// A stick, trigger or button of the glove.
-    Input {
-        /// Name of the input.
+schema! {
+    /// A hand posture with an action or a value.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Trigger", deny_unknown_fields)]
+    pub(in crate::layout) struct TriggerSchema<'a> {
+        /// Name.
         #[serde(borrow)]
         name: Spanned<'a>,
-        /// Turns on.
-        #[serde(default)]
-        on: Option<InputValue>,
-        /// Turns off.
-        #[serde(default)]
-        off: Option<InputValue>,
-        /// Value 0.
-        #[serde(default)]
-        zero: Option<InputValue>,
-        /// Value 1.
-        #[serde(default)]
-        full: Option<InputValue>,
-    },
+        /// `"left"` or `"right"`. Default: either.
+        #[serde(borrow, default)]
+        hand: Option<Spanned<'a>>,
+        /// The quantity that is measured, and its thresholds.
+        #[serde(borrow)]
+        when: MeasureSchema<'a>,
+        /// Action while it is on.
+        #[serde(borrow, default)]
+        action: Option<Action<'a>>,
+        /// Output of the value.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
+    }
+}
+
+schema! {
+    /// The quantity that a trigger measures, the thresholds, and the range of its value.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Measure", deny_unknown_fields)]
+    enum MeasureSchema<'a> {
+        /// A joint angle.
+        Angle {
+            /// Name of the degree of freedom, such as `wrist-flexion`.
+            #[serde(borrow)]
+            dof: Spanned<'a>,
+            /// Angle at which it turns on.
+            on_deg: JointAngle,
+            /// Angle at which it turns off; above `on_deg` it is on below.
+            off_deg: JointAngle,
+            /// Quantity at which the value is 0. Without it the value is 1 while the trigger is on.
+            #[serde(default)]
+            zero_deg: Option<JointAngle>,
+            /// Quantity at which the value is 1.
+            #[serde(default)]
+            full_deg: Option<JointAngle>,
+        },
+        /// The distance between the fingertips of a finger and the thumb.
+        Pinch {
+            /// Name of the finger.
+            #[serde(borrow)]
+            finger: Spanned<'a>,
+            /// Distance between the centers of the fingertips at which it turns on. Default: 25.
+            #[serde(default)]
+            on_mm: Option<FingertipGap>,
+            /// Distance at which it turns off. Default: 30.
+            #[serde(default)]
+            off_mm: Option<FingertipGap>,
+            /// Quantity at which the value is 0. Without it the value is 1 while the trigger is on.
+            #[serde(default)]
+            zero_mm: Option<FingertipGap>,
+            /// Quantity at which the value is 1.
+            #[serde(default)]
+            full_mm: Option<FingertipGap>,
+        },
+        /// A stick, trigger or button of the glove.
+        Input {
+            /// `stick-x`, `stick-y`, `stick-button`, `trigger`, `trigger-button`, `button-a`, `button-b`, `grab`, `pinch`,
+            /// `menu` or `calibrate` of a glove that has them.
+            #[serde(borrow)]
+            name: Spanned<'a>,
+            /// Value at which it turns on: a button is 0 or 1, a stick -1 to 1. Default: 0.5.
+            #[serde(default)]
+            on: Option<InputValue>,
+            /// Value at which it turns off. Default: 0.4.
+            #[serde(default)]
+            off: Option<InputValue>,
+            /// Quantity at which the value is 0. Without it the value is 1 while the trigger is on.
+            #[serde(default)]
+            zero: Option<InputValue>,
+            /// Quantity at which the value is 1.
+            #[serde(default)]
+            full: Option<InputValue>,
+        },
+    }
 }
 
 /// The numbers of a trigger in the unit of the file.

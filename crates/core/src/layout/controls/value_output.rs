@@ -4,38 +4,40 @@ use serde::Deserialize;
 
 use crate::device::Axis;
 use crate::device::value_output::ValueOutput;
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{FullRangeDetents, FullRangePixels, Steps};
 use crate::layout::schema::Action;
 use crate::names::UnknownName;
 
-/// The output of a control with a value, in addition to the value itself.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Output", deny_unknown_fields)]
-pub(in crate::layout) enum ValueOutputSchema<'a> {
-    /// A gamepad or 6-DoF axis.
-    #[serde(borrow)]
-    Axis(Spanned<'a>),
-    /// Horizontal scrolling: detents to the right for the full range.
-    ScrollX(FullRangeDetents),
-    /// Vertical scrolling: detents up for the full range.
-    ScrollY(FullRangeDetents),
-    /// Pointer motion: pixels to the right for the full range.
-    MoveX(FullRangePixels),
-    /// Pointer motion: pixels up for the full range.
-    MoveY(FullRangePixels),
-    /// A tap at each step.
-    Taps {
-        /// Action at each step up.
+schema! {
+    /// The output of a control with a value, in addition to the value itself.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "Output", deny_unknown_fields)]
+    pub(in crate::layout) enum ValueOutputSchema<'a> {
+        /// An axis of a gamepad or 6-DoF device, from -1 to 1; a trigger axis from 0 to 1.
         #[serde(borrow)]
-        increase: Action<'a>,
-        /// Action at each step down.
-        #[serde(borrow)]
-        decrease: Action<'a>,
-        /// Steps of the full range.
-        steps: Steps,
-    },
+        Axis(Spanned<'a>),
+        /// Scrolls this number of detents to the right for the full range.
+        ScrollX(FullRangeDetents),
+        /// Scrolls this number of detents up for the full range.
+        ScrollY(FullRangeDetents),
+        /// Moves the pointer to the right for the full range.
+        MoveX(FullRangePixels),
+        /// Moves the pointer up for the full range.
+        MoveY(FullRangePixels),
+        /// Taps at each step.
+        Taps {
+            /// Action at each step up.
+            #[serde(borrow)]
+            increase: Action<'a>,
+            /// Action at each step down.
+            #[serde(borrow)]
+            decrease: Action<'a>,
+            /// Steps of the full range.
+            steps: Steps,
+        },
+    }
 }
 
 /// Returns the checked output.

@@ -7,37 +7,39 @@ use serde::Deserialize;
 use super::knob::{DialSpec, add_dial};
 use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::knob::{Knob, KnobRange};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{Fraction, Offset, Size, Steps, Turns};
 use crate::layout::schema::Label;
 
-/// A valve: a knob with several turns between its ends.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Valve", deny_unknown_fields)]
-pub(in crate::layout) struct ValveSchema<'a> {
-    /// Name.
-    #[serde(borrow)]
-    name: Spanned<'a>,
-    /// Text drawn on it. Default: the name.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Diameter of the wheel.
-    diameter_mm: Size,
-    /// Full turns between the ends.
-    #[serde(default)]
-    turns: Turns,
-    /// Number of steps. Default: continuous.
-    #[serde(default)]
-    steps: Option<Steps>,
-    /// Initial value. Default: 0.
-    #[serde(default)]
-    initial: Option<Fraction>,
-    /// Output of the value.
-    #[serde(borrow, default)]
-    output: Option<ValueOutputSchema<'a>>,
+schema! {
+    /// A valve: a knob with several turns between its ends.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Valve", deny_unknown_fields)]
+    pub(in crate::layout) struct ValveSchema<'a> {
+        /// Name.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Text drawn on it. Default: the name.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Diameter of the wheel.
+        diameter_mm: Size,
+        /// Full turns between the ends.
+        #[serde(default)]
+        turns: Turns,
+        /// Number of steps. Default: continuous.
+        #[serde(default)]
+        steps: Option<Steps>,
+        /// Initial value. Default: 0.
+        #[serde(default)]
+        initial: Option<Fraction>,
+        /// Output of the value.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
+    }
 }
 
 impl<'a> ValveSchema<'a> {

@@ -5,20 +5,22 @@ use serde::Deserialize;
 use super::KeySchema;
 use crate::device::keyboard::{Activation, TapHold};
 use crate::device::{KeyAction, Latch};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::model::Key;
 use crate::layout::quantity::{DwellTime, HoldAfter, duration};
 use crate::layout::schema::Action;
 
-/// The part of a press that activates a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename = "Activation")]
-pub(super) enum ActivationSchema {
-    /// The press; the action lasts until the release.
-    Press,
-    /// The release; the action is tapped.
-    Release,
+schema! {
+    /// The part of a press that activates a key.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Activation")]
+    pub(super) enum ActivationSchema {
+        /// The press; the action lasts until the release.
+        Press,
+        /// The release; the action is tapped.
+        Release,
+    }
 }
 
 /// The action of a key that is held.
@@ -26,13 +28,28 @@ pub(super) enum ActivationSchema {
 #[serde(try_from = "HoldFields<'a>", bound(deserialize = "'de: 'a"))]
 pub(super) struct HoldSchema<'a>(Action<'a>);
 
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Hold", deny_unknown_fields)]
-struct HoldFields<'a> {
-    #[serde(borrow, default)]
-    code: Option<Spanned<'a>>,
-    #[serde(borrow, default)]
-    layer: Option<Spanned<'a>>,
+schema! {
+    /// The action of a key that is held: exactly one of these.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Hold", deny_unknown_fields)]
+    struct HoldFields<'a> {
+        /// Key code.
+        #[serde(borrow, default)]
+        code: Option<Spanned<'a>>,
+        /// Layer.
+        #[serde(borrow, default)]
+        layer: Option<Spanned<'a>>,
+    }
+}
+
+impl FieldType for HoldSchema<'_> {
+    fn values() -> String {
+        HoldFields::values()
+    }
+
+    fn collect_tables(tables: &mut Vec<Table>) {
+        HoldFields::collect_tables(tables);
+    }
 }
 
 impl<'a> TryFrom<HoldFields<'a>> for HoldSchema<'a> {

@@ -8,7 +8,7 @@ use super::activation::{
 use crate::contact::TargetId;
 use crate::device::KeyAction;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::HoldAfter;
@@ -17,28 +17,30 @@ use crate::layout::schema::{Action, LatchSchema};
 /// The maximum number of chords of a layout. Each press compares all of them.
 const MAX_CHORDS: usize = 512;
 
-/// An action of several keys.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Chord", deny_unknown_fields)]
-pub(in crate::layout) struct ChordSchema<'a> {
-    /// Names of the keys, separated by blanks.
-    #[serde(borrow)]
-    keys: Spanned<'a>,
-    /// Action, in the layers that define no other one.
-    #[serde(borrow)]
-    action: Action<'a>,
-    /// Duration of a modifier or layer.
-    #[serde(default)]
-    latch: Option<LatchSchema>,
-    /// The part of a press that activates the chord.
-    #[serde(default)]
-    activate_on: Option<ActivationSchema>,
-    /// Action when the chord is held instead of tapped.
-    #[serde(borrow, default)]
-    hold: Option<HoldSchema<'a>>,
-    /// Time after which a pressed chord counts as held.
-    #[serde(default)]
-    hold_after_ms: Option<HoldAfter>,
+schema! {
+    /// An action of several keys.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Chord", deny_unknown_fields)]
+    pub(in crate::layout) struct ChordSchema<'a> {
+        /// Names of 2 to 10 keys, separated by blanks.
+        #[serde(borrow)]
+        keys: Spanned<'a>,
+        /// Action, in the layers that define no other one.
+        #[serde(borrow)]
+        action: Action<'a>,
+        /// Duration of a modifier or layer. Default: `Momentary`.
+        #[serde(default)]
+        latch: Option<LatchSchema>,
+        /// Part of a press that activates the chord. Default: `Press`.
+        #[serde(default)]
+        activate_on: Option<ActivationSchema>,
+        /// Action of a held chord.
+        #[serde(borrow, default)]
+        hold: Option<HoldSchema<'a>>,
+        /// Time after the first press after which a chord counts as held; needs a `hold`.
+        #[serde(default)]
+        hold_after_ms: Option<HoldAfter>,
+    }
 }
 
 impl<'a> ChordSchema<'a> {

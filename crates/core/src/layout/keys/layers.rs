@@ -4,22 +4,24 @@ use serde::Deserialize;
 
 use super::ChordSchema;
 use super::activation::check_layer_action;
-use crate::document::{DocumentError, Pairs, Spanned};
+use crate::document::{DocumentError, Pairs, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 
-/// Actions of keys while a layer is active.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Layer", deny_unknown_fields)]
-pub(in crate::layout) struct LayerSchema<'a> {
-    /// Name of the layer.
-    #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// Name of a key → its key code in this layer.
-    #[serde(borrow)]
-    keys: Pairs<'a, Spanned<'a>>,
-    /// Actions of chords in this layer.
-    #[serde(borrow, default)]
-    chords: Vec<ChordSchema<'a>>,
+schema! {
+    /// Actions of keys while a layer is active.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Layer", deny_unknown_fields)]
+    pub(in crate::layout) struct LayerSchema<'a> {
+        /// Name of the layer.
+        #[serde(borrow)]
+        pub name: Spanned<'a>,
+        /// Name of a key → its key code in this layer. All other keys keep their action of the base layer.
+        #[serde(borrow)]
+        keys: Pairs<'a, Spanned<'a>>,
+        /// Actions of chords in this layer. All other chords keep their action of the base layer.
+        #[serde(borrow, default)]
+        chords: Vec<ChordSchema<'a>>,
+    }
 }
 
 impl<'a> LayerSchema<'a> {

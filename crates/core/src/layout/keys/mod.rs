@@ -21,7 +21,7 @@ use super::quantity::{
 use super::schema::{Action, ContactSchema, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
 use crate::hand::Finger;
 
 /// The settings of a board that only its keys use.
@@ -35,21 +35,23 @@ pub(super) struct KeyDefaults {
     pub reports_depth: bool,
 }
 
-/// Keys in a straight row, from left to right.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Row", deny_unknown_fields)]
-pub(super) struct RowSchema<'a> {
-    /// Center of the first key.
-    at_mm: (Offset, Offset),
-    /// Key codes, separated by blanks.
-    #[serde(borrow)]
-    keys: Spanned<'a>,
-    /// Distance between the keys. Default: that of the board.
-    #[serde(default)]
-    pitch_mm: Option<Pitch>,
-    /// Outline of the keys. Default: that of the board.
-    #[serde(default)]
-    size_mm: Option<OutlineSchema>,
+schema! {
+    /// Keys in a straight row, from left to right.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Row", deny_unknown_fields)]
+    pub(super) struct RowSchema<'a> {
+        /// Center of the first key.
+        at_mm: (Offset, Offset),
+        /// Key codes, separated by blanks.
+        #[serde(borrow)]
+        keys: Spanned<'a>,
+        /// Distance between the centers of the keys. Default: as the board.
+        #[serde(default)]
+        pitch_mm: Option<Pitch>,
+        /// Outline of the keys. Default: as the board.
+        #[serde(default)]
+        size_mm: Option<OutlineSchema>,
+    }
 }
 
 /// A key.
@@ -62,69 +64,81 @@ pub(super) struct KeySchema<'a> {
     fields: KeyFields<'a>,
 }
 
-/// The fields of a key. Optional fields default to those of the board.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Key", deny_unknown_fields)]
-struct KeyFields<'a> {
-    /// Key code.
-    #[serde(borrow, default)]
-    code: Option<Spanned<'a>>,
-    /// Layer that the key activates.
-    #[serde(borrow, default)]
-    layer: Option<Spanned<'a>>,
-    /// Any other action, instead of `code` and `layer`.
-    #[serde(borrow, default)]
-    action: Option<Action<'a>>,
-    /// Name in layers and messages. Default: the code or layer.
-    #[serde(borrow, default)]
-    name: Option<Spanned<'a>>,
-    /// Text drawn on the key.
-    #[serde(default)]
-    label: Option<Label>,
-    /// Center.
-    at_mm: (Offset, Offset),
-    /// Distance in front of the board.
-    #[serde(default)]
-    lift_mm: Offset,
-    /// Rotations about X, then Y, then Z of the board at the key.
-    #[serde(default)]
-    rotation_deg: (Rotation, Rotation, Rotation),
-    /// The finger that the key is for: the key follows its fingertip on another hand, or is pressed by its bend.
-    #[serde(default)]
-    finger: Option<Finger>,
-    /// Outline.
-    #[serde(default)]
-    size_mm: Option<OutlineSchema>,
-    /// Travel.
-    #[serde(default)]
-    travel_mm: Option<Travel>,
-    /// Press point.
-    #[serde(default)]
-    press_at: Option<PressAt>,
-    /// Release point.
-    #[serde(default)]
-    release_at: Option<ReleaseAt>,
-    /// Debounce time.
-    #[serde(default)]
-    debounce_ms: Option<Debounce>,
-    /// The depth of a press is reported as a value.
-    #[serde(default)]
-    reports_depth: Option<bool>,
-    /// Duration of a modifier or layer.
-    #[serde(default)]
-    latch: Option<LatchSchema>,
-    /// The part of a press that activates the key.
-    #[serde(default)]
-    activate_on: Option<ActivationSchema>,
-    /// Action when the key is held instead of tapped.
-    #[serde(borrow, default)]
-    hold: Option<HoldSchema<'a>>,
-    /// Time after which a pressed key counts as held.
-    #[serde(default)]
-    hold_after_ms: Option<HoldAfter>,
-    /// Time after which a resting fingertip activates the key.
-    #[serde(default)]
-    dwell_ms: Option<DwellTime>,
+schema! {
+    /// A key, alone or beside rows.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Key", deny_unknown_fields)]
+    struct KeyFields<'a> {
+        /// Key code. A key has exactly one of `code`, `layer` and `action`.
+        #[serde(borrow, default)]
+        code: Option<Spanned<'a>>,
+        /// Layer that the key activates; `base` is the base layer.
+        #[serde(borrow, default)]
+        layer: Option<Spanned<'a>>,
+        /// Any other action, instead of `code` and `layer`.
+        #[serde(borrow, default)]
+        action: Option<Action<'a>>,
+        /// Name in layers and messages; required if a code occurs twice. Default: the code or layer.
+        #[serde(borrow, default)]
+        name: Option<Spanned<'a>>,
+        /// Text drawn on the key, 1 to 16 characters. Default: the label of the code.
+        #[serde(default)]
+        label: Option<Label>,
+        /// Center.
+        at_mm: (Offset, Offset),
+        /// Distance in front of the board.
+        #[serde(default)]
+        lift_mm: Offset,
+        /// Rotations about x, then y, then z of the board at the key, right-handed.
+        #[serde(default)]
+        rotation_deg: (Rotation, Rotation, Rotation),
+        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required: the finger that bends.
+        #[serde(default)]
+        finger: Option<Finger>,
+        /// Outline. Default: as the board.
+        #[serde(default)]
+        size_mm: Option<OutlineSchema>,
+        /// Travel. Default: as the board.
+        #[serde(default)]
+        travel_mm: Option<Travel>,
+        /// Press point. Default: as the board.
+        #[serde(default)]
+        press_at: Option<PressAt>,
+        /// Release point. Default: as the board.
+        #[serde(default)]
+        release_at: Option<ReleaseAt>,
+        /// Debounce time. Default: as the board.
+        #[serde(default)]
+        debounce_ms: Option<Debounce>,
+        /// The depth of a press is reported as a value. Default: as the board.
+        #[serde(default)]
+        reports_depth: Option<bool>,
+        /// Duration of a modifier or layer. Default: `Momentary`.
+        #[serde(default)]
+        latch: Option<LatchSchema>,
+        /// Part of a press that activates the key. Default: `Press`.
+        #[serde(default)]
+        activate_on: Option<ActivationSchema>,
+        /// Action of a held key.
+        #[serde(borrow, default)]
+        hold: Option<HoldSchema<'a>>,
+        /// Time after which a pressed key counts as held; needs a `hold`.
+        #[serde(default)]
+        hold_after_ms: Option<HoldAfter>,
+        /// Time after which a resting fingertip activates the key. Default: off.
+        #[serde(default)]
+        dwell_ms: Option<DwellTime>,
+    }
+}
+
+impl FieldType for KeySchema<'_> {
+    fn values() -> String {
+        KeyFields::values()
+    }
+
+    fn collect_tables(tables: &mut Vec<Table>) {
+        KeyFields::collect_tables(tables);
+    }
 }
 
 impl<'a> TryFrom<KeyFields<'a>> for KeySchema<'a> {

@@ -2,8 +2,9 @@
 //!
 //! `/VMC/Ext/Bone/Pos` has the name of a bone, its position and its rotation in the frame of its parent. Positions are
 //! ignored: the arm of the setup has its own lengths. The rotation of an upper arm is that of its parents and its own. A
-//! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`; of senders that have neither, with a bone that comes again. Other messages and additional arguments are
-//! ignored. A message that is not valid is left out of its datagram.
+//! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`, and before a bone that comes again: some senders have
+//! neither message, others send them seldom, and datagrams are lost. Other messages and additional arguments are ignored. A
+//! message that is not valid is left out of its datagram.
 
 mod bone_names;
 mod osc;
@@ -67,8 +68,8 @@ pub struct VmcParser {
     upper_arms: [Option<Quat>; Side::COUNT],
     /// The sender names the metacarpals of the thumbs.
     has_metacarpals: bool,
-    /// The sender ends its frames with a message.
-    has_ends: bool,
+    /// The names of the frame so far, as [bits](name_bit).
+    names: u64,
 }
 
 /// Creates a decoder before the first datagram.
@@ -100,11 +101,10 @@ impl DatagramParser for VmcParser {
         });
         let error = error.or(state.error);
         if state.is_model_missing {
-            self.frame = BoneRotations::default();
-            self.upper_arms = Default::default();
+            // The next model may have other bones.
+            self.reset();
         }
         if state.is_frame_end {
-            self.has_ends = true;
             self.end_frame(emit);
         }
         match (state.understood, error) {
@@ -125,21 +125,18 @@ impl VmcParser {
         state: &mut DatagramState,
         emit: &mut dyn FnMut(Packet),
     ) {
-        match message.address {
-            BONE => match self.add_bone(&message, emit) {
-                Ok(()) => state.understood = true,
-                Err(error) => state.error = state.error.take().or(Some(error)),
-            },
-            STATE => {
-                state.understood = true;
+        let result = match message.address {
+            BONE => self.add_bone(&message, emit),
+            STATE => message.int().map(|loaded| {
                 state.is_frame_end = true;
-                state.is_model_missing |= message.int() == Some(0);
-            }
-            TIME => {
-                state.understood = true;
-                state.is_frame_end = true;
-            }
-            _ => state.understood = true,
+                state.is_model_missing |= loaded == 0;
+            }),
+            TIME => message.float().map(|_| state.is_frame_end = true),
+            _ => Ok(()),
+        };
+        match result {
+            Ok(()) => state.understood = true,
+            Err(error) => state.error = state.error.take().or(Some(error)),
         }
     }
 
@@ -174,6 +171,11 @@ impl VmcParser {
     }
 
     fn set_bone(&mut self, bone: NamedBone, rotation: Quat, emit: &mut dyn FnMut(Packet)) {
+        let bit = name_bit(bone);
+        if self.names & bit != 0 {
+            self.end_frame(emit);
+        }
+        self.names |= bit;
         let (side, bone) = match bone {
             NamedBone::Body => return,
             NamedBone::Trunk(index) => return self.trunk[index] = rotation,
@@ -190,14 +192,12 @@ impl VmcParser {
             }
             NamedBone::Arm(side, bone) => (side, bone),
         };
-        if !self.has_ends && self.frame.arm(side).is_known(bone) {
-            self.end_frame(emit);
-        }
         self.frame.arm_mut(side).set(bone, rotation);
     }
 
     fn end_frame(&mut self, emit: &mut dyn FnMut(Packet)) {
         let mut bones = std::mem::take(&mut self.frame);
+        self.names = 0;
         let trunk = self.trunk.iter().copied().product::<Quat>();
         for &side in Side::ALL {
             let upper_arm = self.upper_arms[side.index()].take();
@@ -211,6 +211,16 @@ impl VmcParser {
             emit(Packet::new(Sample::Bones { bones }, 0));
         }
     }
+}
+
+/// Returns the bit of a bone of an arm in a set of names; 0 for other bones.
+fn name_bit(bone: NamedBone) -> u64 {
+    let (side, index) = match bone {
+        NamedBone::Arm(side, bone) => (side, bone.index()),
+        NamedBone::ThumbMetacarpal(side) => (side, ArmBone::COUNT),
+        NamedBone::Trunk(_) | NamedBone::Shoulder(_) | NamedBone::Body => return 0,
+    };
+    1 << (side.index() * (ArmBone::COUNT + 1) + index)
 }
 
 /// Converts a quaternion from the left-handed frame of Unity (X right, Y up, Z forward) to the world.

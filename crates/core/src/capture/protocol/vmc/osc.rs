@@ -34,10 +34,32 @@ impl<'a> Message<'a> {
         ))
     }
 
-    /// Returns the first argument if it is a whole number.
-    pub fn int(&self) -> Option<i32> {
-        (self.types.first() == Some(&b'i')).then_some(())?;
-        Some(i32::from_be_bytes(*self.arguments.first_chunk()?))
+    /// Returns the first argument, a whole number.
+    pub fn int(&self) -> Result<i32, PacketError> {
+        self.first(b'i').map(i32::from_be_bytes)
+    }
+
+    /// Returns the first argument, a finite number.
+    pub fn float(&self) -> Result<f32, PacketError> {
+        let float = self.first(b'f').map(f32::from_be_bytes)?;
+        let reason = "the argument of a message is not finite";
+        let is_finite = float.is_finite().then_some(float);
+        is_finite.ok_or_else(|| error(InvalidPacket::NotFinite, reason))
+    }
+
+    /// Returns the bytes of the first argument, which has the type of this letter.
+    fn first(&self, letter: u8) -> Result<[u8; 4], PacketError> {
+        let missing = || {
+            error(
+                InvalidPacket::Truncated,
+                "the argument of a message is missing",
+            )
+        };
+        let reason = "the argument of a message has another type";
+        match self.types.first().ok_or_else(missing)? {
+            found if *found == letter => self.arguments.first_chunk().copied().ok_or_else(missing),
+            _ => Err(error(InvalidPacket::Unknown, reason)),
+        }
     }
 }
 

@@ -150,6 +150,77 @@ fn a_sender_without_end_messages_ends_a_frame_with_a_bone_that_comes_again() {
 }
 
 #[test]
+fn a_bone_that_comes_again_ends_a_frame_of_a_sender_whose_end_messages_are_seldom_or_lost() {
+    let mut decoder = decoder();
+    let state = osc::encode("/VMC/Ext/OK", None, &[1], &[]);
+    for end in [time(), state] {
+        assert!(decode(&mut decoder, &[end]).is_empty());
+        let arm = |name| bone(name, REST);
+        let frames = decode(
+            &mut decoder,
+            &[
+                osc::bundle(&[arm("LeftUpperArm"), arm("LeftHand")]),
+                osc::bundle(&[arm("LeftUpperArm"), arm("LeftHand")]),
+                osc::bundle(&[arm("LeftUpperArm"), arm("LeftHand"), time()]),
+            ],
+        );
+        let names: Vec<_> = frames.iter().map(names).collect();
+        assert_eq!(names, vec![["left hand", "left upper-arm"]; 3]);
+    }
+}
+
+#[test]
+fn a_thumb_named_by_both_conventions_ends_no_frame() {
+    let thumb = ["Metacarpal", "Proximal", "Intermediate", "Distal"];
+    let mut messages: Vec<_> = thumb
+        .iter()
+        .map(|segment| bone(&format!("LeftThumb{segment}"), REST))
+        .collect();
+    messages.push(time());
+    let mut decoder = decoder();
+    for _ in 0..2 {
+        let frames = decode(&mut decoder, &[osc::bundle(&messages)]);
+        assert_eq!(frames.len(), 1);
+    }
+}
+
+#[test]
+fn end_messages_without_their_argument_end_no_frame_and_are_counted() {
+    let messages = |argument: &[u8]| {
+        ["/VMC/Ext/T", "/VMC/Ext/OK"].map(|address| {
+            let mut message = osc::encode(address, None, &[], &[]);
+            message.truncate(address.len() / 4 * 4 + 4);
+            message.extend_from_slice(argument);
+            message
+        })
+    };
+    for (argument, reason) in [
+        (&b",\0\0\0"[..], InvalidPacket::Truncated),
+        (b",i\0\0", InvalidPacket::Truncated),
+        (b",s\0\0one\0", InvalidPacket::Unknown),
+        (b",f\0\0\x7f\xc0\0\0", InvalidPacket::NotFinite),
+    ] {
+        for bad in messages(argument) {
+            let mut decoder = decoder();
+            let frames = decode(&mut decoder, &[bone("LeftHand", REST), bad.clone()]);
+            assert!(frames.is_empty(), "{}", bad.escape_ascii());
+            let invalid = decoder.stats().invalid;
+            assert_eq!(invalid.total(), 1, "{}", bad.escape_ascii());
+            // The first argument of one message has the type of the other one.
+            let is_type = invalid.get(InvalidPacket::Unknown) == 1;
+            assert!(
+                invalid.get(reason) == 1 || is_type,
+                "{}",
+                bad.escape_ascii()
+            );
+            let [hand, end] = [bone("RightHand", REST), time()];
+            let frames = decode(&mut decoder, &[osc::bundle(&[hand, end])]);
+            assert_eq!(names(&frames[0]), ["left hand", "right hand"]);
+        }
+    }
+}
+
+#[test]
 fn one_bad_message_does_not_void_the_datagram() {
     let numbers = [0.0; 6];
     let short = osc::encode("/VMC/Ext/Bone/Pos", Some("LeftHand"), &[], &numbers);
@@ -228,6 +299,27 @@ fn a_sender_without_a_model_shows_no_hand() {
     let state = osc::encode("/VMC/Ext/OK", None, &[0], &[]);
     let datagram = osc::bundle(&[bone("LeftHand", REST), state, time()]);
     assert!(decode(&mut decoder(), &[datagram]).is_empty());
+}
+
+#[test]
+fn the_model_after_another_one_keeps_none_of_its_names_and_rotations() {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let first = osc::bundle(&[
+        bone("Hips", [0.0, half, 0.0, half]),
+        bone("LeftThumbMetacarpal", REST),
+        time(),
+    ]);
+    let unloaded = osc::encode("/VMC/Ext/OK", None, &[0], &[]);
+    let second = osc::bundle(&[
+        bone("LeftUpperArm", REST),
+        bone("LeftThumbProximal", REST),
+        time(),
+    ]);
+    let mut decoder = decoder();
+    let frames = decode(&mut decoder, &[first, unloaded, second]);
+    let last = frames.last().expect("a frame");
+    assert_eq!(names(last), ["left thumb-1", "left upper-arm"]);
+    assert_eq!(last.left.get(ArmBone::UpperArm), Some(Quat::IDENTITY));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::device::pointer::{ArmAxes, ArmAxis, ArmDirection};
-use crate::document::{DocumentError, Spanned};
+use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::controls::value_output::axis;
 use crate::layout::quantity::{
@@ -13,33 +13,37 @@ use crate::layout::quantity::{
 /// The smallest motion for a full deflection, in mm or degrees: a smaller one is within the tremor of a hand.
 const MIN_FULL: f64 = 5.0;
 
-/// An axis and the motion that deflects it.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename = "ArmAxis", deny_unknown_fields)]
-pub(super) struct ArmAxisSchema<'a> {
-    /// The axis.
-    #[serde(borrow)]
-    axis: Spanned<'a>,
-    /// The motion.
-    motion: ArmMotionSchema,
+schema! {
+    /// An axis and the motion that deflects it.
+    #[derive(Clone, Copy, Debug, Deserialize)]
+    #[serde(rename = "ArmAxis", deny_unknown_fields)]
+    pub(super) struct ArmAxisSchema<'a> {
+        /// The axis.
+        #[serde(borrow)]
+        axis: Spanned<'a>,
+        /// Motion for full deflection; at least 5, or at most -5 for the opposite direction.
+        motion: ArmMotionSchema,
+    }
 }
 
-/// A motion and its size for a full deflection. A negative size reverses the axis.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "ArmMotion")]
-enum ArmMotionSchema {
-    /// To the right.
-    Right(FullDisplacement),
-    /// Away from the wearer.
-    Forward(FullDisplacement),
-    /// Upwards.
-    Up(FullDisplacement),
-    /// The fingers rise.
-    Pitch(FullRotation),
-    /// Clockwise about the direction of the hand.
-    Roll(FullRotation),
-    /// To the left.
-    Yaw(FullRotation),
+schema! {
+    /// A motion of the hand and its size for a full deflection. A negative size reverses the axis.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "ArmMotion")]
+    enum ArmMotionSchema {
+        /// To the right.
+        Right(FullDisplacement),
+        /// Away from you.
+        Forward(FullDisplacement),
+        /// Upwards.
+        Up(FullDisplacement),
+        /// The fingers rise.
+        Pitch(FullRotation),
+        /// Clockwise about the direction of the hand.
+        Roll(FullRotation),
+        /// To the left.
+        Yaw(FullRotation),
+    }
 }
 
 /// Returns the checked axes.

@@ -8,7 +8,7 @@ use crate::device::KeyAction;
 use crate::device::pointer::{
     ClickMethod, DwellSettings, Gesture, MAX_CLICKS, PinchGaps, ScrollSettings,
 };
-use crate::document::DocumentError;
+use crate::document::{DocumentError, schema};
 use crate::hand::{Dof, Finger};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{
@@ -19,72 +19,84 @@ use crate::layout::schema::Action;
 /// The smallest angle of a flexion gesture, in degrees: it turns off before the joint is straight.
 const MIN_FLEXION_DEG: f64 = 5.0;
 
-/// A gesture that is held.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Gesture")]
-pub(super) enum GestureSchema {
-    /// The thumb touches a fingertip.
-    Pinch(Finger),
-    /// A joint is bent beyond an angle, or below a negative angle.
-    Flexion(Dof, JointAngle),
+schema! {
+    /// A gesture that is held.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "Gesture")]
+    pub(super) enum GestureSchema {
+        /// The thumb touches this fingertip.
+        Pinch(Finger),
+        /// A joint is bent beyond an angle, or below a negative angle, until it is 10° back.
+        Flexion(Dof, JointAngle),
+    }
 }
 
-/// A gesture that clicks.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "ClickGesture")]
-enum ClickGestureSchema {
-    /// The thumb touches a fingertip.
-    Pinch(Finger),
-    /// A joint is bent beyond an angle, or below a negative angle.
-    Flexion(Dof, JointAngle),
-    /// The index fingertip is pushed forward.
-    Push(PushDistance),
+schema! {
+    /// A gesture that clicks.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "ClickGesture")]
+    enum ClickGestureSchema {
+        /// The thumb touches this fingertip.
+        Pinch(Finger),
+        /// A joint is bent beyond an angle, or below a negative angle, until it is 10° back.
+        Flexion(Dof, JointAngle),
+        /// The index fingertip moves forward by this distance at 150 mm/s or more, until it is half-way back.
+        Push(PushDistance),
+    }
 }
 
-/// Distances between thumb and fingertip in a pinch.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "PinchGaps", deny_unknown_fields)]
-pub(super) struct PinchGapsSchema {
-    /// Turns on.
-    on: FingertipGap,
-    /// Turns off.
-    off: FingertipGap,
-    /// Freezes the cursor.
-    near: FingertipGap,
+schema! {
+    /// Distances between thumb and fingertip in a pinch.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "PinchGaps", deny_unknown_fields)]
+    pub(super) struct PinchGapsSchema {
+        /// The pinch turns on.
+        on: FingertipGap,
+        /// The pinch turns off.
+        off: FingertipGap,
+        /// The cursor freezes.
+        near: FingertipGap,
+    }
 }
 
-/// A gesture and its action.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Click", deny_unknown_fields)]
-pub(super) struct ClickSchema<'a> {
-    /// The gesture.
-    gesture: ClickGestureSchema,
-    /// Action while the gesture is held.
-    #[serde(borrow)]
-    action: Action<'a>,
+schema! {
+    /// A gesture and its action.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Click", deny_unknown_fields)]
+    pub(super) struct ClickSchema<'a> {
+        /// The gesture.
+        gesture: ClickGestureSchema,
+        /// Action while the gesture is held.
+        #[serde(borrow)]
+        action: Action<'a>,
+    }
 }
 
-/// An action that is tapped where the cursor rests.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Dwell", deny_unknown_fields)]
-pub(super) struct DwellClickSchema<'a> {
-    /// Time that the cursor rests.
-    time_ms: DwellTime,
-    /// Radius of the circle that it rests in.
-    radius_px: PixelDistance,
-    /// The action.
-    #[serde(borrow)]
-    action: Action<'a>,
+schema! {
+    /// An action that is tapped where the cursor rests.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Dwell", deny_unknown_fields)]
+    pub(super) struct DwellClickSchema<'a> {
+        /// Time that the cursor rests.
+        time_ms: DwellTime,
+        /// Radius of the circle that it rests in.
+        radius_px: PixelDistance,
+        /// The action.
+        #[serde(borrow)]
+        action: Action<'a>,
+    }
 }
 
-/// Scrolling by motion of the hand.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "Scroll", deny_unknown_fields)]
-pub(super) struct ScrollSchema {
-    /// Scrolls while it is held.
-    pub gesture: GestureSchema,
-    /// Motion per detent of the wheel. A negative number reverses the direction.
-    px_per_detent: PixelsPerDetent,
+schema! {
+    /// Scrolling by motion of the hand.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "Scroll", deny_unknown_fields)]
+    pub(super) struct ScrollSchema {
+        /// Motion scrolls while this gesture is held.
+        pub gesture: GestureSchema,
+        /// Motion per detent of the wheel. A negative number reverses the direction.
+        px_per_detent: PixelsPerDetent,
+    }
 }
 
 impl GestureSchema {

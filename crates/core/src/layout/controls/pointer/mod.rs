@@ -15,7 +15,7 @@ use self::modes::PointingModeSchema;
 use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::pointer::{ArmAxes, CursorOutput, PointerSettings};
 use crate::device::value_output::ValueOutput;
-use crate::document::DocumentError;
+use crate::document::{DocumentError, schema};
 use crate::estimate::OneEuroSettings;
 use crate::hand::Side;
 use crate::layout::builder::LayoutBuilder;
@@ -34,91 +34,97 @@ const DRAG_THRESHOLD_PX: f32 = 30.0;
 /// The maximum number of knots of an acceleration curve.
 const MAX_KNOTS: usize = 8;
 
-/// The arm as a pointer.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Pointer", deny_unknown_fields)]
-pub(in crate::layout) struct PointerSchema<'a> {
-    /// The hand that points. Default: the first that is seen.
-    #[serde(default)]
-    hand: Option<Side>,
-    /// The relation between the hand and the position of the cursor.
-    #[serde(borrow)]
-    mode: PointingModeSchema<'a>,
-    /// The events that move the cursor. Default: relative in rate mode, otherwise absolute.
-    #[serde(default)]
-    output: Option<CursorOutputSchema>,
-    /// Size of the screen: the full range of the pointer.
-    #[serde(default)]
-    screen_px: Option<(ScreenSize, ScreenSize)>,
-    /// Maximum motion of the cursor per reading.
-    #[serde(default)]
-    max_step_px: MaxStep,
-    /// Smoothing of the position.
-    #[serde(default)]
-    smoothing: SmoothingSchema,
-    /// Motion of the hand before the cursor follows.
-    #[serde(default)]
-    dead_zone_px: PixelDistance,
-    /// Knots of the acceleration curve: speed and gain.
-    #[serde(default)]
-    acceleration: Vec<(CursorSpeed, Gain)>,
-    /// The gesture that slows the cursor down.
-    #[serde(default)]
-    precision: Option<GestureSchema>,
-    /// Gain while the precision gesture is held.
-    #[serde(default)]
-    precision_factor: PrecisionFactor,
-    /// The gesture that enables the cursor.
-    #[serde(default)]
-    clutch: Option<GestureSchema>,
-    /// Fingertip gaps of a pinch.
-    #[serde(default)]
-    pinch_mm: Option<PinchGapsSchema>,
-    /// Gestures with actions.
-    #[serde(borrow, default)]
-    clicks: Vec<ClickSchema<'a>>,
-    /// Action where the cursor rests.
-    #[serde(borrow, default)]
-    dwell: Option<DwellClickSchema<'a>>,
-    /// Motion of the hand during a click before the cursor follows.
-    #[serde(default)]
-    drag_threshold_px: Option<PixelDistance>,
-    /// Scrolling by motion of the hand.
-    #[serde(default)]
-    scroll: Option<ScrollSchema>,
-    /// Output of the third axis.
-    #[serde(borrow, default)]
-    z_output: Option<ValueOutputSchema<'a>>,
+schema! {
+    /// The arm as a pointer.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Pointer", deny_unknown_fields)]
+    pub(in crate::layout) struct PointerSchema<'a> {
+        /// The hand that points. Default: the first that is seen.
+        #[serde(default)]
+        hand: Option<Side>,
+        /// Relation between the hand and the cursor.
+        #[serde(borrow)]
+        mode: PointingModeSchema<'a>,
+        /// Events that move the cursor. Default: `Absolute`; `Relative` in `Rate`.
+        #[serde(default)]
+        output: Option<CursorOutputSchema>,
+        /// Size of the screen: the full range of the pointer. All pixels refer to it. Default: (1920, 1080).
+        #[serde(default)]
+        screen_px: Option<(ScreenSize, ScreenSize)>,
+        /// Maximum motion per reading; the rest follows with the next reading.
+        #[serde(default)]
+        max_step_px: MaxStep,
+        /// Smoothing of the position; does not apply to `Rate`. Default: `Default`.
+        #[serde(default)]
+        smoothing: SmoothingSchema,
+        /// Motion of the hand before the cursor follows, against tremor.
+        #[serde(default)]
+        dead_zone_px: PixelDistance,
+        /// With `output: Relative`: up to 8 pairs of a speed and the gain at that speed, interpolated linearly.
+        #[serde(default)]
+        acceleration: Vec<(CursorSpeed, Gain)>,
+        /// The cursor is slow while this gesture is held.
+        #[serde(default)]
+        precision: Option<GestureSchema>,
+        /// Gain while `precision` is held.
+        #[serde(default)]
+        precision_factor: PrecisionFactor,
+        /// The cursor moves only while this gesture is held; required by `Arm`.
+        #[serde(default)]
+        clutch: Option<GestureSchema>,
+        /// Distances of a pinch. Default: (on: 25, off: 30, near: 45).
+        #[serde(default)]
+        pinch_mm: Option<PinchGapsSchema>,
+        /// Up to 8 gestures with actions; an action lasts as long as its gesture.
+        #[serde(borrow, default)]
+        clicks: Vec<ClickSchema<'a>>,
+        /// Taps where the cursor rests, once until it leaves the circle.
+        #[serde(borrow, default)]
+        dwell: Option<DwellClickSchema<'a>>,
+        /// Motion of the hand during a click before the cursor follows. Default: 30.
+        #[serde(default)]
+        drag_threshold_px: Option<PixelDistance>,
+        /// Scrolls by motion of the hand while a gesture is held.
+        #[serde(default)]
+        scroll: Option<ScrollSchema>,
+        /// Output of the third axis of `Joint` or `Direct`.
+        #[serde(borrow, default)]
+        z_output: Option<ValueOutputSchema<'a>>,
+    }
 }
 
-/// The events that move the cursor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename = "CursorOutput")]
-enum CursorOutputSchema {
-    /// Positions on the screen.
-    Absolute,
-    /// Motion in pixels.
-    Relative,
-    /// No events.
-    Off,
+schema! {
+    /// The events that move the cursor.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "CursorOutput")]
+    enum CursorOutputSchema {
+        /// Positions on the screen.
+        Absolute,
+        /// Motion in pixels, as a mouse.
+        Relative,
+        /// No events, for targets in space.
+        Off,
+    }
 }
 
-/// Smoothing of the position of the cursor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename = "Smoothing", deny_unknown_fields)]
-enum SmoothingSchema {
-    /// A 1-Euro filter with default settings.
-    #[default]
-    Default,
-    /// None.
-    Off,
-    /// A 1-Euro filter.
-    OneEuro {
-        /// Cutoff at rest.
-        min_cutoff_hz: Cutoff,
-        /// Increase of the cutoff with speed, in Hz per px/s.
-        beta: Beta,
-    },
+schema! {
+    /// Smoothing of the position of the cursor.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+    #[serde(rename = "Smoothing", deny_unknown_fields)]
+    enum SmoothingSchema {
+        /// A 1-Euro filter with default settings, `OneEuro(min_cutoff_hz: 1, beta: 0.01)`.
+        #[default]
+        Default,
+        /// No smoothing.
+        Off,
+        /// A 1-Euro filter.
+        OneEuro {
+            /// Cutoff at rest.
+            min_cutoff_hz: Cutoff,
+            /// Increase of the cutoff with speed, in Hz per px/s, so that motion does not lag.
+            beta: Beta,
+        },
+    }
 }
 
 impl<'a> PointerSchema<'a> {

@@ -9,6 +9,7 @@ use crate::device::pointer::mode::{
     RayPointing,
 };
 use crate::device::pointer::{AnchoredFrame, PointingMode};
+use crate::document::schema;
 use crate::hand::Dof;
 use crate::layout::fit::PoseFit;
 use crate::layout::quantity::{
@@ -16,125 +17,135 @@ use crate::layout::quantity::{
 };
 use crate::layout::schema::PoseSchema;
 
-/// The relation between the hand and the position of the cursor.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "PointingMode", deny_unknown_fields)]
-pub(super) enum PointingModeSchema<'a> {
-    /// Three joint angles are three displacements.
-    Joint {
-        /// To the right.
-        x: AngleMappingSchema,
-        /// Up.
-        y: AngleMappingSchema,
-        /// Towards the wearer.
+schema! {
+    /// The relation between the hand and the position of the cursor.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "PointingMode", deny_unknown_fields)]
+    pub(super) enum PointingModeSchema<'a> {
+        /// Three joint angles are three displacements.
+        Joint {
+            /// To the right.
+            x: AngleMappingSchema,
+            /// Up.
+            y: AngleMappingSchema,
+            /// Towards you.
+            #[serde(default)]
+            z: Option<AngleMappingSchema>,
+        },
+        /// Position of the index fingertip in a box.
+        Direct {
+            /// Pose of the center of the box.
+            pose: PoseSchema,
+            /// Width, height and depth.
+            size_mm: (Extent, Extent, Extent),
+        },
+        /// Intersection of a ray from the hand with a rectangle.
+        Ray {
+            /// Origin of the ray.
+            #[serde(default)]
+            origin: RayOriginSchema,
+            /// Pose of the center of the rectangle.
+            pose: PoseSchema,
+            /// Width and height.
+            size_mm: (Extent, Extent),
+        },
+        /// Displacement is speed.
+        Rate {
+            /// The displacement.
+            input: DisplacementSchema,
+            /// Fraction of the full displacement within which the cursor rests.
+            #[serde(default)]
+            dead_zone: RateDeadZone,
+            /// Speed at full displacement.
+            max_px_per_s: CursorSpeed,
+            /// Exponent of the response curve.
+            #[serde(default)]
+            exponent: PointerExponent,
+        },
+        /// The motion of the hand drives axes instead of the cursor.
+        Arm {
+            /// The point of the hand whose displacement counts.
+            #[serde(default)]
+            point: HandPointSchema,
+            /// The axes, each with the motion that deflects it.
+            #[serde(borrow)]
+            axes: Vec<ArmAxisSchema<'a>>,
+            /// Fraction of the full deflection within which an axis is 0.
+            #[serde(default)]
+            dead_zone: RateDeadZone,
+            /// Exponent of the response curve outside the dead zone; above 1 it is finer near the center.
+            #[serde(default)]
+            exponent: PointerExponent,
+        },
+    }
+}
+
+schema! {
+    /// A joint angle as a displacement. Swap its ends to reverse the direction.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+    #[serde(rename = "AngleMapping", deny_unknown_fields)]
+    pub(super) struct AngleMappingSchema {
+        /// Degree of freedom, such as `"wrist-flexion"`.
+        dof: Dof,
+        /// Angle at the left, lower or far end.
+        from_deg: JointAngle,
+        /// Angle at the opposite end.
+        to_deg: JointAngle,
+        /// Distance between the ends in a space of targets, centered at 0.
         #[serde(default)]
-        z: Option<AngleMappingSchema>,
-    },
-    /// The position of the index fingertip in a box.
-    Direct {
-        /// Pose of the center of the box.
-        pose: PoseSchema,
-        /// Width, height and depth.
-        size_mm: (Extent, Extent, Extent),
-    },
-    /// The intersection of a ray from the hand and a rectangle.
-    Ray {
-        /// Origin and direction of the ray.
-        #[serde(default)]
-        origin: RayOriginSchema,
-        /// Pose of the center of the rectangle.
-        pose: PoseSchema,
-        /// Width and height.
-        size_mm: (Extent, Extent),
-    },
-    /// Rate control: displacement is speed.
-    Rate {
-        /// The displacement.
-        input: DisplacementSchema,
-        /// Dead zone, as a fraction of the full displacement.
-        #[serde(default)]
-        dead_zone: RateDeadZone,
-        /// Speed at full displacement.
-        max_px_per_s: CursorSpeed,
-        /// Exponent of the response curve.
+        extent_mm: Extent,
+        /// Exponent of the response curve; above 1 the middle is finer and the ends are coarser.
         #[serde(default)]
         exponent: PointerExponent,
-    },
-    /// The motion of the hand drives axes.
-    Arm {
-        /// The point of the hand whose displacement counts.
-        #[serde(default)]
-        point: HandPointSchema,
-        /// The axes.
-        #[serde(borrow)]
-        axes: Vec<ArmAxisSchema<'a>>,
-        /// Dead zone, as a fraction of the full deflection.
-        #[serde(default)]
-        dead_zone: RateDeadZone,
-        /// Exponent of the response curve.
-        #[serde(default)]
-        exponent: PointerExponent,
-    },
+    }
 }
 
-/// The displacement that a joint angle stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename = "AngleMapping", deny_unknown_fields)]
-pub(super) struct AngleMappingSchema {
-    /// Degree of freedom.
-    dof: Dof,
-    /// Angle at the left, lower or far end.
-    from_deg: JointAngle,
-    /// Angle at the opposite end.
-    to_deg: JointAngle,
-    /// Distance between the ends in a space of targets.
-    #[serde(default)]
-    extent_mm: Extent,
-    /// Exponent of the response curve.
-    #[serde(default)]
-    exponent: PointerExponent,
+schema! {
+    /// The point of the hand whose displacement counts.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "HandPoint")]
+    pub(super) enum HandPointSchema {
+        /// The index fingertip, for a glove, which measures no height of the wrist.
+        #[default]
+        Index,
+        /// The wrist, for an arm that is tracked as a whole.
+        Wrist,
+    }
 }
 
-/// The point of the hand whose displacement counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename = "HandPoint")]
-pub(super) enum HandPointSchema {
-    /// The index fingertip.
-    #[default]
-    Index,
-    /// The wrist.
-    Wrist,
+schema! {
+    /// Origin and direction of a ray.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "RayOrigin")]
+    pub(super) enum RayOriginSchema {
+        /// The index knuckle, away from the wrist.
+        #[default]
+        Hand,
+        /// The index finger, away from the knuckle.
+        Index,
+    }
 }
 
-/// Origin and direction of a ray.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename = "RayOrigin")]
-pub(super) enum RayOriginSchema {
-    /// The index knuckle, away from the wrist.
-    #[default]
-    Hand,
-    /// The index fingertip, away from the knuckle.
-    Index,
-}
-
-/// The displacement that controls a rate.
-#[derive(Debug, Deserialize)]
-#[serde(rename = "Displacement", deny_unknown_fields)]
-pub(super) enum DisplacementSchema {
-    /// The index fingertip from its rest position.
-    Fingertip {
-        /// Rest pose.
-        pose: PoseSchema,
-        /// Full displacement.
-        full_mm: Extent,
-    },
-    /// Two angles from the middle of their ranges.
-    Angles {
-        /// To the right.
-        x: AngleMappingSchema,
-        /// Up.
-        y: AngleMappingSchema,
-    },
+schema! {
+    /// The displacement that controls a rate.
+    #[derive(Debug, Deserialize)]
+    #[serde(rename = "Displacement", deny_unknown_fields)]
+    pub(super) enum DisplacementSchema {
+        /// The index fingertip from its rest position.
+        Fingertip {
+            /// Rest pose.
+            pose: PoseSchema,
+            /// Full displacement.
+            full_mm: Extent,
+        },
+        /// Two angles from the middle of their ranges.
+        Angles {
+            /// To the right.
+            x: AngleMappingSchema,
+            /// Up.
+            y: AngleMappingSchema,
+        },
+    }
 }
 
 impl PointingModeSchema<'_> {

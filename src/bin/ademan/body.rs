@@ -1,0 +1,281 @@
+//! `ademan body`: joint angles of a body of twelve points, and the positions that they give.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
+use ademan::geometry::EulerOrder;
+use ademan::message::{escape_line, escape_path};
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::arm::{OutputArgs, poses};
+use crate::failure::Failure;
+
+/// Joint angles of a body of twelve points, from its T pose, and back
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan body angles poses.jsonl --order zxy > angles.jsonl\n  ademan body positions angles.jsonl > poses.jsonl"
+)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Subcommand,
+}
+
+#[derive(clap::Subcommand)]
+enum Subcommand {
+    Angles(AnglesArgs),
+    Positions(PositionsArgs),
+}
+
+/// Print the angles of the eleven joints of each pose, as lines of JSON or CSV
+///
+/// A pose is a line: an object with the positions of `left-hip`, `right-hip`, `left-knee` and so on in a frame with Y up, a list of
+/// the twelve in this order, or 33 landmarks in `pose_world_landmarks`. Angles are in degrees, first axis first.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan body angles poses.jsonl\n  ademan body angles poses.jsonl --order xyz --csv --check"
+)]
+struct AnglesArgs {
+    /// Files with one pose per line; `-` for standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Order of the axes; `zxy` is R = Rz · Rx · Ry
+    #[arg(long, default_value = "zxy", value_parser = order)]
+    order: EulerOrder,
+    /// Print comma-separated values with a line of names
+    #[arg(long)]
+    csv: bool,
+    /// Say how far the positions are that the angles give back
+    #[arg(long)]
+    check: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Print the positions of the twelve points that lines of `ademan body angles` give
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  ademan body positions angles.jsonl --output poses.jsonl")]
+struct PositionsArgs {
+    /// Files with one line of angles per pose; `-` for standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// A line of angles.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnglesLine {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time_us: Option<u64>,
+    order: EulerOrder,
+    root: [f64; 3],
+    lengths: BTreeMap<BodyJoint, f64>,
+    angles_deg: BTreeMap<BodyJoint, [f64; 3]>,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.command {
+        Subcommand::Angles(args) => print_angles(&args),
+        Subcommand::Positions(args) => print_positions(&args),
+    }
+}
+
+fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
+    let mut largest: f64 = 0.0;
+    let mut lines = Vec::new();
+    for_each_line(&args.files, |text| {
+        let (time_us, body) = parse_body(text)?;
+        let line = AnglesLine::new(time_us, args.order, &body)?;
+        let back = line.body()?;
+        for &point in BodyPoint::ALL {
+            largest = largest.max(back.get(point).distance(body.get(point)));
+        }
+        lines.push(line);
+        Ok(())
+    })?;
+    let mut out = args.output.open()?;
+    if args.csv {
+        write_csv(&lines, &mut out)?;
+    } else {
+        for line in &lines {
+            writeln!(out, "{}", json(line))?;
+        }
+    }
+    out.flush()?;
+    if args.check {
+        say!(
+            "{} poses; the positions that the angles give differ by {largest:.1e} at most",
+            lines.len()
+        );
+    }
+    Ok(())
+}
+
+fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
+    let mut lines = Vec::new();
+    for_each_line(&args.files, |text| {
+        let line: AnglesLine = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let body = line.body()?;
+        let points = BodyPoint::ALL.iter();
+        let positions: BTreeMap<BodyPoint, [f64; 3]> = points
+            .map(|&point| (point, body.get(point).to_array()))
+            .collect();
+        lines.push(json(&positions));
+        Ok(())
+    })?;
+    let mut out = args.output.open()?;
+    for line in lines {
+        writeln!(out, "{line}")?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Calls a function with each line of the files. Its error is reported with the line.
+fn for_each_line(
+    files: &[PathBuf],
+    mut read: impl FnMut(&str) -> Result<(), String>,
+) -> Result<(), Failure> {
+    for file in files {
+        let lines = poses::lines(file)?;
+        if lines.is_empty() {
+            let message = format!("{} holds no pose: one per line", escape_path(file));
+            return Err(Failure::wrong_use(message));
+        }
+        for (number, text) in lines {
+            read(&text).map_err(|reason| at_line(file, number, &reason))?;
+        }
+    }
+    Ok(())
+}
+
+fn at_line(file: &Path, number: usize, reason: &str) -> Failure {
+    let (file, reason) = (escape_path(file), escape_line(reason));
+    Failure::wrong_use(format!("{file}:{number}: {reason}"))
+}
+
+impl AnglesLine {
+    fn new(time_us: Option<u64>, order: EulerOrder, body: &BodyPoints) -> Result<Self, String> {
+        let rotations = body.rotations().map_err(|error| error.to_string())?;
+        let lengths = body.lengths();
+        let joints = || BodyJoint::ALL.iter();
+        let angles = |joint| {
+            let angles = order.angles(rotations.get(joint));
+            let angles = angles.expect("rotations of finite points are finite");
+            angles.map(f64::to_degrees)
+        };
+        Ok(Self {
+            time_us,
+            order,
+            root: body.root_position().to_array(),
+            lengths: joints()
+                .map(|&joint| (joint, lengths[joint.index()]))
+                .collect(),
+            angles_deg: joints().map(|&joint| (joint, angles(joint))).collect(),
+        })
+    }
+
+    /// Returns the positions that the angles give.
+    fn body(&self) -> Result<BodyPoints, String> {
+        let mut local = [DMat3::IDENTITY; BodyJoint::COUNT];
+        let mut lengths = [0.0; BodyJoint::COUNT];
+        for &joint in BodyJoint::ALL {
+            let missing = || format!("the line lacks the joint `{joint}`");
+            let angles = self.angles_deg.get(&joint).ok_or_else(missing)?;
+            local[joint.index()] = self.order.rotation(angles.map(f64::to_radians));
+            lengths[joint.index()] = *self.lengths.get(&joint).ok_or_else(missing)?;
+        }
+        let root = DVec3::from_array(self.root);
+        Ok(BodyRotations::new(local).points(root, &lengths))
+    }
+}
+
+/// The landmarks of a pose of 33 points that are the points of a body.
+const LANDMARKS: [(usize, BodyPoint); BodyPoint::COUNT] = [
+    (11, BodyPoint::LeftShoulder),
+    (12, BodyPoint::RightShoulder),
+    (13, BodyPoint::LeftElbow),
+    (14, BodyPoint::RightElbow),
+    (15, BodyPoint::LeftWrist),
+    (16, BodyPoint::RightWrist),
+    (23, BodyPoint::LeftHip),
+    (24, BodyPoint::RightHip),
+    (25, BodyPoint::LeftKnee),
+    (26, BodyPoint::RightKnee),
+    (27, BodyPoint::LeftFoot),
+    (28, BodyPoint::RightFoot),
+];
+
+fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
+    let value: Value = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
+    let time_us = value.get("time_us").and_then(Value::as_u64);
+    let mut positions = [DVec3::NAN; BodyPoint::COUNT];
+    if let Some(landmarks) = value.get("pose_world_landmarks") {
+        for (row, point) in LANDMARKS {
+            // The image has y down and z away from the camera.
+            let position = position(&landmarks[row]).ok_or_else(|| missing(point))?;
+            positions[point.index()] = position * DVec3::new(1.0, -1.0, -1.0);
+        }
+        return Ok((time_us, BodyPoints { positions }));
+    }
+    if value
+        .as_array()
+        .is_some_and(|list| list.len() != BodyPoint::COUNT)
+    {
+        return Err(format!(
+            "a list of a body has {} positions",
+            BodyPoint::COUNT
+        ));
+    }
+    for (index, &point) in BodyPoint::ALL.iter().enumerate() {
+        let underscored = point.name().replace('-', "_");
+        let found = value.get(index).or_else(|| value.get(point.name()));
+        let found = found.or_else(|| value.get(underscored));
+        positions[point.index()] = found.and_then(position).ok_or_else(|| missing(point))?;
+    }
+    Ok((time_us, BodyPoints { positions }))
+}
+
+fn missing(point: BodyPoint) -> String {
+    format!("the pose lacks the position of `{point}`")
+}
+
+fn position(value: &Value) -> Option<DVec3> {
+    let number = |axis: usize| value.get(axis)?.as_f64();
+    Some(DVec3::new(number(0)?, number(1)?, number(2)?))
+}
+
+fn write_csv(lines: &[AnglesLine], out: &mut dyn Write) -> std::io::Result<()> {
+    write!(out, "time_us")?;
+    let order = lines.first().map_or("", |line| line.order.name());
+    for &joint in BodyJoint::ALL {
+        for axis in order.to_ascii_lowercase().chars() {
+            write!(out, ",{joint}_{axis}_deg")?;
+        }
+    }
+    writeln!(out)?;
+    for line in lines {
+        if let Some(time_us) = line.time_us {
+            write!(out, "{time_us}")?;
+        }
+        let joints = BodyJoint::ALL.iter();
+        for angle in joints.flat_map(|joint| &line.angles_deg[joint]) {
+            write!(out, ",{angle}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("every key is a string")
+}
+
+fn order(text: &str) -> Result<EulerOrder, String> {
+    let order = text.to_ascii_uppercase().parse::<EulerOrder>();
+    order.map_err(|error| error.to_string())
+}
