@@ -18,7 +18,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "gloves/unam-hc11-left"
     "keyboards/arrows"
     "keyboards/azerty-flat"
-    "keyboards/chords-five"
+    "keyboards/chords-bend"
     "keyboards/colemak-flat"
     "keyboards/dvorak-flat"
     "keyboards/numpad"

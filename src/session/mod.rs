@@ -58,11 +58,12 @@ use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
 use crate::capture::{CaptureError, Haptics, Source, SourceUri};
 use crate::command::{Command, CommandOrigin};
+use crate::hand::FingerSet;
 use crate::layout::Layout;
 use crate::message::escape;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
-use crate::pipeline::{Pipeline, SourceRole};
+use crate::pipeline::{Pipeline, PipelineState, SourceRole};
 use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
@@ -270,7 +271,11 @@ impl Session {
         let mut observe = |step: &StepView, now: Instant, pipeline: &Pipeline| {
             haptics.update(step);
             if let Some(status) = &mut status {
-                status.update(step, now, &mut |notice| notices.send(notice));
+                let bent = match step.state {
+                    PipelineState::Paused => pipeline.bent_fingers(),
+                    _ => FingerSet::NONE,
+                };
+                status.update(step, bent, now, &mut |notice| notices.send(notice));
             }
             if let Some(notifier) = &mut notifier {
                 notifier.notify_step(step);

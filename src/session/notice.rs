@@ -49,6 +49,8 @@ pub enum Notice {
     NoControlSocket,
     /// Output waits until the hand is clear of every control.
     Disarmed,
+    /// Fingers that press by bending are bent: the output is not armed until they are straight.
+    BentFingers(FingerSet),
     /// Touches become events.
     Armed {
         /// The events reach other programs.
@@ -128,6 +130,11 @@ impl fmt::Display for Notice {
             Self::Disarmed => {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")
             }
+            Self::BentFingers(fingers) => write!(
+                f,
+                "paused: straighten {}: a bent finger types nothing until it was straight",
+                finger_names(*fingers)
+            ),
             Self::Armed { has_effect: true } => {
                 f.write_str("armed: touches are typed into other programs, Ctrl-C ends")
             }
@@ -198,6 +205,7 @@ impl Notice {
                 | Self::Listening(_)
                 | Self::NoControlSocket
                 | Self::Disarmed
+                | Self::BentFingers(_)
                 | Self::Armed { .. }
         )
     }
@@ -218,18 +226,22 @@ fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Resul
     })
 }
 
+fn finger_names(fingers: FingerSet) -> String {
+    let all = Finger::ALL.iter();
+    let names = all.filter(|finger| fingers.contains(**finger));
+    names
+        .map(|finger| finger.name())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
 fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Result {
-    let names = Finger::ALL
-        .iter()
-        .filter(|finger| fingers.contains(**finger))
-        .map(|finger| finger.name());
-    let names: Vec<_> = names.collect();
-    match names.is_empty() {
+    match fingers.is_empty() {
         true => f.write_str("the sensors of all fingers work again"),
         false => write!(
             f,
             "ignored and released: {}; the source does not see them, or a sensor has been at an end of its range for 1 s: check its wire",
-            names.join(", ")
+            finger_names(fingers)
         ),
     }
 }

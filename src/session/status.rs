@@ -28,6 +28,8 @@ pub(super) struct StatusLog {
     system_keys: u64,
     keys_by_role: u64,
     pointing_by_role: u64,
+    /// Fingers that were reported as bent.
+    bent: FingerSet,
     /// By side.
     untrusted: [FingerSet; Side::COUNT],
     /// By side.
@@ -49,6 +51,7 @@ enum Topic {
     Lost(String),
     Paused,
     Disarmed,
+    Bent,
     Armed,
     Stalled,
 }
@@ -62,8 +65,14 @@ impl StatusLog {
         }
     }
 
-    /// Reports the changes since the last step.
-    pub fn update(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
+    /// Reports the changes since the last step. `bent` are the fingers that must be straightened before the output is armed.
+    pub fn update(
+        &mut self,
+        step: &StepView,
+        bent: FingerSet,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
         // At the end the readings that were not processed count as dropped.
         if step.state != PipelineState::Stopped {
             self.report_losses(step.stats, now, report);
@@ -95,6 +104,7 @@ impl StatusLog {
             }
         }
         self.report_state(step, now, report);
+        self.report_bent(step, bent, now, report);
         let is_end = step.state == PipelineState::Stopped;
         while let Some(held_back) = match is_end {
             true => self.limits.take_any(now),
@@ -166,6 +176,22 @@ impl StatusLog {
         }
     }
 
+    fn report_bent(
+        &mut self,
+        step: &StepView,
+        bent: FingerSet,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        let is_disarmed = step.state == PipelineState::Paused && step.paused_by.is_none();
+        if !is_disarmed || bent.is_empty() {
+            self.bent = FingerSet::NONE;
+        } else if self.bent != bent && self.limits.admits(Topic::Bent, now) {
+            self.bent = bent;
+            report(Notice::BentFingers(bent));
+        }
+    }
+
     fn report_state(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
         let state = (step.state, step.paused_by);
         if self.state.replace(state) == Some(state) {
@@ -190,7 +216,7 @@ impl StatusLog {
         if is_pause {
             // The person who pauses waits for the notices that follow.
             self.limits
-                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Stalled));
+                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Bent | Topic::Stalled));
         }
         report(notice);
     }

@@ -78,7 +78,8 @@ impl LoadedSetup {
     ///
     /// Tests the index finger of each hand within the range of its sensors. Boards that are reserved for a hand that the setup
     /// lacks are tested with the mirror image of the other one. Includes both ends of the track of a slider or lever, and the
-    /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own.
+    /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own, and
+    /// keys that are pressed by bending.
     pub fn reach_report<'a>(&self, layout: &'a Layout) -> Option<ReachReport<'a>> {
         let hands = self.reaching_hands();
         let mut missed = targets_out_of_reach(layout, &hands);
@@ -179,7 +180,11 @@ fn on_boards_out_of_reach<'a, 'b>(
     hands: &'b Hands,
 ) -> impl Iterator<Item = (&'a Face, Miss)> + use<'a, 'b> {
     let keys = layout.keys.iter().map(|key| &key.face);
-    let keys = keys.filter(|face| !layout.is_chord_key(face.target));
+    let is_touched = |target| {
+        let found = scene.target(target);
+        found.is_none_or(|(surface, _)| !surface.is_bent()) && !layout.is_chord_key(target)
+    };
+    let keys = keys.filter(move |face| is_touched(face.target));
     let keys = keys.map(|face| (face, 0.0));
     let controls = layout.controls.iter().flat_map(|control| {
         let half_length = match &control.kind {

@@ -56,7 +56,8 @@ impl LoadedSetup {
         settings: &TypistSettings,
         kind: SampleKind,
     ) -> Result<SimulatedTypist, SetupError> {
-        let actions = sim::taps_for_text(text, &self.layout.key_bindings());
+        let actions =
+            sim::taps_for_text(text, &self.layout.key_bindings(), self.layout.bend_chords());
         let actions = actions.map_err(TypistError::from)?;
         let hands = self.hands(kind)?;
         let typist = SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands);
@@ -64,7 +65,7 @@ impl LoadedSetup {
             Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
                 SetupError::Value(format!(
                     "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
-                     pressed; choose another layout, or play a script",
+                         pressed; choose a layout of fingers that bend, such as `chords-bend`, or play a script",
                     escape(&self.layout.file),
                 ))
             }

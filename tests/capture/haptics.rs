@@ -13,11 +13,8 @@ use ademan::output::{OutputError, Sink};
 use ademan::session::{Session, SessionOptions};
 use ademan::setup::Setup;
 
-use crate::support::lucidgloves::{curls, taps};
+use crate::support::lucidgloves::{PRESSED, curls, taps};
 use ademan::hand::Finger;
-
-/// A curl at which a finger is on its key.
-const PRESSED: f64 = 0.3;
 
 /// A sink that panics when it is told to.
 struct PanickingSink(Arc<AtomicBool>);
@@ -43,7 +40,7 @@ fn a_panic_of_the_session_frees_all_fingers() {
                 .parse()
                 .expect("a source"),
         ),
-        layout: "chords-five".into(),
+        layout: "chords-bend".into(),
         arm_immediately: true,
         stall_timeout_ms: 10_000,
         ..Setup::default()

@@ -106,7 +106,7 @@ impl Recording {
                 let rate_hz = RATE_HZ / THINNING as f64;
                 let source = format!("file:glove.txt?protocol=lucidgloves&rate_hz={rate_hz}");
                 command.args(["--source", &source]);
-                command.args(["--layout", "chords-five"]);
+                command.args(["--layout", "chords-bend"]);
             }
         }
         let output = command.output().expect("the program starts");

@@ -234,7 +234,7 @@ fn names() -> Vec<Mistake> {
         (
             "a field that does not exist",
             board(&format!("colour: 3,\n{row}")),
-            "3:1: unknown field `colour`, expected one of: pose, hand, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
+            "3:1: unknown field `colour`, expected one of: pose, hand, contact, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
         ),
         (
             "a field in capitals",
@@ -458,6 +458,59 @@ fn at_most_20_errors_are_listed_and_many_are_not_slow() {
     )));
     assert_eq!(lines.len(), 21);
     assert_eq!(lines[20], " 180 more errors");
+}
+
+#[test]
+fn a_board_that_is_pressed_by_bending_has_one_key_for_each_finger_and_its_hand_no_other_board() {
+    let bend = |fields: &str, rest: &str| {
+        format!(
+            "Layout(name: \"t\", boards: [(contact: Bend, pose: (anchor: elbow),\n{fields})\n{rest}])"
+        )
+    };
+    let key = |finger: &str, x: u32| {
+        format!("(code: \"{x}\", finger: \"{finger}\", at_mm: ({x}0, 0), size_mm: Box(5, 5)),")
+    };
+    let index = format!("keys: [{}]", key("index", 1));
+    let touched = ", (pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q\")])";
+    let second = ", (contact: Bend, hand: \"left\", pose: (anchor: elbow),\nkeys: [(code: \"Q\", finger: \"index\", at_mm: (0, 0))])";
+    let twice = format!("keys: [{}{}]", key("index", 1), key("index", 2));
+    let without = "keys: [(code: \"Q\", at_mm: (0, 0))]";
+    let rows = "rows: [(at_mm: (0, 0), keys: \"Q\")]";
+    let right = format!("hand: \"right\", {index}");
+    assert!(Layout::parse(&bend(&right, second), "t.ron").is_ok());
+    for (text, message) in [
+        (bend(&twice, ""), "the second one of the index finger"),
+        (bend(without, ""), "each with a `finger`"),
+        (bend(rows, ""), "each with a `finger`"),
+        (bend(&index, touched), "for the other `hand`"),
+        (bend(&index, second), "for the other `hand`"),
+    ] {
+        let found = lines(&text);
+        assert!(
+            found.len() == 1 && found[0].contains(message),
+            "{text}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_chord_of_a_layer_has_one_action_and_no_activation_of_its_own() {
+    for (chords, message) in [
+        (
+            "(keys: \"Q W\", action: Key(\"A\")), (keys: \"W Q\", action: Key(\"B\"))",
+            "duplicate chord in the layer `x`",
+        ),
+        (
+            "(keys: \"Q W\", action: Key(\"A\"), hold: (code: \"B\"))",
+            "for all layers",
+        ),
+        ("(keys: \"Q W\", action: Layer(\"y\"))", "unknown layer `y`"),
+    ] {
+        let found = lines(&layout(&format!(
+            "layers: [(name: \"x\", keys: {{}}, chords: [{chords}])]"
+        )));
+        assert!(found.len() == 1 && found[0].contains(message), "{found:?}");
+    }
 }
 
 /// The first line of each error, without the file.

@@ -78,7 +78,7 @@ const PLANS: [Plan; 9] = [
         armed: false,
     },
     Plan {
-        layouts: &["arrows", "chords-five"],
+        layouts: &["arrows", "chords-bend"],
         text: None,
         script: script!("arrows"),
         has_two_hands: false,

@@ -14,7 +14,7 @@ use crate::support::lucidgloves::{RATE_HZ, chords};
 fn lines_of_a_glove_are_processed_to_events_without_allocation() {
     let setup = Setup {
         source: Some("file:glove?protocol=lucidgloves".parse().expect("a source")),
-        layout: "chords-five".into(),
+        layout: "chords-bend".into(),
         ..Setup::default()
     };
     let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
@@ -37,6 +37,6 @@ fn lines_of_a_glove_are_processed_to_events_without_allocation() {
     let allocated = allocations() - before;
 
     assert_eq!(pipeline.accepted(), steps);
-    assert!(sent >= 8, "four presses and releases");
+    assert!(sent >= 10, "five presses and releases");
     assert_eq!(allocated, 0, "{allocated} allocations in {steps} steps");
 }

@@ -119,7 +119,7 @@ fn demonstrate(name: &str, setup: &LoadedSetup) -> String {
     }
     let keys = setup.layout.key_bindings();
     let mut texts = ["Hola 1p?", "3.14*2"].into_iter();
-    let text = texts.find(|text| taps_for_text(text, &keys).is_ok());
+    let text = texts.find(|text| taps_for_text(text, &keys, setup.layout.bend_chords()).is_ok());
     let text = text.expect("a layout without a script types one of the texts");
     let hand = setup.typist(text, &line, 0.0, 0).unwrap();
     let typed = typed(&play(setup, hand));

@@ -101,9 +101,9 @@ fn with_button(button: Button) -> Fields {
     fields
 }
 
-/// Types the lines with `chords-five`; returns the text and the number of keys that are still down.
+/// Types the lines with `chords-bend`; returns the text and the number of keys that are still down.
 fn typed(lines: &[Fields]) -> (String, usize) {
-    let mut glove = Glove::with_layout("chords-five");
+    let mut glove = Glove::with_layout("chords-bend");
     let mut field = UsTextField::new();
     for line in lines {
         glove.send(line);
@@ -134,15 +134,20 @@ fn a_finger_that_the_glove_does_not_send_presses_nothing_and_the_others_type() {
 }
 
 #[test]
-fn a_finger_that_vanishes_on_its_key_releases_it() {
+fn a_finger_that_vanishes_while_it_is_bent_releases_its_key() {
     let mut lines = taps(&[&[Finger::Index]]);
-    let middle = lines.len() / 2;
-    lines.truncate(middle);
+    let bent = |line: &Fields| line.curls[Finger::Index.index()] > Some(3000);
+    let held = *lines.iter().find(|line| bent(line)).expect("a bent finger");
+    let last = lines.iter().rposition(bent).expect("a bent finger");
+    lines.truncate(last);
+    lines.extend([held; 30]);
     assert_eq!(typed(&lines).1, 1, "the key is down");
-    let mut lost = lines[middle - 1];
+    let mut lost = held;
     lost.curls[Finger::Index.index()] = None;
     lines.push(lost);
     assert_eq!(typed(&lines).1, 0);
+    lines.extend([held; 30]);
+    assert_eq!(typed(&lines).1, 0, "it has not been straight since");
 }
 
 #[test]

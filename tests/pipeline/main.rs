@@ -4,6 +4,7 @@
 mod support;
 
 mod arming;
+mod bends;
 mod body_landmarks;
 mod calibration;
 mod estimator;

@@ -105,6 +105,15 @@ fn arc_boards_type_all_of_ascii_with_their_layer() {
 }
 
 #[test]
+fn bending_fingers_type_all_of_ascii_in_chords() {
+    let setup = load("chords-bend");
+    for baud in [9_600, 115_200] {
+        let typed = type_text(&setup, ALL_OF_ASCII, baud, 0.0);
+        assert_eq!(typed, ALL_OF_ASCII, "{baud} baud");
+    }
+}
+
+#[test]
 fn two_hands_type_all_of_ascii_on_split_boards() {
     for layout in ["qwerty-two-flat", "qwerty-two-arc"] {
         let setup = load_for_two_hands(layout);

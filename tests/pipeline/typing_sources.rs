@@ -102,7 +102,7 @@ fn typed_chords(encode: fn(&Fields) -> String, noise: i64, has_filters: bool) ->
     let path = folder.path().join("glove.txt");
     std::fs::write(&path, lines).expect("room on the disk");
     let source = format!("file:{}?protocol=lucidgloves", path.display());
-    let setup = setup(&source, "chords-five", has_filters);
+    let setup = setup(&source, "chords-bend", has_filters);
     let uri = setup.setup.source.as_ref().expect("a source");
     let mut file = setup.open_source(uri).expect("a file");
     play(&mut *file, &setup)

@@ -6,17 +6,18 @@ use ademan::hand::Finger;
 /// The rate of the lines, in hertz.
 pub const RATE_HZ: f64 = 100.0;
 
-/// The text that [`chords`] types with the layout `chords-five`, and the fingers of each letter.
-pub const TEXT: &str = "hoda";
-const CHORDS: [&[Finger]; 4] = [
+/// The text that [`chords`] types with the layout `chords-bend`, and the fingers of each letter.
+pub const TEXT: &str = "hello";
+const CHORDS: [&[Finger]; 5] = [
     &[Finger::Middle, Finger::Ring],
+    &[Finger::Index],
+    &[Finger::Thumb, Finger::Little],
+    &[Finger::Thumb, Finger::Little],
     &[Finger::Little],
-    &[Finger::Ring, Finger::Little],
-    &[Finger::Ring],
 ];
 
-/// The curl of a finger on its key, as a fraction. A straight finger is above it.
-const PRESSED: f64 = 0.3;
+/// The curl of a finger that presses, as a fraction.
+pub const PRESSED: f64 = 0.8;
 
 /// Lines of a movement of the fingers down or up.
 const MOVE: usize = 12;
@@ -50,7 +51,7 @@ pub fn taps(chords: &[&[Finger]]) -> Vec<Fields> {
     hand
 }
 
-/// Returns the fields of a hand that types [`TEXT`] with the layout `chords-five`.
+/// Returns the fields of a hand that types [`TEXT`] with the layout `chords-bend`.
 pub fn chords() -> Vec<Fields> {
     taps(&CHORDS)
 }

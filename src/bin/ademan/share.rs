@@ -72,7 +72,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// Returns a receiver that prints notices but those about typing.
 fn print_notices() -> NoticeReceiver {
     Box::new(|notice| {
-        if !matches!(notice, Notice::Armed { .. } | Notice::Disarmed) {
+        let is_of_typing = matches!(
+            notice,
+            Notice::Armed { .. } | Notice::Disarmed | Notice::BentFingers(_)
+        );
+        if !is_of_typing {
             messages::print_notice(&notice);
         }
     })

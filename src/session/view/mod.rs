@@ -20,7 +20,7 @@ use parry3d::math::Pose;
 pub use self::hub::{ViewHub, Viewer};
 pub(super) use self::publisher::{SessionNames, ViewPublisher};
 pub(super) use self::replay::ReplayViews;
-pub use self::state::{Fingertip, ViewCounts, ViewState};
+pub use self::state::{FingerBend, Fingertip, ViewCounts, ViewState};
 use crate::contact::surface::{Scene, Surface};
 use crate::layout::Layout;
 

@@ -9,7 +9,7 @@ use arrayvec::ArrayVec;
 use parry3d::math::Pose;
 
 use super::board_poses;
-use super::state::{Fingertip, ViewCounts, ViewState};
+use super::state::{FingerBend, Fingertip, ViewCounts, ViewState};
 use crate::command::CommandOrigin;
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
@@ -209,6 +209,7 @@ impl ViewPublisher {
             readings_per_second: self.rate.per_second,
             counts: ViewCounts::from(step.stats),
             fingertips: self.fingertips(active),
+            bends: bends(pipeline).collect(),
             pressed: active.pressed_targets().collect(),
             keys,
             recent: self.recent.iter().filter_map(key_name).collect(),
@@ -246,6 +247,17 @@ impl ViewPublisher {
         let near = fingertips.filter(|tip| tip.height_mm.abs() < MAX_HEIGHT * 1e3);
         near.take(MAX_FINGERTIPS).collect()
     }
+}
+
+fn bends(pipeline: &Pipeline) -> impl Iterator<Item = FingerBend> {
+    let bends = pipeline.finger_bends();
+    bends.map(|(side, finger, bend, target)| FingerBend {
+        side,
+        finger,
+        bend,
+        press_at: target.press_at,
+        release_at: target.release_at,
+    })
 }
 
 fn key_name(event: &EventKind) -> Option<String> {

@@ -32,7 +32,10 @@ pub struct ViewState {
     pub counts: ViewCounts,
     /// Fingertips near a board.
     pub fingertips: Vec<Fingertip>,
-    /// Targets that fingertips press.
+    /// Bends of fingers that press by bending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bends: Vec<FingerBend>,
+    /// Targets that fingers press.
     pub pressed: Vec<TargetId>,
     /// Keys and buttons that are down, the first that was pressed first.
     pub keys: Vec<KeyCode>,
@@ -89,6 +92,21 @@ pub struct Fingertip {
     pub height_mm: f32,
 }
 
+/// The bend of a finger that presses by bending, as fractions of its range.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FingerBend {
+    /// The hand.
+    pub side: Side,
+    /// The finger.
+    pub finger: Finger,
+    /// Present bend.
+    pub bend: f32,
+    /// Bend from which it presses.
+    pub press_at: f32,
+    /// Bend at which it releases.
+    pub release_at: f32,
+}
+
 impl ViewState {
     /// Returns the state before the first reading.
     pub fn starting(profile: &str, source: &str, output: &str) -> Self {
@@ -102,6 +120,7 @@ impl ViewState {
             readings_per_second: 0.0,
             counts: ViewCounts::default(),
             fingertips: Vec::new(),
+            bends: Vec::new(),
             pressed: Vec::new(),
             keys: Vec::new(),
             recent: Vec::new(),

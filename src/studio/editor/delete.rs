@@ -5,9 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
-use super::names::{Mention, mentions, name_of};
+use super::names::{Mention, chord_lists, mentions, name_of};
 use super::part::{ControlKind, Part, targets};
 use super::rows::SourceRow;
+use crate::document::Node;
 
 /// Deletes parts. Returns no parts.
 pub(super) fn delete(draft: &mut Draft, parts: &[Part]) -> Result<Vec<Part>, EditError> {
@@ -66,13 +67,12 @@ fn delete_mentions(draft: &mut Draft, names: &BTreeSet<String>) -> Result<(), Ed
     for (_, mention) in mentions(draft, names) {
         match mention {
             Mention::Entry { map, index, .. } => draft.remove(&map, index),
-            Mention::Chord { chord, .. } => _ = chords.insert(chord),
+            Mention::Chord { list, chord, .. } => _ = chords.insert((list, chord)),
         }
     }
-    if let Some(list) = draft.field(Part::Layout, "chords").cloned() {
-        for chord in chords {
-            draft.remove(&list, chord);
-        }
+    let lists: Vec<Node> = chord_lists(draft).into_iter().cloned().collect();
+    for (list, chord) in chords {
+        draft.remove(&lists[list], chord);
     }
     Ok(())
 }

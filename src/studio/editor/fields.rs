@@ -131,12 +131,21 @@ pub fn fields_of(part: Part) -> Vec<FieldSpec> {
                 field("action", Action),
             ];
         }
-        Part::Layer(_) => return vec![field("name", Text), field("keys", Ron)],
+        Part::Layer(_) => {
+            return vec![
+                field("name", Text),
+                field("keys", Ron),
+                field("chords", Ron),
+            ];
+        }
         Part::Chord(_) => {
             return vec![
                 field("keys", Text),
                 field("action", Action),
                 field("latch", Choice(LATCHES)),
+                field("activate_on", Choice(&["Press", "Release"])),
+                field("hold", Ron),
+                number!("hold_after_ms", HoldAfter, default),
             ];
         }
         Part::Control { kind, .. } => return control_fields(kind),
@@ -278,6 +287,7 @@ fn board_fields() -> Vec<FieldSpec> {
     use FieldType::{Bool, Choice, Outline, Ron};
     let own = [
         field("hand", Choice(SIDES)),
+        field("contact", Choice(&["Touch", "Bend"])),
         field("shape", Ron),
         number!("shape.radius_mm", Radius),
         field("auto_recenter", Ron),
@@ -285,7 +295,8 @@ fn board_fields() -> Vec<FieldSpec> {
         field("size_mm", Outline),
         number!("travel_mm", Travel, default),
         number!("press_at", PressAt, default),
-        number!("release_at", ReleaseAt, default),
+        // The default depends on the contact.
+        number!("release_at", ReleaseAt),
         number!("debounce_ms", Debounce, default),
         field("reports_depth", Bool),
     ];

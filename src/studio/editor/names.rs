@@ -89,6 +89,8 @@ pub(super) enum Mention {
     },
     /// A word of a chord.
     Chord {
+        /// Index of its list in [`chord_lists`].
+        list: usize,
         /// Index of the chord.
         chord: usize,
         /// The word.
@@ -122,18 +124,29 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
             }
         }
     }
-    let chords = draft
-        .field(Part::Layout, "chords")
-        .map_or(&[][..], Node::items);
-    for (chord, item) in chords.iter().enumerate() {
-        let keys = item.value.in_some(text).field(text, "keys");
-        for word in keys.map_or(Vec::new(), |keys| words(text, keys)) {
-            if let Some(name) = name_in(&text[word.clone()]) {
-                mentions.push((name, Mention::Chord { chord, word }));
+    for (list, chords) in chord_lists(draft).into_iter().enumerate() {
+        for (chord, item) in chords.items().iter().enumerate() {
+            let keys = item.value.in_some(text).field(text, "keys");
+            for word in keys.map_or(Vec::new(), |keys| words(text, keys)) {
+                if let Some(name) = name_in(&text[word.clone()]) {
+                    mentions.push((name, Mention::Chord { list, chord, word }));
+                }
             }
         }
     }
     mentions
+}
+
+/// Returns the lists of chords: that of the layout, and those of layers.
+pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
+    let text = draft.text();
+    let layers = draft
+        .field(Part::Layout, "layers")
+        .map_or(&[][..], Node::items);
+    let layers = layers.iter().map(|item| item.value.in_some(text));
+    let of_layers = layers.filter_map(|layer| layer.field(text, "chords"));
+    let of_layout = draft.field(Part::Layout, "chords").into_iter();
+    of_layout.chain(of_layers).collect()
 }
 
 /// Replaces all mentions of a key by a new name. A name with blanks cannot be mentioned in chords.

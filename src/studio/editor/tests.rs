@@ -312,7 +312,7 @@ fn a_key_of_a_row_is_bound_within_the_row_and_layers_follow() {
 
 #[test]
 fn deleted_keys_leave_no_mention() {
-    let mut editor = shipped("chords-five");
+    let mut editor = shipped("chords-bend");
     editor
         .apply(&Edit::Delete {
             parts: vec![key(0)],
@@ -320,7 +320,7 @@ fn deleted_keys_leave_no_mention() {
         .unwrap();
     assert!(editor.is_valid(), "{:?}", editor.problems());
     assert!(!editor.text().contains("\"T I\""));
-    assert!(editor.text().contains("// Five keys under one hand"));
+    assert!(editor.text().contains("// Chords of bent fingers"));
     let mut editor = shipped("qwerty-two-arc");
     editor
         .apply(&Edit::Delete {

@@ -231,7 +231,7 @@ fn the_reach_in_a_picture_is_that_of_the_check() {
                 );
             }
         }
-        let moves_with_wrist = name == "chords-five";
+        let moves_with_wrist = name == "chords-bend";
         let expected = if moves_with_wrist {
             0
         } else {

@@ -1,5 +1,6 @@
 //! Stage 4: [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
 
+mod bend_tracker;
 pub mod board_pose;
 pub mod hit_test;
 pub mod press;
@@ -13,6 +14,7 @@ mod front_index;
 mod target;
 mod target_names;
 
+pub use bend_tracker::{BendTracker, bent_fingers};
 pub use fingertip_positions::trusted_fingertip;
 pub use press::{Neighbor, Press, Presses};
 pub use target_names::{TargetName, TargetNames};

@@ -27,6 +27,8 @@ pub struct Surface {
     center: Vec3,
     first: u32,
     targets: Vec<Target>,
+    /// The fingers that press the targets by bending, in their order; empty if fingertips press them by touch.
+    bent_by: Vec<Finger>,
     fronts: FrontIndex,
 }
 
@@ -73,6 +75,23 @@ impl Surface {
         (first..).map(TargetId).zip(&self.targets)
     }
 
+    /// Returns whether fingers press its targets by bending, wherever the hand is. Then its place only matters for drawings.
+    pub fn is_bent(&self) -> bool {
+        !self.bent_by.is_empty()
+    }
+
+    /// Returns the finger that presses a target by bending, or `None` if a fingertip presses it by touch.
+    pub fn bent_by(&self, id: TargetId) -> Option<Finger> {
+        let index = id.0.checked_sub(self.first)? as usize;
+        self.bent_by.get(index).copied()
+    }
+
+    /// Returns the target that a finger presses by bending.
+    fn bend_target(&self, finger: Finger) -> Option<(TargetId, &Target)> {
+        let index = self.bent_by.iter().position(|other| *other == finger)?;
+        Some((self.target_id(index as u32), &self.targets[index]))
+    }
+
     /// Returns the index of the fronts, in the surface's frame.
     pub(super) fn fronts(&self) -> &FrontIndex {
         &self.fronts
@@ -85,7 +104,7 @@ impl Surface {
 
     /// Returns heights below and above all fronts, in the surface's frame (metres).
     pub fn front_heights(&self) -> [f32; 2] {
-        match self.targets.is_empty() {
+        match self.targets.is_empty() || self.is_bent() {
             true => [f32::INFINITY, f32::NEG_INFINITY],
             false => self.fronts.heights(),
         }
@@ -136,21 +155,65 @@ impl Scene {
         anchor_from_surface: Pose,
         targets: Vec<Target>,
     ) -> TargetId {
+        let fronts = FrontIndex::new(&targets);
+        self.push(Surface {
+            side,
+            anchor,
+            anchor_from_surface,
+            center: Vec3::ZERO,
+            first: 0,
+            targets,
+            bent_by: Vec::new(),
+            fronts,
+        })
+    }
+
+    /// Adds a surface whose targets are pressed by bending a finger: a target is pressed while the bend of its finger, as a
+    /// fraction of its range, is beyond `press_at`, until it is back at `release_at`. Each finger has one target at most.
+    pub fn add_bend_surface(
+        &mut self,
+        side: Option<Side>,
+        anchor: Anchor,
+        anchor_from_surface: Pose,
+        targets: impl IntoIterator<Item = (Finger, Target)>,
+    ) -> TargetId {
+        let (bent_by, targets) = targets.into_iter().unzip();
+        self.push(Surface {
+            side,
+            anchor,
+            anchor_from_surface,
+            center: Vec3::ZERO,
+            first: 0,
+            targets,
+            bent_by,
+            // No fingertip enters a front.
+            fronts: FrontIndex::new(&[]),
+        })
+    }
+
+    fn push(&mut self, mut surface: Surface) -> TargetId {
         let first = self.target_count;
+        let targets = &surface.targets;
         self.target_count += targets.len() as u32;
         let centers = targets
             .iter()
             .map(|target| target.surface_from_target.translation);
-        self.surfaces.push(Surface {
-            side,
-            anchor,
-            anchor_from_surface,
-            center: centers.sum::<Vec3>() / (targets.len().max(1) as f32),
-            first,
-            fronts: FrontIndex::new(&targets),
-            targets,
-        });
+        surface.center = centers.sum::<Vec3>() / (targets.len().max(1) as f32);
+        surface.first = first;
+        self.surfaces.push(surface);
         TargetId(first)
+    }
+
+    /// Returns whether a finger presses a target by bending.
+    pub fn has_bend_targets(&self) -> bool {
+        self.surfaces.iter().any(Surface::is_bent)
+    }
+
+    /// Returns the target that a finger of a hand presses by bending.
+    pub fn bend_target(&self, side: Side, finger: Finger) -> Option<(TargetId, &Target)> {
+        let of_hand = |surface: &&Surface| surface.side.is_none_or(|own| own == side);
+        let mut surfaces = self.surfaces.iter().filter(of_hand);
+        surfaces.find_map(|surface| surface.bend_target(finger))
     }
 
     /// Returns the surfaces, in the order in which they were added.

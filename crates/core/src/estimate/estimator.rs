@@ -8,7 +8,7 @@ use super::position_filter::PositionFilter;
 use super::samples::{ChannelConverter, SampleConverter};
 use super::smoothing::Smoother;
 use super::zero::{Zero, ZeroError, Zeroed};
-use super::{ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
+use super::{BendRanges, ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
 use crate::capture::{Reading, Sample, SampleKind};
 use crate::hand::{Displacement, Joint, JointAngles};
 use crate::time::Timestamp;
@@ -47,6 +47,7 @@ pub struct Estimator {
     has_jumped: bool,
     /// The sensor measures joint angles.
     measures_angles: bool,
+    bend_ranges: BendRanges,
 }
 
 /// The angles of one reading before the filter.
@@ -83,6 +84,7 @@ impl Estimator {
             zero: Zero::new(settings.rest_pose),
             has_jumped: false,
             measures_angles: false,
+            bend_ranges: BendRanges::human(),
         }
     }
 
@@ -90,7 +92,13 @@ impl Estimator {
     #[must_use]
     pub fn with_channels(mut self, map: &ChannelMap) -> Self {
         self.converter.set_channel_map(map, &self.settings);
+        self.bend_ranges = BendRanges::of_glove(map);
         self
+    }
+
+    /// Returns the angles at which the fingers are straight and closed.
+    pub fn bend_ranges(&self) -> &BendRanges {
+        &self.bend_ranges
     }
 
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use super::{Estimate, Estimator, FusedEstimator, LearnedRange, Rejection, ZeroError, Zeroed};
+use super::{
+    BendRanges, Estimate, Estimator, FusedEstimator, LearnedRange, Rejection, ZeroError, Zeroed,
+};
 use crate::capture::Reading;
 use crate::hand::HandPart;
 
@@ -76,6 +78,11 @@ impl HandEstimator {
     /// Discards what was observed of ranges and not learned yet.
     pub fn forget_excursions(&mut self) {
         self.fingers_mut().forget_excursions();
+    }
+
+    /// Returns the angles at which the fingers are straight and closed.
+    pub fn bend_ranges(&self) -> &BendRanges {
+        self.fingers().bend_ranges()
     }
 
     /// Iterates over the ranges that were widened.

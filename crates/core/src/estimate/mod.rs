@@ -1,6 +1,7 @@
 //! Stage 2: [`Reading`](crate::capture::Reading) → [`Estimate`].
 
 pub mod arm_attributes;
+mod bend;
 mod bone_angles;
 mod calibration;
 mod channel_map;
@@ -20,6 +21,7 @@ mod smoothing;
 pub mod t_pose;
 mod zero;
 
+pub use bend::{BendRanges, FingerBends};
 pub use bone_angles::{angles_from_bones, bones_from_angles};
 pub use calibration::{AffineMap, CountRange, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_CURVATURE, MAX_ROWS};

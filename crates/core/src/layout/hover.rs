@@ -27,6 +27,10 @@ impl Layout {
         let mut hovers = Vec::new();
         let boards = self.boards.iter().zip(scene.surfaces()).enumerate();
         for (index, (board, surface)) in boards {
+            // The place of a hand has no meaning for fingers that press by bending.
+            if surface.is_bent() {
+                continue;
+            }
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
                 continue;
             };

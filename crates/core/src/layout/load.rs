@@ -11,7 +11,9 @@ use super::fit::Fit;
 use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
-use super::schema::{AutoRecenterSchema, BoardShapeSchema, Label, OutlineSchema, PoseSchema};
+use super::schema::{
+    AutoRecenterSchema, BoardShapeSchema, ContactSchema, Label, OutlineSchema, PoseSchema,
+};
 use crate::document::{
     self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
 };
@@ -68,6 +70,9 @@ macro_rules! board_schema {
                 /// The only hand that can touch the board. Default: either.
                 #[serde(default)]
                 pub hand: Option<Side>,
+                /// Way in which fingers press the keys.
+                #[serde(default)]
+                contact: ContactSchema,
                 /// Flat or curved.
                 #[serde(default)]
                 pub shape: BoardShapeSchema,
@@ -86,9 +91,9 @@ macro_rules! board_schema {
                 /// Default press point, as a fraction of the travel; greater than `release_at`.
                 #[serde(default)]
                 press_at: PressAt,
-                /// Default release point, as a fraction of the travel.
+                /// Default release point, as a fraction of the travel, or of the bend with `contact: Bend`. Default: 0.25 or 0.4.
                 #[serde(default)]
-                release_at: ReleaseAt,
+                release_at: Option<ReleaseAt>,
                 /// Time after a release during which a key ignores presses.
                 #[serde(default)]
                 debounce_ms: Debounce,
@@ -208,7 +213,8 @@ impl<'a> LayoutSchema<'a> {
             builder.collect(labelled)?;
         }
         // The indices of declared layers are those of the file.
-        if builder.layers().len() == self.layers.len() + 1 {
+        let has_all_layers = builder.layers().len() == self.layers.len() + 1;
+        if has_all_layers {
             for (index, layer) in self.layers.iter().enumerate() {
                 layer.build(builder, index + 1)?;
             }
@@ -216,6 +222,11 @@ impl<'a> LayoutSchema<'a> {
         for chord in &self.chords {
             let built = chord.build(builder);
             builder.collect(built)?;
+        }
+        if has_all_layers {
+            for (index, layer) in self.layers.iter().enumerate() {
+                layer.build_chords(builder, index + 1)?;
+            }
         }
         // A key may have its action in a part that has failed.
         if builder.failed() == 0 {
@@ -248,7 +259,11 @@ impl<'a> BoardSchema<'a> {
             size: self.size_mm,
             travel: self.travel_mm,
             press_at: self.press_at,
-            release_at: self.release_at,
+            release_at: self.release_at.unwrap_or(match self.contact {
+                ContactSchema::Touch => ReleaseAt::default(),
+                ContactSchema::Bend => ReleaseAt::BEND,
+            }),
+            contact: self.contact,
         });
         let defaults = KeyDefaults {
             pitch: self.pitch_mm,

@@ -242,6 +242,14 @@ impl Layout {
         surfaces.any(|surface| surface.side() == Some(side))
     }
 
+    /// Returns the chords of fingers that bend; none if fingertips touch the keys.
+    pub fn bend_chords(&self) -> &[Chord] {
+        match self.scene.has_bend_targets() {
+            true => &self.chords,
+            false => &[],
+        }
+    }
+
     /// Returns `true` if a target is a key that takes part in a chord.
     pub fn is_chord_key(&self, target: TargetId) -> bool {
         let mut chords = self.chords.iter();

@@ -109,6 +109,11 @@ ranged_numbers! {
     Tilt = "a tilt", -90.0 ..= 90.0, "°", or 0.0;
 }
 
+impl ReleaseAt {
+    /// The default for keys that are pressed by bending: of the bend of the finger. A relaxed finger is straighter.
+    pub(super) const BEND: Self = Self(0.4);
+}
+
 /// Converts millimetres to metres.
 pub(super) fn metres(millimetres: f64) -> f32 {
     (millimetres * 1e-3) as f32

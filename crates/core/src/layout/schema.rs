@@ -99,6 +99,19 @@ schema! {
 }
 
 schema! {
+    /// The way in which fingers press the keys of a board.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Contact")]
+    pub enum ContactSchema {
+        /// A fingertip touches a key.
+        #[default]
+        Touch,
+        /// A finger bends, wherever the hand is: each key is that of a finger.
+        Bend,
+    }
+}
+
+schema! {
     /// The point that a board moves with. It follows the position only: the axes stay those of the world.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
     #[serde(rename = "Anchor", rename_all = "lowercase")]

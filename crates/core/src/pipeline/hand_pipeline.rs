@@ -3,7 +3,7 @@
 use super::StepOutput;
 use crate::contact::{Presses, Touches};
 use crate::device::TimedCommands;
-use crate::estimate::{Estimate, HandEstimator, JointAngles};
+use crate::estimate::{Estimate, FingerBends, HandEstimator, JointAngles};
 use crate::hand::{HandPart, Side};
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
@@ -37,6 +37,7 @@ impl HandPipeline {
             output: StepOutput {
                 estimate,
                 pose: arm.forward(&estimate),
+                bends: FingerBends::default(),
                 touches: Touches::new(),
                 presses: Presses::new(),
                 commands: TimedCommands::new(),

@@ -7,11 +7,12 @@ use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
-use crate::contact::{ContactTracker, TargetId, TargetNames, Touches};
+use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
 use crate::device::{
     CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
 };
-use crate::hand::Side;
+use crate::estimate::{BendRanges, FingerBends};
+use crate::hand::{FingerSet, Side};
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::time::Timestamp;
@@ -21,6 +22,9 @@ pub struct LayoutInstance {
     pub(super) scene: Scene,
     target_names: TargetNames,
     trackers: [ContactTracker; Side::COUNT],
+    /// Whether fingers press targets by bending, instead of by touch.
+    is_bent: bool,
+    bend_trackers: [BendTracker; Side::COUNT],
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
@@ -39,6 +43,8 @@ impl LayoutInstance {
     ) -> Self {
         Self {
             trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
+            is_bent: scene.has_bend_targets(),
+            bend_trackers: Default::default(),
             scene,
             target_names,
             key_arbiter: KeyArbiter::default(),
@@ -95,7 +101,9 @@ impl LayoutInstance {
 
     /// Iterates over the targets that fingertips of either hand press.
     pub fn pressed_targets(&self) -> impl Iterator<Item = TargetId> + '_ {
-        self.trackers.iter().flat_map(ContactTracker::pressed)
+        let bent = self.bend_trackers.iter().flat_map(BendTracker::pressed);
+        let touched = self.trackers.iter().flat_map(ContactTracker::pressed);
+        touched.chain(bent)
     }
 
     /// Returns the position of the cursor; `None` for a layout without a pointer and targets in space.
@@ -103,18 +111,38 @@ impl LayoutInstance {
         self.devices.iter().find_map(|device| device.cursor())
     }
 
-    /// Updates the contacts of one hand and replaces its touches and presses.
-    pub(super) fn track(&mut self, step: &mut StepOutput) {
+    /// Updates the contacts of one hand and replaces its bends, touches and presses. Bends are not measured unless a target
+    /// depends on them, and have no evidence of presses.
+    pub(super) fn track(&mut self, step: &mut StepOutput, ranges: &BendRanges) {
         step.touches.clear();
-        let tracker = &mut self.trackers[step.pose.side.index()];
-        tracker.update(&self.scene, &step.pose, &mut step.touches);
         step.presses.clear();
+        let side = step.pose.side.index();
+        if self.is_bent {
+            step.bends = ranges.bends(&step.estimate.angles);
+            let tracker = &mut self.bend_trackers[side];
+            tracker.update(&self.scene, &step.pose, &step.bends, &mut step.touches);
+            return;
+        }
+        step.bends = FingerBends::default();
+        let tracker = &mut self.trackers[side];
+        tracker.update(&self.scene, &step.pose, &mut step.touches);
         tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
     }
 
     /// Returns whether the hand is clear of every control.
-    pub(super) fn is_clear(&self, pose: &HandPose) -> bool {
-        self.trackers[pose.side.index()].is_clear(&self.scene, pose)
+    pub(super) fn is_clear(&self, pose: &HandPose, bends: &FingerBends) -> bool {
+        match self.is_bent {
+            true => bent_fingers(&self.scene, pose, bends) == (FingerSet::NONE, true),
+            false => self.trackers[pose.side.index()].is_clear(&self.scene, pose),
+        }
+    }
+
+    /// Returns the fingers of a hand that are not straight, if they press targets by bending.
+    pub(super) fn bent_fingers(&self, pose: &HandPose, bends: &FingerBends) -> FingerSet {
+        match self.is_bent {
+            true => bent_fingers(&self.scene, pose, bends).0,
+            false => FingerSet::NONE,
+        }
     }
 
     /// Returns whether a fingertip touches a target or a control holds a key.
@@ -123,7 +151,8 @@ impl LayoutInstance {
     }
 
     fn is_touched(&self) -> bool {
-        self.trackers.iter().any(|tracker| !tracker.is_idle())
+        let is_bent = self.bend_trackers.iter().any(|tracker| !tracker.is_idle());
+        is_bent || self.trackers.iter().any(|tracker| !tracker.is_idle())
     }
 
     /// Moves auto-recentering boards if the hand rests.
@@ -166,6 +195,9 @@ impl LayoutInstance {
     /// Ends every touch and releases everything.
     pub(super) fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         for tracker in &mut self.trackers {
+            tracker.reset(time, &mut Touches::new());
+        }
+        for tracker in &mut self.bend_trackers {
             tracker.reset(time, &mut Touches::new());
         }
         self.auto_recenter.reset();

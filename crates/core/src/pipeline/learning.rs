@@ -39,7 +39,7 @@ impl Pipeline {
             return;
         }
         let layout = &self.profiles[self.active_profile].layout;
-        if !layout.is_in_use() && layout.is_clear(&hand.output.pose) {
+        if !layout.is_in_use() && layout.is_clear(&hand.output.pose, &hand.output.bends) {
             hand.estimator.widen_ranges();
         }
     }

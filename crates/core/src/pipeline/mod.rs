@@ -1,6 +1,7 @@
 //! Stages 2 to 5 for one reading: estimation, kinematics, contact and devices, and the output gate.
 
 mod auto_recenter;
+mod bends;
 mod board_move;
 mod command_error;
 mod commands;
@@ -35,7 +36,7 @@ use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{Presses, TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
-use crate::estimate::{Estimate, HandEstimator, Rejection};
+use crate::estimate::{Estimate, FingerBends, HandEstimator, Rejection};
 use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
@@ -50,6 +51,8 @@ pub struct StepOutput {
     pub estimate: Estimate,
     /// The result of forward kinematics.
     pub pose: HandPose,
+    /// The bends of the fingers; none if the layout does not depend on them.
+    pub bends: FingerBends,
     /// The result of contact tracking.
     pub touches: Touches,
     /// The presses among the touches, with their evidence.
@@ -196,7 +199,7 @@ impl Pipeline {
         hand.arm.forward_into(&output.estimate, &mut output.pose);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
-        layout.track(output);
+        layout.track(output, hand.estimator.bend_ranges());
     }
 
     fn update_devices(&mut self, index: usize, events: &mut Events) {
@@ -473,7 +476,7 @@ impl Pipeline {
         }
         let hand = &mut self.hands[index];
         let layout = &self.profiles[self.active_profile].layout;
-        hand.is_clear = layout.is_clear(&hand.output.pose);
+        hand.is_clear = layout.is_clear(&hand.output.pose, &hand.output.bends);
         let is_clear = self.hands.iter().any(|hand| hand.is_clear);
         if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
             self.clear_since = None;

@@ -15,6 +15,8 @@ use crate::layout::Fit;
 pub enum HandAction {
     /// Presses a point of a target and lifts the fingertip again.
     Tap(TargetPoint),
+    /// Bends the fingers of targets that are pressed by bending, together, and straightens them again.
+    Chord(Vec<TargetId>),
     /// Moves the index fingertip above a point and down to the end of the target's travel. It stays there.
     Press(TargetPoint),
     /// Presses a target to this fraction of its travel, 0..=1. If the fingertip presses the target already, only the
@@ -60,6 +62,14 @@ impl HandAction {
         match self {
             Self::Point(position, time) => Self::Point(fit.position_from_elbow(position), time),
             other => other,
+        }
+    }
+
+    /// Returns the target that the action presses, the first one of a chord, if any.
+    pub fn target(&self) -> Option<TargetId> {
+        match self {
+            Self::Chord(targets) => targets.first().copied(),
+            other => other.target_point().map(|point| point.target),
         }
     }
 

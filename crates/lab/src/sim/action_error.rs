@@ -48,6 +48,9 @@ pub enum ActionErrorKind {
     /// A target to which every way touches another one.
     #[error("no way to it is free of other controls")]
     NoWay,
+    /// A chord of a key that is pressed by touch.
+    #[error("the simulated hand plays chords of fingers that bend only (`contact: Bend`)")]
+    NotBent,
     /// An action that needs a pressed fingertip.
     #[error("the fingertip presses nothing; put a `press` or a `push` before this")]
     NotPressed,

@@ -60,7 +60,7 @@ impl LiveTask {
                     .add(std::slice::from_ref(action), scene, period)
                     .is_ok()
             };
-            step.actions.iter().any(|it| it.target_point().is_some()) && actions.all(can_do)
+            step.actions.iter().any(|it| it.target().is_some()) && actions.all(can_do)
         });
         let actions = first.map_or(Vec::new(), |step| step.actions.clone());
         let actions = match actions.is_empty() {

@@ -30,10 +30,10 @@ pub(super) fn hand_for(
     sides: &[Side],
     previous: usize,
 ) -> usize {
-    let Some(point) = action.target_point() else {
+    let Some(target) = action.target() else {
         return previous;
     };
-    let found = scene.target(point.target);
+    let found = scene.target(target);
     let side = found.and_then(|(surface, _)| surface.side());
     let index = side.and_then(|side| sides.iter().position(|other| *other == side));
     index.unwrap_or(0)

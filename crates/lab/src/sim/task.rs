@@ -75,7 +75,7 @@ fn text_steps(text: &str, layout: &Layout) -> Vec<TaskStep> {
     let keys = layout.key_bindings();
     let step = |character: char| {
         let name = character.to_string();
-        let taps = taps_for_text(&name, &keys);
+        let taps = taps_for_text(&name, &keys, layout.bend_chords());
         let (actions, problem) = match taps {
             Ok(actions) => (actions, None),
             // A message never contains what is typed.

@@ -1,11 +1,13 @@
-//! Translation of a text to the taps that type it.
+//! Translation of a text to the taps and chords that type it.
+
+use std::collections::VecDeque;
 
 use super::action::HandAction;
 use crate::contact::TargetId;
-use crate::device::keyboard::KeyBinding;
+use crate::device::keyboard::{Chord, KeyBinding};
 use crate::device::{KeyAction, KeyCode, Latch};
 
-/// Reason why one finger cannot type a text on a layout.
+/// Reason why a layout cannot type a character.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
     /// A character that a US keymap does not have.
@@ -22,77 +24,146 @@ pub enum PlanError {
     /// A shifted character on a layout without a one-shot Shift.
     #[error("cannot type {0:?} with one finger: the layout has no one-shot Shift key")]
     NoShift(char),
+    /// Several characters, with the reason for the first one.
+    #[error("{first}; nor {}", list(.others))]
+    Several {
+        /// The reason for the first character.
+        first: Box<Self>,
+        /// The other characters, each once.
+        others: Vec<char>,
+    },
 }
 
-/// Returns the taps that type `text` for a receiver with a US keymap, with one finger. Shift and layers are activated
-/// by one-shot keys.
-pub fn taps_for_text(text: &str, keys: &[KeyBinding]) -> Result<Vec<HandAction>, PlanError> {
-    let targets = targets_for_text(text, keys)?;
-    Ok(targets.into_iter().map(HandAction::tap).collect())
+fn list(characters: &[char]) -> String {
+    let quoted = characters.iter().map(|character| format!("{character:?}"));
+    quoted.collect::<Vec<_>>().join(", ")
 }
 
-fn targets_for_text(text: &str, keys: &[KeyBinding]) -> Result<Vec<TargetId>, PlanError> {
-    let mut targets = Vec::new();
+/// Returns the actions of a hand that type `text` for a receiver with a US keymap: taps, and the chords in `chords`, which are
+/// none unless the hand can play them. Shift and layers are activated by one-shots.
+pub fn taps_for_text(
+    text: &str,
+    keys: &[KeyBinding],
+    chords: &[Chord],
+) -> Result<Vec<HandAction>, PlanError> {
+    let planner = Planner::new(keys, chords);
+    let (mut actions, mut first, mut failed) = (Vec::new(), None, Vec::new());
     for character in text.chars() {
         let codes = KeyCode::for_us_character(character);
-        let mut taps = codes.filter_map(|(code, is_shifted)| taps_for_key(code, is_shifted, keys));
-        targets.extend(taps.next().ok_or_else(|| error_for(character, keys))?);
+        let mut strokes = codes.filter_map(|(code, is_shifted)| planner.strokes(code, is_shifted));
+        match strokes.next() {
+            Some(strokes) => actions.extend(strokes.into_iter().map(Stroke::action)),
+            None if failed.contains(&character) => {}
+            None => {
+                first = first.or_else(|| Some(planner.error_for(character)));
+                failed.push(character);
+            }
+        }
     }
-    Ok(targets)
+    match first {
+        None => Ok(actions),
+        Some(first) if failed.len() == 1 => Err(first),
+        Some(first) => Err(PlanError::Several {
+            first: Box::new(first),
+            others: failed.split_off(1),
+        }),
+    }
 }
 
-/// Returns the reason why a character cannot be typed.
-fn error_for(character: char, keys: &[KeyBinding]) -> PlanError {
-    let Some((key, is_shifted)) = KeyCode::for_us_character(character).last() else {
-        return PlanError::NotOnUsKeymap(character);
-    };
-    match is_shifted && taps_for_key(key, false, keys).is_some() {
-        true => PlanError::NoShift(character),
-        false => PlanError::NoKey { character, key },
+/// A key or a chord with its action in each layer, base layer first.
+#[derive(Clone, Copy)]
+struct Stroke<'a> {
+    targets: &'a [TargetId],
+    actions: &'a [Option<KeyAction>],
+}
+
+impl Stroke<'_> {
+    fn action_in(&self, layer: usize) -> Option<KeyAction> {
+        let own = self.actions.get(layer).copied().flatten();
+        own.or_else(|| self.actions.first().copied().flatten())
+    }
+
+    fn action(self) -> HandAction {
+        match *self.targets {
+            [target] => HandAction::tap(target),
+            _ => HandAction::Chord(self.targets.to_vec()),
+        }
     }
 }
 
-/// Returns the taps for a key, after a one-shot Shift if `is_shifted`.
-fn taps_for_key(code: KeyCode, is_shifted: bool, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
-    let mut taps = match is_shifted {
-        true => vec![find_in_base_layer(keys, is_one_shot_shift)?],
-        false => Vec::new(),
-    };
-    taps.extend(taps_without_shift(code, keys)?);
-    Some(taps)
+/// The strokes of a layout, and the layers that one-shots activate.
+struct Planner<'a> {
+    strokes: Vec<Stroke<'a>>,
+    /// Layers, nearest first, with the strokes that activate each.
+    layers: Vec<(usize, Vec<Stroke<'a>>)>,
 }
 
-/// Returns the tap on the key in the base layer, or the taps on a one-shot layer key and on the key in that layer.
-fn taps_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
-    if let Some(tap) = find_in_base_layer(keys, |action| action == KeyAction::Key(code)) {
-        return Some(vec![tap]);
+impl<'a> Planner<'a> {
+    fn new(keys: &'a [KeyBinding], chords: &'a [Chord]) -> Self {
+        let keys = keys.iter().map(|key| Stroke {
+            targets: std::slice::from_ref(&key.target),
+            actions: &key.actions,
+        });
+        let chords = chords.iter().map(|chord| Stroke {
+            targets: &chord.keys,
+            actions: &chord.actions,
+        });
+        let mut planner = Self {
+            strokes: keys.chain(chords).collect(),
+            layers: Vec::new(),
+        };
+        planner.find_layers();
+        planner
     }
-    let layers = keys.iter().map(|key| key.actions.len()).max().unwrap_or(0);
-    (1..layers).find_map(|layer| {
-        let layer_key = find_in_base_layer(keys, |action| {
-            action == KeyAction::Layer(layer, Latch::OneShot)
-        })?;
-        let key = keys
+
+    fn find_layers(&mut self) {
+        let mut queue = VecDeque::from([(0, Vec::new())]);
+        while let Some((layer, path)) = queue.pop_front() {
+            if self.layers.iter().any(|(other, _)| *other == layer) {
+                continue;
+            }
+            for stroke in &self.strokes {
+                if let Some(KeyAction::Layer(next, Latch::OneShot)) = stroke.action_in(layer) {
+                    queue.push_back((next, [path.as_slice(), &[*stroke]].concat()));
+                }
+            }
+            self.layers.push((layer, path));
+        }
+    }
+
+    /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`.
+    fn strokes(&self, code: KeyCode, is_shifted: bool) -> Option<Vec<Stroke<'a>>> {
+        let mut strokes = match is_shifted {
+            true => vec![self.find(0, is_one_shot_shift)?],
+            false => Vec::new(),
+        };
+        let is_key = |action| action == KeyAction::Key(code);
+        let (path, stroke) = self
+            .layers
             .iter()
-            .find(|key| key.actions.get(layer) == Some(&Some(KeyAction::Key(code))))?;
-        Some(vec![layer_key, key.target])
-    })
-}
+            .find_map(|(layer, path)| Some((path, self.find(*layer, is_key)?)))?;
+        strokes.extend(path);
+        strokes.push(stroke);
+        Some(strokes)
+    }
 
-/// Returns the first key with a matching action in the base layer.
-fn find_in_base_layer(
-    keys: &[KeyBinding],
-    is_match: impl Fn(KeyAction) -> bool,
-) -> Option<TargetId> {
-    keys.iter()
-        .find(|key| {
-            key.actions
-                .first()
-                .copied()
-                .flatten()
-                .is_some_and(&is_match)
-        })
-        .map(|key| key.target)
+    /// Returns the first stroke with a matching action in a layer.
+    fn find(&self, layer: usize, is_match: impl Fn(KeyAction) -> bool) -> Option<Stroke<'a>> {
+        let mut strokes = self.strokes.iter();
+        let found = strokes.find(|stroke| stroke.action_in(layer).is_some_and(&is_match));
+        found.copied()
+    }
+
+    /// Returns the reason why a character cannot be typed.
+    fn error_for(&self, character: char) -> PlanError {
+        let Some((key, is_shifted)) = KeyCode::for_us_character(character).last() else {
+            return PlanError::NotOnUsKeymap(character);
+        };
+        match is_shifted && self.strokes(key, false).is_some() {
+            true => PlanError::NoShift(character),
+            false => PlanError::NoKey { character, key },
+        }
+    }
 }
 
 fn is_one_shot_shift(action: KeyAction) -> bool {
@@ -137,25 +208,53 @@ mod tests {
         ]
     }
 
-    fn ids(text: &str) -> Result<Vec<u32>, PlanError> {
-        let targets = targets_for_text(text, &board())?;
-        Ok(targets.iter().map(|target| target.0).collect())
+    fn chord(ids: &[u32], actions: &[Option<KeyAction>]) -> Chord {
+        Chord {
+            keys: ids.iter().copied().map(TargetId).collect(),
+            actions: actions.to_vec(),
+            activation: Activation::OnPress,
+        }
+    }
+
+    /// The numbers of the keys of each stroke.
+    fn ids(text: &str, chords: &[Chord]) -> Result<Vec<Vec<u32>>, PlanError> {
+        let actions = taps_for_text(text, &board(), chords)?;
+        let targets = |action| match action {
+            HandAction::Tap(point) => vec![point.target.0],
+            HandAction::Chord(targets) => targets.iter().map(|target| target.0).collect(),
+            other => panic!("{other:?}"),
+        };
+        Ok(actions.into_iter().map(targets).collect())
     }
 
     #[test]
     fn capitals_use_shift_and_other_layers_use_their_layer_key() {
-        assert_eq!(ids("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
+        let taps = [0, 1, 0, 2, 0, 1, 2, 0].map(|id| vec![id]);
+        assert_eq!(ids("qQ1!", &[]), Ok(taps.to_vec()));
     }
 
     #[test]
-    fn the_character_and_key_that_are_missing_are_named() {
-        assert_eq!(ids("é"), Err(PlanError::NotOnUsKeymap('é')));
-        let missing = ids("w").unwrap_err().to_string();
+    fn chords_type_and_activate_layers_of_layers() {
+        let to_next = Some(KeyAction::Layer(2, Latch::OneShot));
+        let chords = [
+            chord(&[0, 1], &[Some(code("W")), None, Some(code("X"))]),
+            chord(&[1, 2], &[None, to_next]),
+        ];
+        assert_eq!(ids("w", &chords), Ok(vec![vec![0, 1]]));
+        assert_eq!(ids("x", &chords), Ok(vec![vec![2], vec![1, 2], vec![0, 1]]));
+    }
+
+    #[test]
+    fn the_characters_and_key_that_are_missing_are_named() {
+        assert_eq!(ids("é", &[]), Err(PlanError::NotOnUsKeymap('é')));
+        let missing = ids("w", &[]).unwrap_err().to_string();
         assert!(
             missing.contains("'w'") && missing.contains("key W"),
             "{missing}"
         );
-        let no_shift = taps_for_text("Q", &board()[..1]).unwrap_err();
+        let several = ids("wqew", &[]).unwrap_err().to_string();
+        assert!(several.ends_with("the key W; nor 'e'"), "{several}");
+        let no_shift = taps_for_text("Q", &board()[..1], &[]).unwrap_err();
         assert_eq!(no_shift, PlanError::NoShift('Q'));
     }
 }

@@ -8,7 +8,7 @@ use super::effector::{Effector, Limb};
 use super::reach_target::ReachTarget;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
-use crate::estimate::{AffineMap, ChannelMap, Estimate, JointAngles, JointLimits};
+use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{
     ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, half_bent_fingers,
@@ -55,6 +55,7 @@ pub struct TypingHand {
     variables: Vec<IkVariable>,
     /// The angles that the glove does not measure.
     assumed: JointAngles,
+    bend_ranges: BendRanges,
     resting_pose: HandPose,
     /// The sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
@@ -106,6 +107,7 @@ impl TypingHand {
         Self {
             arm: arm.clone(),
             assumed,
+            bend_ranges: BendRanges::of_glove(map),
             variables: variables.collect(),
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
@@ -134,6 +136,7 @@ impl TypingHand {
         Self {
             arm: arm.clone(),
             assumed: JointAngles::default(),
+            bend_ranges: BendRanges::human(),
             channels: (0..variables.len()).collect(),
             variables,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
@@ -428,6 +431,26 @@ impl TypingHand {
             true => Ok(map.apply_inverse(radians)),
             false => Err((low, high)),
         }
+    }
+
+    /// Returns the channels that bend a finger, with their values at a bend, a fraction of the range of the finger.
+    pub(super) fn values_at_bend(&self, finger: Finger, bend: f64) -> Vec<(usize, f64)> {
+        let mut values: Vec<(usize, f64)> = Vec::new();
+        for (dof, radians) in self.bend_ranges.angles_at(finger, bend) {
+            let Some(index) = self.index_of(dof) else {
+                continue;
+            };
+            let IkVariable {
+                mappings, range, ..
+            } = &self.variables[index];
+            let mut mappings = mappings.iter().rev();
+            if let Some((_, map)) = mappings.find(|(mapped, _)| *mapped == dof)
+                && values.iter().all(|(other, _)| *other != index)
+            {
+                values.push((index, map.apply_inverse(radians).clamp(range.0, range.1)));
+            }
+        }
+        values
     }
 
     /// Returns the path of a tap on the center of a target. The error is the way by which the target is out of reach.

@@ -14,7 +14,6 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "arm-6dof"
     "arm-gamepad"
     "arrows"
-    "chords-five"
     "direct"
     "game"
     "joint"

@@ -44,7 +44,7 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
 
 fn default_text(layout: &Layout, texts: [&str; 2]) -> String {
     let keys = layout.key_bindings();
-    let can_type = |text: &str| taps_for_text(text, &keys).is_ok();
+    let can_type = |text: &str| taps_for_text(text, &keys, layout.bend_chords()).is_ok();
     if let Some(text) = texts.into_iter().find(|text| can_type(text)) {
         return text.to_owned();
     }

@@ -64,6 +64,7 @@ fn last_view(view: View, tracked: Option<View>) -> View {
     let (last, seen) = (&view.state, &tracked.state);
     let state = ViewState {
         fingertips: seen.fingertips.clone(),
+        bends: seen.bends.clone(),
         pointer: seen.pointer,
         in_spaces_mm: seen.in_spaces_mm.clone(),
         ..ViewState::clone(last)

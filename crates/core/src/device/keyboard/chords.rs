@@ -4,23 +4,38 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{KeyAction, Keyboard, PressSource};
+use super::pending::PendingPress;
+use super::{Activation, KeyAction, Keyboard, PressSource, TapHold};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::device::DeviceOutput;
 use crate::device::target_index::TargetIndex;
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::time::Timestamp;
 
+/// Presses whose action has not fired yet.
+type PendingPresses = ArrayVec<PendingPress, FINGERS_OF_BOTH_HANDS>;
+
 /// Maximum number of keys that take part in chords.
 pub const MAX_CHORD_KEYS: usize = KeySet::BITS as usize;
 
-/// The action of several keys that are pressed together, in every layer.
+/// Several keys that are pressed together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chord {
     /// Its keys, each once.
     pub keys: Vec<TargetId>,
-    /// Its action.
-    pub action: KeyAction,
+    /// The action in each layer, base layer first, as of a [`KeyBinding`](super::KeyBinding). In a layer without an action in
+    /// any way it is no chord.
+    pub actions: Vec<Option<KeyAction>>,
+    /// The moment at which the action fires; not [`Activation::Dwell`].
+    pub activation: Activation,
+}
+
+impl Chord {
+    /// Returns the action in a layer, or in the base layer if that layer defines none.
+    pub fn action(&self, layer: usize) -> Option<KeyAction> {
+        let own = self.actions.get(layer).copied().flatten();
+        own.or_else(|| self.actions.first().copied().flatten())
+    }
 }
 
 /// A set of chord keys: bit `i` is chord key `i`.
@@ -35,7 +50,7 @@ type KeySet = u64;
 /// the rest could be an unintended chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
-    chords: Vec<(KeySet, KeyAction)>,
+    chords: Vec<(KeySet, Chord)>,
     /// From a target to the number of its chord key.
     chord_keys: TargetIndex,
     window: Duration,
@@ -55,6 +70,8 @@ struct GatheredPress {
 struct PressedChord {
     /// The source of its press: the first of its fingers.
     source: PressSource,
+    /// The time of its first finger.
+    since: Timestamp,
     /// The fingers on its keys; the release of any of them releases the chord.
     fingers: [Option<PressSource>; FINGERS_OF_BOTH_HANDS],
     keys: KeySet,
@@ -75,7 +92,7 @@ impl Chords {
         Self {
             chords: chords
                 .iter()
-                .filter_map(|chord| Some((set(chord).filter(|&set| set != 0)?, chord.action)))
+                .filter_map(|chord| Some((set(chord).filter(|&set| set != 0)?, chord.clone())))
                 .collect(),
             chord_keys: TargetIndex::new(keys.iter().copied()),
             window,
@@ -85,7 +102,13 @@ impl Chords {
 
     /// Returns the actions of all chords.
     pub(super) fn actions(&self) -> impl Iterator<Item = KeyAction> + '_ {
-        self.chords.iter().map(|&(_, action)| action)
+        self.chords.iter().flat_map(|(_, chord)| {
+            let hold = match chord.activation {
+                Activation::TapHold(TapHold { hold_action, .. }) => Some(hold_action),
+                _ => None,
+            };
+            chord.actions.iter().copied().flatten().chain(hold)
+        })
     }
 
     /// Forgets all presses.
@@ -98,6 +121,7 @@ impl Chords {
     pub(super) fn cancel_finger(
         &mut self,
         is_of_finger: impl Fn(PressSource) -> bool,
+        pending: &mut PendingPresses,
         out: &mut DeviceOutput,
     ) {
         let mut gathered = self.gathered.iter();
@@ -107,6 +131,7 @@ impl Chords {
         self.pressed.retain(|chord| {
             let is_cancelled = chord.fingers.into_iter().flatten().any(&is_of_finger);
             if is_cancelled {
+                pending.retain(|press| press.source != chord.source);
                 out.arbiter.cancel(|source| source == chord.source);
             }
             !is_cancelled
@@ -117,6 +142,13 @@ impl Chords {
     pub(super) fn is_or_would_be_gathered(&self, touch: &Touch, source: PressSource) -> bool {
         let is_pressed = self.pressed.iter().any(|chord| chord.has_finger(source));
         self.chord_keys.get(touch.target).is_some() && !is_pressed
+    }
+
+    /// Returns the source of the pressed chord that a finger is part of.
+    pub(super) fn source_of_chord(&self, finger: PressSource) -> Option<PressSource> {
+        let mut pressed = self.pressed.iter();
+        let chord = pressed.find(|chord| chord.has_finger(finger))?;
+        Some(chord.source)
     }
 
     fn key(&self, target: TargetId) -> Option<KeySet> {
@@ -138,21 +170,44 @@ impl Chords {
         Some(self.gathered.first()?.touch.time + self.window)
     }
 
-    /// Returns whether a chord exists that contains all gathered keys and more.
-    fn may_grow(&self) -> bool {
+    /// Returns whether a layer has a chord that contains all gathered keys and more.
+    fn may_grow(&self, layer: usize) -> bool {
         let gathered = self.gathered_keys();
         let is_larger = |set: KeySet| set & gathered == gathered && set != gathered;
-        self.chords.iter().any(|&(set, _)| is_larger(set))
+        let mut chords = self.chords.iter();
+        chords.any(|(set, chord)| is_larger(*set) && chord.action(layer).is_some())
     }
 
-    /// Returns the largest chord within `keys`; the first in the list if several are as large.
-    fn largest_within(&self, keys: KeySet) -> Option<(KeySet, KeyAction)> {
+    /// Returns the largest chord of a layer within `keys`, the first in the list if several are as large, with its action.
+    fn largest_within(
+        &self,
+        keys: KeySet,
+        layer: usize,
+    ) -> Option<(KeySet, KeyAction, Activation)> {
         let within = self.chords.iter().rev().filter(|(set, _)| set & !keys == 0);
-        within.max_by_key(|(set, _)| set.count_ones()).copied()
+        let active =
+            within.filter_map(|(set, chord)| Some((*set, chord.action(layer)?, chord.activation)));
+        active.max_by_key(|(set, ..)| set.count_ones())
     }
 }
 
 impl PressedChord {
+    /// Creates a chord of these touches; `None` if there are none.
+    fn new(keys: KeySet, touches: impl Iterator<Item = Touch>) -> Option<Self> {
+        let mut fingers = [None; FINGERS_OF_BOTH_HANDS];
+        let mut since = None;
+        for (finger, touch) in fingers.iter_mut().zip(touches) {
+            since = since.or(Some(touch.time));
+            *finger = Some(PressSource::from_touch(&touch));
+        }
+        Some(Self {
+            source: fingers[0]?,
+            since: since?,
+            fingers,
+            keys,
+        })
+    }
+
     fn has_finger(&self, source: PressSource) -> bool {
         self.fingers.contains(&Some(source))
     }
@@ -179,7 +234,7 @@ impl Keyboard {
             let press = GatheredPress { key, touch: *touch };
             // Each finger has one press at most, so there is room.
             let _ = self.chords.gathered.try_push(press);
-            if !self.chords.may_grow() {
+            if !self.chords.may_grow(out.arbiter.active_layer()) {
                 self.press_gathered(touch.time, out);
             }
         }
@@ -197,10 +252,15 @@ impl Keyboard {
     pub(super) fn press_gathered(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let gathered = std::mem::take(&mut self.chords.gathered);
         let mut left = gathered.iter().fold(0, |set, press| set | press.key);
-        while let Some((keys, action)) = self.chords.largest_within(left) {
+        while let Some((keys, action, activation)) =
+            self.chords.largest_within(left, out.arbiter.active_layer())
+        {
             left &= !keys;
             let of_chord = gathered.iter().filter(|press| press.key & keys != 0);
-            self.press_chord(keys, action, of_chord.map(|press| press.touch), time, out);
+            let of_chord = of_chord.map(|press| press.touch);
+            if let Some(chord) = PressedChord::new(keys, of_chord) {
+                self.press_chord(chord, action, activation, time, out);
+            }
         }
         for GatheredPress { key, touch } in gathered {
             if key & left != 0 {
@@ -230,6 +290,10 @@ impl Keyboard {
                 self.debouncer.record_release(key, touch.time);
             }
         }
+        if touch.phase != Phase::Cancelled {
+            self.fire_on_release(chord.source, touch.time, out);
+        }
+        self.pending.retain(|press| press.source != chord.source);
         match touch.phase {
             Phase::Cancelled => out.arbiter.cancel(|source| source == chord.source),
             _ => out.arbiter.release(|source| source == chord.source),
@@ -238,27 +302,22 @@ impl Keyboard {
 
     fn press_chord(
         &mut self,
-        keys: KeySet,
+        chord: PressedChord,
         action: KeyAction,
-        touches: impl Iterator<Item = Touch>,
+        activation: Activation,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        let mut fingers = [None; FINGERS_OF_BOTH_HANDS];
-        for (finger, touch) in fingers.iter_mut().zip(touches) {
-            *finger = Some(PressSource::from_touch(&touch));
-        }
-        let Some(source) = fingers[0] else {
-            return;
-        };
         self.hold_pending(time, out);
-        if out.press(source, action, time) {
+        // The time of a hold counts from the first finger, as that of a key counts from its press.
+        let is_pressed = match PendingPress::new(chord.source, action, activation, chord.since) {
+            Some(press) if out.arbiter.has_room(out.events) => self.pending.try_push(press).is_ok(),
+            Some(_) => false,
+            None => out.press(chord.source, action, time),
+        };
+        if is_pressed {
             // Each chord has a finger of its own, so there is room.
-            let _ = self.chords.pressed.try_push(PressedChord {
-                source,
-                fingers,
-                keys,
-            });
+            let _ = self.chords.pressed.try_push(chord);
         }
     }
 }

@@ -136,7 +136,8 @@ impl Keyboard {
         };
         out.arbiter.cancel(is_of_finger);
         self.pending.retain(|press| !is_of_finger(press.source));
-        self.chords.cancel_finger(is_of_finger, out);
+        self.chords
+            .cancel_finger(is_of_finger, &mut self.pending, out);
     }
 
     /// Ends the press of a touch. A cancelled press does not count as a tap.

@@ -72,7 +72,11 @@ impl Keyboard {
         let binding = self.binding(touch.target);
         let would_be = binding.is_some_and(|it| it.activation != Activation::OnPress)
             || self.chords.is_or_would_be_gathered(touch, source);
-        self.is_pending(source) || would_be && !out.arbiter.has_press_from(source)
+        let chord = self.chords.source_of_chord(source);
+        if self.is_pending(chord.unwrap_or(source)) {
+            return true;
+        }
+        would_be && !out.arbiter.has_press_from(source)
     }
 
     /// Turns the pending presses that are due by `time` into holds.

@@ -7,14 +7,14 @@ use crate::contact::TargetId;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, TREMOR_MARGIN, Target};
 use crate::document::{DocumentError, Spanned, line_number};
-use crate::hand::Side;
+use crate::hand::{Finger, Side};
 use crate::layout::board_shape::BoardShape;
 use crate::layout::fit::PoseFit;
 use crate::layout::model::{Board, Face};
 use crate::layout::outline::{Outline, first_overlap};
 use crate::layout::placement::KeyPose;
 use crate::layout::quantity::{Offset, PressAt, ReleaseAt, Travel, metres, position};
-use crate::layout::schema::{Label, OutlineSchema};
+use crate::layout::schema::{ContactSchema, Label, OutlineSchema};
 
 /// The settings of a board that its keys and controls use.
 #[derive(Clone, Copy)]
@@ -33,12 +33,16 @@ pub(in crate::layout) struct BoardSettings {
     pub press_at: PressAt,
     /// Default release point.
     pub release_at: ReleaseAt,
+    /// The way in which fingers press the keys.
+    pub contact: ContactSchema,
 }
 
 /// The board that is being built.
 pub(super) struct BoardDraft<'a> {
     settings: BoardSettings,
     targets: Vec<Target>,
+    /// The fingers that press the targets by bending, in their order.
+    bent_by: Vec<Finger>,
     /// The faces in the plane of the board.
     outlines: Vec<(Outline, Source<'a>)>,
     first_key: usize,
@@ -102,10 +106,12 @@ impl Default for BoardDraft<'_> {
             travel: Travel::default(),
             press_at: PressAt::default(),
             release_at: ReleaseAt::default(),
+            contact: ContactSchema::default(),
         };
         Self {
             settings,
             targets: Vec::new(),
+            bent_by: Vec::new(),
             outlines: Vec::new(),
             first_key: 0,
             first_control: 0,
@@ -156,8 +162,19 @@ impl<'a> LayoutBuilder<'a> {
             let message = format!("board {} has no keys", self.boards.len() + 1);
             return Err(self.error(self.name.text, message));
         }
-        self.scene
-            .add_surface_for(side, anchor, anchor_from_board, draft.targets);
+        self.check_contact(side, &draft)?;
+        match draft.settings.contact {
+            ContactSchema::Touch => {
+                let targets = draft.targets;
+                self.scene
+                    .add_surface_for(side, anchor, anchor_from_board, targets)
+            }
+            ContactSchema::Bend => {
+                let targets = draft.bent_by.into_iter().zip(draft.targets);
+                self.scene
+                    .add_bend_surface(side, anchor, anchor_from_board, targets)
+            }
+        };
         self.boards.push(board);
         Ok(())
     }
@@ -249,6 +266,42 @@ impl<'a> LayoutBuilder<'a> {
                 "press_at {press_at} of the {kind} `{name}` must be greater than release_at {release_at}"
             );
             return Err(self.error(spec.source, message));
+        }
+        Ok(())
+    }
+
+    /// Adds the finger of the key that was added last, on a board whose keys are pressed by bending.
+    pub fn add_bent_finger(&mut self, name: &'a str, finger: Finger) -> Result<(), DocumentError> {
+        if self.board.bent_by.contains(&finger) {
+            let message = format!(
+                "the key `{name}` is the second one of the {finger} finger: a finger that bends presses one key, use chords and layers"
+            );
+            return Err(self.error(name, message));
+        }
+        self.board.bent_by.push(finger);
+        Ok(())
+    }
+
+    /// Rejects keys without a finger on a board that is pressed by bending, and such a board beside others of the same hand: a
+    /// finger that touches a key bends too.
+    fn check_contact(&self, side: Option<Side>, draft: &BoardDraft) -> Result<(), DocumentError> {
+        let name = self.name.text;
+        let is_bent = draft.settings.contact == ContactSchema::Bend;
+        if self.failed() > draft.failed_before {
+            return Err(self.consequence());
+        }
+        if is_bent && draft.bent_by.len() != draft.targets.len() {
+            let message = "a board with `contact: Bend` has only `keys`, each with a `finger`";
+            return Err(self.error(name, message));
+        }
+        let mut others = self.scene.surfaces().iter();
+        let conflicts = others.any(|other| {
+            let shares_hand = side.is_none() || other.side().is_none() || other.side() == side;
+            is_bent != other.is_bent() || is_bent && shares_hand
+        });
+        if conflicts {
+            let message = "beside a board with `contact: Bend` there can only be another such board, for the other `hand`";
+            return Err(self.error(name, message));
         }
         Ok(())
     }

@@ -293,6 +293,11 @@ impl<'a> LayoutBuilder<'a> {
         self.chords.push(chord);
     }
 
+    /// Returns the chord with this index, to change it.
+    pub fn chord_mut(&mut self, index: usize) -> &mut Chord {
+        &mut self.chords[index]
+    }
+
     /// Adds a trigger whose target is registered.
     pub fn add_trigger(&mut self, name: &str, trigger: Trigger) {
         self.triggers.push((name.to_owned(), trigger));

@@ -8,7 +8,7 @@ use crate::device::{KeyAction, Latch};
 use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::model::Key;
-use crate::layout::quantity::duration;
+use crate::layout::quantity::{DwellTime, HoldAfter, duration};
 use crate::layout::schema::Action;
 
 schema! {
@@ -65,6 +65,19 @@ impl<'a> TryFrom<HoldFields<'a>> for HoldSchema<'a> {
     }
 }
 
+/// The fields of a key or a chord that choose the part of a press that activates it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ActivationFields<'a> {
+    /// "key" or "chord", for messages.
+    pub kind: &'static str,
+    /// Name, for messages.
+    pub name: &'a str,
+    pub activate_on: Option<ActivationSchema>,
+    pub hold: Option<HoldSchema<'a>>,
+    pub hold_after_ms: Option<HoldAfter>,
+    pub dwell_ms: Option<DwellTime>,
+}
+
 impl<'a> KeySchema<'a> {
     /// Returns the activation of a key with this action in the base layer.
     pub(super) fn activation(
@@ -72,14 +85,34 @@ impl<'a> KeySchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         action: Option<KeyAction>,
     ) -> Result<Activation, DocumentError> {
-        let name = self.name.text;
+        let fields = &self.fields;
+        let fields = ActivationFields {
+            kind: "key",
+            name: self.name.text,
+            activate_on: fields.activate_on,
+            hold: fields.hold,
+            hold_after_ms: fields.hold_after_ms,
+            dwell_ms: fields.dwell_ms,
+        };
+        fields.build(builder, action)
+    }
+}
+
+impl<'a> ActivationFields<'a> {
+    /// Returns the activation of a key or chord with this action in the base layer.
+    pub(super) fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        action: Option<KeyAction>,
+    ) -> Result<Activation, DocumentError> {
+        let fields = self;
+        let name = self.name;
         if let Some(message) = self.conflict(action) {
             return Err(builder.error(name, message));
         }
         let Some(action) = action else {
             return Ok(Activation::OnPress);
         };
-        let fields = &self.fields;
         let activation = match (fields.dwell_ms, fields.hold, fields.activate_on) {
             (Some(dwell), ..) => Activation::Dwell(duration(dwell.get())),
             (None, Some(HoldSchema(hold)), _) => Activation::TapHold(TapHold {
@@ -95,8 +128,8 @@ impl<'a> KeySchema<'a> {
 
     /// Returns the message for fields that exclude each other.
     fn conflict(&self, action: Option<KeyAction>) -> Option<String> {
-        let fields = &self.fields;
-        let name = self.name.text;
+        let fields = self;
+        let Self { kind, name, .. } = self;
         let has_hold = fields.hold.is_some();
         let has_activate_on = fields.activate_on.is_some();
         let has_dwell = fields.dwell_ms.is_some();
@@ -104,24 +137,24 @@ impl<'a> KeySchema<'a> {
         if action.is_none() {
             return has_any.then(|| {
                 format!(
-                    "the key `{name}` has no action of its own, remove `activate_on`, `hold` and `dwell_ms`"
+                    "the {kind} `{name}` has no action of its own, remove `activate_on`, `hold` and `dwell_ms`"
                 )
             });
         }
         if !has_hold && fields.hold_after_ms.is_some() {
             return Some(format!(
-                "the key `{name}` has a `hold_after_ms` but no `hold`, add the action of a held key"
+                "the {kind} `{name}` has a `hold_after_ms` but no `hold`, add the action of a held {kind}"
             ));
         }
         if has_hold && has_activate_on {
             return Some(format!(
-                "the key `{name}` cannot have both `activate_on` and `hold`: a tap activates on release"
+                "the {kind} `{name}` cannot have both `activate_on` and `hold`: a tap activates on release"
             ));
         }
         if has_dwell && (has_hold || has_activate_on) {
             let other = if has_hold { "hold" } else { "activate_on" };
             return Some(format!(
-                "the key `{name}` cannot have both `{other}` and `dwell_ms`: only a resting fingertip activates it"
+                "the {kind} `{name}` cannot have both `{other}` and `dwell_ms`: only a resting fingertip activates it"
             ));
         }
         None
@@ -136,19 +169,31 @@ pub(super) fn check_layer_action<'a>(
     action: KeyAction,
     layer: usize,
 ) -> Result<(), DocumentError> {
-    if key.action(0) == Some(KeyAction::Layer(layer, Latch::Lock)) {
-        let message = format!(
-            "the key `{}` locks the layer `{}` and must unlock it too, so it cannot have another action there",
-            key.face.name,
-            builder.layers()[layer]
-        );
-        return Err(builder.error(code.text, message));
-    }
+    let name = format!("key `{}`", key.face.name);
+    check_unlocks(builder, code.text, &name, key.action(0), layer)?;
     check_action(builder, code.text, action, key.activation)
 }
 
+/// Rejects another action in the layer that a key or chord, `name` with its kind, locks.
+pub(super) fn check_unlocks(
+    builder: &LayoutBuilder,
+    source: &str,
+    name: &str,
+    in_base_layer: Option<KeyAction>,
+    layer: usize,
+) -> Result<(), DocumentError> {
+    if in_base_layer != Some(KeyAction::Layer(layer, Latch::Lock)) {
+        return Ok(());
+    }
+    let message = format!(
+        "the {name} locks the layer `{}` and must unlock it too, so it cannot have another action there",
+        builder.layers()[layer]
+    );
+    Err(builder.error(source, message))
+}
+
 /// Rejects an action that lasts as long as the press, unless the key activates on press.
-fn check_action(
+pub(super) fn check_action(
     builder: &LayoutBuilder,
     name: &str,
     action: KeyAction,

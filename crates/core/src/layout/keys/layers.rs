@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::ChordSchema;
 use super::activation::check_layer_action;
 use crate::document::{DocumentError, Pairs, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
@@ -17,6 +18,9 @@ schema! {
         /// Name of a key → its key code in this layer. All other keys keep their action of the base layer.
         #[serde(borrow)]
         keys: Pairs<'a, Spanned<'a>>,
+        /// Actions of chords in this layer. All other chords keep their action of the base layer.
+        #[serde(borrow, default)]
+        chords: Vec<ChordSchema<'a>>,
     }
 }
 
@@ -29,6 +33,19 @@ impl<'a> LayerSchema<'a> {
     ) -> Result<(), DocumentError> {
         for &(name, code) in &self.keys.0 {
             let built = self.build_key(builder, layer, name, code);
+            builder.collect(built)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the actions to the chords, after those of the base layer.
+    pub fn build_chords(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        layer: usize,
+    ) -> Result<(), DocumentError> {
+        for chord in &self.chords {
+            let built = chord.build_in_layer(builder, layer);
             builder.collect(built)?;
         }
         Ok(())

@@ -18,7 +18,7 @@ use super::quantity::{
     Debounce, DwellTime, HoldAfter, Offset, Pitch, PressAt, ReleaseAt, Rotation, Travel, duration,
     metres, position,
 };
-use super::schema::{Action, Label, LatchSchema, OutlineSchema};
+use super::schema::{Action, ContactSchema, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
@@ -92,7 +92,7 @@ schema! {
         /// Rotations about x, then y, then z of the board at the key, right-handed.
         #[serde(default)]
         rotation_deg: (Rotation, Rotation, Rotation),
-        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`.
+        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required: the finger that bends.
         #[serde(default)]
         finger: Option<Finger>,
         /// Outline. Default: as the board.
@@ -246,7 +246,10 @@ impl<'a> KeySchema<'a> {
         let pose = KeyPose::new(lift, fields.rotation_deg);
         let face = builder.add_posed_face(face, pose)?;
         if let Some(finger) = fields.finger {
-            builder.set_finger(face.target, finger);
+            match builder.board().contact {
+                ContactSchema::Bend => builder.add_bent_finger(self.name.text, finger)?,
+                _ => builder.set_finger(face.target, finger),
+            }
         }
         let key = Key {
             face,
@@ -266,7 +269,11 @@ impl<'a> KeySchema<'a> {
         };
         let board = builder.board();
         let Some(fingertips) = board.fit.fingertips else {
-            let message = "`finger` is for keys of a board with `anchor: wrist`";
+            if board.contact == ContactSchema::Bend {
+                return Ok(Vec3::ZERO);
+            }
+            let message =
+                "`finger` is for keys of a board with `anchor: wrist` or with `contact: Bend`";
             return Err(builder.error(self.name.text, message));
         };
         // The position is that of a fingertip, so it does not scale with the sizes.

@@ -225,9 +225,7 @@ impl Layout {
         let grids = self.grids(KeySize::Labelled);
         let mut parts: Vec<String> = grids.iter().map(|grid| grid.to_text(self)).collect();
         parts.extend((1..self.layers.len()).map(|layer| self.layer_text(layer)));
-        let chords = words::chords(self).into_iter();
-        let chords = chords.map(|(keys, action)| format!("{}: {}", escape(&keys), escape(&action)));
-        let chords: Vec<String> = chords.collect();
+        let chords = self.chords_text(0);
         if !chords.is_empty() {
             parts.push(format!("Chords\n{}", wrapped(&chords, " · ", 2)));
         }
@@ -237,12 +235,25 @@ impl Layout {
         parts.join("\n")
     }
 
+    fn chords_text(&self, layer: usize) -> Vec<String> {
+        let chords = words::chords(self, layer).into_iter();
+        let chords =
+            chords.map(|words| format!("{}: {}", escape(&words.keys), escape(&words.action)));
+        chords.collect()
+    }
+
     fn layer_text(&self, layer: usize) -> String {
         let changes = self.keys.iter().filter_map(|key| {
             let label = self.label_in_layer(key, layer)?;
-            Some(format!("{} {}", escape(&key.face.label), escape(label)))
+            // Chords name their keys; the labels of such keys are their actions alone.
+            let own = match self.is_chord_key(key.face.target) {
+                true => &key.face.name,
+                false => &key.face.label,
+            };
+            Some(format!("{} {}", escape(own), escape(label)))
         });
-        let changes: Vec<String> = changes.collect();
+        let mut changes: Vec<String> = changes.collect();
+        changes.extend(self.chords_text(layer));
         let name = escape(&self.layers[layer]).into_owned();
         format!("Layer {name}\n{}", wrapped(&changes, " · ", 2))
     }

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::{Anchor, Surface};
 use crate::device::joystick::Joystick;
-use crate::device::keyboard::{Activation, TapHold};
+use crate::device::keyboard::{Activation, Chord, TapHold};
 use crate::device::knob::{Knob, KnobRange};
 use crate::device::slider::{Slider, Track};
 use crate::device::toggle::ToggleOutput;
@@ -34,6 +34,10 @@ pub(super) fn lists(layout: &Layout) -> Vec<List> {
     let controls = layout.controls.iter();
     let triggers = layout.triggers.iter();
     let lists = [
+        List {
+            heading: "Bends",
+            rows: words.bends(),
+        },
         List {
             heading: "Special keys",
             rows: grouped(keys),
@@ -89,21 +93,44 @@ fn grouped(rows: impl Iterator<Item = (String, String)>) -> Vec<(String, String)
     groups.collect()
 }
 
-/// Returns the chords: their keys, and the label of their action.
-pub(super) fn chords(layout: &Layout) -> Vec<(String, String)> {
+/// A chord in words.
+pub(super) struct ChordWords<'a> {
+    /// The chord.
+    pub chord: &'a Chord,
+    /// Its keys.
+    pub keys: String,
+    /// The label of its action.
+    pub action: String,
+}
+
+/// Returns the chords with an action of their own in a layer.
+pub(super) fn chords(layout: &Layout, layer: usize) -> Vec<ChordWords<'_>> {
     let words = Words(layout);
-    let chords = layout.chords.iter();
-    chords
-        .map(|chord| {
-            let keys = chord.keys.iter().filter_map(|target| layout.face(*target));
-            let names: Vec<&str> = keys.map(|face| face.name.as_str()).collect();
-            (names.join(" "), words.action(chord.action))
+    let chords = layout.chords.iter().filter_map(|chord| {
+        let action = (*chord.actions.get(layer)?)?;
+        let keys = chord.keys.iter().filter_map(|target| layout.face(*target));
+        let names: Vec<&str> = keys.map(|face| face.name.as_str()).collect();
+        let mut action = words.action(action);
+        if layer == 0 {
+            let activation = words.activation(chord.activation);
+            action.extend(activation.map(|activation| format!(" ({activation})")));
+        }
+        Some(ChordWords {
+            chord,
+            keys: names.join(" "),
+            action,
         })
-        .collect()
+    });
+    chords.collect()
 }
 
 /// Describes the pose and shape of a board: `elbow: 300 mm ahead, 35° to the right, 45 mm below, level`.
 pub(super) fn board(board: &Board, surface: &Surface) -> String {
+    if surface.is_bent() {
+        let hand = surface.side().map(|side| format!("{side} hand, "));
+        let hand = hand.unwrap_or_default();
+        return format!("{hand}pressed by bending a finger, wherever the hand is");
+    }
     let pose = BoardPose::from_pose(&surface.anchor_from_surface());
     let mut parts = Vec::new();
     let mut add = |metres: f32, [positive, negative]: [&str; 2]| {
@@ -209,24 +236,44 @@ impl Words<'_> {
         }
     }
 
-    /// Returns the name and the description of a key that does more than press one key.
-    fn key(&self, key: &Key) -> Option<(String, String)> {
-        let mut parts = Vec::new();
-        match key.activation {
-            Activation::OnPress => {}
-            Activation::OnRelease => parts.push("acts at the release".to_owned()),
+    /// Returns the names and the thresholds of keys that are pressed by bending.
+    fn bends(&self) -> Vec<(String, String)> {
+        let keys = self.0.keys.iter().filter_map(|key| {
+            let (surface, target) = self.0.scene.target(key.face.target)?;
+            let finger = surface.bent_by(key.face.target)?;
+            let percent = |bend: f32| (bend * 100.0).round();
+            let description = format!(
+                "{finger} bent beyond {} %, until {} %",
+                percent(target.press_at),
+                percent(target.release_at)
+            );
+            Some((title(&key.face), description))
+        });
+        keys.collect()
+    }
+
+    /// Describes an activation other than by a press.
+    fn activation(&self, activation: Activation) -> Option<String> {
+        match activation {
+            Activation::OnPress => None,
+            Activation::OnRelease => Some("acts at the release".to_owned()),
             Activation::Dwell(time) => {
-                parts.push(format!("acts after a touch of {} ms", time.as_millis()));
+                Some(format!("acts after a touch of {} ms", time.as_millis()))
             }
             Activation::TapHold(TapHold {
                 hold_action,
                 hold_after,
-            }) => parts.push(format!(
+            }) => Some(format!(
                 "held for {} ms: {}",
                 hold_after.as_millis(),
                 self.action(hold_action)
             )),
         }
+    }
+
+    /// Returns the name and the description of a key that does more than press one key.
+    fn key(&self, key: &Key) -> Option<(String, String)> {
+        let mut parts = Vec::from_iter(self.activation(key.activation));
         match key.action(0) {
             Some(action @ (KeyAction::Modifier(_, latch) | KeyAction::Layer(_, latch)))
                 if latch != Latch::Momentary =>

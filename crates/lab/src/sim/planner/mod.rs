@@ -1,6 +1,7 @@
 //! Translation of actions to movements.
 
 mod aim;
+mod bends;
 mod joints;
 mod route;
 mod state;
@@ -122,7 +123,9 @@ impl<'a> Planner<'a> {
         if actions.is_empty() {
             return;
         }
-        if let Some(point) = actions.iter().find_map(HandAction::target_point) {
+        if self.scene.has_bend_targets() {
+            self.begin_straight();
+        } else if let Some(point) = actions.iter().find_map(HandAction::target_point) {
             self.start_at(point);
         }
         self.state.home = self.tip();
@@ -180,10 +183,11 @@ impl<'a> Planner<'a> {
     }
 
     fn add(&mut self, action: &HandAction) -> Result<(), ActionErrorKind> {
-        if self.state.is_displaced && !self.state.is_raised && action.target_point().is_none() {
+        if self.state.is_displaced && !self.state.is_raised && action.target().is_none() {
             self.rise();
         }
         match action {
+            HandAction::Chord(targets) => self.play_chord(targets),
             HandAction::Tap(point) => {
                 self.press(*point)?;
                 self.wait(PRESS_TIME.max(PRESS_PACKETS * self.period));
@@ -215,6 +219,10 @@ impl<'a> Planner<'a> {
     }
 
     fn press(&mut self, point: TargetPoint) -> Result<(), ActionErrorKind> {
+        if self.finger_of(point.target).is_some() {
+            self.lift();
+            return self.bend(&[point.target]);
+        }
         self.press_by_any(point, |target| target.bottom_height)
     }
 
@@ -239,6 +247,7 @@ impl<'a> Planner<'a> {
     }
 
     fn lift(&mut self) {
+        self.straighten();
         let TipState::Pressed(PressedTip { id, target, tip }) = self.state.tip_state else {
             return;
         };

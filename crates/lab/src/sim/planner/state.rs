@@ -6,7 +6,7 @@ use parry3d::math::Vec3;
 
 use super::{Planner, TipState};
 use crate::contact::surface::Scene;
-use crate::hand::FingerSet;
+use crate::hand::{Finger, FingerSet};
 use crate::sim::action::HandAction;
 use crate::sim::action_error::ActionErrorKind;
 use crate::sim::effector::Effector;
@@ -31,6 +31,8 @@ pub(in crate::sim) struct HandState {
     pub(super) before_pinch: Vec<(usize, f64)>,
     /// First position of the fingertip, clear of all targets (world, metres).
     pub(super) home: Vec3,
+    /// Fingers that are bent to press.
+    pub(super) bent: Vec<Finger>,
     /// The boards have moved under the hand: the next way to a target is checked for contacts.
     pub(super) is_displaced: bool,
     /// The hand has risen since then.
@@ -50,6 +52,7 @@ impl HandState {
             is_pinched: false,
             before_pinch: Vec::new(),
             home: Vec3::ZERO,
+            bent: Vec::new(),
             is_displaced: false,
             is_raised: false,
         }
@@ -60,6 +63,7 @@ impl HandState {
         self.values.copy_from_slice(values);
         self.tip_state = TipState::Clear;
         self.is_pinched = false;
+        self.bent.clear();
         self.is_displaced = true;
         self.is_raised = false;
     }

@@ -6,11 +6,11 @@ use ademan::hand::{Finger, Side};
 use ademan::message::escape;
 use ademan::pipeline::PipelineState;
 use ademan::session::counted;
-use ademan::session::view::Fingertip;
+use ademan::session::view::{FingerBend, Fingertip};
 use ratatui::text::{Line, Span};
 
 use super::cut::cut;
-use super::{LineGroup, Picture, values};
+use super::{LineGroup, Picture, bends, values};
 use crate::view::look::{finger_mark, hand_name};
 
 impl Picture<'_> {
@@ -20,6 +20,9 @@ impl Picture<'_> {
         let mut words = format!(" {}", state.state);
         if let (PipelineState::Paused, Some(origin)) = (state.state, state.paused_by) {
             words += &format!(" by {}", origin.description());
+        }
+        if let (PipelineState::Paused, None) = (state.state, state.paused_by) {
+            words += &straighten(&state.bends);
         }
         words.push(' ');
         let mut rest = String::new();
@@ -54,6 +57,7 @@ impl Picture<'_> {
         };
         let groups = [
             ("fingers", self.fingers(width)),
+            ("bends", bends::lines(self, width)),
             ("keys", keys),
             ("values", values::lines(self.view, width)),
             ("counts", vec![self.counts(width)]),
@@ -159,6 +163,16 @@ impl Picture<'_> {
             line += ", no losses";
         }
         Line::styled(cut(&line, width).into_owned(), self.look.faint())
+    }
+}
+
+/// Returns the words for a person whose output is not armed because fingers are bent; empty if none is.
+fn straighten(bends: &[FingerBend]) -> String {
+    let bent = bends.iter().filter(|bend| bend.bend > bend.release_at);
+    let names: Vec<&str> = bent.map(|bend| bend.finger.name()).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(": straighten {}", names.join(", ")),
     }
 }
 

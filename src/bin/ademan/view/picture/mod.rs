@@ -10,6 +10,7 @@
 //!  armed: nothing is typed into other programs            messages
 //! ```
 
+mod bends;
 mod boards;
 mod cut;
 mod lines;
@@ -33,7 +34,7 @@ use super::look::Look;
 /// Minimum number of rows for messages, if there are that many.
 const MIN_MESSAGES: u16 = 2;
 
-/// Groups of lines that are shown even if no board fits: the fingertips, and the keys or the task.
+/// Groups of lines that are shown even if no board fits: the fingertips or bends, and the keys or the task.
 const ESSENTIAL_GROUPS: usize = 2;
 
 /// The content of a picture.

@@ -7,7 +7,7 @@ use ademan::files::Load;
 use ademan::hand::{Finger, Side};
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
-use ademan::session::view::{Fingertip, View, ViewState};
+use ademan::session::view::{FingerBend, Fingertip, View, ViewState};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -155,4 +155,27 @@ fn one_loss_is_a_loss_and_two_are_losses() {
         "{}",
         shown(2)
     );
+}
+
+#[test]
+fn bent_fingers_are_bars_with_their_thresholds_and_are_named_while_output_waits() {
+    let mut view = view("chords-bend");
+    let mut state = ViewState::clone(&view.state);
+    state.fingertips.clear();
+    state.state = PipelineState::Paused;
+    let bends = [(Finger::Thumb, 0.25), (Finger::Index, 0.75)];
+    state.bends = bends
+        .map(|(finger, bend)| FingerBend {
+            side: Side::Right,
+            finger,
+            bend,
+            press_at: 0.5,
+            release_at: 0.4,
+        })
+        .to_vec();
+    view.state = Arc::new(state);
+    let text = text(&drawn(&view, COLORED, 100, 30));
+    assert!(text.contains("paused: straighten index"), "{text}");
+    assert!(text.contains("① thumb ▕██░│░░░░▏"), "{text}");
+    assert!(text.contains("❷ index ▕███┃██░░▏"), "{text}");
 }

@@ -17,27 +17,40 @@ const BOARD_SIZE: Vec2 = Vec2::new(15.0, 16.0);
 /// The room for the action beside a small board, in millimetres.
 const ACTION_WIDTH: f32 = 13.0;
 
-/// Draws all chords in lines of `width` millimetres. Returns `None` without chords, or with too many keys to tell apart.
-pub fn draw(layout: &Layout, width: f32) -> Option<Canvas> {
+/// The size of the heading of a layer, and its height with the gap below, in millimetres.
+const HEADING_SIZE: f32 = 3.2;
+const HEADING_HEIGHT: f32 = 6.0;
+
+/// Draws the chords of a layer in lines of `width` millimetres. Returns `None` without chords, or with too many keys to tell
+/// apart.
+pub fn draw(layout: &Layout, layer: usize, width: f32) -> Option<Canvas> {
+    let in_layer = words::chords(layout, layer);
     let faces: Vec<&Face> = layout
         .keys
         .iter()
         .map(|key| &key.face)
         .filter(|face| layout.is_chord_key(face.target))
         .collect();
-    if faces.is_empty() || faces.len() > MAX_KEYS {
+    if in_layer.is_empty() || faces.len() > MAX_KEYS {
         return None;
     }
     let mut chords = Canvas::default();
+    let mut top = 0.0;
+    if layer > 0 {
+        let name = format!("Chords of the layer {}", layout.layers[layer]);
+        let at = Vec2::new(0.0, 2.0);
+        chords.text("label", at, Align::Start, HEADING_SIZE, &name);
+        top = HEADING_HEIGHT;
+    }
     let cell = Vec2::new(BOARD_SIZE.x + ACTION_WIDTH + 3.0, BOARD_SIZE.y + 4.0);
     let columns = ((width / cell.x) as usize).max(1);
-    for (index, (chord, (_, action))) in layout.chords.iter().zip(words::chords(layout)).enumerate()
-    {
+    for (index, words) in in_layer.iter().enumerate() {
         let corner = cell * Vec2::new((index % columns) as f32, (index / columns) as f32);
-        draw_board(&faces, &chord.keys, corner, &mut chords);
+        let corner = corner + Vec2::Y * top;
+        draw_board(&faces, &words.chord.keys, corner, &mut chords);
         let at = corner + Vec2::new(BOARD_SIZE.x + 2.0, BOARD_SIZE.y / 2.0);
         let half = Vec2::new(ACTION_WIDTH, BOARD_SIZE.y) / 2.0;
-        draw_action(&action, at, half, &mut chords);
+        draw_action(&words.action, at, half, &mut chords);
     }
     Some(chords)
 }

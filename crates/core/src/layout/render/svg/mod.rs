@@ -67,7 +67,11 @@ impl Layout {
         let faces: usize = self.scene.len() * self.layers.len() * 2;
         let chord_keys = self.keys.iter().map(|key| key.face.target);
         let chord_keys = chord_keys.filter(|target| self.is_chord_key(*target));
-        let shapes = match self.chords.len() {
+        let drawn = self
+            .chords
+            .iter()
+            .flat_map(|chord| chord.actions.iter().flatten());
+        let shapes = match drawn.count() {
             0 => faces,
             chords => faces + chords * chord_keys.count().min(12),
         };
@@ -121,7 +125,12 @@ pub(super) fn parts(layout: &Layout, wearer: &Wearer) -> Result<Vec<Part>, TooMa
         }
     }
     let (chords, listed) = chords_and_list(layout, width);
-    parts.extend(chords.map(|chords| drawing(Some("Chords"), None, &chords)));
+    for (layer, chords) in &chords {
+        parts.push(match layer {
+            0 => drawing(Some("Chords"), None, chords),
+            layer => drawing(None, Some(*layer), chords),
+        });
+    }
     let lists = listed.into_iter().chain(words::lists(layout));
     parts.extend(lists.map(|list| Part::List {
         heading: list.heading,
@@ -145,8 +154,8 @@ fn sections(layout: &Layout, wearer: &Wearer) -> Vec<Section> {
         }
     }
     let (chords, listed) = chords_and_list(layout, width);
-    if let Some(chords) = chords {
-        add(Some("Chords"), chords);
+    for (layer, chords) in chords {
+        add((layer == 0).then_some("Chords"), chords);
     }
     for list in listed.into_iter().chain(words::lists(layout)) {
         add(Some(list.heading), page::draw_list(&list.rows, width));
@@ -157,15 +166,29 @@ fn sections(layout: &Layout, wearer: &Wearer) -> Vec<Section> {
     sections
 }
 
-/// Returns the chords on small boards, or as a list if they have too many keys to tell apart.
-fn chords_and_list(layout: &Layout, width: f32) -> (Option<Canvas>, Option<List>) {
-    let chords = chords::draw(layout, width);
+/// Returns the chords of each layer that has some on small boards, or as a list if they have too many keys to tell apart.
+fn chords_and_list(layout: &Layout, width: f32) -> (Vec<(usize, Canvas)>, Option<List>) {
+    let layers = 0..layout.layers.len();
+    let drawn = layers
+        .clone()
+        .filter_map(|layer| Some((layer, chords::draw(layout, layer, width)?)));
+    let drawn: Vec<_> = drawn.collect();
+    let rows = layers.flat_map(|layer| {
+        let words = words::chords(layout, layer).into_iter();
+        words.map(move |words| match layer {
+            0 => (words.keys, words.action),
+            _ => (
+                format!("{}: {}", layout.layers[layer], words.keys),
+                words.action,
+            ),
+        })
+    });
     let list = List {
         heading: "Chords",
-        rows: words::chords(layout),
+        rows: rows.collect(),
     };
-    let list = (chords.is_none() && !list.rows.is_empty()).then_some(list);
-    (chords, list)
+    let list = (drawn.is_empty() && !list.rows.is_empty()).then_some(list);
+    (drawn, list)
 }
 
 /// Returns a drawing as an SVG element without a style sheet.
