@@ -1,7 +1,7 @@
 //! The messages of a step, stage by stage.
 
 use crate::capture::recording::message::wire::{
-    put_bytes, put_integer, put_nonzero_double, put_nonzero_float, put_present_integer,
+    put_bytes, put_integer, put_message, put_nonzero_double, put_nonzero_float, put_present_integer,
 };
 use crate::capture::recording::message::{put_rounded_angles, put_side};
 use crate::contact::{Press, TargetName, TargetNames, Touch};
@@ -40,10 +40,10 @@ pub(super) fn encode_press(press: &Press, names: &TargetNames, out: &mut Vec<u8>
     put_nonzero_float(out, 9, press.depth);
     put_nonzero_float(out, 10, press.speed);
     for neighbor in &press.neighbors {
-        let mut message = Vec::new();
-        put_target(&mut message, 1, names.get(neighbor.target));
-        put_nonzero_float(&mut message, 3, neighbor.distance);
-        put_bytes(out, 11, &message);
+        put_message(out, 11, |out| {
+            put_target(out, 1, names.get(neighbor.target));
+            put_nonzero_float(out, 3, neighbor.distance);
+        });
     }
 }
 

@@ -16,9 +16,9 @@ fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
     let message = check("qwerty-flat");
     assert!(message.contains("controls out of reach"), "{message}");
     assert!(message.contains("this glove measures no arm"), "{message}");
-    assert!(message.contains("such as `chords-five`"), "{message}");
+    assert!(message.contains("such as `chords-bend`"), "{message}");
     assert!(!message.contains("nearer"), "{message}");
-    assert_eq!(check("chords-five"), "");
+    assert_eq!(check("chords-bend"), "");
     let setup = "Setup(source: \"serial:/dev/ttyUSB0?protocol=lucidgloves\", \
                  arm_source: \"udp:127.0.0.1:9000?protocol=body-landmarks\")";
     let setup = file(&folder, "camera.ron", setup);

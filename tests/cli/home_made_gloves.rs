@@ -76,7 +76,7 @@ impl Build {
         line + self.rest + "\n"
     }
 
-    /// Returns the lines of a hand that types `hoda` with the layout `chords-five`.
+    /// Returns the lines of a hand that types `hoda` with the layout `chords-bend`.
     fn chords(&self) -> String {
         let mut random = fastrand::Rng::with_seed(3);
         let straight = [0.0; 5];
@@ -88,7 +88,7 @@ impl Build {
         ];
         let mut hand = vec![straight; 60];
         for chord in chords {
-            let at = |step: usize| chord.map(|finger| 0.24 * finger * step as f64 / 12.0);
+            let at = |step: usize| chord.map(|finger| 0.8 * finger * step as f64 / 12.0);
             hand.extend((1..=12).chain([12; 12]).map(at));
             hand.extend((0..12).rev().chain([0; 12]).map(at));
         }
@@ -239,7 +239,7 @@ fn assert_usable(folder: &TempDir, name: &str, build: &Build) {
     let source = format!("file:{path}?protocol=lucidgloves&rate_hz=100");
     let glove = folder.path().join(name);
     let glove = glove.to_str().expect("UTF-8");
-    let arguments = ["run", "--source", &source, "--layout", "chords-five"];
+    let arguments = ["run", "--source", &source, "--layout", "chords-bend"];
     let typed = run(arguments.into_iter().chain(["--glove", glove])).done();
     assert_eq!(
         pressed_keys(&typed.out),

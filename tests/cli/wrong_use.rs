@@ -257,15 +257,6 @@ fn the_demo_refuses_what_it_cannot_type() {
             "demo --text x --layout numpad",
             &["cannot type 'x'", "has the key X"],
         ),
-        (
-            // A file, which has no script of its own.
-            concat!(
-                "demo --layout ",
-                env!("CARGO_MANIFEST_DIR"),
-                "/layouts/keyboards/arrows.ron"
-            ),
-            &["no key of `Arrows` writes a character", "--script"],
-        ),
         ("demo --baud 0", &["1200"]),
         ("demo --noise -1", &["0 to 50 counts"]),
         ("demo --text=", &["nothing to type"]),

@@ -188,7 +188,7 @@ fn a_protocol_that_a_simulated_hand_does_not_speak_states_why() {
         ),
         (
             "typist:h?protocol=lucidgloves",
-            "this glove measures no arm, so the hand stays at one place: use a layout below the fingers, such as `chords-five`",
+            "the glove does not measure the arm, so only keys below the fingers can be pressed; choose a layout of fingers that bend, such as `chords-bend`, or play a script",
         ),
     ] {
         let setup = setup(source, "qwerty-flat", true);

@@ -75,7 +75,7 @@ fn a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().display();
     // A file system that only the program and its children see.
-    let before = format!("mount -t tmpfs -o size=64k none {path} || exit 77;");
+    let before = format!("mount -t tmpfs -o size=96k none {path} || exit 77;");
     let recording = folder.path().join("run.mcap");
     let recording = recording.to_str().expect("a plain path");
     let arguments = ["run", "--source", TEXT, "--record", recording];

@@ -44,7 +44,7 @@ fn recording(messages: &[&[u8]]) -> Vec<u8> {
 }
 
 /// Bytes of the schemas at the start of a recording, and again at its end.
-const SCHEMA_BYTES: usize = 45_000;
+const SCHEMA_BYTES: usize = 67_000;
 
 const READING: &str = r#"{"time_us":1000,"full_scale":255,"channels":[1,2,3]}"#;
 

@@ -373,7 +373,7 @@ mod tests {
         for (fields, message) in [
             (
                 r#"rows: [], inputs: [(input: "stick-z", channel: 1, zero_counts: 0, full_counts: 1)]"#.to_owned(),
-                "did you mean `stick-y`?",
+                "did you mean `stick-x`?",
             ),
             (
                 r#"rows: [], inputs: [(input: "menu", channel: 64, zero_counts: 0, full_counts: 1)]"#.to_owned(),
