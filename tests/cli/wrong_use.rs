@@ -251,7 +251,7 @@ fn wrong_names_are_refused_with_the_valid_ones() {
 
 #[test]
 fn the_demo_refuses_what_it_cannot_type() {
-    let cases: [(&str, &[&str]); 9] = [
+    let cases: [(&str, &[&str]); 8] = [
         ("demo --text é", &["cannot type 'é'", "US keymap"]),
         (
             "demo --text x --layout numpad",

@@ -69,7 +69,10 @@ fn a_tap_presses_the_key_that_it_names_and_no_other_one() {
 
 #[test]
 fn a_key_for_a_finger_is_tapped_with_that_finger() {
-    let setup = load("chords-five");
+    let setup = load(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/scenarios/five-chords.ron"
+    ));
     let fingers = ["T", "I", "M", "R", "L"].map(|key| {
         let pressed = presses(&setup, &format!("tap {key}")).expect("within reach");
         let target = setup.layout.key(key).expect("the key exists").face.target;
