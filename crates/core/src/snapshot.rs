@@ -149,6 +149,6 @@ pub struct Stats {
     /// Suppressed events.
     pub suppressed: Suppressed,
     /// Presses and characters that the output did not deliver (see
-    /// [`Sink::dropped_presses`](crate::output::Sink::dropped_presses)).
+    /// `Sink::dropped_presses`).
     pub dropped_presses: u64,
 }

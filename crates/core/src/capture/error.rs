@@ -63,7 +63,7 @@ pub enum CaptureError {
 }
 
 impl CaptureError {
-    /// Returns `true` if the source continues, so that [`Source::next`](super::Source::next) may be called again.
+    /// Returns `true` if the source continues, so that `Source::next` may be called again.
     pub const fn is_recoverable(&self) -> bool {
         matches!(
             self,

@@ -15,7 +15,7 @@ const ARM_JOINTS: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
 /// Each part has an estimator, and so filters, of its own. An estimate combines the latest state of both: the source of
 /// the arm provides the root, the angles up to the wrist and the positions of shoulder, elbow and wrist; the other source
 /// provides the fingers, and the angles of the arm that the first does not measure. Measured positions of fingers move with
-/// the wrist. The sources are aligned in time by [`MergedSource`](crate::capture::MergedSource).
+/// the wrist. The sources are aligned in time by `MergedSource`.
 ///
 /// A part without a reading for longer than the timeout is lost: without the arm the hand is [nowhere](Estimate::is_placed),
 /// without the fingers all of them are untrusted. The other part stays.

@@ -1,6 +1,6 @@
 //! Filters of presses: stages between the devices and the output gate that may hold, replace or add key events.
 //!
-//! A filter sees the events of a step before the [gate](super::output_gate), with the evidence of the presses that caused them, and
+//! A filter sees the events of a step before the output gate, with the evidence of the presses that caused them, and
 //! changes the list. What it returns is checked here, so that no filter can leave a key down or hold a release:
 //!
 //! - A release that the devices emit leaves in the same step. A filter that drops it does not hold it back.
