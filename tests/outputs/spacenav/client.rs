@@ -3,7 +3,8 @@
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// Longest time for anything on a busy machine.
 pub const TIMEOUT: Duration = Duration::from_secs(20);
@@ -15,7 +16,19 @@ pub struct Client(pub UnixStream);
 impl Client {
     /// Connects with protocol version 0.
     pub fn connect(path: &Path) -> Self {
-        let stream = UnixStream::connect(path).expect("the server listens");
+        let start = Instant::now();
+        let stream = loop {
+            match UnixStream::connect(path) {
+                // The socket has its name a moment before the server listens.
+                Err(error)
+                    if error.kind() == ErrorKind::ConnectionRefused
+                        && start.elapsed() < TIMEOUT =>
+                {
+                    thread::sleep(Duration::from_millis(10));
+                }
+                stream => break stream.expect("the server listens"),
+            }
+        };
         stream.set_read_timeout(Some(TIMEOUT)).expect("a socket");
         Self(stream)
     }
