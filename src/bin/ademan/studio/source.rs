@@ -2,9 +2,7 @@
 
 use std::thread;
 
-use ademan::capture::{
-    CaptureError, Hc11Format, MAX_BLOCK, Source, SourceEvent, SourceStats, SourceUri,
-};
+use ademan::capture::{CaptureError, Hc11Format, MAX_BLOCK, Source, SourceEvent, SourceStats};
 use ademan::setup::LoadedSetup;
 use ademan::sim::SimulatedTypist;
 
@@ -18,17 +16,6 @@ pub fn simulated_hand(setup: &LoadedSetup) -> Result<SimulatedTypist, Failure> {
         ..Hc11Format::default()
     };
     Ok(looping::hand(setup, &format)?)
-}
-
-/// Returns the simulated hand of a source that the setup names, without end; `None` for another source.
-pub fn repeated(setup: &LoadedSetup) -> Result<Option<SimulatedTypist>, Failure> {
-    let format = Hc11Format::default();
-    let hand = match &setup.setup.source {
-        Some(SourceUri::Typist { text, format: None }) => setup.typist(text, &format, 0.0, 0)?,
-        Some(SourceUri::Script { script }) => setup.scripted(script, &format, 0.0, 0)?,
-        _ => return Ok(None),
-    };
-    Ok(Some(hand.repeated()))
 }
 
 /// A source without readings, for the session behind the window while that shows a recording.

@@ -131,8 +131,6 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
     let setup = setup.load_files()?;
     if setup.setup.source.is_none() {
         options.source = Some(Box::new(source::simulated_hand(&setup)?));
-    } else if let Some(hand) = source::repeated(&setup)? {
-        options.source = Some(Box::new(hand));
     }
     Ok(setup)
 }
