@@ -1,6 +1,6 @@
 //! Boards of several kinds and sizes, with the same keys below the hand.
 
-use ademan::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN, Target};
+use ademan::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
 /// The distance of the centers of adjacent keys, in metres.
@@ -108,6 +108,7 @@ fn irregular(keys: usize) -> Vec<Target> {
 fn key(half: Vec2, surface_from_target: Pose) -> Target {
     Target {
         shape: Shape::Box(half),
+        share: Share::NONE,
         surface_from_target,
         travel: 0.004,
         press_at: 0.5,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ademan::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN, Target};
+use ademan::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
 use ademan::contact::{TargetId, TargetNames};
 use ademan::device::keyboard::{Activation, KeyBinding, Keyboard, TapHold};
 use ademan::device::{Capabilities, KeyAction, KeyCode, Latch, VirtualDevice};
@@ -87,6 +87,7 @@ pub fn world_from_board() -> Pose {
 pub fn key_target(shape: Shape, surface_from_target: Pose) -> Target {
     Target {
         shape,
+        share: Share::NONE,
         surface_from_target,
         travel: TRAVEL,
         press_at: 0.5,

@@ -1,6 +1,6 @@
 use ademan::contact::TargetId;
 use ademan::contact::hit_test::deepest_pad;
-use ademan::contact::surface::{Scene, Shape, TREMOR_MARGIN, Target};
+use ademan::contact::surface::{Scene, Shape, Share, TREMOR_MARGIN, Target};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
@@ -149,6 +149,7 @@ fn button(xz: &[f64], half: f64, height: f64) -> Target {
     let center = position(&[xz[0], height, xz[1]]);
     Target {
         shape: Shape::Box(Vec2::splat(half as f32)),
+        share: Share::NONE,
         surface_from_target: Pose::from_translation(center),
         travel: height as f32,
         press_at: 0.5,

@@ -1,5 +1,7 @@
 //! The positions of the fingertips in the frame of one surface.
 
+use std::time::Duration;
+
 use glam::Vec3A;
 use parry3d::math::Vec3;
 
@@ -38,11 +40,12 @@ impl Fingertips {
         };
     }
 
-    /// Becomes fingertips in the world, in the frame of a surface. Positions that are not finite there are unknown.
-    fn place(&mut self, tips: &Self, surface: &Surface, pose: &HandPose) {
+    /// Becomes fingertips in the world, in the frame of a surface. Positions that are not finite there are unknown. Returns
+    /// whether the place of the surface is known.
+    fn place(&mut self, tips: &Self, surface: &Surface, pose: &HandPose) -> bool {
         self.known = FingerSet::NONE;
         let Some(world_from_surface) = surface.world_from_surface(pose) else {
-            return;
+            return false;
         };
         let surface_from_world = world_from_surface.inverse();
         let origin = Vec3A::from(surface_from_world.translation);
@@ -54,6 +57,7 @@ impl Fingertips {
                 self.known = self.known.with(finger);
             }
         }
+        true
     }
 
     fn get(&self, finger: Finger) -> Option<Vec3> {
@@ -67,7 +71,13 @@ impl Fingertips {
 pub(crate) struct FingertipPositions {
     previous: Fingertips,
     current: Fingertips,
+    /// The fingers whose current position is that of the previous pose, because this pose has none.
+    held: FingerSet,
 }
+
+/// The longest time between two poses for which a fingertip that is missing in the second one keeps its place: two readings of
+/// a camera with 30 pictures a second.
+const MAX_HOLD: Duration = Duration::from_millis(70);
 
 impl FingertipPositions {
     /// Sets the previous and the current center of a fingertip. One that is not finite is unknown.
@@ -76,15 +86,46 @@ impl FingertipPositions {
         self.current.set(finger, current.into());
     }
 
-    /// Appends a pose with these fingertips in the world. After a jump the previous positions are unknown.
-    pub(super) fn push(&mut self, tips: &Fingertips, surface: &Surface, pose: &HandPose) {
+    /// Appends a pose with these fingertips in the world, `gap` after the previous one. After a jump the previous positions are
+    /// unknown.
+    ///
+    /// A fingertip that is missing in one pose keeps its place on the surface, so that trackers which lose a fingertip for one
+    /// picture neither end a touch nor miss a tap. In the next pose it is unknown.
+    pub(super) fn push(
+        &mut self,
+        tips: &Fingertips,
+        surface: &Surface,
+        pose: &HandPose,
+        gap: Duration,
+    ) {
         // Field by field: a copy of the whole loads bytes at once that were just stored one by one.
         self.previous.centers = self.current.centers;
         self.previous.known = match pose.jumped {
             true => FingerSet::NONE,
             false => self.current.known,
         };
-        self.current.place(tips, surface, pose);
+        let is_placed = self.current.place(tips, surface, pose);
+        let mut held = FingerSet::NONE;
+        if self.previous.known != self.current.known && is_placed && gap <= MAX_HOLD {
+            held = self.hold_missing();
+        }
+        self.held = held;
+    }
+
+    /// Keeps the places of fingertips that are missing for the first time, and returns them.
+    fn hold_missing(&mut self) -> FingerSet {
+        let mut held = FingerSet::NONE;
+        for &finger in Finger::ALL {
+            let is_missing =
+                self.previous.known.contains(finger) && !self.current.known.contains(finger);
+            if is_missing && !self.held.contains(finger) {
+                let index = finger.index();
+                self.current.centers[index] = self.previous.centers[index];
+                self.current.known = self.current.known.with(finger);
+                held = held.with(finger);
+            }
+        }
+        held
     }
 
     /// Returns the previous and the current center of a fingertip, if both are known.

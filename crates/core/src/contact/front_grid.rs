@@ -254,19 +254,19 @@ fn front(target: &Target, x_axis: Vec2) -> Option<Rectangle> {
         let vector = vector.truncate();
         Vec2::new(x_axis.dot(vector), x_axis.perp_dot(vector))
     };
-    let half = match target.shape {
-        Shape::Box(half) => {
-            in_grid(axes.x_axis).abs() * half.x + in_grid(axes.y_axis).abs() * half.y
-        }
-        Shape::Disc(radius) => Vec2::splat(radius),
+    let (shift, half) = target.entrance();
+    let (x_axis, y_axis) = (in_grid(axes.x_axis), in_grid(axes.y_axis));
+    let extent = match target.shape {
+        Shape::Box(_) => x_axis.abs() * half.x + y_axis.abs() * half.y,
+        Shape::Disc(_) => half,
     };
     let center = target.surface_from_target.translation;
     if !center.is_finite() {
         return None;
     }
-    let center = in_grid(center);
+    let center = in_grid(center) + x_axis * shift.x + y_axis * shift.y;
     Some(Rectangle {
-        low: center - half - PADDING,
-        high: center + half + PADDING,
+        low: center - extent - PADDING,
+        high: center + extent + PADDING,
     })
 }

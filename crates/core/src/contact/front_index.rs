@@ -6,7 +6,7 @@ use parry3d::math::{Mat3, Vec3};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::front_grid::FrontGrid;
-use super::target::{Shape, Target};
+use super::target::Target;
 
 /// The padding of the bounding box of a front, in metres on every side.
 ///
@@ -103,15 +103,13 @@ fn tree(targets: &[Target]) -> Bvh {
     Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)
 }
 
-/// Returns the padded bounding box of a target's front at rest, in the surface's frame.
+/// Returns the padded bounding box of a target's front at rest, with its share of the gaps, in the surface's frame.
 fn front_aabb(target: &Target) -> Aabb {
-    let half = match target.shape {
-        Shape::Box(half) => half.extend(0.0),
-        Shape::Disc(radius) => Vec3::new(radius, radius, 0.0),
-    };
+    let (shift, half) = target.entrance();
     let axes = Mat3::from_quat(target.surface_from_target.rotation);
     let extent = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + AABB_PADDING;
-    let center = target.surface_from_target.translation;
+    let center =
+        target.surface_from_target.translation + axes.x_axis * shift.x + axes.y_axis * shift.y;
     Aabb::new(center - extent, center + extent)
 }
 
@@ -120,11 +118,12 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::target::TREMOR_MARGIN;
+    use crate::contact::target::{Shape, Share, TREMOR_MARGIN};
 
     fn key(surface_from_target: Pose) -> Target {
         Target {
             shape: Shape::Box(Vec2::splat(0.008)),
+            share: Share::NONE,
             surface_from_target,
             travel: 0.004,
             press_at: 0.5,

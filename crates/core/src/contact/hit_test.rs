@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::surface::{Surface, Target};
-use super::sweep::{Sweep, is_inside, pad_position};
+use super::sweep::{Sweep, distance_from_outline, is_inside, pad_position};
 
 /// The largest difference in `t` at which two crossings count as simultaneous: `f32` does not resolve coplanar
 /// fronts any finer.
@@ -63,18 +63,32 @@ pub struct Crossing {
     pub t: f32,
     /// The sweep over the target, which was computed to find the entry.
     pub(super) sweep: Sweep,
-    /// The squared distance from the center of the front, in square metres.
-    center_distance_squared: f32,
+    /// The distance from the outline and the squared distance from the center of the front, in metres and square metres.
+    distances: [f32; 2],
 }
 
 impl Crossing {
+    /// Creates the crossing of a target at `t`.
+    fn new(index: u32, target: &Target, t: f32, sweep: Sweep) -> Self {
+        let point = sweep.point_at(t).truncate();
+        Self {
+            index,
+            t,
+            sweep,
+            distances: [
+                distance_from_outline(target.shape, point),
+                point.length_squared(),
+            ],
+        }
+    }
+
     /// Returns whether this crossing takes precedence over `other`: the earlier one; on a tie, the one nearer to its
-    /// center.
+    /// outline, then to its center.
     pub fn precedes(&self, other: &Self) -> bool {
         if (self.t - other.t).abs() > COPLANAR_TOLERANCE {
             return self.t < other.t;
         }
-        self.center_distance_squared < other.center_distance_squared
+        self.distances < other.distances
     }
 }
 
@@ -93,15 +107,11 @@ pub fn first_crossing(
             return;
         };
         let sweep = Sweep::from_centers(target, centers, radius);
-        let Some(t) = sweep.t_at_entry(target.shape).filter(|&t| t >= since) else {
+        let entry = sweep.t_at_entry(target.shape, target.share);
+        let Some(t) = entry.filter(|&t| t >= since) else {
             return;
         };
-        let crossing = Crossing {
-            index,
-            t,
-            sweep,
-            center_distance_squared: sweep.point_at(t).truncate().length_squared(),
-        };
+        let crossing = Crossing::new(index, target, t, sweep);
         if first.is_none_or(|other| crossing.precedes(&other)) {
             first = Some(crossing);
         }
@@ -151,7 +161,7 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN};
+    use crate::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN};
     use crate::contact::sweep::tests::assert_close;
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
@@ -159,6 +169,7 @@ mod tests {
     fn target(shape: Shape, surface_from_target: Pose) -> Target {
         Target {
             shape,
+            share: Share::NONE,
             surface_from_target,
             travel: 0.004,
             press_at: 0.5,
@@ -177,7 +188,7 @@ mod tests {
         let rotated = target(KEY, pose);
         let centers = [Vec3::new(0.1, -0.02, 0.0), Vec3::new(0.1, 0.0, 0.0)];
         let sweep = Sweep::from_centers(&rotated, centers, 0.005);
-        assert_close(sweep.t_at_entry(KEY), Some(0.75), "along +Y");
+        assert_close(sweep.t_at_entry(KEY, Share::NONE), Some(0.75), "along +Y");
         let depth = |center| penetration_depth(&rotated, pad_position(&rotated, center, 0.005));
         let inside = Vec3::new(0.107, -0.004, 0.0);
         assert_close(depth(inside), Some(0.001), "inside the width");
@@ -211,15 +222,10 @@ mod tests {
             let mut first: Option<Crossing> = None;
             for (id, target) in self.0.targets() {
                 let sweep = Sweep::from_centers(target, centers, radius);
-                let Some(t) = sweep.t_at_entry(target.shape) else {
+                let Some(t) = sweep.t_at_entry(target.shape, target.share) else {
                     continue;
                 };
-                let crossing = Crossing {
-                    index: id.0,
-                    t,
-                    sweep,
-                    center_distance_squared: sweep.point_at(t).truncate().length_squared(),
-                };
+                let crossing = Crossing::new(id.0, target, t, sweep);
                 if first.is_none_or(|other| crossing.precedes(&other)) {
                     first = Some(crossing);
                 }

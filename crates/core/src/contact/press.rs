@@ -1,9 +1,10 @@
 //! The evidence of a press: what a decoder or a score needs to know beside the target that counts.
 
 use arrayvec::ArrayVec;
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec3;
 
-use super::surface::{Scene, Shape, Surface, Target};
+use super::surface::{Scene, Surface, Target};
+use super::sweep::distance_from_outline;
 use super::{TargetId, Touch};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
@@ -91,7 +92,7 @@ fn neighbors(
             return;
         };
         let at = target.surface_from_target.inverse_transform_point(point);
-        let distance = distance(target.shape, at.truncate());
+        let distance = distance_from_outline(target.shape, at.truncate());
         if distance > NEIGHBOR_DISTANCE {
             return;
         }
@@ -112,14 +113,6 @@ fn neighbors(
     nearest
 }
 
-/// Returns the distance of a point in the plane of a front from the outline; 0 within it.
-fn distance(shape: Shape, point: Vec2) -> f32 {
-    match shape {
-        Shape::Box(half) => (point.abs() - half).max(Vec2::ZERO).length(),
-        Shape::Disc(radius) => (point.length() - radius).max(0.0),
-    }
-}
-
 /// Finds a target, and the index of its surface.
 pub(super) fn locate(scene: &Scene, id: TargetId) -> Option<(usize, &Surface, &Target)> {
     let mut surfaces = scene.surfaces().iter().enumerate();
@@ -128,10 +121,10 @@ pub(super) fn locate(scene: &Scene, id: TargetId) -> Option<(usize, &Surface, &T
 
 #[cfg(test)]
 mod tests {
-    use parry3d::math::{Pose, Rotation};
+    use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::{Anchor, TREMOR_MARGIN};
+    use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN};
     use crate::contact::{ContactTracker, Phase, Touches};
     use crate::hand::Joint;
     use crate::kinematics::HandPose;
@@ -140,6 +133,7 @@ mod tests {
     fn board() -> Scene {
         let key = |index: u32| Target {
             shape: Shape::Box(Vec2::splat(0.008)),
+            share: Share::NONE,
             surface_from_target: Pose::from_translation(
                 Vec3::new((index % 3) as f32, (index / 3) as f32, 0.0) * 0.019,
             ),

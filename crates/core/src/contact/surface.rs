@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Vec3};
 
 use super::TargetId;
 use super::front_index::FrontIndex;
-pub use super::target::{DRAG_MARGIN, Shape, TREMOR_MARGIN, Target};
+pub use super::target::{DRAG_MARGIN, Shape, Share, TREMOR_MARGIN, Target};
 use crate::hand::{Finger, Joint, Side};
 use crate::kinematics::HandPose;
 

@@ -5,7 +5,7 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::surface::{Shape, Target};
+use super::surface::{Shape, Share, Target};
 
 /// Returns the position of a fingertip's pad in the target's frame; `center` and `radius` (metres) are in the surface's
 /// frame.
@@ -19,6 +19,26 @@ pub fn is_inside(shape: Shape, point: Vec2, margin: f32) -> bool {
     match shape {
         Shape::Box(half) => point.abs().cmplt(half + margin).all(),
         Shape::Disc(radius) => point.length_squared() < (radius + margin) * (radius + margin),
+    }
+}
+
+/// Returns whether a point in the plane of the front is inside the outline widened by the target's share and by `margin`
+/// metres.
+fn is_inside_share((shape, share): (Shape, Share), point: Vec2, margin: f32) -> bool {
+    match shape {
+        Shape::Box(half) => {
+            point.cmplt(half + share.high + margin).all()
+                && point.cmpgt(-(half + share.low + margin)).all()
+        }
+        Shape::Disc(_) => is_inside(shape, point, share.smallest() + margin),
+    }
+}
+
+/// Returns the distance of a point in the plane of a front from the outline, in metres; 0 within it.
+pub fn distance_from_outline(shape: Shape, point: Vec2) -> f32 {
+    match shape {
+        Shape::Box(half) => (point.abs() - half).max(Vec2::ZERO).length(),
+        Shape::Disc(radius) => (point.length() - radius).max(0.0),
     }
 }
 
@@ -48,13 +68,13 @@ impl Sweep {
     }
 
     /// Returns the `t` at which the pad enters through the front: from the front side or the plane to behind the plane,
-    /// inside the outline. Returns `None` if it enters from behind or from the side, or passes the edge.
-    pub fn t_at_entry(&self, shape: Shape) -> Option<f32> {
+    /// inside the outline widened by the share. Returns `None` if it enters from behind or from the side, or passes the edge.
+    pub fn t_at_entry(&self, shape: Shape, share: Share) -> Option<f32> {
         if self.from.z < 0.0 || self.to.z >= 0.0 {
             return None;
         }
         let t = self.from.z / (self.from.z - self.to.z);
-        is_inside(shape, self.point_at(t).truncate(), 0.0).then_some(t)
+        is_inside_share((shape, share), self.point_at(t).truncate(), 0.0).then_some(t)
     }
 
     /// Returns the `t` at which the pad reaches `depth` metres behind the front on its way in; 0 if it
@@ -69,23 +89,28 @@ impl Sweep {
         (-self.to.z <= depth).then(|| self.t_at_depth(depth))
     }
 
-    /// Returns the `t` at which the pad leaves the outline, widened by `margin` metres, sideways; 0 if it was never
-    /// inside, `None` if it ends inside.
-    pub fn t_at_side_exit(&self, shape: Shape, margin: f32) -> Option<f32> {
+    /// Returns the `t` at which the pad leaves the outline, widened by the share and by `margin` metres, sideways; 0 if it was
+    /// never inside, `None` if it ends inside.
+    pub fn t_at_side_exit(&self, shape: Shape, share: Share, margin: f32) -> Option<f32> {
         let (from, to) = (self.from.truncate(), self.to.truncate());
-        if is_inside(shape, to, margin) {
+        if is_inside_share((shape, share), to, margin) {
             return None;
         }
-        let direction = to - from;
+        // With +0 where it does not move: the sign decides which edge is ahead.
+        let direction = to - from + Vec2::ZERO;
         let t = match shape {
             Shape::Box(half) => {
                 // The edge in the direction of movement; a pad that does not move never reaches it.
-                let edge = (half + margin).copysign(direction);
+                let edge = Vec2::select(
+                    direction.cmplt(Vec2::ZERO),
+                    -(half + share.low + margin),
+                    half + share.high + margin,
+                );
                 let t_by_axis = (edge - from) / direction;
                 t_by_axis.x.min(t_by_axis.y)
             }
             Shape::Disc(radius) => {
-                let radius = radius + margin;
+                let radius = radius + share.smallest() + margin;
                 let (a, b) = (direction.length_squared(), from.dot(direction));
                 let c = from.length_squared() - radius * radius;
                 ((b * b - a * c).sqrt() - b) / a
@@ -202,7 +227,11 @@ pub(super) mod tests {
             ),
         ];
         for (what, shape, from, to, expected) in cases {
-            assert_close(sweep(from, to).t_at_entry(shape), expected, what);
+            assert_close(
+                sweep(from, to).t_at_entry(shape, Share::NONE),
+                expected,
+                what,
+            );
         }
     }
 
@@ -277,7 +306,7 @@ pub(super) mod tests {
             ),
         ];
         for (what, shape, from, to, expected) in cases {
-            let t = sweep(from, to).t_at_side_exit(shape, 0.002);
+            let t = sweep(from, to).t_at_side_exit(shape, Share::NONE, 0.002);
             assert_close(t, expected, what);
         }
     }

@@ -20,8 +20,8 @@ use crate::time::Timestamp;
 /// - A fingertip starts to touch a target only through its front. A fingertip that is inside a
 ///   target when it is first seen (new layout, [`reset`](Self::reset), jump, trusted again) must leave and enter
 ///   again.
-/// - It touches one target at most: the first that it enters; on a tie, the one whose center
-///   is nearest. It stays on that target, however deep it goes.
+/// - It touches one target at most: the first that it enters, by its outline or its share of the gaps; on a tie, the one whose
+///   outline is nearest, then the one whose center is. It stays on that target, however deep it goes.
 /// - It leaves through the front (`Left`), or sideways by more than the target's margin
 ///   (`Cancelled`). After that it touches nothing until it has been in front of the target's plane,
 ///   or further beside the target than the target is wide.
@@ -87,12 +87,13 @@ impl ContactTracker {
     /// in order of time for each finger. `scene` must have the surfaces and targets that the tracker was created for.
     /// Does not allocate.
     ///
-    /// Touches are cancelled at the time of the pose if the finger is untrusted, not known or not finite, if the anchor
-    /// of the surface is not known, or if the hand jumped.
+    /// Touches are cancelled at the time of the pose if the finger is untrusted, not known or not finite in two poses in a row or
+    /// for more than 70 ms, if the anchor of the surface is not known, or if the hand jumped.
     pub fn update(&mut self, scene: &Scene, pose: &HandPose, touches: &mut Touches) {
         let tips = Fingertips::trusted(pose);
+        let gap = pose.time.since(self.span[1]);
         for (positions, surface) in self.positions.iter_mut().zip(scene.surfaces()) {
-            positions.push(&tips, surface, pose);
+            positions.push(&tips, surface, pose, gap);
         }
         let hand = PlacedHand {
             side: pose.side,
@@ -364,7 +365,7 @@ impl FingerState {
     ) -> Option<f32> {
         self.contact = None;
         let side_exit = sweep
-            .t_at_side_exit(target.shape, target.margin)
+            .t_at_side_exit(target.shape, target.share, target.margin)
             .map(|t| t.max(since));
         let (crossing, phase, level) = if contact.is_pressed {
             let depth = target.release_at * target.travel;

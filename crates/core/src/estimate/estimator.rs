@@ -7,6 +7,7 @@ use parry3d::math::Vec3;
 use super::position_filter::PositionFilter;
 use super::samples::{ChannelConverter, SampleConverter};
 use super::smoothing::Smoother;
+use super::tip_speed::{TipSpeed, Tips};
 use super::zero::{Zero, ZeroError, Zeroed};
 use super::{BendRanges, ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
 use crate::capture::{Reading, Sample, SampleKind};
@@ -42,6 +43,7 @@ pub struct Estimator {
     last: Option<RawAngles>,
     /// An implausible jump, and the number of consecutive readings that agree with it.
     candidate: Option<(RawAngles, u8)>,
+    tip_speed: TipSpeed,
     zero: Zero,
     /// The meaning of the counts has changed since the latest reading, so that the next estimate jumps.
     has_jumped: bool,
@@ -56,6 +58,8 @@ struct RawAngles {
     time: Timestamp,
     angles: JointAngles,
     anchor: Option<Anchor>,
+    /// The measured fingertips, relative to the anchor.
+    tips: Tips,
 }
 
 /// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
@@ -81,6 +85,7 @@ impl Estimator {
             estimate: Estimate::new(Timestamp::default(), JointAngles::default()),
             last: None,
             candidate: None,
+            tip_speed: TipSpeed::default(),
             zero: Zero::new(settings.rest_pose),
             has_jumped: false,
             measures_angles: false,
@@ -259,6 +264,9 @@ impl Estimator {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
+        if self.estimate.jumped {
+            self.tip_speed.reset();
+        }
         // The time of rejected readings does not extend the plausible rotation.
         let previous = self
             .candidate
@@ -270,12 +278,21 @@ impl Estimator {
             rotation: (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION),
             distance: (MAX_HAND_SPEED * seconds).max(MIN_PLAUSIBLE_DISTANCE),
         };
-        if last.is_within(&reach, &estimate.angles, anchor) {
+        let tips = Tips::measured(estimate, anchor.map(|(_, position)| position));
+        if last.is_within(&reach, &estimate.angles, anchor, &tips) {
             self.candidate = None;
+            if !tips.is_empty() {
+                let beyond = self
+                    .tip_speed
+                    .update(&tips, reach.rotation, CONSISTENT_READINGS);
+                self.estimate.untrusted = self.estimate.untrusted.union(beyond);
+            }
             return Ok(false);
         }
         let agreeing = match &self.candidate {
-            Some((candidate, count)) if candidate.is_within(&reach, &estimate.angles, anchor) => {
+            Some((candidate, count))
+                if candidate.is_within(&reach, &estimate.angles, anchor, &tips) =>
+            {
                 count + 1
             }
             _ => 1,
@@ -285,6 +302,7 @@ impl Estimator {
             return Err(Rejection::TooFast);
         }
         self.candidate = None;
+        self.tip_speed.reset();
         Ok(true)
     }
 }
@@ -303,6 +321,7 @@ impl RawAngles {
             time: estimate.time,
             angles: estimate.angles,
             anchor,
+            tips: Tips::measured(estimate, anchor.map(|(_, position)| position)),
         }
     }
 
@@ -310,15 +329,29 @@ impl RawAngles {
         self.time = estimate.time;
         self.angles = estimate.angles;
         self.anchor = anchor;
+        self.tips = Tips::measured(estimate, anchor.map(|(_, position)| position));
     }
 
-    /// Returns whether neither an angle nor the measured position of a later reading is out of reach. Those that are known in
+    /// Returns whether neither the measured position of a later reading nor an angle is out of reach. Those that are known in
     /// only one of both do not count.
-    fn is_within(&self, reach: &Reach, angles: &JointAngles, anchor: Option<Anchor>) -> bool {
+    ///
+    /// Of measured fingertips at least one must be within reach. Their angles do not count: those of a straight finger turn
+    /// by much when its measured length changes by little.
+    fn is_within(
+        &self,
+        reach: &Reach,
+        angles: &JointAngles,
+        anchor: Option<Anchor>,
+        tips: &Tips,
+    ) -> bool {
         let distance = match (anchor, self.anchor) {
             (Some((joint, now)), Some((same, before))) if joint == same => now.distance(before),
             _ => 0.0,
         };
-        f64::from(distance) <= reach.distance && angles.is_within(reach.rotation, &self.angles)
+        let is_turned = match self.tips.is_empty() || tips.is_empty() {
+            true => !angles.is_within(reach.rotation, &self.angles),
+            false => self.tips.are_all_out_of_reach(tips, reach.rotation),
+        };
+        f64::from(distance) <= reach.distance && !is_turned
     }
 }

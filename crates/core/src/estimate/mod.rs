@@ -19,6 +19,7 @@ mod samples;
 mod settings;
 mod smoothing;
 pub mod t_pose;
+mod tip_speed;
 mod zero;
 
 pub use bend::{BendRanges, FingerBends};

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::builder::{BoardSettings, LayoutBuilder};
+use super::builder::{BoardSettings, LayoutBuilder, SHARE_BESIDE_BOARDS};
 use super::controls::pointer::PointerSchema;
 use super::controls::space::SpaceSchema;
 use super::controls::trigger::TriggerSchema;
@@ -12,7 +12,8 @@ use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, r
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{
-    AutoRecenterSchema, BoardShapeSchema, ContactSchema, Label, OutlineSchema, PoseSchema,
+    AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
+    PoseSchema,
 };
 use crate::document::{
     self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
@@ -73,6 +74,9 @@ macro_rules! board_schema {
                 /// Way in which fingers press the keys.
                 #[serde(default)]
                 contact: ContactSchema,
+                /// Owner of the gaps between keys.
+                #[serde(default)]
+                gaps: GapsSchema,
                 /// Flat or curved.
                 #[serde(default)]
                 pub shape: BoardShapeSchema,
@@ -196,8 +200,10 @@ impl<'a> LayoutSchema<'a> {
             let declared = builder.declare_layer(layer.name);
             builder.collect(declared)?;
         }
-        for board in &self.boards {
-            let built = board.build(builder);
+        for (index, board) in self.boards.iter().enumerate() {
+            let mut others = self.boards[..index].iter().chain(&self.boards[index + 1..]);
+            let has_neighbors = others.any(|other| board.shares_hand(other));
+            let built = board.build(builder, has_neighbors);
             builder.collect(built)?;
         }
         let has_controls = !self.boards.is_empty()
@@ -250,7 +256,16 @@ impl<'a> LayoutSchema<'a> {
 }
 
 impl<'a> BoardSchema<'a> {
-    fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+    /// Returns whether one hand can touch both boards.
+    fn shares_hand(&self, other: &Self) -> bool {
+        self.hand.is_none() || other.hand.is_none() || self.hand == other.hand
+    }
+
+    fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        has_neighbors: bool,
+    ) -> Result<(), DocumentError> {
         let fit = builder.pose_fit(&self.pose, self.hand);
         builder.begin_board(BoardSettings {
             shape: self.shape.shape(&fit),
@@ -264,6 +279,11 @@ impl<'a> BoardSchema<'a> {
                 ContactSchema::Bend => ReleaseAt::BEND,
             }),
             contact: self.contact,
+            max_share: match (self.gaps, has_neighbors) {
+                (GapsSchema::Dead, _) => 0.0,
+                (GapsSchema::Nearest, true) => SHARE_BESIDE_BOARDS,
+                (GapsSchema::Nearest, false) => f32::INFINITY,
+            },
         });
         let defaults = KeyDefaults {
             pitch: self.pitch_mm,

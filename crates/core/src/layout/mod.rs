@@ -17,6 +17,7 @@ mod devices;
 mod edit;
 mod fields;
 mod fit;
+mod gaps;
 mod glove;
 mod glove_edit;
 mod hover;

@@ -70,6 +70,16 @@ impl Outline {
         }
     }
 
+    /// Returns the corners of another outline, or of the square around a disc, in the axes of this one.
+    pub(super) fn local_corners(&self, other: &Self) -> [Vec2; 4] {
+        let [x_axis, y_axis] = other.axes();
+        let half = other.half_extents();
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            let corner = x_axis * (x * half.x) + y_axis * (y * half.y);
+            self.local(other.center + corner - self.center)
+        })
+    }
+
     /// Returns the local +X and +Y axes.
     fn axes(&self) -> [Vec2; 2] {
         let x_axis = Vec2::from_angle(self.rotation);

@@ -112,6 +112,20 @@ schema! {
 }
 
 schema! {
+    /// The owner of the gaps between the keys of a board.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Gaps")]
+    pub enum GapsSchema {
+        /// A gap belongs to the nearest key, and half a key beyond the edge of the board to the key at the edge. There it is 1 mm
+        /// if the same hand has another board.
+        #[default]
+        Nearest,
+        /// A fingertip in a gap presses nothing.
+        Dead,
+    }
+}
+
+schema! {
     /// The point that a board moves with. It follows the position only: the axes stay those of the world.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
     #[serde(rename = "Anchor", rename_all = "lowercase")]

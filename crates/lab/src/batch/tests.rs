@@ -3,7 +3,7 @@
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
 use super::*;
-use crate::contact::surface::{Anchor, Shape, TREMOR_MARGIN, Target};
+use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN, Target};
 use crate::contact::{ContactTracker, Phase, Touches};
 use crate::estimate::Estimate;
 use crate::hand::{Joint, Side};
@@ -37,6 +37,7 @@ fn keys(count: usize, rotation: Rotation) -> Vec<Target> {
             0 => Shape::Disc(0.008),
             _ => Shape::Box(Vec2::new(0.008, 0.008)),
         },
+        share: Share::NONE,
         surface_from_target: Pose::from_parts(
             Vec3::new(
                 (index % 12) as f32 * 0.019,

@@ -5,11 +5,12 @@ use parry3d::math::Vec2;
 use super::LayoutBuilder;
 use crate::contact::TargetId;
 use crate::contact::board_pose::AutoRecenter;
-use crate::contact::surface::{Anchor, TREMOR_MARGIN, Target};
+use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN, Target};
 use crate::document::{DocumentError, Spanned, line_number};
 use crate::hand::{Finger, Side};
 use crate::layout::board_shape::BoardShape;
 use crate::layout::fit::PoseFit;
+use crate::layout::gaps::Neighborhood;
 use crate::layout::model::{Board, Face};
 use crate::layout::outline::{Outline, first_overlap};
 use crate::layout::placement::KeyPose;
@@ -35,7 +36,16 @@ pub(in crate::layout) struct BoardSettings {
     pub release_at: ReleaseAt,
     /// The way in which fingers press the keys.
     pub contact: ContactSchema,
+    /// The largest share of a key in the gaps around it, in metres.
+    pub max_share: f32,
 }
+
+/// The largest share of a key on a board beside others of the same hand, in metres: half the gap between keys of a desktop
+/// keyboard. The boards may move against each other, and a thumb that presses a key of the one must not press one of the other.
+pub(in crate::layout) const SHARE_BESIDE_BOARDS: f32 = 1e-3;
+
+/// The margin of keys, in metres: a fingertip slides by 1 to 4 mm under pressure, and more at the end of a fast stroke.
+const SLIP_MARGIN: f32 = 0.006;
 
 /// The board that is being built.
 pub(super) struct BoardDraft<'a> {
@@ -45,6 +55,8 @@ pub(super) struct BoardDraft<'a> {
     bent_by: Vec<Finger>,
     /// The faces in the plane of the board.
     outlines: Vec<(Outline, Source<'a>)>,
+    /// The keys in the plane of the board: indices of their targets and outlines.
+    keys_in_plane: Vec<(usize, usize)>,
     first_key: usize,
     first_control: usize,
     /// Number of parts that failed before this board.
@@ -87,6 +99,8 @@ pub(in crate::layout) struct FaceSpec<'a> {
     pub release_at: ReleaseAt,
     /// See [`Target::margin`].
     pub margin: f32,
+    /// It has a share of the gaps around it.
+    pub is_key: bool,
 }
 
 impl BoardSettings {
@@ -107,12 +121,14 @@ impl Default for BoardDraft<'_> {
             press_at: PressAt::default(),
             release_at: ReleaseAt::default(),
             contact: ContactSchema::default(),
+            max_share: 0.0,
         };
         Self {
             settings,
             targets: Vec::new(),
             bent_by: Vec::new(),
             outlines: Vec::new(),
+            keys_in_plane: Vec::new(),
             first_key: 0,
             first_control: 0,
             failed_before: 0,
@@ -147,6 +163,7 @@ impl<'a> LayoutBuilder<'a> {
         auto_recenter: Option<AutoRecenter>,
     ) -> Result<(), DocumentError> {
         self.reject_overlaps()?;
+        self.board.share_gaps();
         let draft = std::mem::take(&mut self.board);
         let board = Board {
             keys: draft.first_key..self.keys.len(),
@@ -202,6 +219,20 @@ impl<'a> LayoutBuilder<'a> {
             press_at: board.press_at,
             release_at: board.release_at,
             margin: TREMOR_MARGIN,
+            is_key: false,
+        }
+    }
+
+    /// Returns the face of a key with the defaults of the board.
+    pub fn key_face_spec(
+        &self,
+        name: Spanned<'a>,
+        label: &Option<Label>,
+        at_mm: (Offset, Offset),
+    ) -> FaceSpec<'a> {
+        FaceSpec {
+            is_key: true,
+            ..self.face_spec("key", name, label, at_mm)
         }
     }
 
@@ -234,14 +265,24 @@ impl<'a> LayoutBuilder<'a> {
                 slice: spec.source,
             };
             self.board.outlines.push((outline, source));
+            if spec.is_key {
+                let target = self.board.targets.len();
+                let outline = self.board.outlines.len() - 1;
+                self.board.keys_in_plane.push((target, outline));
+            }
         }
+        let margin = match spec.is_key {
+            true => SLIP_MARGIN.min(smallest_half(shape)).max(TREMOR_MARGIN),
+            false => spec.margin,
+        };
         self.board.targets.push(Target {
             shape,
+            share: Share::NONE,
             surface_from_target: target_pose,
             travel: metres(spec.travel.get()),
             press_at: spec.press_at.get() as f32,
             release_at: spec.release_at.get() as f32,
-            margin: spec.margin,
+            margin,
         });
         Ok(Face {
             name: spec.name.to_owned(),
@@ -320,6 +361,28 @@ impl<'a> LayoutBuilder<'a> {
             second.kind, second.name, first.kind, first.name
         );
         Err(self.error(second.slice, message))
+    }
+}
+
+impl BoardDraft<'_> {
+    /// Gives each key in the plane of the board its share of the gaps around it.
+    fn share_gaps(&mut self) {
+        let max = self.settings.max_share;
+        if max <= 0.0 {
+            return;
+        }
+        let outlines: Vec<Outline> = self.outlines.iter().map(|(it, _)| *it).collect();
+        let neighbors = Neighborhood::new(&outlines);
+        for &(target, outline) in &self.keys_in_plane {
+            self.targets[target].share = neighbors.share(outline, max);
+        }
+    }
+}
+
+fn smallest_half(shape: Shape) -> f32 {
+    match shape {
+        Shape::Box(half) => half.min_element(),
+        Shape::Disc(radius) => radius,
     }
 }
 

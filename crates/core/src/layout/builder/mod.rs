@@ -6,7 +6,7 @@
 mod actions;
 mod board;
 
-pub(super) use board::{BoardSettings, FaceSpec};
+pub(super) use board::{BoardSettings, FaceSpec, SHARE_BESIDE_BOARDS};
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;

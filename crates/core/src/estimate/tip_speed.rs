@@ -1,0 +1,112 @@
+//! Plausibility of measured fingertips: the way of each from one reading to the next.
+
+use parry3d::math::Vec3;
+
+use super::{Estimate, MeasuredJoints};
+use crate::hand::{Finger, FingerSet, Joint};
+
+/// The distance of a fingertip from its knuckle, in metres: what turns the speed of a joint into the speed of a fingertip.
+const FINGER_LENGTH: f64 = 0.09;
+
+/// The positions of the measured fingertips, in metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tips {
+    known: FingerSet,
+    at: [Vec3; Finger::COUNT],
+}
+
+impl Tips {
+    /// Returns the trusted fingertips of an estimate that were measured, relative to the joint that moves with the hand.
+    pub(super) fn measured(estimate: &Estimate, origin: Option<Vec3>) -> Self {
+        let mut tips = Self::default();
+        let measured: &MeasuredJoints = &estimate.measured;
+        if measured.is_empty() {
+            return tips;
+        }
+        let origin = origin.unwrap_or(Vec3::ZERO);
+        for &finger in Finger::ALL {
+            let tip = measured.get(Joint::tip(finger));
+            if let Some(tip) = tip.filter(|_| !estimate.untrusted.contains(finger)) {
+                tips.set(finger, tip - origin);
+            }
+        }
+        tips
+    }
+
+    /// Returns whether no fingertip was measured.
+    pub(super) fn is_empty(&self) -> bool {
+        self.known.is_empty()
+    }
+
+    fn set(&mut self, finger: Finger, at: Vec3) {
+        self.at[finger.index()] = at;
+        self.known = self.known.with(finger);
+    }
+
+    fn get(&self, finger: Finger) -> Option<Vec3> {
+        self.known.contains(finger).then(|| self.at[finger.index()])
+    }
+
+    /// Returns the fingers of a later reading that are further away than a finger moves while a joint turns by `rotation`
+    /// radians.
+    pub(super) fn out_of_reach(&self, later: &Self, rotation: f64) -> FingerSet {
+        let reach = (rotation * FINGER_LENGTH) as f32;
+        let is_beyond = |finger: Finger| match (self.get(finger), later.get(finger)) {
+            (Some(before), Some(now)) => before.distance(now) > reach,
+            _ => false,
+        };
+        let beyond = Finger::ALL.iter().filter(|&&finger| is_beyond(finger));
+        beyond.fold(FingerSet::NONE, |fingers, &finger| fingers.with(finger))
+    }
+
+    /// Returns whether every fingertip that both readings have is out of reach: a tracker has taken another hand for this one.
+    pub(super) fn are_all_out_of_reach(&self, later: &Self, rotation: f64) -> bool {
+        let beyond = self.out_of_reach(later, rotation);
+        let is_shared =
+            |finger: Finger| self.known.contains(finger) && later.known.contains(finger);
+        let mut shared = Finger::ALL.iter().filter(|&&finger| is_shared(finger));
+        !beyond.is_empty() && shared.all(|&finger| beyond.contains(finger))
+    }
+}
+
+/// The last plausible place of each fingertip, and the implausible places that may prove right.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TipSpeed {
+    last: Tips,
+    candidates: Tips,
+    /// The number of consecutive readings that agree on each candidate.
+    agreeing: [u8; Finger::COUNT],
+}
+
+impl TipSpeed {
+    /// Forgets all fingertips.
+    pub(super) fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Adds the fingertips of a reading and returns the fingers that moved faster than a person can. A fingertip is plausible
+    /// again where it was, or where `consistent` readings in a row agree that it is.
+    pub(super) fn update(&mut self, tips: &Tips, rotation: f64, consistent: u8) -> FingerSet {
+        let beyond = self.last.out_of_reach(tips, rotation);
+        let beyond_candidate = self.candidates.out_of_reach(tips, rotation);
+        for &finger in Finger::ALL {
+            let Some(tip) = tips.get(finger) else {
+                continue;
+            };
+            let agreeing = &mut self.agreeing[finger.index()];
+            *agreeing = match (beyond.contains(finger), *agreeing) {
+                (false, _) => 0,
+                (true, 0) => 1,
+                (true, _) if beyond_candidate.contains(finger) => 1,
+                (true, count) => count + 1,
+            };
+            if *agreeing == 0 || *agreeing >= consistent {
+                *agreeing = 0;
+                self.last.set(finger, tip);
+            } else {
+                self.candidates.set(finger, tip);
+            }
+        }
+        beyond
+    }
+}
