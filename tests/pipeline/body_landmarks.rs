@@ -208,13 +208,13 @@ fn an_arm_that_was_never_seen_has_no_pose() {
 
 #[test]
 fn the_joints_are_where_the_camera_sees_them_in_the_frame_of_the_body() {
-    let mut estimator = Estimator::new(EstimatorSettings::default());
     let mut person = Person::new();
     person.elevations = [0.0; Side::COUNT];
     for (number, (side, inwards)) in [(Side::Left, 1.0), (Side::Right, -1.0)]
         .into_iter()
         .enumerate()
     {
+        let mut estimator = Estimator::new(EstimatorSettings::default());
         let reading = Reading::new(
             Timestamp(1_000 + number as u64),
             Some(side),

@@ -199,13 +199,13 @@ fn a_hand_that_appears_elsewhere_is_rejected_until_three_readings_agree() {
     assert!(matches!(update(50, 1.0), Ok((true, Some(_)))));
 }
 
-/// Returns a pipeline in which the index finger presses a key, the time of the press, the key, and the positions of the arm
-/// without the fingers.
-fn pressed_and_hidden() -> (Pipeline, Timestamp, KeyCode, JointPositions) {
+/// Returns a pipeline in which the index finger presses a key, the time of the press, the key, and the positions of the joints
+/// that are seen.
+fn pressed(is_seen: fn(Joint) -> bool) -> (Pipeline, Timestamp, KeyCode, JointPositions) {
     let setup = Setup::default().load_files().expect("the default setup");
     let mut pipeline = setup.pipeline();
     let mut events = Events::new();
-    let (mut time, mut pressed) = (Timestamp(0), None);
+    let (mut time, mut press) = (Timestamp(0), None);
     for pose in typing_poses("h") {
         events.clear();
         let reading = reading_at(pose.time, pose.positions());
@@ -213,18 +213,18 @@ fn pressed_and_hidden() -> (Pipeline, Timestamp, KeyCode, JointPositions) {
             .step(&reading, &mut events)
             .expect("a valid reading");
         time = pose.time;
-        pressed = events.iter().find_map(|event| match event.kind {
+        press = events.iter().find_map(|event| match event.kind {
             EventKind::KeyDown(key) => Some((key, pose)),
             _ => None,
         });
-        if pressed.is_some() {
+        if press.is_some() {
             break;
         }
     }
-    let (key, pose) = pressed.expect("a key is pressed");
+    let (key, pose) = press.expect("a key is pressed");
     let mut hidden = JointPositions::default();
     for (joint, position) in pose.positions().known() {
-        if joint <= Joint::Wrist {
+        if is_seen(joint) {
             hidden.set(joint, position);
         }
     }
@@ -233,7 +233,7 @@ fn pressed_and_hidden() -> (Pipeline, Timestamp, KeyCode, JointPositions) {
 
 #[test]
 fn a_finger_that_leaves_the_view_for_two_readings_releases_its_key() {
-    let (mut pipeline, time, key, hidden) = pressed_and_hidden();
+    let (mut pipeline, time, key, hidden) = pressed(|joint| joint != Joint::IndexTip);
     let mut events = Events::new();
     let mut is_released_after = |milliseconds| {
         events.clear();
@@ -251,8 +251,22 @@ fn a_finger_that_leaves_the_view_for_two_readings_releases_its_key() {
 }
 
 #[test]
+fn fingers_that_all_leave_the_view_release_their_keys_with_the_same_reading() {
+    let (mut pipeline, time, key, hidden) = pressed(|joint| joint <= Joint::Wrist);
+    let mut events = Events::new();
+    let reading = reading_at(time + Duration::from_millis(10), hidden);
+    pipeline
+        .step(&reading, &mut events)
+        .expect("a valid reading");
+    let releases = events
+        .iter()
+        .filter(|event| event.kind == EventKind::KeyUp(key));
+    assert_eq!(releases.count(), 1, "{events:?}");
+}
+
+#[test]
 fn a_finger_that_leaves_the_view_longer_than_a_picture_releases_its_key_at_once() {
-    let (mut pipeline, time, key, hidden) = pressed_and_hidden();
+    let (mut pipeline, time, key, hidden) = pressed(|joint| joint != Joint::IndexTip);
     let mut events = Events::new();
     let reading = reading_at(time + Duration::from_millis(80), hidden);
     pipeline

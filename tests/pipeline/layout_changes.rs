@@ -77,9 +77,11 @@ impl<'a> Rig<'a> {
     /// Announces a change as the layout manager does, and plays until the hand has lifted.
     fn announce(&mut self) -> LayoutChange {
         let feed = self.setup.layout_feed.clone();
-        let announcement = thread::spawn(move || feed.begin_change());
-        // The announcement is on its way.
-        thread::sleep(Duration::from_millis(1));
+        let announcing = feed.clone();
+        let announcement = thread::spawn(move || announcing.begin_change());
+        while !feed.is_changing() {
+            thread::sleep(Duration::from_micros(100));
+        }
         while !announcement.is_finished() && self.play() {}
         announcement.join().expect("the announcement ends")
     }

@@ -176,6 +176,24 @@ fn every_protocol_types_the_same_text_on_the_same_layout() {
 }
 
 #[test]
+fn the_noise_of_a_tracker_presses_no_key_twice() {
+    let openxr = ROWS.iter().find(|row| row.protocol == "openxr");
+    let openxr = openxr.expect("the protocol is in the table");
+    for (noise, has_filters) in [(1.0, true), (1.0, false), (2.0, true), (2.0, false)] {
+        let typed = typed(openxr, noise, has_filters);
+        println!("{noise} mm, filters {has_filters}: {}", typed.text);
+        assert!(
+            typed.presses.len() <= TEXT.len(),
+            "{noise} mm: {}",
+            typed.text
+        );
+        if has_filters {
+            assert_eq!(typed.text, TEXT, "{noise} mm");
+        }
+    }
+}
+
+#[test]
 fn a_protocol_that_a_simulated_hand_does_not_speak_states_why() {
     for (source, reason) in [
         (

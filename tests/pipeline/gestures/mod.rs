@@ -186,10 +186,11 @@ fn an_untrusted_or_lost_finger_releases_its_key() {
                 BOARD,
                 &format!("index w up; index w 3; wait 50; {word} index; wait 50")
             ),
-            "t:18.889ms dn:W t:61.111ms up:W",
-            "released in the step of `{word}`"
+            "t:18.889ms dn:W t:71.111ms up:W",
+            "released in the second step of `{word}`"
         );
-        let script = format!("index w up; index w 3; {word} index; {back}; index w 4; index w up");
+        let script =
+            format!("index w up; index w 3; {word} index; wait 20; {back}; index w 4; index w up");
         assert_eq!(simulate_keys(BOARD, &script), "dn:W up:W");
     }
     assert_eq!(

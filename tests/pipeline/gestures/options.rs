@@ -121,12 +121,12 @@ fn a_cancelled_press_does_not_fire_on_release() {
     let press = "index q up; index q down";
     for end in [
         "index w down; index w up",
-        "hide index; index q up",
-        "doubt index; trust index & index q up",
+        "hide index; wait 20; index q up",
+        "doubt index; wait 20; trust index & index q up",
         "reacquire & index q down; index q up",
         "reset; index q up",
         "release-devices; index q up",
-        "index q NaN; index q up",
+        "index q NaN; wait 20; index q up",
     ] {
         assert_eq!(release(&format!("{press}; {end}; wait 50")), "", "{end}");
     }
@@ -294,7 +294,7 @@ fn a_tap_hold_key_cancelled_while_pending_has_no_effect() {
     let press = "index q up; index q down";
     for end in [
         "index w down; index w up",
-        "hide index; index q up",
+        "hide index; wait 20; index q up",
         "reacquire & index q down; index q up",
         "reset; index q up",
         "release-devices; index q up",

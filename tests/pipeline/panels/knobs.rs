@@ -56,8 +56,8 @@ fn a_finger_beside_the_rim_keeps_its_grip_and_a_lost_one_leaves_the_value() {
     assert_eq!(
         simulate(
             VOLUME,
-            "index Volume 15 0 up; index Volume 15 0 down; index Volume 0 -45 down; hide index; index \
-             Volume 15 0 down"
+            "index Volume 15 0 up; index Volume 15 0 down; index Volume 0 -45 down; hide index; wait 20; \
+             index Volume 15 0 down"
         ),
         "value:Volume=0.833"
     );

@@ -15,7 +15,7 @@ fn a_text_is_typed_once_per_press() {
         "write:ñ"
     );
     assert_eq!(
-        type_text("né", "index T tap; index T tap"),
+        type_text("né", "index T tap; wait 50; index T tap"),
         "write:n write:é write:n write:é"
     );
     assert_eq!(type_text("ñ", "index T up; index T 1; index T up"), "");
@@ -74,7 +74,7 @@ fn a_layer_can_replace_a_text() {
         super::simulate_layout(
             controls,
             layers,
-            "thumb L up; index T tap; thumb L down; index T tap; thumb L up; index T tap"
+            "thumb L up; index T tap; thumb L down; wait 50; index T tap; thumb L up; wait 50; index T tap"
         ),
         "write:é dn:A up:A write:é"
     );

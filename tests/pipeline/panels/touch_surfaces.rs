@@ -226,7 +226,7 @@ fn a_finger_that_slides_off_or_is_lost_does_not_click() {
     assert_eq!(
         simulate(
             PAD,
-            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; hide index"
+            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; hide index; wait 20"
         ),
         "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft",
         "a drag ends"

@@ -57,7 +57,7 @@ impl Fingertips {
                 self.known = self.known.with(finger);
             }
         }
-        true
+        origin.is_finite()
     }
 
     fn get(&self, finger: Finger) -> Option<Vec3> {
@@ -106,7 +106,10 @@ impl FingertipPositions {
         };
         let is_placed = self.current.place(tips, surface, pose);
         let mut held = FingerSet::NONE;
-        if self.previous.known != self.current.known && is_placed && gap <= MAX_HOLD {
+        // The estimator holds a hand that is not seen for its own time.
+        let is_hand_seen = pose.untrusted != FingerSet::ALL;
+        let is_any_missing = self.previous.known != self.current.known;
+        if is_any_missing && is_placed && is_hand_seen && gap <= MAX_HOLD {
             held = self.hold_missing();
         }
         self.held = held;

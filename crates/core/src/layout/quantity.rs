@@ -21,8 +21,9 @@ ranged_numbers! {
     PressAt = "a press point", 0.05 ..= 1.0, "", or 0.5;
     /// Fraction of the travel at which a pressed key is released.
     ReleaseAt = "a release point", 0.0 ..= 0.95, "", or 0.25;
-    /// Time after a release during which a key ignores presses, in milliseconds.
-    Debounce = "a debounce time", 0.0 ..= 2000.0, " ms", or 0.0;
+    /// Time after a release during which a key ignores presses, in milliseconds. Noise presses a key again within two readings; a
+    /// person needs more than 60 ms to lift a finger and press again.
+    Debounce = "a debounce time", 0.0 ..= 2000.0, " ms", or 40.0;
     /// Time after which a pressed key counts as held, in milliseconds.
     HoldAfter = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
     /// Time that a fingertip or the cursor rests before it activates, in milliseconds.

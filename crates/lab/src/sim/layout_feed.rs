@@ -82,6 +82,11 @@ impl LayoutFeed {
         LayoutChange(self.clone())
     }
 
+    /// Returns whether a change was announced that has not ended.
+    pub fn is_changing(&self) -> bool {
+        lock(&self.0.state).is_changing
+    }
+
     /// Adds a hand.
     pub(super) fn follow(&self) -> LayoutFollower {
         let mut state = lock(&self.0.state);
