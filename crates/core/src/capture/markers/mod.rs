@@ -5,6 +5,7 @@
 //! | observations of two cameras → pairs | [`match_rays`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
 //! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//! | joint centres → joints of bones of constant length | [`fit_bones`] |
 //! | joint centres → rotations of rigid bones | [`bone_rotation`] |
 //!
 //! All functions use `f64` and any unit of length.
@@ -14,6 +15,7 @@ mod bone_rotation;
 mod joint_centers;
 mod matching;
 mod ray;
+mod skeleton_fit;
 mod triangulation;
 
 pub use assignment::{CostMatrix, assign};
@@ -21,4 +23,5 @@ pub use bone_rotation::{BoneRotation, bone_rotation};
 pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
 pub use matching::match_rays;
 pub use ray::{ClosestPoints, Ray, RayError, closest_points, gap_in_front};
+pub use skeleton_fit::{Bone, fit_bones, median};
 pub use triangulation::{Triangulation, TriangulationError, triangulate};
