@@ -1,20 +1,43 @@
 //! Groups of rays that may be of one marker, and the best ones of them that share no ray.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use super::joint_matching::{Fit, Group, Matching, RAY_WORTH, Seen};
 use super::ray::{closest_points, gap_in_front};
 
 /// Most pairs of rays from which groups are built: the nearest ones.
 const MAX_PAIRS: usize = 4096;
 
-/// Group of rays with its gain: the worth of its rays without its cost.
+/// Group of rays with its gain: the worth of its rays without its cost. Ordered by it.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate<'a> {
     group: Group<'a>,
     gain: f64,
 }
 
+impl Ord for Candidate<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.gain.total_cmp(&other.gain)
+    }
+}
+
+impl PartialOrd for Candidate<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Candidate<'_> {}
+
 /// Returns the groups that grow from every pair of rays of two cameras that belong to no marker yet.
-pub(super) fn candidates<'a>(matching: &Matching<'a>) -> Vec<Candidate<'a>> {
+pub(super) fn candidates<'a>(matching: &Matching<'a>) -> BinaryHeap<Candidate<'a>> {
     let grown = pairs(matching).into_iter().map(|pair| grow(matching, pair));
     grown
         .filter_map(|group| candidate(matching, group))
@@ -24,11 +47,9 @@ pub(super) fn candidates<'a>(matching: &Matching<'a>) -> Vec<Candidate<'a>> {
 /// Takes candidates in the order of their gain. One that has lost rays to those before it is taken without them, in the order
 /// of the gain that is left.
 pub(super) fn pick<'a>(
-    mut candidates: Vec<Candidate<'a>>,
+    mut candidates: BinaryHeap<Candidate<'a>>,
     matching: &mut Matching<'a>,
 ) -> Vec<Group<'a>> {
-    // The best one is last.
-    candidates.sort_by(|one, other| one.gain.total_cmp(&other.gain));
     let mut picked = Vec::new();
     while let Some(best) = candidates.pop() {
         let is_used = |&(camera, index): &Seen| matching.is_used[camera][index];
@@ -39,12 +60,10 @@ pub(super) fn pick<'a>(
         }
         let seen = best.group.seen.into_iter().filter(|seen| !is_used(seen));
         let rest = group(matching, seen.collect());
-        // A pair is a candidate by itself.
-        if rest.seen.len() > 2
+        if rest.seen.len() > 1
             && let Some(rest) = candidate(matching, rest)
         {
-            let place = candidates.partition_point(|other| other.gain <= rest.gain);
-            candidates.insert(place, rest);
+            candidates.push(rest);
         }
     }
     picked

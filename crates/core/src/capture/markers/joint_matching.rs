@@ -30,6 +30,10 @@ const GATE: f64 = 4.0;
 /// Rounds in which the rays of each camera are matched again with the markers that the others show.
 const ROUNDS: usize = 2;
 
+/// Most comparisons of a ray with a group of rays in a step. A crowd that takes more is not matched again, and what is new in it
+/// counts as ambiguous.
+const MAX_COMPARISONS: usize = 1 << 17;
+
 /// A marker in the image of one camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation<'a> {
@@ -115,7 +119,12 @@ pub fn match_cameras<'a>(
         matching.extend(&mut groups, camera, true);
     }
     groups.extend(pick(candidates(&matching), &mut matching));
-    for _ in 0..ROUNDS {
+    let rounds = if matching.is_crowd(&groups) {
+        0
+    } else {
+        ROUNDS
+    };
+    for _ in 0..rounds {
         for camera in 0..cameras.len() {
             matching.extend(&mut groups, camera, false);
         }
@@ -142,6 +151,14 @@ impl<'a> Matching<'a> {
     pub(super) fn free(&self, camera: usize) -> impl Iterator<Item = Seen> + '_ {
         let used = self.is_used[camera].iter().enumerate();
         used.filter_map(move |(index, is_used)| (!is_used).then_some((camera, index)))
+    }
+
+    /// Returns whether there are so many rays that not all are compared with each other.
+    fn is_crowd(&self, groups: &[Group]) -> bool {
+        let cameras = self.cameras.len();
+        let free: usize = (0..cameras).map(|camera| self.free(camera).count()).sum();
+        let all = groups.len() + free;
+        all * all * cameras > MAX_COMPARISONS
     }
 
     /// Returns the point of rays that may be of one marker.
@@ -326,9 +343,6 @@ impl<'a> Matching<'a> {
             }
         }
         let columns: Vec<Seen> = self.free(camera).collect();
-        if columns.is_empty() {
-            rows.retain(|row| row.seen.len() > 1 || self.is_used[row.seen[0].0][row.seen[0].1]);
-        }
         let alone: Vec<Option<Fit>> = rows
             .iter()
             .map(|row| self.fit(&row.seen, row.label))
@@ -341,7 +355,13 @@ impl<'a> Matching<'a> {
         for (mut group, column) in rows.into_iter().zip(assigned) {
             if let Some(column) = column {
                 group.seen.push(columns[column]);
-                group.label = group.label.or(self.observation(columns[column]).label);
+                let label = group.label.or(self.observation(columns[column]).label);
+                match self.fit(&group.seen, label) {
+                    Some(_) => group.label = label,
+                    None => {
+                        group.seen.pop();
+                    }
+                }
             }
             let is_marker = group.seen.len() > 1;
             for &seen in &group.seen {
@@ -359,21 +379,25 @@ impl<'a> Matching<'a> {
         if group.label.is_some() && observation.label.is_some() {
             return None;
         }
-        match (&group.seen[..], alone) {
+        let count = group.seen.len() as f64;
+        let cost = match (&group.seen[..], alone) {
             ([only], _) => {
-                gap_in_front(&self.observation(*only).ray, &observation.ray, self.max_gap)?;
+                let first = self.observation(*only).ray;
+                gap_in_front(&first, &observation.ray, self.max_gap)?;
+                self.fit(&[*only, seen], group.label.or(observation.label))?
+                    .cost
             }
-            (_, Some(fit)) if observation.ray.passes(fit.point, self.max_gap) => {}
+            (_, Some(fit)) if observation.ray.passes(fit.point, self.max_gap) => {
+                let k = observation.ray.nearest(fit.point);
+                let noise = NOISE * self.max_gap;
+                let squared = observation.ray.at(k).distance_squared(fit.point);
+                // The point gives way to the new ray.
+                (k > 0.0).then_some(squared * count / (count + 1.0) / (2.0 * noise * noise))?
+            }
             _ => return None,
-        }
-        let mut all = group.seen.clone();
-        all.push(seen);
-        let fit = self.fit(&all, group.label.or(observation.label))?;
-        let added = fit.cost - alone.map_or(0.0, |fit| fit.cost);
+        };
         let new_rays = if alone.is_some() { 1.0 } else { 2.0 };
-        // What was expected of the group without the ray may cost more than with it.
-        let is_worth = added <= RAY_WORTH * new_rays + UNEXPECTED;
-        is_worth.then_some((added + UNEXPECTED).max(0.0))
+        (cost <= RAY_WORTH * new_rays + UNEXPECTED).then_some(cost)
     }
 
     /// Returns the markers of the groups.
@@ -382,6 +406,7 @@ impl<'a> Matching<'a> {
             .iter()
             .map(|group| self.fit(&group.seen, group.label))
             .collect();
+        let is_crowd = self.is_crowd(groups);
         let mut markers = Vec::new();
         for (index, group) in groups.iter().enumerate() {
             let Some(fit) = fits[index] else {
@@ -391,7 +416,7 @@ impl<'a> Matching<'a> {
             markers.push(MatchedMarker {
                 label: group.label,
                 point: fit.point,
-                is_ambiguous: is_new && self.is_ambiguous(groups, &fits, index),
+                is_ambiguous: is_new && (is_crowd || self.is_ambiguous(groups, &fits, index)),
             });
         }
         markers
