@@ -4,8 +4,7 @@ use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::estimate::hand_angles;
-use crate::hand::{Dof, Joint, JointPositions};
+use crate::hand::{Joint, JointPositions};
 
 const CAMERAS: [DVec3; 4] = [
     DVec3::new(0.8, 1.0, 0.3),
@@ -253,49 +252,6 @@ fn a_marker_that_jumps_is_found_where_it_is() {
             {
                 assert!(found.distance(point) < 1e-6, "{frame}: {joint}");
             }
-        }
-    }
-}
-
-#[test]
-fn the_sides_of_the_wrist_show_the_turn_of_the_forearm() {
-    for (side, hand) in [("R", "right"), ("L", "left")] {
-        let side_of_hand: Side = hand.parse().unwrap();
-        let mut options = ProtocolOptions::default();
-        options.set(&HAND, hand).unwrap();
-        let supination = |degrees: f64| {
-            // The forearm points forward, and its elbow bends up: the palm faces down at 0.
-            let elbow = DVec3::new(0.1, -0.3, -0.2);
-            let wrist = elbow + DVec3::new(0.0, 0.0, -0.25);
-            let inwards = if hand == "right" {
-                DVec3::NEG_X
-            } else {
-                DVec3::X
-            };
-            // The thumb side goes up, then outwards.
-            let (sine, cosine) = degrees.to_radians().sin_cos();
-            let thumb = 0.03 * (cosine * inwards + sine * DVec3::Y);
-            let labels = ["SHO", "ELB", "WRA", "WRB"].map(|name| format!("{side}{name}"));
-            let points = [
-                DVec3::new(0.1, 0.0, -0.2),
-                elbow,
-                wrist + thumb,
-                wrist - thumb,
-            ];
-            let markers: Vec<Shown> = labels
-                .iter()
-                .zip(points)
-                .map(|(label, point)| shown(label, point))
-                .collect();
-            let line = Film::new(3, 0.0, 100).line(&markers, true);
-            let positions = decode(&mut *(PROTOCOL.decoder)(&options), &line).expect("an arm");
-            let angles = hand_angles(&positions, side_of_hand);
-            assert!(angles.is_known(Dof::ForearmSupination));
-            angles.get(Dof::ForearmSupination).to_degrees()
-        };
-        for degrees in [0.0, 30.0, 88.0, 150.0] {
-            let found = supination(degrees);
-            assert!((found - degrees).abs() < 1e-6, "{hand} {degrees}: {found}");
         }
     }
 }
