@@ -248,7 +248,7 @@ mod tests {
             pose.set(Joint::Shoulder, DVec3::new(0.2, 0.0, 0.0) + noise());
             pose.set(Joint::Elbow, elbow + noise());
             // One bad pose in ten, and the first of all.
-            let error = if number % 10 == 0 {
+            let error = if number.is_multiple_of(10) {
                 0.2 * forearm
             } else {
                 DVec3::ZERO
@@ -286,7 +286,7 @@ mod tests {
                     "{index}: {joint} {length}"
                 );
             }
-            if index % 10 != 0 {
+            if !index.is_multiple_of(10) {
                 let moved = get(Joint::Wrist).distance(pose.get(Joint::Wrist).unwrap());
                 assert!(moved < 2e-3, "{index}: {moved}");
             }
