@@ -48,6 +48,7 @@
 //! - [`recorder`] writes recordings, and [`trace`] writes the results of each stage as JSON.
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
+//! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window.
@@ -94,6 +95,8 @@ pub mod network;
 // The ends of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
 // for WebAssembly.
 pub mod capture;
+#[cfg(feature = "cli")]
+pub mod cameras;
 #[cfg(not(target_family = "wasm"))]
 pub mod output;
 

@@ -29,7 +29,7 @@ pub struct SessionOptions {
     pub watchdog: Option<WatchdogProgram>,
     /// Path of a recording to create.
     pub record_to: Option<PathBuf>,
-    /// Path of a BVH file to create, with the poses of the hand that is seen first.
+    /// Path of a BVH file to create, with the poses of the hands that are seen first.
     pub record_bvh_to: Option<PathBuf>,
     /// Formats and addresses in which the hand is shared with other programs.
     pub share: Vec<ShareTarget>,

@@ -15,7 +15,7 @@ use crate::kinematics::HandPose;
 use crate::recorder::{RecordError, Recorder, cannot_create};
 use crate::snapshot::{Snapshot, StepView};
 use crate::time::NO_DEADLINE;
-use crate::trace::bvh::PoseWriter;
+use crate::trace::bvh::{PoseOptions, PoseWriter};
 
 /// Time without a step after which the steps so far reach the disk.
 const FLUSH_AFTER: Duration = Duration::from_millis(500);
@@ -74,7 +74,7 @@ impl Recordings {
         Ok(())
     }
 
-    /// Creates a BVH file of the poses of the hand that is seen first.
+    /// Creates a BVH file of the poses of the hands that are seen first.
     pub fn record_poses(&mut self, path: &Path, is_lossless: bool) -> Result<(), RecordError> {
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let owned = path.to_owned();
@@ -128,14 +128,15 @@ fn write_blocks(
     complete: &mut dyn FnMut() -> io::Result<()>,
 ) -> io::Result<()> {
     let file = BufWriter::with_capacity(BLOCK_BYTES, file);
-    let mut writer = PoseWriter::new(file, BVH_RATE_HZ);
+    let mut writer = PoseWriter::new(file, PoseOptions::new(BVH_RATE_HZ));
     let mut next_block = 0;
     for pose in poses {
         writer.push(&pose)?;
         if writer.frames() >= next_block {
             writer.complete_block()?;
             complete()?;
-            next_block = writer.frames() + FRAMES_PER_BLOCK;
+            // The first frames come together.
+            next_block = (writer.frames() / FRAMES_PER_BLOCK + 1) * FRAMES_PER_BLOCK;
         }
     }
     writer.finish().map(drop)

@@ -19,6 +19,8 @@ mod markers;
 #[cfg(unix)]
 mod serial;
 mod network_poses;
+#[cfg(feature = "cli")]
+mod peer_cameras;
 mod peers;
 mod statistics;
 mod tcp;

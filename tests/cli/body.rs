@@ -56,7 +56,8 @@ fn angles_are_those_of_the_reference_and_give_the_positions_back_in_every_order(
             }
         }
     }
-    for order in ["xyz", "xzy", "yxz", "yzx", "zxy", "zyx"] {
+    let orders = "xyz xzy yxz yzx zxy zyx xyx xzx yxy yzy zxz zyz";
+    for order in orders.split(' ') {
         let printed = run(["body", "angles", poses.as_str(), "--order", order]).done();
         let name = format!("{order}.jsonl");
         let angles = file(&folder, &name, &printed.out);
@@ -84,4 +85,82 @@ fn a_pose_without_a_point_is_refused_by_its_name_and_line() {
     assert_eq!(ended.code, Some(2));
     let expected = ":2: the pose lacks the position of `left-knee`";
     assert!(ended.err.contains(expected), "{}", ended.err);
+}
+
+/// Returns the bytes of an array of NumPy of 64-bit numbers.
+fn npy(shape: &str, numbers: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn an_array_of_numpy_gives_the_angles_of_its_lines_and_others_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = "left_hip right_hip left_knee right_knee left_foot right_foot left_shoulder right_shoulder left_elbow \
+                 right_elbow left_wrist right_wrist";
+    let (mut numbers_of, mut text) = (Vec::new(), String::new());
+    for case in vectors().iter().take(4) {
+        let points = names
+            .split_whitespace()
+            .map(|name| numbers(&case["points"][name]));
+        let points: Vec<Vec<f64>> = points.collect();
+        text += &format!("{points:?}\n");
+        numbers_of.extend(points.concat());
+    }
+    let lines = file(&folder, "poses.jsonl", text);
+    let path = folder.path().join("poses.npy");
+    std::fs::write(&path, npy("(4, 12, 3)", &numbers_of)).unwrap();
+    let path = path.to_str().unwrap();
+    let from_array = run(["body", "angles", path]).done();
+    assert_eq!(
+        from_array.out,
+        run(["body", "angles", lines.as_str()]).done().out
+    );
+    assert_eq!(from_array.out.lines().count(), 4);
+    std::fs::write(path, npy("(4, 12, 3)", &numbers_of[1..])).unwrap();
+    let cut = run(["body", "angles", path]);
+    assert_eq!(cut.code, Some(2));
+    assert!(cut.err.contains("the array is not complete"), "{}", cut.err);
+}
+
+#[test]
+fn fitted_bones_have_one_length_in_every_pose() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = fastrand::Rng::with_seed(5);
+    let case = vectors()[0]["points"].clone();
+    let mut text = String::new();
+    for _ in 0..60 {
+        let mut pose = case.clone();
+        for (_, point) in pose.as_object_mut().unwrap() {
+            let moved = numbers(point)
+                .into_iter()
+                .map(|n| n + 0.002 * (random.f64() - 0.5));
+            *point = moved.collect();
+        }
+        text += &format!("{pose}\n");
+    }
+    let poses = file(&folder, "poses.jsonl", text);
+    let spread = |options: &[&str]| {
+        let arguments = ["body", "angles", poses.as_str()].into_iter();
+        let printed = run(arguments.chain(options.iter().copied())).done();
+        let lengths = |joint: &str| -> Vec<f64> {
+            let lines = lines(&printed.out);
+            lines
+                .iter()
+                .map(|line| line["lengths"][joint].as_f64().unwrap())
+                .collect()
+        };
+        let spread = |joint: &str| {
+            let lengths = lengths(joint);
+            let largest = lengths.iter().fold(f64::MIN, |a, b| a.max(*b));
+            largest - lengths.iter().fold(f64::MAX, |a, b| a.min(*b))
+        };
+        ["left-elbow", "right-knee"].map(spread)
+    };
+    assert!(spread(&[]).iter().all(|spread| *spread > 5e-4));
+    assert!(spread(&["--fit"]).iter().all(|spread| *spread < 1e-9));
 }

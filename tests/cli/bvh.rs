@@ -5,8 +5,11 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::bvh::Bvh;
+use ademan::capture::bvh::{Bvh, HandJoints, PositionChannels};
+use ademan::capture::protocol::body_landmarks::encode;
+use ademan::hand::{Joint, Side};
 
+use crate::support::body::{TWO_KEYS, taps};
 use crate::support::process::Process;
 use crate::text_line::pressed_keys;
 use crate::{Ended, ademan, file, run, text};
@@ -30,6 +33,51 @@ fn an_exported_hand_is_typed_recorded_and_replayed() {
     run(["record", text(&recording), "--source", &source]).done();
     let replayed = run(["replay", text(&recording)]).done();
     assert_eq!(pressed_keys(&replayed.out), KEYS, "{}", replayed.err);
+}
+
+#[test]
+fn both_arms_of_body_landmarks_are_exported_below_the_hips_without_a_folded_finger() {
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "two-keys.ron", TWO_KEYS);
+    let lines: Vec<String> = taps(&[Side::Left, Side::Right])
+        .iter()
+        .map(encode)
+        .collect();
+    let body = file(&folder, "body.jsonl", lines.concat());
+    let setup = format!(
+        "Setup(source: \"file:{body}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
+    );
+    let setup = file(&folder, "two.ron", setup);
+    let export = |name: &str, options: &[&str]| {
+        let path = folder.path().join(name);
+        let arguments = ["export", text(&path), "--setup", &setup].into_iter();
+        run(arguments.chain(options.iter().copied())).done();
+        let bvh = Bvh::parse(&std::fs::read(&path).unwrap());
+        bvh.unwrap_or_else(|error| panic!("{error}"))
+    };
+    let both = export("both.bvh", &["--order", "yxz"]);
+    let skeleton = &both.motion().skeleton;
+    assert_eq!(skeleton.nodes()[0].name.as_deref(), Some("Hips"));
+    for side in [Side::Left, Side::Right] {
+        let joints = HandJoints::find(skeleton, side).unwrap();
+        assert_eq!(joints.node(Joint::IndexPhalanxIntermediate), None, "{side}");
+        let [knuckle, tip] = [Joint::IndexPhalanxProximal, Joint::IndexTip];
+        let [knuckle, tip] = [knuckle, tip].map(|joint| joints.node(joint).expect("seen"));
+        for frame in 0..both.motion().frame_count {
+            let positions = both.positions(frame, PositionChannels::Add);
+            assert!(
+                positions[knuckle].distance(positions[tip]) < 1e-3,
+                "{side} {frame}"
+            );
+        }
+    }
+    let left = export("left.bvh", &["--hand", "left"]);
+    assert!(HandJoints::find(&left.motion().skeleton, Side::Left).is_ok());
+    assert!(HandJoints::find(&left.motion().skeleton, Side::Right).is_err());
+    let path = folder.path().join("none.bvh");
+    let ended = run(["export", text(&path), "--setup", &setup, "--order", "zxz"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(ended.err.contains("three different axes"), "{}", ended.err);
 }
 
 #[test]

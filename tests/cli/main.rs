@@ -10,6 +10,7 @@ mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
 mod calibrate_interrupted;
+mod cameras;
 #[cfg(target_os = "linux")]
 mod completion;
 mod config_folder;

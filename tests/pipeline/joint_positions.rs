@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use ademan::capture::protocol::{ProtocolOptions, markers};
 use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::{
@@ -347,5 +348,57 @@ fn measured_fingertips_are_the_fingertips_of_the_pose() {
         let measured = positions.get(Joint::tip(finger)).expect("a tip");
         let tip = pose.fingertip(finger).expect("a tip");
         assert!(tip.as_dvec3().distance(measured) < 1e-6, "{finger}");
+    }
+}
+
+/// Returns the supination that two cameras show, in degrees, of an arm whose forearm points forward and whose elbow bends up.
+fn supination_of_markers(side: Side, degrees: f64) -> f64 {
+    let elbow = DVec3::new(0.1, -0.3, -0.2);
+    let wrist = elbow + DVec3::new(0.0, 0.0, -0.25);
+    let inwards = match side {
+        Side::Right => DVec3::NEG_X,
+        Side::Left => DVec3::X,
+    };
+    // The palm faces down at 0; the thumb goes up, then outwards.
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let thumb = 0.03 * (cosine * inwards + sine * DVec3::Y);
+    let places = [
+        ("SHO", DVec3::new(0.1, 0.0, -0.2)),
+        ("ELB", elbow),
+        ("WRA", wrist + thumb),
+        ("WRB", wrist - thumb),
+    ];
+    let letter = &side.name()[..1].to_uppercase();
+    let cameras = [DVec3::new(1.5, 1.0, 0.5), DVec3::new(-1.5, 0.8, 0.7)].map(|camera| {
+        let seen = places.map(|(name, place)| {
+            serde_json::json!({"label": format!("{letter}{name}"), "direction": (place - camera).to_array()})
+        });
+        serde_json::json!({"position": camera.to_array(), "markers": seen})
+    });
+    let mut options = ProtocolOptions::default();
+    let hand = markers::PROTOCOL
+        .options
+        .iter()
+        .find(|option| option.name == "hand");
+    options.set(hand.expect("an option"), side.name()).unwrap();
+    let mut decoder = (markers::PROTOCOL.decoder)(&options);
+    let mut found = None;
+    let line = format!("{}\n", serde_json::json!({ "cameras": cameras }));
+    decoder.push(line.as_bytes(), &mut |packet| match packet.sample {
+        Sample::Joints { positions } => found = Some(hand_angles(&positions, side)),
+        other => panic!("{other:?}"),
+    });
+    let angles = found.expect("an arm");
+    assert!(angles.is_known(Dof::ForearmSupination));
+    angles.get(Dof::ForearmSupination).to_degrees()
+}
+
+#[test]
+fn the_markers_at_the_sides_of_the_wrist_show_the_turn_of_the_forearm() {
+    for side in [Side::Right, Side::Left] {
+        for degrees in [0.0, 30.0, 88.0, 150.0] {
+            let found = supination_of_markers(side, degrees);
+            assert!((found - degrees).abs() < 1e-6, "{side} {degrees}: {found}");
+        }
     }
 }

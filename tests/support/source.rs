@@ -7,7 +7,7 @@ use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent};
 use ademan::estimate::{Estimate, Estimator, EstimatorSettings, Smoothing};
 use ademan::kinematics::{ArmModel, HandPose};
 use ademan::setup::Setup;
-use ademan::trace::bvh::PoseWriter;
+use ademan::trace::bvh::{PoseOptions, PoseWriter};
 
 /// Returns the next event that is not `Idle`. Panics after `timeout`.
 pub fn next_within(
@@ -63,7 +63,7 @@ pub fn typing_poses(text: &str) -> Vec<HandPose> {
 /// Returns the motion capture of a hand that types `text` on the default layout: each frame is a pose.
 pub fn bvh_text(text: &str) -> Vec<u8> {
     let mut file = std::io::Cursor::new(Vec::new());
-    let mut writer = PoseWriter::new(&mut file, TYPING_RATE_HZ);
+    let mut writer = PoseWriter::new(&mut file, PoseOptions::new(TYPING_RATE_HZ));
     for pose in typing_poses(text) {
         writer.push(&pose).expect("memory accepts all bytes");
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use ademan::capture::markers::median;
 use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
 use ademan::geometry::EulerOrder;
 use ademan::message::{escape_line, escape_path};
@@ -39,15 +40,18 @@ enum Subcommand {
     after_help = "Examples:\n  ademan body angles poses.jsonl\n  ademan body angles poses.jsonl --order xyz --csv --check"
 )]
 struct AnglesArgs {
-    /// Files with one pose per line; `-` for standard input
+    /// Files with one pose per line, or `.npy` arrays; `-` for standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Order of the axes; `zxy` is R = Rz · Rx · Ry
+    /// Order of the axes; `zxy` is R = Rz · Rx · Ry, and `zxz` turns about Z again
     #[arg(long, default_value = "zxy", value_parser = order)]
     order: EulerOrder,
     /// Print comma-separated values with a line of names
     #[arg(long)]
     csv: bool,
+    /// Give each bone its median length, and move the points as little as that needs
+    #[arg(long)]
+    fit: bool,
     /// Say how far the positions are that the angles give back
     #[arg(long)]
     check: bool,
@@ -88,8 +92,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
 fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     let mut largest: f64 = 0.0;
     let mut lines = Vec::new();
+    let lengths = args.fit.then(|| median_lengths(&args.files)).transpose()?;
     for_each_line(&args.files, |text| {
-        let (time_us, body) = parse_body(text)?;
+        let (time_us, mut body) = parse_body(text)?;
+        if let Some(lengths) = &lengths {
+            body = body.fitted(lengths);
+        }
         let line = AnglesLine::new(time_us, args.order, &body)?;
         let back = line.body()?;
         for &point in BodyPoint::ALL {
@@ -114,6 +122,23 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
         );
     }
     Ok(())
+}
+
+/// Returns the median length of each bone.
+fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure> {
+    if files.iter().any(|file| file.as_os_str() == "-") {
+        let message = "`--fit` reads the poses twice, which standard input cannot be; write them to a file first";
+        return Err(Failure::wrong_use(message));
+    }
+    let mut seen: [Vec<f64>; BodyJoint::COUNT] = Default::default();
+    for_each_line(files, |text| {
+        let (_, body) = parse_body(text)?;
+        for (seen, length) in seen.iter_mut().zip(body.lengths()) {
+            seen.push(length);
+        }
+        Ok(())
+    })?;
+    Ok(seen.map(|mut lengths| median(&mut lengths).unwrap_or_default()))
 }
 
 fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {

@@ -6,20 +6,22 @@ use std::path::{Path, PathBuf};
 
 use ademan::command::Command;
 use ademan::files;
+use ademan::geometry::EulerOrder;
+use ademan::hand::Side;
 use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
-use ademan::trace::bvh::PoseWriter;
+use ademan::trace::bvh::{PoseOptions, PoseWriter};
 
 use crate::complete;
 use crate::failure::Failure;
 use crate::session;
 use crate::setup_args::{SetupArgs, number_in};
 
-/// Write the poses of a hand to a BVH file for animation programs, without typing
+/// Write the poses of one or both hands to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan export hand.bvh --source recording:session.mcap\n  ademan export hand.bvh --source serial:/dev/ttyUSB0 --rate-hz 60"
+    after_help = "Examples:\n  ademan export hand.bvh --source recording:session.mcap\n  ademan export hand.bvh --source serial:/dev/ttyUSB0 --rate-hz 60 --hand left"
 )]
 pub struct Args {
     /// BVH file to create; an existing file is not overwritten
@@ -27,12 +29,29 @@ pub struct Args {
     /// Frames per second
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate_hz: f64,
+    /// Hands to write
+    #[arg(long, value_enum, default_value = "both")]
+    hand: Hands,
+    /// Order of the rotation channels; `zxy` is R = Rz · Rx · Ry
+    #[arg(long, value_name = "ORDER", default_value = "zxy", value_parser = order)]
+    order: EulerOrder,
     /// Setup file
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
 }
+
+/// The hands of a file.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Hands {
+    Left,
+    Right,
+    Both,
+}
+
+/// Number of poses from which the lengths of the bones come: those of a minute at 100 per second.
+const MEASURED_POSES: usize = 6000;
 
 pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.flags.read_setup(args.setup.as_deref())?;
@@ -45,12 +64,22 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    let written = write(&session, file, args.rate_hz);
+    let options = PoseOptions {
+        rate_hz: args.rate_hz,
+        side: match args.hand {
+            Hands::Left => Some(Side::Left),
+            Hands::Right => Some(Side::Right),
+            Hands::Both => None,
+        },
+        order: args.order,
+        measured_poses: MEASURED_POSES,
+    };
+    let written = write(&session, file, options);
     session.commands().send(Command::Stop)?;
     session.join()?;
     match written? {
         0 => Err(Failure::job(format!(
-            "the source gave no pose, so {} is empty; look at its readings with `ademan trace readings`",
+            "the source gave no pose of the hand, so {} is empty; look at its readings with `ademan trace readings`",
             escape_path(&args.file)
         ))),
         frames => {
@@ -67,8 +96,8 @@ fn create(path: &Path) -> Result<File, Failure> {
     })
 }
 
-fn write(session: &SessionHandle, file: File, rate_hz: f64) -> std::io::Result<u64> {
-    let mut writer = PoseWriter::new(BufWriter::new(file), rate_hz);
+fn write(session: &SessionHandle, file: File, options: PoseOptions) -> std::io::Result<u64> {
+    let mut writer = PoseWriter::new(BufWriter::new(file), options);
     for snapshot in session.snapshots() {
         if let Some(pose) = &snapshot.pose {
             writer.push(pose)?;
@@ -79,4 +108,15 @@ fn write(session: &SessionHandle, file: File, rate_hz: f64) -> std::io::Result<u
 
 fn rate(text: &str) -> Result<f64, String> {
     number_in(text, 1.0, 1000.0, "frames per second")
+}
+
+fn order(text: &str) -> Result<EulerOrder, String> {
+    let order: EulerOrder = text
+        .to_ascii_uppercase()
+        .parse()
+        .map_err(|error| format!("{error}"))?;
+    match order.is_proper() {
+        true => Err("a joint of a BVH file turns about three different axes".to_owned()),
+        false => Ok(order),
+    }
 }

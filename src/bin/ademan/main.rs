@@ -35,6 +35,7 @@ macro_rules! subcommands {
 mod arm;
 mod body;
 mod calibrate;
+mod cameras;
 mod complete;
 mod completions;
 mod ctl;
@@ -112,6 +113,7 @@ subcommands! {
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),
+    Cameras(cameras),
     Arm(arm),
     Body(body),
     Record(record),

@@ -42,7 +42,7 @@ pub struct Args {
     /// Record the session to this file. It contains everything that is typed
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Record the poses of the hand to this BVH file, for animation programs. They show what is typed
+    /// Record the poses of the hands to this BVH file, for animation programs. They show what is typed
     #[arg(long, value_name = "FILE")]
     record_bvh: Option<PathBuf>,
     /// Share the hand with programs on this machine: a page for a browser with `web:127.0.0.1:8080`; `json`, `ws`,

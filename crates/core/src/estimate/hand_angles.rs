@@ -18,7 +18,8 @@ const MIN_COSINE: f64 = 0.2;
 ///
 /// Directions of the palm: along it from the wrist to the knuckle of the middle finger, across it from the knuckle of the
 /// little finger to that of the index finger. Supination is 0 if the palm faces away from the direction in which the
-/// elbow bends, as on a table, and unknown while the arm is straight. Shoulder angles are those of the upper arm in the
+/// elbow bends, as on a table, and unknown while the arm is straight; the two sides of the wrist show it better than the palm does,
+/// and without one. Shoulder angles are those of the upper arm in the
 /// world, 0 if it points straight forward. The angle of a hinge joint, one beyond the knuckle of a finger or the base of the
 /// thumb, is that between its two bones, whatever the direction of its axis; the palm decides only which way is flexion.
 pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
@@ -36,11 +37,19 @@ pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
         let bend = upper_arm.cross(forearm).length();
         angles.set(Dof::ElbowFlexion, bend.atan2(upper_arm.dot(forearm)));
     }
+    let roll = forearm.and_then(|forearm| wrist_side(positions, forearm, sign));
+    if let (Some(forearm), Some(upper_arm), Some(palm_side)) = (forearm, upper_arm, roll) {
+        set_supination(&mut angles, palm_side, forearm, upper_arm, sign);
+    }
     let Some(palm) = Palm::new(&bones, side) else {
         return angles;
     };
     if let Some(forearm) = forearm {
-        set_wrist(&mut angles, &palm, forearm, upper_arm);
+        let flexion = set_wrist(&mut angles, &palm, forearm);
+        if let (None, Some(upper_arm)) = (roll, upper_arm) {
+            let palm_side = palm.side_of_forearm(flexion);
+            set_supination(&mut angles, palm_side, forearm, upper_arm, palm.sign);
+        }
     }
     for &finger in Finger::ALL {
         set_finger(&mut angles, &palm, &bones, finger);
@@ -53,8 +62,13 @@ pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
 pub fn forearm_sides(positions: &JointPositions, side: Side) -> Option<[DVec3; 2]> {
     let bones = Bones { positions };
     let forearm = bones.direction(Joint::Elbow, Joint::Wrist)?;
-    let palm = Palm::new(&bones, side)?;
-    let palm_side = palm.side_of_forearm(palm.wrist_flexion(forearm));
+    let palm_side = match wrist_side(positions, forearm, sign(side)) {
+        Some(palm_side) => palm_side,
+        None => {
+            let palm = Palm::new(&bones, side)?;
+            palm.side_of_forearm(palm.wrist_flexion(forearm))
+        }
+    };
     let palm_side = palm_side.reject_from_normalized(forearm).try_normalize()?;
     Some([forearm, palm_side])
 }
@@ -128,26 +142,41 @@ fn sign(side: Side) -> f64 {
     }
 }
 
-/// Sets the angles of the wrist and the roll of the forearm: the palm is turned against the forearm by the supination
-/// about X, the deviation about Y, then the flexion about Z.
-fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3, upper_arm: Option<DVec3>) {
+/// Sets the angles of the wrist and returns its flexion: the palm is turned against the forearm by the supination about X, the
+/// deviation about Y, then the flexion about Z.
+fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3) -> f64 {
     let flexion = palm.wrist_flexion(forearm);
     angles.set(Dof::WristFlexion, flexion);
     let deviation = palm.sign * forearm.dot(palm.z).clamp(-1.0, 1.0).asin();
     angles.set(Dof::WristDeviation, deviation);
-    let Some(bend) = upper_arm.map(|upper_arm| upper_arm.cross(forearm)) else {
-        return;
-    };
+    flexion
+}
+
+/// Returns the side of the forearm to which the palm faces, from the two sides of the wrist.
+fn wrist_side(positions: &JointPositions, forearm: DVec3, sign: f64) -> Option<DVec3> {
+    let across = positions.wrist_axis()?.try_normalize()?;
+    let palm_side = sign * across.cross(forearm);
+    (palm_side.length() >= MIN_SINE).then(|| palm_side.normalize())
+}
+
+/// Sets the roll of the forearm, unless the arm is straight.
+fn set_supination(
+    angles: &mut JointAngles,
+    palm_side: DVec3,
+    forearm: DVec3,
+    upper_arm: DVec3,
+    sign: f64,
+) {
+    let bend = upper_arm.cross(forearm);
     if bend.length() < MIN_SINE {
         return;
     }
-    let palm_side = palm.side_of_forearm(flexion);
     // The side of the forearm to which the elbow bends.
     let bend_side = bend.normalize().cross(forearm);
     let across = bend_side.cross(forearm);
     // From facing away from the bend, over the thumb side up, to facing it.
     let away = -palm_side.dot(bend_side);
-    let supination = palm.sign * palm_side.dot(across);
+    let supination = sign * palm_side.dot(across);
     angles.set(Dof::ForearmSupination, supination.atan2(away));
 }
 

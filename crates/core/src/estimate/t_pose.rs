@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::capture::markers::{Bone, fit_bones};
 use crate::geometry::{EulerOrder, rotation_between, unit};
 use crate::names::named_enum;
 
@@ -146,6 +147,28 @@ impl BodyPoints {
         let hips = self.get(BodyPoint::LeftHip) - self.get(BodyPoint::RightHip);
         lengths[BodyJoint::Hips.index()] = hips.length();
         lengths
+    }
+
+    /// Returns the points, moved as little as possible so that hips, shoulders and limbs have these lengths, in the order of
+    /// [`BodyJoint::ALL`]. The spine, between no two points, keeps its own.
+    pub fn fitted(&self, lengths: &[f64; BodyJoint::COUNT]) -> Self {
+        use BodyPoint as P;
+        let bone = |from: P, to: P, joint: BodyJoint| Bone {
+            from: from.index(),
+            to: to.index(),
+            length: lengths[joint.index()],
+        };
+        let mut bones = vec![
+            bone(P::LeftHip, P::RightHip, BodyJoint::Hips),
+            bone(P::LeftShoulder, P::RightShoulder, BodyJoint::Neck),
+        ];
+        for (_, joints, points) in LIMBS {
+            bones.push(bone(points[0], points[1], joints[0]));
+            bones.push(bone(points[1], points[2], joints[1]));
+        }
+        let mut fitted = *self;
+        fit_bones(&mut fitted.positions, &bones);
+        fitted
     }
 
     /// Returns the rotation of the hips: X along their line, Y towards the neck.

@@ -1,14 +1,15 @@
-//! Euler angles of a rotation about three different axes.
+//! Euler angles of a rotation: about three different axes, or about the first axis again.
 
 use glam::{DMat3, DVec3};
 
 use crate::names::named_enum;
 
-/// The cosine of the middle angle below which the first and the last angle cannot be told apart.
+/// The cosine of the middle angle, or the sine in a proper order, below which the first and the last angle cannot be told apart.
 const GIMBAL_COSINE: f64 = 1e-6;
 
 named_enum! {
-    /// The order of the axes of three Euler angles. `ZXY` stands for R = Rz · Rx · Ry: the last rotation acts first.
+    /// The order of the axes of three Euler angles. `ZXY` stands for R = Rz · Rx · Ry: the last rotation acts first. In the proper
+    /// orders the last axis is the first one again.
     pub enum EulerOrder ("order of Euler angles") {
         /// R = Rx · Ry · Rz.
         Xyz = "XYZ",
@@ -22,14 +23,26 @@ named_enum! {
         Zxy = "ZXY",
         /// R = Rz · Ry · Rx.
         Zyx = "ZYX",
+        /// R = Rx · Ry · Rx.
+        Xyx = "XYX",
+        /// R = Rx · Rz · Rx.
+        Xzx = "XZX",
+        /// R = Ry · Rx · Ry.
+        Yxy = "YXY",
+        /// R = Ry · Rz · Ry.
+        Yzy = "YZY",
+        /// R = Rz · Rx · Rz.
+        Zxz = "ZXZ",
+        /// R = Rz · Ry · Rz.
+        Zyz = "ZYZ",
     }
 }
 
 impl EulerOrder {
     /// Returns the angles of a rotation in radians, in this order; `None` if the matrix is not finite.
     ///
-    /// The middle angle is in [−π/2, π/2], the others are in (−π, π]. If the middle angle is ±π/2, only the sum or the
-    /// difference of the others is determined (gimbal lock): the last one is 0.
+    /// The middle angle is in [−π/2, π/2], in [0, π] for a proper order, the others are in (−π, π]. If the middle angle is at an
+    /// end of its range, only the sum or the difference of the others is determined (gimbal lock): the last one is 0.
     pub fn angles(self, rotation: &DMat3) -> Option<[f64; 3]> {
         if !rotation.is_finite() {
             return None;
@@ -37,6 +50,16 @@ impl EulerOrder {
         let [i, j, k] = self.axes();
         let sign = self.sign();
         let at = |row: usize, column: usize| rotation.col(column)[row];
+        if self.is_proper() {
+            let sine = at(i, j).hypot(at(i, k));
+            let middle = sine.atan2(at(i, i));
+            if sine < GIMBAL_COSINE {
+                return Some([angle(sign * at(k, j), at(j, j)), middle, 0.0]);
+            }
+            let first = angle(at(j, i), -sign * at(k, i));
+            let last = angle(at(i, j), sign * at(i, k));
+            return Some([first, middle, last]);
+        }
         let cosine = at(i, i).hypot(at(i, j));
         let middle = (sign * at(i, k)).atan2(cosine);
         if cosine < GIMBAL_COSINE {
@@ -49,27 +72,38 @@ impl EulerOrder {
 
     /// Returns the rotation with these angles (radians), in this order.
     pub fn rotation(self, angles: [f64; 3]) -> DMat3 {
-        let [first, middle, last] = self.axes();
+        let [first, middle, last] = match self.axes() {
+            [first, middle, _] if self.is_proper() => [first, middle, first],
+            axes => axes,
+        };
         about(first, angles[0]) * about(middle, angles[1]) * about(last, angles[2])
     }
 
-    /// Returns the indices of the axes: 0 for X, 1 for Y, 2 for Z.
+    /// Returns whether the last axis is the first one again.
+    pub const fn is_proper(self) -> bool {
+        matches!(
+            self,
+            Self::Xyx | Self::Xzx | Self::Yxy | Self::Yzy | Self::Zxz | Self::Zyz
+        )
+    }
+
+    /// Returns the indices of the axes: 0 for X, 1 for Y, 2 for Z. The last one of a proper order is the axis that it lacks.
     const fn axes(self) -> [usize; 3] {
         match self {
-            Self::Xyz => [0, 1, 2],
-            Self::Xzy => [0, 2, 1],
-            Self::Yxz => [1, 0, 2],
-            Self::Yzx => [1, 2, 0],
-            Self::Zxy => [2, 0, 1],
-            Self::Zyx => [2, 1, 0],
+            Self::Xyz | Self::Xyx => [0, 1, 2],
+            Self::Xzy | Self::Xzx => [0, 2, 1],
+            Self::Yxz | Self::Yxy => [1, 0, 2],
+            Self::Yzx | Self::Yzy => [1, 2, 0],
+            Self::Zxy | Self::Zxz => [2, 0, 1],
+            Self::Zyx | Self::Zyz => [2, 1, 0],
         }
     }
 
     /// Returns 1 for a cyclic order of the axes, −1 for the others.
     const fn sign(self) -> f64 {
         match self {
-            Self::Xyz | Self::Yzx | Self::Zxy => 1.0,
-            Self::Xzy | Self::Yxz | Self::Zyx => -1.0,
+            Self::Xyz | Self::Yzx | Self::Zxy | Self::Xyx | Self::Yzy | Self::Zxz => 1.0,
+            Self::Xzy | Self::Yxz | Self::Zyx | Self::Xzx | Self::Yxy | Self::Zyz => -1.0,
         }
     }
 }
@@ -105,14 +139,23 @@ mod tests {
         for &order in EulerOrder::ALL {
             for round in 0..500 {
                 let mut angles: [f64; 3] = std::array::from_fn(|_| (random.f64() * 2.0 - 1.0) * PI);
+                let proper = order.is_proper();
                 if round % 5 == 0 {
-                    angles[1] = FRAC_PI_2.copysign(angles[1]);
+                    angles[1] = match proper {
+                        true => [0.0, PI][round % 2],
+                        false => FRAC_PI_2.copysign(angles[1]),
+                    };
                 }
                 let rotation = order.rotation(angles);
                 let [first, middle, last] = order.angles(&rotation).expect("finite");
                 let again = order.rotation([first, middle, last]);
                 assert!(difference(&rotation, &again) < 1e-9, "{order} {angles:?}");
-                assert!(middle.abs() <= FRAC_PI_2, "{order} {angles:?}");
+                let range = if proper {
+                    0.0..=PI
+                } else {
+                    -FRAC_PI_2..=FRAC_PI_2
+                };
+                assert!(range.contains(&middle), "{order} {angles:?}");
                 assert!(round % 5 != 0 || last == 0.0, "{order} {angles:?}");
             }
         }
@@ -124,8 +167,36 @@ mod tests {
             for half_turn in [[PI, 0.0, 0.0], [0.0, 0.0, PI]] {
                 let rotation = order.rotation(half_turn.map(|angle| -angle));
                 let exact = DMat3::from_cols_array(&rotation.to_cols_array().map(f64::round));
-                assert_eq!(order.angles(&exact), Some(half_turn), "{order}");
+                let expected = match order.is_proper() {
+                    true => [PI, 0.0, 0.0],
+                    false => half_turn,
+                };
+                assert_eq!(order.angles(&exact), Some(expected), "{order}");
             }
+        }
+    }
+
+    #[test]
+    fn proper_orders_give_the_angles_of_the_textbook() {
+        // Z-X-Z as of an orbit: ascending node, inclination, argument of the periapsis.
+        let (node, inclination, argument) = (0.5_f64, 1.1_f64, -2.0_f64);
+        let (sin_i, cos_i) = inclination.sin_cos();
+        let orbit = DMat3::from_cols(
+            DVec3::new(
+                node.cos() * argument.cos() - node.sin() * argument.sin() * cos_i,
+                node.sin() * argument.cos() + node.cos() * argument.sin() * cos_i,
+                argument.sin() * sin_i,
+            ),
+            DVec3::new(
+                -node.cos() * argument.sin() - node.sin() * argument.cos() * cos_i,
+                -node.sin() * argument.sin() + node.cos() * argument.cos() * cos_i,
+                argument.cos() * sin_i,
+            ),
+            DVec3::new(node.sin() * sin_i, -node.cos() * sin_i, cos_i),
+        );
+        let found = EulerOrder::Zxz.angles(&orbit).expect("finite");
+        for (found, expected) in found.into_iter().zip([node, inclination, argument]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
     }
 

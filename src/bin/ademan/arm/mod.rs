@@ -4,6 +4,7 @@ mod attributes;
 mod between;
 mod csv;
 mod landmarks;
+mod npy;
 pub mod poses;
 mod strip;
 mod values;

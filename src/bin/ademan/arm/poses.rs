@@ -9,6 +9,7 @@ use ademan::message::{escape_line, escape_path};
 use glam::DVec3;
 use serde_json::Value;
 
+use super::npy;
 use super::values::Line;
 use crate::failure::Failure;
 
@@ -54,7 +55,7 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
     }
 }
 
-/// Returns the lines of a file that are not blank, with their numbers.
+/// Returns the lines of a file that are not blank, with their numbers. The poses of an array of NumPy are lines of JSON.
 pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     let cannot_read =
         |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
@@ -65,6 +66,15 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
             Box::new(BufReader::new(file))
         }
     };
+    let start = reader
+        .fill_buf()
+        .map_err(|error| cannot_read(error.to_string()))?;
+    if start.starts_with(npy::MAGIC) {
+        reader.consume(npy::MAGIC.len());
+        let poses =
+            npy::read(reader).map_err(|reason| cannot_read(escape_line(&reason).to_string()))?;
+        return Ok((1..).zip(poses).collect());
+    }
     let mut found = Vec::new();
     for number in 1.. {
         let mut line = String::new();

@@ -17,6 +17,12 @@ use crate::hand::{
 };
 use crate::time::Timestamp;
 
+/// Field of the direction across the wrist, after those of the joints.
+const WRIST_AXIS: u32 = Joint::COUNT as u32 + 1;
+
+/// Field of the joints that are predicted.
+const PREDICTED: u32 = Joint::COUNT as u32 + 2;
+
 /// Appends the message of a reading.
 pub fn encode_reading(reading: &Reading, out: &mut Vec<u8>) {
     put_integer(out, 1, reading.time.0);
@@ -30,6 +36,10 @@ pub fn encode_reading(reading: &Reading, out: &mut Vec<u8>) {
             for (joint, position) in positions.known() {
                 put_position(out, joint.index() as u32 + 1, position);
             }
+            if let Some(axis) = positions.wrist_axis() {
+                put_position(out, WRIST_AXIS, axis);
+            }
+            put_integer(out, PREDICTED, u64::from(positions.predicted_bits()));
         }),
         Sample::Body(body) => put_message(out, 7, |out| {
             for &landmark in &body.points {
@@ -144,6 +154,12 @@ fn positions(fields: Fields) -> Result<JointPositions, WireError> {
         let field = field?;
         if let Some(joint) = element(field, Joint::ALL) {
             positions.set(joint, position(field)?);
+        }
+        match field.0 {
+            WRIST_AXIS => positions.set_wrist_axis(position(field)?),
+            // Bits of joints that a later version has added are dropped.
+            PREDICTED => positions.set_predicted_bits(integer(field)? as u32),
+            _ => {}
         }
     }
     Ok(positions)

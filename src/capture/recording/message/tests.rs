@@ -26,6 +26,10 @@ fn samples() -> Vec<Sample> {
     for (&joint, value) in Joint::ALL.iter().zip(DOUBLES.into_iter().cycle()) {
         positions.set(joint, DVec3::new(value, 1.0, -value));
     }
+    let mut with_pair = positions;
+    with_pair.set_wrist_axis(DVec3::new(-0.0, 5e-324, f64::NAN));
+    with_pair.set_predicted(Joint::Shoulder);
+    with_pair.set_predicted(Joint::LittleTip);
     let mut bones = BoneRotations::default();
     for (&bone, value) in ArmBone::ALL.iter().zip(FLOATS.into_iter().cycle()) {
         let rotation = Quat::from_array([value, 1.0, -value, 0.0]);
@@ -60,6 +64,9 @@ fn samples() -> Vec<Sample> {
             angles: JointAngles::default(),
         },
         Sample::Joints { positions },
+        Sample::Joints {
+            positions: with_pair,
+        },
         Sample::Body(BodyLandmarks { points }),
         Sample::Bones { bones },
         Sample::Displacement { displacement },
@@ -186,7 +193,10 @@ fn lists_have_the_names_and_numbers_of_the_schema() {
     for (message, names) in [
         ("JointAngles", names!(Dof)),
         ("RoundedJointAngles", names!(Dof)),
-        ("JointPositions", names!(Joint)),
+        (
+            "JointPositions",
+            [names!(Joint), vec!["wrist-axis", "predicted"]].concat(),
+        ),
         ("ArmRotations", names!(ArmBone)),
         ("BoneRotations", names!(Side)),
     ] {

@@ -10,27 +10,29 @@
 //! ```
 //!
 //! [`BvhParser`] reads a stream of any length in bounded memory, [`Bvh`] a whole file, and [`BvhWriter`] writes one;
-//! [`PositionSkeleton`] computes the frames of an arm and hand.
+//! [`ArmsSkeleton`] computes the frames of a body with [arms](ArmShape) of constant lengths.
 //! [`Skeleton::world_poses`] is the forward kinematics. A BVH does not state its unit of length and its axes; most files
 //! are in centimetres with +Y up.
 
+mod arm_shape;
+mod arms_skeleton;
 mod error;
 mod file;
 mod hand_joints;
 mod joint_names;
 mod limits;
 mod parser;
-mod position_skeleton;
 mod skeleton;
 mod tokens;
 mod writer;
 
+pub use arm_shape::ArmShape;
+pub use arms_skeleton::ArmsSkeleton;
 pub use error::BvhError;
 pub use file::Bvh;
 pub use hand_joints::{HandJoints, HandJointsError};
 pub use joint_names::{NamedJoint, joint_of};
 pub use limits::{MAX_CHANNELS, MAX_DEPTH, MAX_FRAMES, MAX_LINE_BYTES, MAX_NODES, MAX_TOKEN_BYTES};
 pub use parser::{BvhParser, Motion};
-pub use position_skeleton::PositionSkeleton;
 pub use skeleton::{Channel, Node, NodePose, PositionChannels, Skeleton};
 pub use writer::{BvhWriter, write_frame, write_header};

@@ -3,22 +3,32 @@
 //! | step | function |
 //! |---|---|
 //! | observations of two cameras → pairs | [`match_rays`] |
+//! | observations of all cameras → markers | [`match_cameras`] |
+//! | markers of each instant → markers that keep their names | [`MarkerTracker`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
 //! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//! | joint centres → joints of bones of constant length | [`fit_bones`] |
 //! | joint centres → rotations of rigid bones | [`bone_rotation`] |
 //!
 //! All functions use `f64` and any unit of length.
 
 mod assignment;
 mod bone_rotation;
+mod candidates;
 mod joint_centers;
+mod joint_matching;
 mod matching;
 mod ray;
+mod skeleton_fit;
+mod tracker;
 mod triangulation;
 
 pub use assignment::{CostMatrix, assign};
 pub use bone_rotation::{BoneRotation, bone_rotation};
 pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
+pub use joint_matching::{Expected, MAX_CAMERAS, MatchedMarker, Observation, match_cameras};
 pub use matching::match_rays;
 pub use ray::{ClosestPoints, Ray, RayError, closest_points, gap_in_front};
+pub use skeleton_fit::{Bone, fit_bones, median};
+pub use tracker::{MarkerTracker, TrackedMarker};
 pub use triangulation::{Triangulation, TriangulationError, triangulate};

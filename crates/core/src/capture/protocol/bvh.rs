@@ -7,9 +7,10 @@ use super::encoder::{hands, require_defaults};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
 use super::{Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::bvh::{
-    self, BvhParser, HandJoints, Motion, NodePose, PositionChannels, PositionSkeleton,
+    self, ArmShape, ArmsSkeleton, BvhParser, HandJoints, Motion, NodePose, PositionChannels,
 };
 use crate::capture::{Sample, SampleKind, SourceStats};
+use crate::geometry::EulerOrder;
 use crate::hand::{JointPositions, Side};
 use crate::time::Timestamp;
 
@@ -71,19 +72,23 @@ struct BvhEncoder {
     frame_time: f64,
     frames: u64,
     /// Known from the first frame on.
-    skeleton: Option<PositionSkeleton>,
+    skeleton: Option<ArmsSkeleton>,
     values: Vec<f64>,
 }
 
 impl BvhEncoder {
     fn encode(&mut self, joints: &JointPositions, bytes: &mut Vec<u8>) {
         let skeleton = self.skeleton.get_or_insert_with(|| {
-            let skeleton = PositionSkeleton::new(joints, self.hand);
+            let shape = ArmShape::measure(std::slice::from_ref(joints), self.hand);
+            let arms: Vec<ArmShape> = shape.into_iter().collect();
+            let skeleton = ArmsSkeleton::new(&arms, None, EulerOrder::Zxy);
             let header = skeleton.skeleton();
             bvh::write_header(bytes, header, self.frames, self.frame_time);
             skeleton
         });
-        skeleton.frame(joints, &mut self.values);
+        let mut arms = [JointPositions::default(); Side::COUNT];
+        arms[self.hand.index()] = *joints;
+        skeleton.frame(&arms, &mut self.values);
         bvh::write_frame(bytes, &self.values);
     }
 }

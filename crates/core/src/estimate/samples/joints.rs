@@ -42,7 +42,7 @@ struct Held {
 impl JointConverter {
     /// Converts positions to measured joints and the angles between them, within the joint limits.
     ///
-    /// A joint that is hidden keeps its last position. A finger whose tip is hidden is untrusted, and so are all fingers
+    /// A joint that is hidden keeps its last position. A finger whose tip is hidden or predicted is untrusted, and so are all fingers
     /// once an elbow or wrist that was seen before has been hidden for 200 ms.
     ///
     /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time of the settings. After
@@ -102,7 +102,7 @@ impl JointConverter {
 
     fn untrusted(&mut self, time: Timestamp, positions: &JointPositions) -> FingerSet {
         for (joint, seen_at) in ANCHORS.into_iter().zip(&mut self.seen_at) {
-            if positions.get(joint).is_some() {
+            if is_measured(positions, joint) {
                 *seen_at = time;
             } else if self.last.get(joint).is_some() && time.since(*seen_at) > HOLD {
                 return FingerSet::ALL;
@@ -110,9 +110,14 @@ impl JointConverter {
         }
         let hidden = Finger::ALL
             .iter()
-            .filter(|&&finger| positions.get(Joint::tip(finger)).is_none());
+            .filter(|&&finger| !is_measured(positions, Joint::tip(finger)));
         hidden.fold(FingerSet::NONE, |hidden, &finger| hidden.with(finger))
     }
+}
+
+/// Returns whether the source sees a joint now.
+fn is_measured(positions: &JointPositions, joint: Joint) -> bool {
+    positions.get(joint).is_some() && !positions.is_predicted(joint)
 }
 
 /// Returns whether two or more joints are all at one place, as a tracker reports that has lost the hand.

@@ -11,8 +11,17 @@ use crate::hand::{Joint, JointPositions, Side};
 pub(super) enum MarkerSite {
     /// Over a joint.
     Joint(Joint),
-    /// On one of the two sides of the wrist.
+    /// On one of the two sides of the wrist: 0 for that of the thumb, 1 for that of the little finger.
     WristSide(usize),
+}
+
+/// A marker on the arm or hand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenMarker {
+    pub site: MarkerSite,
+    pub position: DVec3,
+    /// The position continues the motion before the marker was hidden.
+    pub is_predicted: bool,
 }
 
 impl MarkerSite {
@@ -82,23 +91,26 @@ impl HandMarkers {
     }
 
     /// Returns the joint positions in the unit of the markers. Of two markers at one place, the first counts. The wrist
-    /// needs both markers on its sides, or one over its centre.
-    pub fn joints(&mut self, markers: &[(MarkerSite, DVec3)]) -> JointPositions {
+    /// needs both markers on its sides, which show the turn of the forearm too, or one over its centre.
+    pub fn joints(&mut self, markers: &[SeenMarker]) -> JointPositions {
         let mut positions = JointPositions::default();
         let mut wrist_sides = [None; 2];
-        for &(site, position) in markers {
-            match site {
+        for marker in markers {
+            match marker.site {
                 MarkerSite::Joint(joint) if positions.get(joint).is_none() => {
-                    positions.set(joint, position);
+                    set(&mut positions, joint, marker.position, marker.is_predicted);
                 }
                 MarkerSite::Joint(_) => {}
                 MarkerSite::WristSide(index) => {
-                    wrist_sides[index].get_or_insert(position);
+                    wrist_sides[index].get_or_insert(*marker);
                 }
             }
         }
-        if let [Some(first), Some(second)] = wrist_sides {
-            positions.set(Joint::Wrist, wrist_center(first, second));
+        if let [Some(thumb), Some(little)] = wrist_sides {
+            let is_predicted = thumb.is_predicted || little.is_predicted;
+            let center = wrist_center(thumb.position, little.position);
+            set(&mut positions, Joint::Wrist, center, is_predicted);
+            positions.set_wrist_axis(thumb.position - little.position);
         }
         self.correct_elbow(positions)
     }
@@ -106,30 +118,45 @@ impl HandMarkers {
     /// Replaces the elbow marker by the centre of the joint. Without shoulder and wrist the plane of the arm is unknown:
     /// an elbow with an offset is then left out.
     fn correct_elbow(&mut self, positions: JointPositions) -> JointPositions {
-        let get = |joint| positions.get(joint);
-        let arm = (get(Joint::Shoulder), get(Joint::Elbow), get(Joint::Wrist));
-        let center = match arm {
-            (Some(shoulder), Some(marker), Some(wrist)) => {
+        if self.elbow.offset == 0.0 {
+            return positions;
+        }
+        let arm = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
+        let center = match arm.map(|joint| positions.get(joint)) {
+            [Some(shoulder), Some(marker), Some(wrist)] => {
                 self.elbow.update(shoulder, marker, wrist)
             }
-            (_, marker, _) if self.elbow.offset == 0.0 => marker,
             _ => None,
         };
         let mut corrected = JointPositions::default();
         for (joint, position) in positions.known() {
-            match joint {
-                Joint::Elbow => {
-                    if let Some(center) = center {
-                        corrected.set(joint, center);
-                    }
-                }
-                _ => corrected.set(joint, position),
+            if joint != Joint::Elbow {
+                set(
+                    &mut corrected,
+                    joint,
+                    position,
+                    positions.is_predicted(joint),
+                );
             }
+        }
+        if let Some(center) = center {
+            let is_predicted = arm.iter().any(|&joint| positions.is_predicted(joint));
+            set(&mut corrected, Joint::Elbow, center, is_predicted);
+        }
+        if let Some(axis) = positions.wrist_axis() {
+            corrected.set_wrist_axis(axis);
         }
         corrected
     }
 
     pub fn reset(&mut self) {
         self.elbow.reset();
+    }
+}
+
+fn set(positions: &mut JointPositions, joint: Joint, position: DVec3, is_predicted: bool) {
+    positions.set(joint, position);
+    if is_predicted {
+        positions.set_predicted(joint);
     }
 }

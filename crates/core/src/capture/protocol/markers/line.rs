@@ -3,13 +3,9 @@
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
 
-use super::point_cloud::Observation;
-use crate::capture::markers::Ray;
+use crate::capture::markers::{MAX_CAMERAS, Observation, Ray};
 
-/// Most cameras of a line. Each step of the matching grows with their number.
-const MAX_CAMERAS: usize = 16;
-
-/// Most markers of a camera. The time of the matching grows with their cube: 64 take less than 1 ms.
+/// Most markers of a camera. The time of the matching grows with their cube.
 const MAX_MARKERS: usize = 64;
 
 /// Largest difference of the length of a quaternion from 1.

@@ -13,19 +13,16 @@
 //! Y down, Z along the view) into those of the world. Without a focal length, image positions are for a focal length of 1.
 //!
 //! A label is the name of a joint (`index-finger-tip`, `RightElbow`) or one of the names of Plug-in Gait (`RSHO RELB RWRA
-//! RWRB RFIN`), `wrist-a` and `wrist-b` being the two sides of the wrist. One camera that labels a marker is enough.
+//! RWRB RFIN`), `wrist-a` and `wrist-b` being the two sides of the wrist: that of the thumb and that of the little finger. One
+//! camera that labels a marker is enough, and a marker keeps its label while it is [followed](MarkerTracker).
 //! `time_us` is the time of a file; other transports stamp the arrival.
 
 mod encode;
 mod hand_markers;
 mod line;
-mod point_cloud;
 
-use glam::DVec3;
-
-use self::hand_markers::{HandMarkers, MarkerSite};
+use self::hand_markers::{HandMarkers, MarkerSite, SeenMarker};
 use self::line::Line;
-use self::point_cloud::PointCloud;
 use super::encoder::{require_defaults, time_us};
 use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
@@ -34,6 +31,7 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions,
 };
+use crate::capture::markers::{MarkerTracker, Observation};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -101,11 +99,12 @@ const RATE: ProtocolOption = ProtocolOption {
 struct MarkerParser {
     hand: Side,
     world: WorldFromSource,
-    /// In the unit of the source.
-    max_gap: f64,
-    points: PointCloud,
+    tracker: MarkerTracker,
     markers: HandMarkers,
     times: LineTimes,
+    /// In seconds; that of lines without times.
+    time: f64,
+    period: f64,
 }
 
 impl MarkerParser {
@@ -114,29 +113,44 @@ impl MarkerParser {
         Self {
             hand: space::hand(options),
             world: WorldFromSource::new(options, unit_mm, Facing::AwayFromViewer),
-            max_gap: space::number(options, &MAX_GAP) / unit_mm,
-            points: PointCloud::default(),
+            tracker: MarkerTracker::new(
+                space::number(options, &MAX_GAP) / unit_mm,
+                1000.0 / unit_mm,
+            ),
             markers: HandMarkers::new(space::number(options, &ELBOW_OFFSET) / 1000.0),
             times: LineTimes::default(),
+            time: 0.0,
+            period: 1.0 / space::number(options, &RATE),
         }
     }
 
-    /// Returns the markers of the hand in the world, in metres.
-    fn sites(&mut self, line: &Line) -> Result<Vec<(MarkerSite, DVec3)>, PacketError> {
-        self.points.clear();
-        for camera in &line.cameras {
-            let observations = camera.observations().ok_or_else(|| {
+    /// Follows the markers of all cameras. An error if one has no direction.
+    fn follow(&mut self, line: &Line) -> Result<(), PacketError> {
+        let cameras = line.cameras.iter().map(|camera| {
+            camera.observations().ok_or_else(|| {
                 let text = "a marker has no direction, or `image` without `orientation`";
                 PacketError::new(InvalidPacket::Unknown, text)
-            })?;
-            self.points.add_camera(&observations, self.max_gap);
-        }
-        let points = self.points.positions(self.max_gap);
-        let sites = points.filter_map(|(label, position)| {
-            let site = MarkerSite::from_label(label?, self.hand)?;
-            Some((site, self.world.position(position)))
+            })
         });
-        Ok(sites.collect())
+        let cameras: Vec<Vec<Observation>> = cameras.collect::<Result<_, _>>()?;
+        self.time = match line.time_us {
+            Some(time) => time as f64 * 1e-6,
+            None => self.time + self.period,
+        };
+        self.tracker.update(self.time, &cameras);
+        Ok(())
+    }
+
+    /// Returns the markers of the hand in the world, in metres.
+    fn seen(&self) -> Vec<SeenMarker> {
+        let seen = self.tracker.markers().filter_map(|marker| {
+            Some(SeenMarker {
+                site: MarkerSite::from_label(marker.label?, self.hand)?,
+                position: self.world.position(marker.position),
+                is_predicted: marker.is_predicted,
+            })
+        });
+        seen.collect()
     }
 }
 
@@ -149,9 +163,10 @@ impl LineParser for MarkerParser {
         if let Some(time) = line.time_us {
             self.times.check(time)?;
         }
-        let sites = self.sites(&line)?;
-        let positions = self.markers.joints(&sites);
-        if positions.is_empty() {
+        self.follow(&line)?;
+        let seen = self.seen();
+        let positions = self.markers.joints(&seen);
+        if positions.is_empty() || seen.iter().all(|marker| marker.is_predicted) {
             let text = "no labelled marker of the hand is seen by two cameras";
             return Err(PacketError::new(InvalidPacket::Unknown, text));
         }
@@ -166,6 +181,7 @@ impl LineParser for MarkerParser {
     }
 
     fn reset(&mut self) {
+        self.tracker.reset();
         self.markers.reset();
         self.times = LineTimes::default();
     }
@@ -173,3 +189,5 @@ impl LineParser for MarkerParser {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tracking_tests;

@@ -1,0 +1,139 @@
+//! Cameras are calibrated by a wand, and what they see is read as markers.
+
+use ademan::cameras::{Camera, CamerasFile, CamerasFormat};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use serde_json::json;
+
+use crate::{file, run, text};
+
+/// Cameras around a volume of two metres that look at its middle.
+fn room() -> Vec<Camera> {
+    let camera = |index: usize| {
+        let (sine, cosine) = (0.4 + 1.3 * index as f64).sin_cos();
+        let position = DVec3::new(3.0 * cosine, 1.2, 3.0 * sine);
+        let z = -position.normalize();
+        let x = DVec3::NEG_Y.cross(z).normalize();
+        let rotation = DMat3::from_cols(x, z.cross(x), z).transpose();
+        Camera {
+            focal: DVec2::splat(1150.0),
+            distortion: [-0.1, 0.03, 0.0, 0.0],
+            rotation: DQuat::from_mat3(&rotation),
+            translation: -(rotation * position),
+            ..Camera::new(format!("cam{index}"), DVec2::new(1280.0, 720.0))
+        }
+    };
+    (0..3).map(camera).collect()
+}
+
+/// Returns the line of what cameras see of labelled points.
+fn line(cameras: &[Camera], points: &[(&str, DVec3)]) -> String {
+    let views = cameras.iter().map(|camera| {
+        let marks = points.iter().filter_map(|(label, point)| {
+            let image = camera.project(*point)?.pixel.to_array();
+            Some(json!({"label": label, "image": image}))
+        });
+        json!({"name": camera.name, "markers": marks.collect::<Vec<_>>()})
+    });
+    json!({"cameras": views.collect::<Vec<_>>()}).to_string()
+}
+
+fn wand_lines(cameras: &[Camera]) -> Vec<String> {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut place = |size: f64| DVec3::from_array([0; 3].map(|_| size * (random.f64() - 0.5)));
+    (0..80)
+        .map(|_| {
+            let (middle, half) = (place(1.2), place(1.0).normalize() * 0.25);
+            line(cameras, &[("a", middle - half), ("b", middle + half)])
+        })
+        .collect()
+}
+
+#[test]
+fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = room();
+    let wand = file(&folder, "wand.jsonl", wand_lines(&exact).join("\n"));
+    for (name, format) in [
+        ("cameras.ron", CamerasFormat::Ron),
+        ("cameras.toml", CamerasFormat::Toml),
+    ] {
+        let path = folder.path().join(name);
+        let arguments = [
+            "cameras",
+            "calibrate",
+            &wand,
+            "--wand",
+            "500",
+            "--size",
+            "1280x720",
+        ];
+        let options = ["--output", text(&path)];
+        let calibrated = run(arguments.into_iter().chain(options)).done();
+        assert!(
+            calibrated.err.contains("cam2: 160 marks, median error 0.0"),
+            "{}",
+            calibrated.err
+        );
+        let written = std::fs::read_to_string(&path).unwrap();
+        let cameras = CamerasFile::parse(&written, format).unwrap().cameras();
+        assert_eq!(cameras.len(), 3);
+
+        // Two markers of known distance, seen by the cameras as they are.
+        let marks = [
+            ("RightHand", DVec3::new(0.1, 0.2, 0.3)),
+            ("RightForeArm", DVec3::new(0.3, -0.1, 0.2)),
+        ];
+        let seen = file(&folder, "seen.jsonl", line(&exact, &marks));
+        let lines = run(["cameras", "lines", &seen, "--cameras", text(&path)]).done();
+        let lines = file(&folder, "lines.jsonl", &lines.out);
+        let source = format!("file:{lines}?protocol=markers");
+        let readings = run(["trace", "readings", "--source", &source]).done();
+        let reading: serde_json::Value = serde_json::from_str(readings.out.trim()).unwrap();
+        let joint = |name: &str| -> DVec3 {
+            let position: [f64; 3] =
+                serde_json::from_value(reading["joints_m"][name].clone()).unwrap();
+            DVec3::from_array(position)
+        };
+        let found = joint("wrist").distance(joint("elbow"));
+        let expected = marks[0].1.distance(marks[1].1);
+        assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+    }
+    let path = folder.path().join("cameras.ron");
+    let again = run([
+        "cameras",
+        "calibrate",
+        &wand,
+        "--wand",
+        "500",
+        "--size",
+        "1280x720",
+        "--output",
+        text(&path),
+    ]);
+    assert_eq!(again.code, Some(2));
+    assert!(again.err.contains("the file exists"), "{}", again.err);
+}
+
+#[test]
+fn a_camera_that_never_sees_the_wand_with_another_one_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let cameras = room();
+    let (both, alone) = (wand_lines(&cameras[..2]), wand_lines(&cameras[2..]));
+    let wand = file(&folder, "wand.jsonl", [both, alone].concat().join("\n"));
+    let path = folder.path().join("cameras.ron");
+    let ended = run([
+        "cameras",
+        "calibrate",
+        &wand,
+        "--wand",
+        "500",
+        "--size",
+        "1280x720",
+        "--output",
+        text(&path),
+    ]);
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let expected = "`cam0` and `cam2` see both ends of the wand together in 0 frames and 8 are needed: 8 are missing";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+    assert!(!path.exists());
+}
