@@ -38,6 +38,7 @@ mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
 mod pictures;
+mod practice;
 #[cfg(target_os = "linux")]
 mod process_limits;
 mod protocols;

@@ -59,6 +59,7 @@ mod outputs;
 mod panics;
 mod pause_signals;
 mod picture;
+mod practice;
 mod record;
 mod recording_size;
 mod release_keys;
@@ -106,6 +107,7 @@ struct Cli {
 
 subcommands! {
     Demo(demo),
+    Practice(practice),
     Run(run),
     Share(share),
     Studio(studio),
