@@ -55,6 +55,8 @@ mod share;
 mod signals;
 mod simulated_hand;
 mod source_recordings;
+#[cfg(target_os = "linux")]
+mod start;
 mod terminal;
 mod text_line;
 mod traces;

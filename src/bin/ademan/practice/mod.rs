@@ -31,7 +31,7 @@ use crate::{complete, demo, session, signals, watchdog};
 const NO_OUTPUT: &str = "none";
 
 /// Type a text, and see the speed, the errors and the keys that are hit worst
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 #[command(
     after_help = "Examples:\n  ademan practice                                     (a simulated hand shows it)\n  ademan practice --source serial:/dev/ttyUSB0\n  ademan practice --layout chords-bend --lesson chords\n  ademan practice my-setup.ron --text 'hola, mundo'\n  ademan practice --history\n  ademan practice --csv progress.csv\n\nNothing is typed into other programs unless --output names one. The text ends after as many characters as it has; Backspace corrects. The results of complete texts are kept on this machine, without what was typed."
 )]
@@ -73,6 +73,18 @@ pub struct Args {
     seed: u64,
     #[command(flatten)]
     root: RootArgs,
+}
+
+impl Args {
+    /// Creates the arguments for a setup file, or for a layout and the simulated hand.
+    pub fn for_setup(setup: Option<String>, layout: Option<String>) -> Self {
+        Self {
+            setup,
+            flags: layout.map(SetupArgs::for_layout).unwrap_or_default(),
+            output: NO_OUTPUT.to_owned(),
+            ..Self::default()
+        }
+    }
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
