@@ -48,6 +48,8 @@ mod packet_clock;
 #[cfg(not(target_family = "wasm"))]
 mod in_place;
 #[cfg(not(target_family = "wasm"))]
+pub mod recognition;
+#[cfg(not(target_family = "wasm"))]
 mod reconnect;
 #[cfg(not(target_family = "wasm"))]
 mod sender_clock;

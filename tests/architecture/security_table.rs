@@ -402,6 +402,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             ("tests/cli/files.rs", "messages_do_not_contain_typed_text"),
             (
+                "tests/cli/practice.rs",
+                "the_simulated_hand_types_the_text_and_the_result_is_printed_and_kept",
+            ),
+            (
                 "tests/cli/files.rs",
                 "a_replay_of_a_recorded_run_gives_its_transcript",
             ),

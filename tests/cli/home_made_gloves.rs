@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -31,7 +31,7 @@ type Bends = [f64; 5];
 
 /// A glove with one bend sensor for each finger.
 #[derive(Clone)]
-struct Build {
+pub struct Build {
     /// The counts of the straight and of the closed finger. They fall if its wires are exchanged.
     ranges: [(f64, f64); 5],
     /// The largest difference of a count from the exact one.
@@ -43,7 +43,7 @@ struct Build {
 }
 
 /// A glove without a calibration of its own: the wires of the middle finger are exchanged.
-const BUILD: Build = Build {
+pub const BUILD: Build = Build {
     ranges: [
         (640.0, 2710.0),
         (600.0, 3100.0),
@@ -114,14 +114,14 @@ fn bends(pose: &str) -> Bends {
 }
 
 /// A person in a glove on a serial line.
-struct Wearer {
+pub struct Wearer {
     port: TTYPort,
     pose: Arc<Mutex<Bends>>,
     ends: Arc<AtomicBool>,
 }
 
 impl Wearer {
-    fn start(build: Build) -> Self {
+    pub fn start(build: Build) -> Self {
         let _lock = lock_spawning();
         let (master, port) = TTYPort::pair().expect("a pseudo-terminal");
         // Clones are closed in child processes, which would otherwise keep the line open.
@@ -151,7 +151,7 @@ impl Wearer {
         Self { port, pose, ends }
     }
 
-    fn port(&self) -> String {
+    pub fn port(&self) -> String {
         self.port.name().expect("a name")
     }
 
@@ -159,11 +159,13 @@ impl Wearer {
     fn calibrate(&self, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
         let source = format!("serial:{}?protocol=lucidgloves", self.port());
         let mut command = ademan(["calibrate", "--countdown", "0.5", "--source", &source]);
-        command
-            .args(arguments)
-            .current_dir(folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
+        command.args(arguments).current_dir(folder.path());
+        self.pose_for(command)
+    }
+
+    /// Runs a command that calibrates, and takes the poses that it asks for. Returns the exit code, the output and the errors.
+    pub fn pose_for(&self, mut command: Command) -> (i32, String, String) {
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut program = Process::start(&mut command).expect("it starts");
         let stdout = program.0.stdout.take().expect("it is piped");
         let mut stderr = program.0.stderr.take().expect("it is piped");

@@ -39,6 +39,7 @@ mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
 mod pictures;
+mod practice;
 #[cfg(target_os = "linux")]
 mod process_limits;
 mod protocols;
@@ -55,6 +56,8 @@ mod share;
 mod signals;
 mod simulated_hand;
 mod source_recordings;
+#[cfg(target_os = "linux")]
+mod start;
 mod terminal;
 mod text_line;
 mod traces;

@@ -109,7 +109,7 @@ fn typed(lines: &[Fields]) -> (String, usize) {
         glove.send(line);
         glove.events.iter().for_each(|event| field.handle(event));
     }
-    (field.text().to_owned(), field.pressed().len())
+    (field.text().to_owned(), field.pressed().count())
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
+use ademan::capture::recognition::port_names;
 use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
 use ademan::document::{shipped_gloves, shipped_layouts};
@@ -83,9 +84,11 @@ fn source_candidates(current: &OsStr) -> Candidates {
 
 /// Returns a source for each serial port of this machine.
 fn serial_ports() -> impl Iterator<Item = CompletionCandidate> {
-    let ports = serialport::available_ports().unwrap_or_default();
-    let source = |port: serialport::SerialPortInfo| format!("serial:{}", port.port_name);
-    ports.into_iter().map(source).map(CompletionCandidate::new)
+    let source = |port: String| format!("serial:{port}");
+    port_names()
+        .into_iter()
+        .map(source)
+        .map(CompletionCandidate::new)
 }
 
 fn names_and_files(

@@ -60,6 +60,7 @@ mod outputs;
 mod panics;
 mod pause_signals;
 mod picture;
+mod practice;
 mod record;
 mod recording_size;
 mod release_keys;
@@ -75,6 +76,7 @@ mod signal_mask;
 mod signals;
 mod source_value;
 mod sources;
+mod start;
 mod stats;
 mod studio;
 mod system_files;
@@ -96,7 +98,7 @@ use failure::Failure;
     bin_name = "ademan",
     version,
     propagate_version = true,
-    after_help = "Start with `ademan demo`: it needs no glove.\n\nExamples:\n  ademan demo\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop"
+    after_help = "Start with `ademan demo`: it needs no glove. `ademan start` sets up your device.\n\nExamples:\n  ademan start\n  ademan demo\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -107,6 +109,8 @@ struct Cli {
 
 subcommands! {
     Demo(demo),
+    Start(start),
+    Practice(practice),
     Run(run),
     Share(share),
     Studio(studio),

@@ -5,7 +5,7 @@ use ademan::{advice, doctor};
 use crate::failure::Failure;
 
 /// The option of commands that may type.
-#[derive(Clone, Copy, clap::Args)]
+#[derive(Clone, Copy, Default, clap::Args)]
 pub struct RootArgs {
     /// Run as root with an output that types
     #[arg(long)]

@@ -17,7 +17,7 @@ use crate::source_value::{self, SourceValue};
 const OWN_SETUP: &str = "setup.ron";
 
 /// Flags that override a setup file.
-#[derive(Clone, clap::Args)]
+#[derive(Clone, Default, clap::Args)]
 pub struct SetupArgs {
     #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
@@ -47,12 +47,16 @@ impl SetupArgs {
     pub fn for_glove(source: Option<SourceUri>, glove: Option<String>) -> Self {
         Self {
             source,
-            arm_source: None,
-            role: None,
-            arm_role: None,
             glove,
-            layout: None,
-            learn_ranges: false,
+            ..Self::default()
+        }
+    }
+
+    /// Creates the flags of a command for a layout.
+    pub fn for_layout(layout: String) -> Self {
+        Self {
+            layout: Some(layout),
+            ..Self::default()
         }
     }
 

@@ -1,7 +1,7 @@
 //! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end within a bounded time.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -21,25 +21,42 @@ const GRACE: Duration = Duration::from_secs(1);
 /// Longest time for the last action before the process ends.
 const ACTION_TIMEOUT: Duration = Duration::from_millis(200);
 
+static IS_INSTALLED: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static BEFORE_EXIT: OnceLock<fn()> = OnceLock::new();
-static ACTION: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
+static ACTION: Mutex<Option<Arc<dyn Fn() + Send + Sync>>> = Mutex::new(None);
 
-/// Handles the signals from now on.
+/// Handles the signals from now on. A second call has no effect.
 pub fn install() -> Result<(), Failure> {
+    if IS_INSTALLED.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
     ctrlc::set_handler(interrupt).map_err(|error| match error {
         ctrlc::Error::System(error) => Failure::no_thread(error),
         error => Failure::job(format!("cannot handle Ctrl-C: {error}")),
     })
 }
 
-/// Sets the action that stops the program in an orderly way, and calls it at once if a signal came before. Only the first
-/// action counts.
+/// Sets the action that stops the program in an orderly way, in place of an earlier one, and calls it at once if a signal came
+/// before.
 pub fn on_stop(action: impl Fn() + Send + Sync + 'static) {
-    let _ = ACTION.set(Box::new(action));
+    *lock_action() = Some(Arc::new(action));
     if is_stop_requested() {
         run_action();
     }
+}
+
+/// Makes a request end the process at once, while it holds nothing: it waits for an answer or listens.
+pub fn end_at_once_on_stop() {
+    on_stop(|| {
+        println!();
+        std::process::exit(INTERRUPTED);
+    });
+}
+
+/// Makes a request only set [`is_stop_requested`], for a step that looks at it or is short.
+pub fn only_note_stop() {
+    on_stop(|| {});
 }
 
 /// Sets the last action before a second request ends the process. Only the first one counts.
@@ -92,7 +109,13 @@ pub fn is_stop_requested() -> bool {
 }
 
 fn run_action() {
-    if let Some(action) = ACTION.get() {
+    // An action may take long, and another one may be set meanwhile.
+    let action = lock_action().clone();
+    if let Some(action) = action {
         action();
     }
+}
+
+fn lock_action() -> MutexGuard<'static, Option<Arc<dyn Fn() + Send + Sync>>> {
+    ACTION.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -3,7 +3,7 @@
 mod bit_rate;
 mod feedback_line;
 mod pending;
-mod unknown_bytes;
+pub(super) mod unknown_bytes;
 mod warnings;
 
 use std::io::{Error, ErrorKind};

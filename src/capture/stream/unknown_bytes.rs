@@ -1,5 +1,6 @@
 //! Bytes that form no packet: since when they arrive, and what they look like.
 
+use std::num::NonZeroU32;
 use std::time::Instant;
 
 use super::bit_rate;
@@ -71,19 +72,32 @@ impl UnknownBytes {
             .or_else(|| self.likely_bit_rate(format))
     }
 
-    fn likely_protocols(&self, format: &StreamFormat) -> Option<String> {
-        let tried = candidates(self.is_datagram).filter(|other| is_other(other, format));
-        let tried: Vec<(usize, StreamFormat)> = tried
-            .map(|format| (self.understood(&format), format))
-            .collect();
-        let most = tried.iter().map(|(understood, _)| *understood).max()?;
+    /// Returns the formats that understand most of the bytes, if that is half of them.
+    pub fn likely_formats(&self) -> Vec<StreamFormat> {
+        self.best_of(candidates(self.is_datagram))
+    }
+
+    fn best_of(&self, formats: impl Iterator<Item = StreamFormat>) -> Vec<StreamFormat> {
+        let tried = formats.map(|format| (self.understood(&format), format));
+        let tried: Vec<(usize, StreamFormat)> = tried.collect();
+        let most = tried.iter().map(|(understood, _)| *understood).max();
+        let most = most.unwrap_or_default();
         if most * 2 < self.bytes.len() || most == 0 {
+            return Vec::new();
+        }
+        let best = tried.into_iter();
+        let best = best.filter(|(understood, _)| *understood == most);
+        best.map(|(_, format)| format).collect()
+    }
+
+    fn likely_protocols(&self, format: &StreamFormat) -> Option<String> {
+        let others = candidates(self.is_datagram).filter(|other| is_other(other, format));
+        let likely = self.best_of(others);
+        if likely.is_empty() {
             return None;
         }
-        let likely = tried.iter().filter(|(understood, _)| *understood == most);
-        let likely: Vec<&StreamFormat> = likely.map(|(_, format)| format).collect();
         let titles: Vec<&str> = likely.iter().map(|other| other.protocol.title()).collect();
-        let options: Vec<String> = likely.iter().map(|other| options(other)).collect();
+        let options: Vec<String> = likely.iter().map(options).collect();
         let verb = match format.protocol == PROTOCOLS[0] {
             true => "add",
             false => "set",
@@ -118,8 +132,18 @@ impl UnknownBytes {
         }
     }
 
+    /// Returns the bit rate of the sender, if it is lower than that of the receiver.
+    pub fn slower_sender(&self, baud: NonZeroU32) -> Option<NonZeroU32> {
+        NonZeroU32::new(bit_rate::slower_sender(&self.bytes, baud)?)
+    }
+
+    /// Returns the number of bytes that are kept.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
     fn likely_bit_rate(&self, format: &StreamFormat) -> Option<String> {
-        let baud = bit_rate::slower_sender(&self.bytes, format.baud?)?;
+        let baud = self.slower_sender(format.baud?)?;
         Some(format!(
             "looks like a sender at a lower bit rate: set baud={baud}"
         ))

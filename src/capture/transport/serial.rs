@@ -41,7 +41,8 @@ pub const TRANSPORT: Transport = Transport {
     },
 };
 
-const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
+/// The bit rate without another one.
+pub const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
 
 /// Connector to a serial port, which follows a USB device to another port name.
 #[derive(Clone)]
@@ -166,6 +167,46 @@ impl Drop for PortWriter {
             let _ = self.port.clear(ClearBuffer::Output);
         }
     }
+}
+
+/// Returns the names of the serial ports of this machine.
+pub fn port_names() -> Vec<String> {
+    let ports = present_ports().into_iter();
+    ports.map(|port| port.name).collect()
+}
+
+/// Passes the bytes of a port to `receive` until that returns `false`, at least each time when none arrive for a while. An error
+/// states the reason and the remedy.
+pub fn listen(
+    port_name: &str,
+    baud: NonZeroU32,
+    mut receive: impl FnMut(&[u8]) -> bool,
+) -> Result<(), String> {
+    let opened = open(port_name, baud.get());
+    let mut port =
+        opened.map_err(
+            |error| match open_error(&error, port_name, &present_ports()) {
+                ConnectError::Absent(reason) | ConnectError::Unusable(reason) => reason,
+            },
+        )?;
+    let mut buffer = [0; 512];
+    loop {
+        let length = match port.read(&mut buffer) {
+            Ok(0) => return Ok(()),
+            Ok(length) => length,
+            Err(error) if is_pause(&error) => 0,
+            Err(error) => return Err(error.to_string()),
+        };
+        if !receive(&buffer[..length]) {
+            return Ok(());
+        }
+    }
+}
+
+/// Returns whether a read may be tried again.
+fn is_pause(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), Interrupted | TimedOut | WouldBlock)
 }
 
 fn present_ports() -> Vec<Port> {

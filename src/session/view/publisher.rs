@@ -19,6 +19,7 @@ use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineState};
 use crate::session::latest::LatestSender;
+use crate::sim::UsTextField;
 use crate::snapshot::StepView;
 
 /// Time between two views while nothing is pressed or released.
@@ -29,6 +30,9 @@ const RATE_PERIOD: Duration = Duration::from_secs(1);
 
 /// Keys and characters of [`ViewState::recent`].
 const MAX_RECENT: usize = 24;
+
+/// The longest [`ViewState::typed`], in bytes: a line of a wide terminal.
+const MAX_TYPED_BYTES: usize = 240;
 
 /// The maximum distance of a fingertip from a board that a view shows, in metres.
 const MAX_HEIGHT: f32 = 0.3;
@@ -57,6 +61,7 @@ pub(in crate::session) struct ViewPublisher {
     poses: [Option<HandPose>; Side::COUNT],
     keys: PressedKeys,
     recent: ArrayVec<EventKind, MAX_RECENT>,
+    typed: UsTextField,
     values: Vec<(TargetId, f32)>,
     axes: [f32; Axis::COUNT],
     selected: ArrayVec<TargetId, 8>,
@@ -91,6 +96,7 @@ impl ViewPublisher {
             poses: [None; Side::COUNT],
             keys: PressedKeys::default(),
             recent: ArrayVec::new(),
+            typed: UsTextField::with_capacity(MAX_TYPED_BYTES),
             values: Vec::new(),
             axes: [0.0; Axis::COUNT],
             selected: ArrayVec::new(),
@@ -106,6 +112,7 @@ impl ViewPublisher {
         let is_new_state = mem::replace(&mut self.state, state) != state;
         let mut is_pressed = false;
         for event in step.events {
+            self.typed.handle(event);
             is_pressed |= self.handle(event.kind);
         }
         self.rate.update(step.stats.source.readings, now);
@@ -213,6 +220,7 @@ impl ViewPublisher {
             pressed: active.pressed_targets().collect(),
             keys,
             recent: self.recent.iter().filter_map(key_name).collect(),
+            typed: self.typed.text().to_owned(),
             values: self.values.clone(),
             axes: axes.filter(|(_, value)| *value != 0.0).collect(),
             pointer: fractions.map(|position| position.to_array()),

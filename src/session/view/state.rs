@@ -6,6 +6,7 @@ use crate::command::CommandOrigin;
 use crate::contact::TargetId;
 use crate::device::{Axis, KeyCode};
 use crate::hand::{Finger, Side};
+use crate::message::escape;
 use crate::pipeline::PipelineState;
 use crate::snapshot::Stats;
 use crate::time::Timestamp;
@@ -41,6 +42,9 @@ pub struct ViewState {
     pub keys: Vec<KeyCode>,
     /// The latest keys and characters that were pressed, oldest first.
     pub recent: Vec<String>,
+    /// The end of the text that a field with a US keymap shows, after each Backspace.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub typed: String,
     /// Values of controls, since each was first moved: 0..=1, or turns.
     pub values: Vec<(TargetId, f32)>,
     /// Axes that are off zero.
@@ -124,11 +128,31 @@ impl ViewState {
             pressed: Vec::new(),
             keys: Vec::new(),
             recent: Vec::new(),
+            typed: String::new(),
             values: Vec::new(),
             axes: Vec::new(),
             pointer: None,
             in_spaces_mm: Vec::new(),
             selected: Vec::new(),
+        }
+    }
+}
+
+impl ViewState {
+    /// Returns the end of [`typed`](Self::typed) for one line of at most `length` characters: with signs for line breaks and tabs, and
+    /// `…` in place of what is cut.
+    pub fn typed_end(&self, length: usize) -> String {
+        let visible = self.typed.replace('\n', "↵").replace('\t', "⇥");
+        let escaped = escape(&visible);
+        let count = escaped.chars().count();
+        if count <= length {
+            return escaped.into_owned();
+        }
+        let cut = escaped.chars().skip(count - length.saturating_sub(1));
+        let cut: String = cut.collect();
+        match length {
+            0 => cut,
+            _ => format!("…{cut}"),
         }
     }
 }

@@ -188,6 +188,26 @@ impl Overlay {
         painter.rect_filled(strip, 4.0, color.gamma_multiply(opacity.max(0.5)));
         let at = Align2::CENTER_CENTER.anchor_size(strip.center(), words.size());
         painter.galley(at.min, words, Color32::WHITE);
+        self.show_typed(painter, area, strip.max.x + 8.0, opacity);
+    }
+
+    /// Shows the end of the text so far at the lower edge, from a position on.
+    fn show_typed(&self, painter: &egui::Painter, area: Rect, left: f32, opacity: f32) {
+        let room = ((area.max.x - left - 16.0) / TYPED_WIDTH).max(0.0);
+        let typed = self.view.state.typed_end(room as usize);
+        if typed.is_empty() {
+            return;
+        }
+        let font = FontId::monospace(13.0);
+        let words = painter.layout_no_wrap(typed, font, Color32::WHITE);
+        let strip = Rect::from_min_max(
+            Pos2::new(left, area.max.y - STATE_HEIGHT + 2.0),
+            Pos2::new(left + words.size().x + 16.0, area.max.y),
+        );
+        let color = Color32::from_gray(0x20).gamma_multiply(opacity.max(0.5));
+        painter.rect_filled(strip, 4.0, color);
+        let at = Align2::CENTER_CENTER.anchor_size(strip.center(), words.size());
+        painter.galley(at.min, words, Color32::WHITE);
     }
 
     /// Shows the opacity, and what to do with the window.
@@ -214,6 +234,9 @@ impl Overlay {
         }
     }
 }
+
+/// Width of a character of the text so far, in points, with some room.
+const TYPED_WIDTH: f32 = 8.2;
 
 /// Returns the size of the window: that of the boards, and the strips above and below them with their words.
 fn window_size(boards: &OverlayBoards, ability: Ability, is_being_placed: bool) -> Vec2 {

@@ -66,7 +66,7 @@ fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
     for finger in Finger::ALL {
         assert!(text.contains(finger.name()), "{finger}:\n{text}");
     }
-    screen.wait_for_text("typed ");
+    screen.wait_for_text("typed \"hello");
     assert!(!text.contains("no room"), "{text}");
     // The transcript, which is the default output, does not mix with the picture.
     assert!(!text.contains("  down H"), "{text}");
@@ -84,6 +84,19 @@ fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
         "messages are kept:\n{text}"
     );
     assert!(text.contains("accepted"), "{text}");
+}
+
+#[test]
+fn the_typed_text_is_shown_as_it_is_after_backspace_and_shift() {
+    let script =
+        "script:tap ShiftLeft; tap H; tap E; tap X; tap Backspace; tap A; press L; wait 20000";
+    let mut command = ademan(["run", "--source", script, "--control", "off"]);
+    set_terminal(&mut command);
+    let mut screen = Screen::start(&command, 80, 24);
+    let text = screen.wait_for_text("typed \"Heal\"");
+    println!("{text}");
+    signal("TERM", screen.program.0.id());
+    assert!(screen.wait().success());
 }
 
 #[test]

@@ -46,6 +46,7 @@ fn a_watcher_sees_the_run_and_comes_and_goes_without_effect_on_it() {
     run.press();
     assert_eq!(run.next_event(), "down H");
     small.wait_for_text("down: H");
+    small.wait_for_text("typed \"hh\"");
 
     run.save(&crate::support::run::shipped("dvorak-flat"));
     small.wait_for_text("Dvorak");
@@ -129,6 +130,13 @@ fn a_watching_client_receives_the_layout_and_then_views() {
     assert_eq!(view["state"], "running");
     assert_eq!(view["pressed"].as_array().map(Vec::len), Some(1));
     assert_eq!(view["fingertips"].as_array().map(Vec::len), Some(5));
+    assert_eq!(view["typed"], "h");
+    let mut other = Client::connect(&path).expect("the session listens");
+    let state = other.request(r#"{"command":"state"}"#).expect("a response");
+    assert!(
+        !state.contains("typed"),
+        "only a watcher receives it: {state}"
+    );
     let mut client = WatchClient::connect(path.as_ref()).expect("the session listens");
     let view = client.next_view().expect("a view").expect("a run");
     assert_eq!(view.layout.name, "QWERTY, 19 mm");

@@ -31,7 +31,7 @@ mod wearer;
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
 pub use layout_feed::{LayoutChange, LayoutFeed};
-pub use score::{EditCounts, TypingScore, error_rate, words_per_minute};
+pub use score::{EditCounts, TypingScore, error_rate, kept_characters, words_per_minute};
 pub use script::Script;
 pub use sensor::{JointSensor, Sensor};
 pub use settings::TypistSettings;

@@ -97,6 +97,44 @@ impl TypingScore {
     }
 }
 
+/// Returns for each character of the presented text whether a shortest edit into the typed text keeps it. Takes memory for the product
+/// of both lengths.
+pub fn kept_characters(presented: &str, typed: &str) -> Vec<bool> {
+    let presented: Vec<char> = presented.chars().collect();
+    let typed: Vec<char> = typed.chars().collect();
+    // Entry (i, j) is the distance between what follows the first i and j characters.
+    let width = typed.len() + 1;
+    let mut distances = vec![0_usize; (presented.len() + 1) * width];
+    for i in (0..=presented.len()).rev() {
+        for j in (0..=typed.len()).rev() {
+            let at = |i: usize, j: usize| distances[i * width + j];
+            distances[i * width + j] = match (presented.get(i), typed.get(j)) {
+                (None, _) => typed.len() - j,
+                (_, None) => presented.len() - i,
+                (Some(wanted), Some(found)) => {
+                    let paired = at(i + 1, j + 1) + usize::from(wanted != found);
+                    paired.min(at(i + 1, j) + 1).min(at(i, j + 1) + 1)
+                }
+            };
+        }
+    }
+    let mut kept = vec![false; presented.len()];
+    let (mut i, mut j) = (0, 0);
+    while i < presented.len() && j < typed.len() {
+        let (here, is_same) = (distances[i * width + j], presented[i] == typed[j]);
+        let paired = distances[(i + 1) * width + j + 1] + usize::from(!is_same);
+        if paired == here {
+            kept[i] = is_same;
+            (i, j) = (i + 1, j + 1);
+        } else if distances[(i + 1) * width + j] + 1 == here {
+            i += 1;
+        } else {
+            j += 1;
+        }
+    }
+    kept
+}
+
 /// Returns (length − 1) / seconds × 60 / 5 (Wobbrock 2007) for a text of `length` characters; 0 for fewer than two characters or no
 /// time.
 pub fn words_per_minute(length: usize, seconds: f64) -> f64 {
@@ -164,6 +202,42 @@ mod tests {
             let paired = found.correct + found.substitutions;
             assert_eq!(paired + found.deletions, presented.len());
             assert_eq!(paired + found.insertions, typed.len());
+        }
+    }
+
+    #[test]
+    fn the_kept_characters_are_those_that_no_shortest_edit_touches() {
+        let kept = |presented: &str, typed: &str| -> String {
+            let kept = kept_characters(presented, typed).into_iter();
+            kept.map(|is_kept| if is_kept { '+' } else { '-' })
+                .collect()
+        };
+        assert_eq!(kept("hand", "hand"), "++++");
+        assert_eq!(kept("hand", "hond"), "+-++");
+        assert_eq!(kept("hand", "hnd"), "+-++");
+        assert_eq!(kept("hand", "haxnd"), "++++");
+        assert_eq!(kept("hand", ""), "----");
+        assert_eq!(kept("", "hand"), "");
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut text = || -> String {
+            let length = random.usize(0..9);
+            (0..length).map(|_| random.char('a'..='c')).collect()
+        };
+        for _ in 0..300 {
+            let (presented, typed) = (text(), text());
+            let kept = kept_characters(&presented, &typed);
+            let count = kept.iter().filter(|is_kept| **is_kept).count();
+            let distance = strsim::levenshtein(&presented, &typed);
+            // Without the kept characters, each edit is an insertion, a deletion or both at once.
+            let longer = presented.len().max(typed.len());
+            assert!(
+                count >= longer.saturating_sub(distance),
+                "{presented} {typed}"
+            );
+            assert!(
+                count <= presented.len().min(typed.len()),
+                "{presented} {typed}"
+            );
         }
     }
 

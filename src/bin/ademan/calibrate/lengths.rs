@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::setup_args::number_in;
 
 /// The lengths on the command line.
-#[derive(Clone, Copy, clap::Args)]
+#[derive(Clone, Copy, Default, clap::Args)]
 pub struct LengthArgs {
     /// Hand length in mm, from the wrist crease to the tip of the middle finger: prints the line for the setup file
     #[arg(long, value_name = "MM", value_parser = millimetres, conflicts_with = "discover")]

@@ -1,6 +1,6 @@
 //! `ademan calibrate`: fits a glove file to a hand.
 
-mod destination;
+pub mod destination;
 mod discover;
 mod feed;
 mod figure;
@@ -76,6 +76,36 @@ pub struct Args {
 }
 
 impl Args {
+    /// Creates the arguments for a new glove file of a source, which starts from `glove`.
+    pub fn for_source(
+        source: SourceUri,
+        glove: Option<String>,
+        out: PathBuf,
+        countdown: f64,
+    ) -> Self {
+        Self {
+            setup: None,
+            out: Some(out),
+            force: false,
+            from: None,
+            demo: None,
+            demo_glove: None,
+            discover: false,
+            hand: Side::Right,
+            countdown,
+            source: Some(source),
+            glove,
+            lengths: LengthArgs::default(),
+        }
+    }
+
+    /// Replaces an existing file without a question.
+    #[must_use]
+    pub fn forced(mut self, is_forced: bool) -> Self {
+        self.force = is_forced;
+        self
+    }
+
     fn load_setup(&self) -> Result<LoadedSetup, Failure> {
         let worn = self.demo_glove.map(|_| match self.hand {
             Side::Left => "lucidgloves-left".to_owned(),
@@ -223,7 +253,8 @@ impl From<CalibrationError> for Failure {
     }
 }
 
-fn side() -> impl TypedValueParser<Value = Side> {
+/// Parses a hand.
+pub fn side() -> impl TypedValueParser<Value = Side> {
     PossibleValuesParser::new(Side::ALL.iter().map(|side| side.name()))
         .map(|name| name.parse().expect("the parser accepts only sides"))
 }
@@ -233,6 +264,7 @@ fn home_made() -> impl TypedValueParser<Value = HomeMadeGlove> {
         .map(|name| name.parse().expect("the parser accepts only kinds"))
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// Parses the time before a pose.
+pub fn seconds(text: &str) -> Result<f64, String> {
     number_in(text, 0.5, 30.0, "seconds")
 }

@@ -252,25 +252,32 @@ fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
 }
 
 fn load_setup(args: &Args) -> Result<LoadedSetup, Failure> {
-    let layout = Layout::load(&args.layout)?;
-    let is_left = args.hand == "left";
+    let setup = Setup {
+        layout: args.layout.clone(),
+        output: args.output.clone(),
+        ..Setup::default()
+    };
+    Ok(with_simulated_gloves(setup, args.hand == "left")?.load_files()?)
+}
+
+/// Returns a setup with the gloves that a simulated hand wears, for both hands if its layout is for two, and with the stall timeout
+/// of a busy machine.
+pub fn with_simulated_gloves(setup: Setup, is_left: bool) -> Result<Setup, Failure> {
+    let layout = Layout::load(&setup.layout)?;
     let [first, other] = match is_left {
         true => [LEFT_GLOVE, RIGHT_GLOVE],
         false => [RIGHT_GLOVE, LEFT_GLOVE],
     };
     let other_side = if is_left { Side::Right } else { Side::Left };
-    let setup = Setup {
-        layout: args.layout.clone(),
-        output: args.output.clone(),
+    Ok(Setup {
         stall_timeout_ms: STALL_TIMEOUT_MS,
         glove: Some(first.to_owned()),
         other_hand: layout.has_board_for(other_side).then(|| OtherHand {
             glove: Some(other.to_owned()),
             ..OtherHand::default()
         }),
-        ..Setup::default()
-    };
-    Ok(setup.load_files()?)
+        ..setup
+    })
 }
 
 fn line_format(args: &Args) -> Result<Hc11Format, Failure> {
@@ -320,7 +327,8 @@ fn simulated_hand(
     ))
 }
 
-fn noise(text: &str) -> Result<f64, String> {
+/// Parses the noise of a simulated hand.
+pub fn noise(text: &str) -> Result<f64, String> {
     number_in(text, 0.0, 50.0, "counts")
 }
 

@@ -22,7 +22,7 @@ pub enum Task {
     /// Types a text, which a text field with a US keymap receives.
     Type {
         text: String,
-        field: UsTextField,
+        field: Box<UsTextField>,
         first: Option<Timestamp>,
         last: Timestamp,
         /// The noise of the sensors and its seed, on which the quality depends.
@@ -42,7 +42,7 @@ impl Task {
     pub fn type_text(text: String, conditions: String) -> Self {
         Self::Type {
             text,
-            field: UsTextField::new(),
+            field: Box::default(),
             first: None,
             last: Timestamp(0),
             conditions,
@@ -102,7 +102,7 @@ impl Task {
                         && field.text().len() >= text.len()
                         && field.pressed().is_empty()
                     {
-                        (*field, *first) = (UsTextField::new(), None);
+                        (**field, *first) = (UsTextField::new(), None);
                     }
                     field.handle(event);
                     first.get_or_insert(event.time);

@@ -49,8 +49,11 @@ pub fn install(args: &LogArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints all later messages on a thread of its own.
+/// Prints all later messages on a thread of its own. A second call has no effect.
 pub fn start() -> Result<(), Failure> {
+    if QUEUE.get().is_some() {
+        return Ok(());
+    }
     let queue = MessageQueue::start(MessageStream, take_due).map_err(Failure::no_thread)?;
     // A second queue would have no messages.
     let _ = QUEUE.set(queue);

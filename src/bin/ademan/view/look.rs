@@ -10,6 +10,9 @@ use ratatui::style::{Color, Modifier, Style};
 
 use super::terminal::HAS_LOCALE;
 
+/// Fraction of errors from which a key is hot.
+const HOT: f64 = 1.0 / 3.0;
+
 /// The look of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
@@ -52,6 +55,22 @@ impl Look {
                 .bg(Color::Green)
                 .add_modifier(Modifier::BOLD),
             false => Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED),
+        }
+    }
+
+    /// The style of a key by its fraction of errors.
+    pub fn heat(self, error_rate: f64) -> Style {
+        if error_rate <= 0.0 {
+            return Style::new();
+        }
+        let is_hot = error_rate >= HOT;
+        match self.has_colors {
+            true => {
+                let color = if is_hot { Color::Red } else { Color::Yellow };
+                Style::new().fg(Color::Black).bg(color)
+            }
+            false if is_hot => Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED),
+            false => Style::new().add_modifier(Modifier::REVERSED),
         }
     }
 
@@ -147,6 +166,7 @@ fn ascii(character: char) -> char {
         '○' => 'o',
         '▶' => '>',
         '°' => ' ',
+        '↵' | '⇥' => '/',
         '\u{2801}'..='\u{28ff}' => '#',
         _ => '?',
     }

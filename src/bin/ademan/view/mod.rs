@@ -6,7 +6,7 @@
 
 pub mod look;
 mod painter;
-mod picture;
+pub mod picture;
 pub mod terminal;
 
 use std::io;

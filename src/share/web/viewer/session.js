@@ -27,22 +27,27 @@ const receivers = {
   },
   events(message) {
     if (message.event === "character") session.text += message.character;
-    if (message.event === "key-down") session.text += typed(message.key);
+    if (message.event === "key-down") session.text = after(session.text, message.key);
     session.text = [...session.text].slice(-48).join("");
   },
 };
 
-const SIGNS = { Space: " ", Enter: "⏎", Backspace: "⌫", Tab: "⇥", Escape: "⎋", Delete: "⌦" };
+const SIGNS = { Space: " ", Enter: "⏎", Tab: "⇥" };
 const SIGNS_OF_PUNCTUATION = {
   Comma: ",", Period: ".", Minus: "-", Equal: "=", Slash: "/", Semicolon: ";", Quote: "'", Backslash: "\\", Backquote: "`",
+  BracketLeft: "[", BracketRight: "]",
 };
+const PLAIN = "1234567890,.-=/;'\\`[]";
+const SHIFTED = "!@#$%^&*()<>_+?:\"|~{}";
 
-/** Returns what a key adds to the line of text. */
-function typed(key) {
-  if (key.length === 1) {
-    return session.keys.some((it) => it.startsWith("Shift")) ? key : key.toLowerCase();
-  }
-  return SIGNS[key] ?? SIGNS_OF_PUNCTUATION[key] ?? "";
+/** Returns the text after a key, on a US keymap. Shortcuts change nothing. */
+function after(text, key) {
+  const isHeld = (name) => session.keys.some((it) => it.startsWith(name));
+  if (["Control", "Alt", "Meta"].some(isHeld)) return text;
+  if (key === "Backspace") return [...text].slice(0, -1).join("");
+  const sign = SIGNS[key] ?? SIGNS_OF_PUNCTUATION[key] ?? (key.length === 1 ? key.toLowerCase() : "");
+  if (!isHeld("Shift")) return text + sign;
+  return text + (SHIFTED[PLAIN.indexOf(sign)] ?? sign.toUpperCase());
 }
 
 /** Takes a message into the state. */

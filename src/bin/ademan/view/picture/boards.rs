@@ -58,6 +58,19 @@ pub fn draw(picture: &Picture, board: usize, grid: &Grid, buffer: &mut Buffer, a
     }
 }
 
+/// Draws the keys of a board, each in its own style.
+pub fn draw_keys(
+    picture: &Picture,
+    grid: &Grid,
+    buffer: &mut Buffer,
+    area: Rect,
+    style: impl Fn(TargetId) -> Style,
+) {
+    for cell in &grid.cells {
+        draw_cell(picture, cell, buffer, area, style(cell.target));
+    }
+}
+
 /// Returns whether a target is a switch that is on.
 fn is_on(layout: &Layout, target: TargetId, picture: &Picture) -> bool {
     let mut controls = layout.controls.iter();

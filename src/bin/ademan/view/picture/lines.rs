@@ -102,7 +102,7 @@ impl Picture<'_> {
         lines.collect()
     }
 
-    /// Returns the keys that are down, and the latest ones that were pressed.
+    /// Returns the keys that are down, and the text so far; without one, the latest keys that were pressed.
     fn keys(&self, width: u16) -> Line<'static> {
         let state = &self.view.state;
         let down: Vec<&str> = state.keys.iter().map(|key| key.name()).collect();
@@ -111,27 +111,19 @@ impl Picture<'_> {
             false => format!("down: {}", down.join(" ")),
         };
         let down = cut(&down, width).into_owned();
-        let mut room = usize::from(width).saturating_sub(down.chars().count() + 10);
-        let mut recent = Vec::new();
-        for key in state.recent.iter().rev() {
-            let length = key.chars().count() + 1;
-            if length > room {
-                break;
-            }
-            room -= length;
-            recent.push(escape(key).into_owned());
-        }
-        recent.reverse();
+        let room = usize::from(width).saturating_sub(down.chars().count() + 10);
+        let typed = match state.typed.is_empty() {
+            true => latest_keys(&state.recent, room),
+            // The quotes show a space at its end.
+            false => format!("\"{}\"", state.typed_end(room.saturating_sub(2))),
+        };
         let style = match state.keys.is_empty() {
             true => self.look.faint(),
             false => self.look.pressed(),
         };
         let mut spans = vec![Span::styled(down, style)];
-        if !recent.is_empty() {
-            spans.push(Span::styled(
-                format!("   typed {}", recent.join(" ")),
-                self.look.faint(),
-            ));
+        if !typed.is_empty() {
+            spans.push(Span::styled(format!("   typed {typed}"), self.look.faint()));
         }
         Line::from(spans)
     }
@@ -164,6 +156,21 @@ impl Picture<'_> {
         }
         Line::styled(cut(&line, width).into_owned(), self.look.faint())
     }
+}
+
+/// Returns the names of the latest keys that fit into this number of columns.
+fn latest_keys(recent: &[String], mut room: usize) -> String {
+    let mut names = Vec::new();
+    for key in recent.iter().rev() {
+        let length = key.chars().count() + 1;
+        if length > room {
+            break;
+        }
+        room -= length;
+        names.push(escape(key));
+    }
+    names.reverse();
+    names.join(" ")
 }
 
 /// Returns the words for a person whose output is not armed because fingers are bent; empty if none is.

@@ -20,10 +20,12 @@ mod space;
 mod tests;
 mod values;
 
+use ademan::contact::TargetId;
 use ademan::layout::KeySize;
 use ademan::session::view::View;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::style::Style;
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
@@ -33,6 +35,9 @@ use super::look::Look;
 
 /// Minimum number of rows for messages, if there are that many.
 const MIN_MESSAGES: u16 = 2;
+
+/// Most rows of boards with styles.
+const MAX_ROWS: u16 = 100;
 
 /// Groups of lines that are shown even if no board fits: the fingertips or bends, and the keys or the task.
 const ESSENTIAL_GROUPS: usize = 2;
@@ -45,6 +50,39 @@ pub struct Picture<'a> {
     /// Oldest first.
     pub messages: &'a [String],
     pub look: Look,
+}
+
+/// Draws the boards of a view without fingertips, each key in its own style, in as many rows as they need.
+pub fn boards_with_styles(
+    view: &View,
+    look: Look,
+    width: u16,
+    style: impl Fn(TargetId) -> Style,
+) -> Buffer {
+    let sizes = [KeySize::Labelled, KeySize::Bordered, KeySize::Compact];
+    let arranged = sizes.into_iter().find_map(|size| {
+        let mut parts = boards::parts(&view.layout, size);
+        arrange(&mut parts, width, MAX_ROWS).then_some(parts)
+    });
+    let parts = arranged.unwrap_or_default();
+    let columns = parts.iter().map(|part| part.x + part.width).max();
+    let rows = parts.iter().map(|part| part.y + part.height).max();
+    let area = Rect::new(0, 0, columns.unwrap_or(0), rows.unwrap_or(0));
+    let mut buffer = Buffer::empty(area);
+    let picture = Picture {
+        view,
+        task: &[],
+        messages: &[],
+        look,
+    };
+    for part in &parts {
+        let area = Rect::new(part.x, part.y, part.width, part.height);
+        if let PartKind::Board(_, grid) = &part.kind {
+            boards::draw_keys(&picture, grid, &mut buffer, area, &style);
+        }
+    }
+    look.apply(&mut buffer);
+    buffer
 }
 
 impl Picture<'_> {

@@ -157,6 +157,35 @@ fn one_loss_is_a_loss_and_two_are_losses() {
     );
 }
 
+/// The line of keys of a run that has typed a text.
+fn key_line(typed: &str, look: Look, columns: u16) -> String {
+    let mut view = view("qwerty-flat");
+    let mut state = ViewState::clone(&view.state);
+    state.recent = vec!["H".to_owned(), "Enter".to_owned()];
+    state.typed = typed.to_owned();
+    view.state = Arc::new(state);
+    let text = text(&drawn(&view, look, columns, 30));
+    let line = text.lines().find(|line| line.contains("no key is down"));
+    line.expect("a line of keys").trim_end().to_owned()
+}
+
+#[test]
+fn the_line_of_keys_shows_the_end_of_the_text_so_far() {
+    let line = |typed| key_line(typed, COLORED, 40);
+    assert_eq!(line(""), "no key is down   typed H Enter");
+    assert_eq!(line("hola "), "no key is down   typed \"hola \"");
+    let long = line("the quick brown fox jumps");
+    assert_eq!(long, "no key is down   typed \"…own fox jumps\"");
+    assert_eq!(line("a\nb\tc"), "no key is down   typed \"a↵b⇥c\"");
+    // Text of a layout file does not act on the terminal.
+    assert!(!line("\u{1b}[2Ja").contains('\u{1b}'));
+    let ascii = Look {
+        is_unicode: false,
+        ..COLORED
+    };
+    assert!(key_line("a\n\t and a long, long text", ascii, 40).is_ascii());
+}
+
 #[test]
 fn bent_fingers_are_bars_with_their_thresholds_and_are_named_while_output_waits() {
     let mut view = view("chords-bend");

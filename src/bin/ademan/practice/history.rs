@@ -1,0 +1,333 @@
+//! The results of earlier practice, one line of JSON each, in a file that only its owner can read.
+
+use std::fmt;
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::files::{self, FileError};
+use ademan::message::{escape, escape_path};
+use ademan::session::counted;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// Sessions that are kept. Older ones are dropped.
+const MAX_SESSIONS: usize = 1000;
+
+/// The largest file that is read, in bytes: far more than [`MAX_SESSIONS`] lines.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Sessions of the progress, and of the printed history.
+const SHOWN: usize = 10;
+
+/// The result of one practice. It does not contain what was typed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SessionResult {
+    /// The end, in UTC.
+    pub time: String,
+    pub lesson: String,
+    pub layout: String,
+    pub is_simulated: bool,
+    /// Characters of the text.
+    pub characters: usize,
+    pub seconds: f64,
+    pub words_per_minute: f64,
+    /// 0..=1.
+    pub error_rate: f64,
+    pub substitutions: usize,
+    pub insertions: usize,
+    pub deletions: usize,
+}
+
+/// The columns of the exported file.
+const COLUMNS: &str = "time,lesson,layout,simulated,characters,seconds,words_per_minute,error_rate,substitutions,insertions,deletions";
+
+impl SessionResult {
+    fn csv(&self) -> String {
+        format!(
+            "{},{},{},{},{},{},{},{},{},{},{}",
+            quoted(&self.time),
+            quoted(&self.lesson),
+            quoted(&self.layout),
+            self.is_simulated,
+            self.characters,
+            self.seconds,
+            self.words_per_minute,
+            self.error_rate,
+            self.substitutions,
+            self.insertions,
+            self.deletions
+        )
+    }
+}
+
+/// Returns a field of CSV: in quotes if it needs them. A spreadsheet executes no field as a formula.
+fn quoted(text: &str) -> String {
+    let text = match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    };
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text,
+    }
+}
+
+/// The results of earlier practice.
+pub struct History {
+    /// The file; `None` without a folder for it.
+    path: Option<PathBuf>,
+    sessions: Vec<SessionResult>,
+    /// The reason why the file is not read as a whole.
+    damage: Option<String>,
+}
+
+impl History {
+    /// Reads the file in the state folder. A line or a file that cannot be read is reported, and kept at the next write.
+    pub fn read() -> Self {
+        let folder = files::state_folder();
+        Self::read_from(folder.map(|folder| folder.join("practice").join("sessions.jsonl")))
+    }
+
+    fn read_from(path: Option<PathBuf>) -> Self {
+        let mut history = Self {
+            path,
+            sessions: Vec::new(),
+            damage: None,
+        };
+        let Some(path) = &history.path else {
+            return history;
+        };
+        match read_bytes(path) {
+            Ok(bytes) => (history.sessions, history.damage) = parsed(&bytes),
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => history.damage = Some(error.to_string()),
+        }
+        if let Some(damage) = &history.damage {
+            let path = escape_path(path);
+            say!("cannot read all of {path}: {damage}; the file is kept beside the next one");
+        }
+        history
+    }
+
+    /// Returns the number of sessions.
+    pub fn count(&self) -> usize {
+        self.sessions.len()
+    }
+
+    /// Keeps a result, and returns the latest ones of its layout. A file that cannot be written is reported.
+    pub fn add(mut self, session: SessionResult) -> Option<Progress> {
+        let layout = session.layout.clone();
+        self.sessions.push(session);
+        let excess = self.sessions.len().saturating_sub(MAX_SESSIONS);
+        self.sessions.drain(..excess);
+        if let Err(error) = self.write() {
+            let place = self.path.as_deref().map(escape_path);
+            let place = place.unwrap_or_else(|| "the state folder".to_owned());
+            complain!(
+                "cannot keep the result in {place}: {error}; make its folder writable, or set XDG_STATE_HOME to another one"
+            );
+            return None;
+        }
+        let of_layout = self.sessions.into_iter().filter(|it| it.layout == layout);
+        Some(Progress(of_layout.collect()))
+    }
+
+    fn write(&self) -> Result<(), FileError> {
+        let Some(path) = &self.path else {
+            return Err(io::Error::other("this system has no such folder").into());
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if let Some(parent) = folder.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        files::create_private_folder(folder)?;
+        if self.damage.is_some() {
+            let kept = free_name(path);
+            fs::rename(path, &kept)?;
+            say!("the damaged file is kept as {}", escape_path(&kept));
+        }
+        let lines = self.sessions.iter().map(|session| {
+            let line = serde_json::to_string(session);
+            line.map(|line| line + "\n").map_err(io::Error::from)
+        });
+        let text: Result<String, io::Error> = lines.collect();
+        files::replace_private_text(path, &text?)
+    }
+
+    /// Prints the latest results as a table.
+    pub fn print(&self) -> Result<(), Failure> {
+        let mut out = io::stdout().lock();
+        if self.sessions.is_empty() {
+            writeln!(out, "no results yet; `ademan practice` makes the first one")?;
+            return Ok(());
+        }
+        let first = self.sessions.len().saturating_sub(SHOWN);
+        writeln!(
+            out,
+            "{:<21}{:>9}{:>9}  {:<11}layout",
+            "time (UTC)", "words/min", "errors", "lesson"
+        )?;
+        for session in &self.sessions[first..] {
+            let hand = if session.is_simulated {
+                " (simulated)"
+            } else {
+                ""
+            };
+            writeln!(
+                out,
+                "{:<21}{:>9.1}{:>7.1} %  {:<11}{}{hand}",
+                escape(&session.time),
+                session.words_per_minute,
+                session.error_rate * 100.0,
+                escape(&session.lesson),
+                escape(&session.layout)
+            )?;
+        }
+        if first > 0 {
+            writeln!(
+                out,
+                "and {} before; --csv writes all",
+                counted(first as u64, "session")
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Writes all results to a new file as CSV, or to the standard output.
+    pub fn export(&self, path: &Path) -> Result<(), Failure> {
+        let lines = self.sessions.iter().map(SessionResult::csv);
+        let lines: Vec<String> = std::iter::once(COLUMNS.to_owned()).chain(lines).collect();
+        let text = lines.join("\n") + "\n";
+        if path == Path::new("-") {
+            return Ok(io::stdout().write_all(text.as_bytes())?);
+        }
+        let shown = escape_path(path);
+        let file = files::create_private(path);
+        let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+        written.map_err(|error| Failure::wrong_use(format!("cannot write {shown}: {error}")))?;
+        let count = counted(self.sessions.len() as u64, "session");
+        Ok(writeln!(io::stdout(), "wrote {count} to {shown}")?)
+    }
+}
+
+/// The results on one layout, the latest one last.
+pub struct Progress(Vec<SessionResult>);
+
+impl fmt::Display for Progress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let first = self.0.len().saturating_sub(SHOWN);
+        let latest = &self.0[first..];
+        let speeds: Vec<String> = latest
+            .iter()
+            .map(|session| format!("{:.1}", session.words_per_minute))
+            .collect();
+        let rates: Vec<String> = latest
+            .iter()
+            .map(|session| format!("{:.1}", session.error_rate * 100.0))
+            .collect();
+        writeln!(
+            f,
+            "progress   words/min {} (oldest first, this layout)",
+            speeds.join(" ")
+        )?;
+        writeln!(f, "           errors %  {}", rates.join(" "))
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    let file = files::open_regular(path)?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other("it is larger than 1 MiB").into());
+    }
+    Ok(bytes)
+}
+
+/// Returns the sessions of a file, and the reason why there may be more in it.
+fn parsed(bytes: &[u8]) -> (Vec<SessionResult>, Option<String>) {
+    let (mut sessions, mut damaged) = (Vec::new(), Vec::new());
+    let lines = bytes.split(|byte| *byte == b'\n').enumerate();
+    for (index, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        match serde_json::from_slice(line) {
+            Ok(session) => sessions.push(session),
+            Err(_) => damaged.push(index + 1),
+        }
+    }
+    let damage = damaged.first().map(|first| match damaged.len() {
+        1 => format!("line {first} is damaged"),
+        count => format!("{count} lines are damaged, the first is line {first}"),
+    });
+    (sessions, damage)
+}
+
+/// Returns a name beside the file that no other file has.
+fn free_name(path: &Path) -> PathBuf {
+    let numbered = (1..).map(|number| path.with_extension(format!("damaged.{number}.jsonl")));
+    let mut free = numbered.skip_while(|path| path.symlink_metadata().is_ok());
+    free.next().expect("there are more numbers than files")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session(words_per_minute: f64) -> SessionResult {
+        SessionResult {
+            time: "2026-01-02T03:04:05Z".into(),
+            lesson: "text".into(),
+            layout: "My, \"board\"".into(),
+            is_simulated: false,
+            characters: 10,
+            seconds: 6.5,
+            words_per_minute,
+            error_rate: 0.1,
+            substitutions: 1,
+            insertions: 0,
+            deletions: 0,
+        }
+    }
+
+    #[test]
+    fn results_are_kept_oldest_first_and_the_oldest_ones_are_dropped() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state/ademan/practice/sessions.jsonl");
+        let line = |number: usize| serde_json::to_string(&session(number as f64)).unwrap() + "\n";
+        let read = || History::read_from(Some(path.clone()));
+        assert!(read().add(session(0.0)).is_some());
+        let lines: String = (0..MAX_SESSIONS).map(line).collect();
+        fs::write(&path, lines).unwrap();
+        let progress = read().add(session(7.0)).unwrap().to_string();
+        assert!(
+            progress.contains("997.0 998.0 999.0 7.0 (oldest"),
+            "{progress}"
+        );
+        let history = read();
+        assert_eq!(history.count(), MAX_SESSIONS);
+        assert_eq!(history.sessions[0], session(1.0));
+    }
+
+    #[test]
+    fn a_file_of_any_bytes_is_read_as_far_as_possible() {
+        let line = serde_json::to_string(&session(1.0)).unwrap();
+        for damage in [&b"{"[..], b"\xff\xfe", b"[1,2]", b"{\"time\":1}", b"\0\0\0"] {
+            let bytes = [damage, b"\n", line.as_bytes(), b"\n", damage].concat();
+            let (sessions, reason) = parsed(&bytes);
+            assert_eq!(sessions, [session(1.0)]);
+            assert_eq!(reason.unwrap(), "2 lines are damaged, the first is line 1");
+        }
+        assert_eq!(parsed(b""), (Vec::new(), None));
+    }
+
+    #[test]
+    fn names_of_layouts_are_fields_of_csv_and_no_formulas() {
+        let line = session(12.5).csv();
+        let expected =
+            "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0";
+        assert_eq!(line, expected);
+        assert_eq!(COLUMNS.split(',').count(), 11);
+        assert_eq!(quoted("=1+1"), "'=1+1");
+    }
+}

@@ -1,0 +1,208 @@
+//! The text to type: a given one, or a short one that the layout can type.
+
+use std::io::Read;
+use std::path::Path;
+
+use ademan::files;
+use ademan::layout::Layout;
+use ademan::message::{escape, escape_path};
+use ademan::sim::{HandAction, taps_for_text};
+use clap::ValueEnum;
+
+use super::Args;
+use crate::demo::text::{self, TextChoice};
+use crate::failure::Failure;
+
+/// The longest lesson, in characters.
+const MAX_CHARACTERS: usize = 1000;
+
+/// The longest file of a lesson, in bytes.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Repetitions of a chord.
+const CHORD_REPETITIONS: usize = 3;
+
+/// Chords in a lesson.
+const MAX_CHORDS: usize = 30;
+
+const ENGLISH: [&str; 5] = [
+    "the hand finds its own way to each key",
+    "a calm finger makes few errors",
+    "read the whole line first and then type it",
+    "lift the finger before the next key",
+    "speed comes by itself after a while",
+];
+
+/// Texts without accents, which every keymap has.
+const SPANISH: [&str; 5] = [
+    "la mano aprende sola el camino de cada tecla",
+    "un dedo tranquilo comete pocos errores",
+    "lee primero la frase entera y luego escribe",
+    "levanta el dedo antes de la tecla siguiente",
+    "la velocidad llega sola con el tiempo",
+];
+
+/// A kind of lesson that comes with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LessonKind {
+    /// Short texts in English
+    English,
+    /// Short texts in Spanish, without accents
+    Spanish,
+    /// The characters that the layout types by chords, those of few fingers first
+    Chords,
+}
+
+/// A text to type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lesson {
+    /// The name in the history.
+    pub name: &'static str,
+    pub text: String,
+}
+
+impl Lesson {
+    /// Returns the lesson that the arguments ask for. `number` chooses among the texts of a language.
+    pub fn choose(args: &Args, layout: &Layout, number: usize) -> Result<Self, Failure> {
+        let (name, text) = match (&args.text, &args.file, args.lesson) {
+            (Some(text), ..) => ("text", one_line(text)),
+            (None, Some(path), _) => ("file", read(path)?),
+            (None, None, Some(LessonKind::Chords)) => ("chords", chords(layout)?),
+            (None, None, Some(LessonKind::Spanish)) => {
+                built_in("spanish", &SPANISH, layout, number)?
+            }
+            (None, None, Some(LessonKind::English) | None) => {
+                built_in("english", &ENGLISH, layout, number)?
+            }
+        };
+        if text.is_empty() {
+            return Err(Failure::wrong_use(
+                "nothing to type: the text is empty; give another one with --text or --file",
+            ));
+        }
+        let strokes = taps_for_text(&text, &layout.key_bindings(), layout.bend_chords());
+        strokes.map_err(|error| {
+            let name = escape(&layout.name);
+            Failure::wrong_use(format!(
+                "`{name}` cannot type this text: {error}; `ademan layout show` draws its keys"
+            ))
+        })?;
+        Ok(Self { name, text })
+    }
+}
+
+/// Returns a text of a language, or characters of the layout if it cannot type any of them.
+fn built_in(
+    name: &'static str,
+    texts: &[&str],
+    layout: &Layout,
+    number: usize,
+) -> Result<(&'static str, String), Failure> {
+    let (keys, chords) = (layout.key_bindings(), layout.bend_chords());
+    let can_type = |text: &&&str| taps_for_text(text, &keys, chords).is_ok();
+    let possible: Vec<&&str> = texts.iter().filter(can_type).collect();
+    match possible.is_empty() {
+        true => Ok(("characters", text::choose(TextChoice::Default, layout)?)),
+        false => Ok((name, possible[number % possible.len()].to_string())),
+    }
+}
+
+/// Returns the characters that several fingers type together, each some times.
+fn chords(layout: &Layout) -> Result<String, Failure> {
+    let keys = layout.key_bindings();
+    let fingers = |character: char| {
+        let strokes = taps_for_text(&character.to_string(), &keys, layout.bend_chords()).ok()?;
+        match strokes.as_slice() {
+            [HandAction::Chord(fingers)] => Some(fingers.len()),
+            _ => None,
+        }
+    };
+    let visible = ('!'..='~').filter_map(|character| Some((fingers(character)?, character)));
+    let mut chords: Vec<(usize, char)> = visible.collect();
+    if chords.is_empty() {
+        return Err(Failure::wrong_use(format!(
+            "`{}` has no chords of bent fingers; choose another lesson, or a layout such as `chords-bend`",
+            escape(&layout.name)
+        )));
+    }
+    chords.sort_by_key(|(fingers, _)| *fingers);
+    chords.truncate(MAX_CHORDS);
+    let groups = chords
+        .iter()
+        .map(|(_, character)| character.to_string().repeat(CHORD_REPETITIONS));
+    let has_space = taps_for_text(" ", &keys, layout.bend_chords()).is_ok();
+    let separator = if has_space { " " } else { "" };
+    Ok(groups.collect::<Vec<_>>().join(separator))
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    let cannot_read = |reason: String| {
+        let path = escape_path(path);
+        Failure::wrong_use(format!("cannot read the text {path}: {reason}"))
+    };
+    let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
+    let mut text = String::new();
+    let read = file.take(MAX_FILE_BYTES).read_to_string(&mut text);
+    read.map_err(|error| cannot_read(error.to_string()))?;
+    let line = one_line(&text);
+    if line.chars().count() == MAX_CHARACTERS {
+        say!("the lesson is the first {MAX_CHARACTERS} characters of the file");
+    }
+    Ok(line)
+}
+
+/// Returns the beginning of a text with single spaces between its words.
+fn one_line(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    words.join(" ").chars().take(MAX_CHARACTERS).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan::files::Load;
+
+    #[test]
+    fn the_texts_of_both_languages_are_for_every_keyboard_with_letters() {
+        for layout in ["qwerty-flat", "spanish-flat", "dvorak-flat", "chords-bend"] {
+            let layout = Layout::load(layout).unwrap();
+            for (number, text) in ENGLISH.iter().chain(&SPANISH).enumerate() {
+                let texts = &[*text];
+                let found = built_in("name", texts, &layout, number).unwrap();
+                assert_eq!(found, ("name", (*text).to_owned()), "{}", layout.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_layout_without_letters_gets_its_own_characters() {
+        let numpad = Layout::load("numpad").unwrap();
+        let (name, text) = built_in("english", &ENGLISH, &numpad, 3).unwrap();
+        assert_eq!((name, text.as_str()), ("characters", "3.14159*2-0.5"));
+        let arrows = Layout::load("arrows").unwrap();
+        assert!(built_in("english", &ENGLISH, &arrows, 0).is_err());
+    }
+
+    #[test]
+    fn chords_of_few_fingers_come_first_and_a_board_of_keys_has_none() {
+        let text = chords(&Layout::load("chords-bend").unwrap()).unwrap();
+        let groups: Vec<&str> = text.split(' ').collect();
+        // Of two fingers, as the comment of the layout file lists them.
+        for two in ["iii", "nnn", "sss", "rrr", "hhh"] {
+            let place = groups.iter().position(|group| *group == two);
+            assert!(place.is_some_and(|place| place < 10), "{two} in {text}");
+        }
+        let place = groups.iter().position(|group| *group == "qqq").unwrap();
+        assert!(place >= 10, "q takes four fingers: {text}");
+        assert!(chords(&Layout::load("qwerty-flat").unwrap()).is_err());
+    }
+
+    #[test]
+    fn a_text_becomes_one_line_of_bounded_length() {
+        assert_eq!(one_line(" a\tb\r\n\n c "), "a b c");
+        assert_eq!(
+            one_line(&"ab ".repeat(2000)).chars().count(),
+            MAX_CHARACTERS
+        );
+    }
+}

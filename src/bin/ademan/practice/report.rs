@@ -1,0 +1,160 @@
+//! The result of one practice.
+
+use std::io::{self, IsTerminal, Write};
+use std::time::SystemTime;
+
+use ademan::layout::Layout;
+use ademan::message::escape;
+use ademan::sim::TypingScore;
+use serde_json::json;
+
+use super::heat;
+use super::history::{Progress, SessionResult};
+use super::lesson::Lesson;
+use super::line::{CharacterScore, PracticeLine, errors};
+use crate::failure::Failure;
+
+/// Characters of the list of the worst ones.
+const MAX_WORST: usize = 5;
+
+/// The result of one practice.
+pub struct Report {
+    lesson: &'static str,
+    layout: Layout,
+    score: TypingScore,
+    seconds: f64,
+    characters: Vec<CharacterScore>,
+    /// The whole text was typed.
+    pub is_complete: bool,
+    is_simulated: bool,
+    /// The latest results, this one included; `None` if it is not kept.
+    pub progress: Option<Progress>,
+}
+
+impl Report {
+    pub fn new(
+        lesson: &Lesson,
+        layout: Layout,
+        line: &PracticeLine,
+        is_complete: bool,
+        is_simulated: bool,
+    ) -> Self {
+        let score = line.score(is_complete);
+        Self {
+            lesson: lesson.name,
+            layout,
+            seconds: line.seconds(),
+            characters: line.characters(&score.presented),
+            score,
+            is_complete,
+            is_simulated,
+            progress: None,
+        }
+    }
+
+    /// Returns the result for the history.
+    pub fn session(&self) -> SessionResult {
+        let now = humantime::format_rfc3339_seconds(SystemTime::now());
+        let edits = self.score.edits;
+        SessionResult {
+            time: now.to_string(),
+            lesson: self.lesson.to_owned(),
+            layout: self.layout.name.clone(),
+            is_simulated: self.is_simulated,
+            characters: self.score.presented.chars().count(),
+            seconds: rounded(self.seconds, 10.0),
+            words_per_minute: rounded(self.score.words_per_minute, 10.0),
+            error_rate: rounded(self.score.error_rate, 1e4),
+            substitutions: edits.substitutions,
+            insertions: edits.insertions,
+            deletions: edits.deletions,
+        }
+    }
+
+    /// Prints the result as text or as JSON.
+    pub fn print(&self, is_json: bool) -> Result<(), Failure> {
+        let mut out = io::stdout().lock();
+        match is_json {
+            true => writeln!(out, "{}", self.json())?,
+            false => self.write(&mut out)?,
+        }
+        Ok(())
+    }
+
+    /// Returns the characters with errors, the worst first.
+    fn worst(&self) -> impl Iterator<Item = &CharacterScore> {
+        let with_errors = self.characters.iter().filter(|score| score.errors > 0);
+        with_errors.take(MAX_WORST)
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let session = self.session();
+        let worst = self.worst().map(|score| {
+            json!({
+                "character": score.character,
+                "attempts": score.attempts,
+                "errors": score.errors,
+            })
+        });
+        json!({
+            "lesson": session.lesson,
+            "layout": session.layout,
+            "text": self.score.presented,
+            "typed": self.score.typed,
+            "is_complete": self.is_complete,
+            "is_simulated": session.is_simulated,
+            "seconds": session.seconds,
+            "words_per_minute": session.words_per_minute,
+            "error_rate": session.error_rate,
+            "substitutions": session.substitutions,
+            "insertions": session.insertions,
+            "deletions": session.deletions,
+            "worst": worst.collect::<Vec<_>>(),
+        })
+    }
+
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let score = &self.score;
+        let is_simulated = if self.is_simulated {
+            " (a simulated hand)"
+        } else {
+            ""
+        };
+        writeln!(out, "text       {}", escape(&score.presented))?;
+        writeln!(out, "typed      {}", escape(&score.typed))?;
+        writeln!(
+            out,
+            "speed      {:.1} words/min of correct text in {:.1} s{is_simulated}",
+            score.words_per_minute, self.seconds
+        )?;
+        writeln!(out, "quality    {}", errors(score.error_rate, score.edits))?;
+        let worst: Vec<String> = self.worst().map(in_words).collect();
+        match worst.is_empty() {
+            true => writeln!(out, "worst keys none")?,
+            false => writeln!(out, "worst keys {}", worst.join(", "))?,
+        }
+        if io::stdout().is_terminal() && !worst.is_empty() {
+            out.write_all(heat::draw(&self.layout, &self.characters).as_bytes())?;
+        }
+        match &self.progress {
+            Some(progress) => write!(out, "{progress}"),
+            None if !self.is_complete => {
+                writeln!(out, "kept       no: the text was not completed")
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn in_words(score: &CharacterScore) -> String {
+    let name = match score.character {
+        ' ' => "space".to_owned(),
+        character => escape(&character.to_string()).into_owned(),
+    };
+    format!("{name} {} of {}", score.errors, score.attempts)
+}
+
+/// Rounds to a multiple of 1/`scale`.
+fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale
+}

@@ -1,0 +1,253 @@
+//! `ademan start`: the first start, step by step: the source, the hand, the layout, the calibration, the setup file and a practice line.
+
+mod layout;
+mod question;
+mod source;
+
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use ademan::capture::SourceUri;
+use ademan::capture::protocol::lucidgloves;
+use ademan::document::Document;
+use ademan::files;
+use ademan::hand::Side;
+use ademan::message::{escape, escape_path, shell_word};
+use ademan::setup::Setup;
+
+use self::question::{Questions, interrupted};
+use crate::calibrate::{self, destination::Destination};
+use crate::complete;
+use crate::failure::Failure;
+use crate::source_value::SourceValue;
+use crate::{practice, signals};
+
+/// The setup that every run without another one uses.
+const OWN_SETUP: &str = "setup.ron";
+
+/// Set up a glove or another sensor step by step, and try it
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan start\n  ademan start --simulated\n  ademan start --port /dev/ttyUSB0 --hand left\n  ademan start --yes --source 'serial:/dev/ttyUSB0?protocol=lucidgloves' --no-calibrate --out my-setup.ron\n\nEach option answers one question. Nothing is typed into other programs, and no file is replaced without a question. Ctrl-C ends it at any step."
+)]
+pub struct Args {
+    /// Accept every proposal that no option answers
+    #[arg(long)]
+    yes: bool,
+    /// Source of readings, instead of the search on the serial ports
+    #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), conflicts_with_all = ["port", "simulated"])]
+    source: Option<SourceUri>,
+    /// Serial port to listen to, instead of all
+    #[arg(long, value_name = "PORT", conflicts_with = "simulated")]
+    port: Option<String>,
+    /// Use the simulated hand. No setup file is written
+    #[arg(long)]
+    simulated: bool,
+    /// Hand that is measured
+    #[arg(long, value_parser = calibrate::side())]
+    hand: Option<Side>,
+    /// Layout: the name of one that comes with the program, or a file
+    #[arg(long, add = complete::layout())]
+    layout: Option<String>,
+    /// Glove file, instead of a calibration
+    #[arg(long, add = complete::glove(), conflicts_with = "no_calibrate")]
+    glove: Option<String>,
+    /// Do not calibrate
+    #[arg(long)]
+    no_calibrate: bool,
+    /// Time before each pose of the calibration, in seconds
+    #[arg(long, value_name = "S", default_value = "3", value_parser = calibrate::seconds)]
+    countdown: f64,
+    /// Setup file to write. The default is setup.ron in the configuration folder, which every run finds
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace existing files without a question; the old ones are kept beside them
+    #[arg(long)]
+    force: bool,
+    /// End without a practice line
+    #[arg(long)]
+    no_practice: bool,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let questions = Questions::new(args.yes);
+    signals::install()?;
+    signals::end_at_once_on_stop();
+    let Some(source) = source::find(&args, &questions)? else {
+        return try_simulated(&args, &questions);
+    };
+    println!("source: {}", escape(&source.to_string()));
+    let path = setup_path(&args)?;
+    let destination = Destination::new(Some(path), &Document::new(OWN_SETUP, ""), args.force)?;
+    let mut setup = worn(source, &args, &questions)?;
+    setup.layout = layout::choose(args.layout.as_deref(), &setup, &questions)?;
+    calibrate(&mut setup, &args, &questions, destination.path())?;
+    // A file that is begun is written to its end.
+    signals::only_note_stop();
+    if !destination.write(&text(&setup, destination.path()))? {
+        return Err(interrupted());
+    }
+    signals::end_at_once_on_stop();
+    let own = files::in_config_folder(OWN_SETUP);
+    let file = match own.as_deref() == Some(destination.path()) {
+        true => String::new(),
+        false => format!(" {}", destination.as_word()),
+    };
+    let is_practiced = !args.no_practice && io::stdout().is_terminal();
+    if is_practiced && questions.confirm("try it in a practice line")? {
+        let setup = destination.path().to_string_lossy().into_owned();
+        practice::run(practice::Args::for_setup(Some(setup), None))?;
+    }
+    println!("practice:  ademan practice{file}");
+    println!("next time: ademan run{file} --output desktop");
+    Ok(())
+}
+
+/// Shows the simulated hand on a layout, and the commands for a device.
+fn try_simulated(args: &Args, questions: &Questions) -> Result<(), Failure> {
+    let layout = layout::choose(args.layout.as_deref(), &Setup::default(), questions)?;
+    let word = shell_word(&layout).into_owned();
+    if !args.no_practice {
+        practice::run(practice::Args::for_setup(None, Some(layout)))?;
+    }
+    println!("practice:  ademan practice --layout {word}");
+    println!("with a device: connect it, then `ademan start`");
+    Ok(())
+}
+
+/// Returns the path of the setup file, in a folder that exists.
+fn setup_path(args: &Args) -> Result<PathBuf, Failure> {
+    if let Some(path) = &args.out {
+        return Ok(path.clone());
+    }
+    let folder = files::config_folder().ok_or_else(|| {
+        Failure::wrong_use(
+            "this system has no configuration folder; name the setup file with --out",
+        )
+    })?;
+    fs::create_dir_all(&folder).map_err(|error| {
+        let folder = escape_path(&folder);
+        Failure::wrong_use(format!(
+            "cannot create {folder}: {error}; name another setup file with --out"
+        ))
+    })?;
+    Ok(folder.join(OWN_SETUP))
+}
+
+/// Returns a setup with the source and the glove of the hand that is measured.
+fn worn(source: SourceUri, args: &Args, questions: &Questions) -> Result<Setup, Failure> {
+    let side = match args.hand {
+        Some(side) => side,
+        None => questions.ask("which hand is measured, right or left", "right", |answer| {
+            answer
+                .parse()
+                .map_err(|_| "answer `right` or `left`".to_owned())
+        })?,
+    };
+    let source = match source {
+        SourceUri::Stream(mut stream) => {
+            stream.format = stream.format.for_hand(side);
+            SourceUri::Stream(stream)
+        }
+        other => other,
+    };
+    let is_lucidglove = source.protocol() == Some(&lucidgloves::PROTOCOL);
+    let left = match is_lucidglove {
+        true => "lucidgloves-left",
+        false => "unam-hc11-left",
+    };
+    let shipped = (side == Side::Left && source.needs_glove()).then(|| left.to_owned());
+    Ok(Setup {
+        glove: args.glove.clone().or(shipped),
+        source: Some(source),
+        ..Setup::default()
+    })
+}
+
+/// Calibrates a new glove file beside the setup file, if the source needs one and the person wants it.
+fn calibrate(
+    setup: &mut Setup,
+    args: &Args,
+    questions: &Questions,
+    beside: &Path,
+) -> Result<(), Failure> {
+    let source = setup.source.clone().filter(SourceUri::needs_glove);
+    let Some(source) = source.filter(|_| args.glove.is_none() && !args.no_calibrate) else {
+        return Ok(());
+    };
+    println!("a glove fits a hand better after a calibration: some poses, about a minute");
+    if !questions.confirm("calibrate now")? {
+        return Ok(());
+    }
+    let stem = beside.file_stem().unwrap_or_default().to_string_lossy();
+    let path = beside.with_file_name(format!("{stem}-glove.ron"));
+    let before = fs::read(&path).ok();
+    let calibration =
+        calibrate::Args::for_source(source, setup.glove.clone(), path.clone(), args.countdown);
+    signals::only_note_stop();
+    calibrate::run(calibration.forced(args.force))?;
+    if signals::is_stop_requested() {
+        return Err(interrupted());
+    }
+    if fs::read(&path).ok() != before {
+        setup.glove = Some(path.to_string_lossy().into_owned());
+    } else {
+        println!("the setup uses the glove as it comes with the program");
+    }
+    Ok(())
+}
+
+/// Returns the text of the setup file. A glove file beside it is named without its folder.
+fn text(setup: &Setup, path: &Path) -> String {
+    let mut fields = Vec::new();
+    if let Some(source) = &setup.source {
+        fields.push(format!("source: {:?}", source.to_string()));
+    }
+    if let Some(glove) = &setup.glove {
+        let file = Path::new(glove);
+        let is_beside = file.parent() == path.parent() && glove.ends_with(".ron");
+        let name = file.file_name().filter(|_| is_beside);
+        let name = name.map_or(glove.clone(), |name| name.to_string_lossy().into_owned());
+        fields.push(format!("glove: {name:?}"));
+    }
+    fields.push(format!("layout: {:?}", setup.layout));
+    let fields: String = fields
+        .iter()
+        .map(|field| format!("    {field},\n"))
+        .collect();
+    format!(
+        "// Written by `ademan start`. `ademan setup new` shows all fields.\n// It types into other programs with `--output desktop` only.\nSetup(\n{fields})\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_setup_file_has_the_answers_and_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a \"b\".ron");
+        let glove = folder.path().join("mine.ron");
+        let setup = Setup {
+            source: Some(
+                "serial:/dev/ttyUSB0?protocol=lucidgloves&baud=9600"
+                    .parse()
+                    .unwrap(),
+            ),
+            glove: Some(glove.to_string_lossy().into_owned()),
+            layout: "chords-bend".into(),
+            ..Setup::default()
+        };
+        fs::write(&path, text(&setup, &path)).unwrap();
+        assert!(text(&setup, &path).contains("glove: \"mine.ron\""));
+        assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), setup);
+        let shipped = Setup {
+            glove: Some("unam-hc11-left".into()),
+            ..setup
+        };
+        fs::write(&path, text(&shipped, &path)).unwrap();
+        assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), shipped);
+    }
+}

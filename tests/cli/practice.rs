@@ -1,0 +1,279 @@
+//! `ademan practice`: a text that a simulated hand types, its result, and the results of before.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::{Ended, ademan, file, text};
+
+/// The command with a state folder of its own.
+fn practice(state: &Path, arguments: &[&str]) -> Command {
+    let mut command = ademan(["practice"]);
+    command
+        .args(arguments)
+        // Of Linux and macOS, then of Windows.
+        .env("XDG_STATE_HOME", state)
+        .env("LOCALAPPDATA", state);
+    command
+}
+
+fn run(state: &Path, arguments: &[&str]) -> Ended {
+    let output = practice(state, arguments).output();
+    output.expect("the program starts").into()
+}
+
+fn json(state: &Path, arguments: &[&str]) -> Value {
+    let ended = run(state, &[&["--json"], arguments].concat()).done();
+    serde_json::from_str(&ended.out).expect("JSON")
+}
+
+fn history_file(state: &TempDir) -> PathBuf {
+    state.path().join("ademan/practice/sessions.jsonl")
+}
+
+fn lines(path: &Path) -> Vec<String> {
+    let text = fs::read_to_string(path).expect("a file");
+    text.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn the_simulated_hand_types_the_text_and_the_result_is_printed_and_kept() {
+    let state = tempfile::tempdir().unwrap();
+    let ended = run(state.path(), &["--text", "secreto 1"]).done();
+    for expected in [
+        "text       secreto 1\ntyped      secreto 1\nspeed      ",
+        "words/min of correct text in ",
+        "(a simulated hand)\n",
+        "quality    0.0 % errors: 0 substitutions, 0 insertions, 0 deletions\nworst keys none\n",
+        "progress   words/min ",
+    ] {
+        assert!(ended.out.contains(expected), "{expected}: {}", ended.out);
+    }
+    let path = history_file(&state);
+    let kept = lines(&path);
+    assert_eq!(kept.len(), 1);
+    assert!(!kept[0].contains("secreto"), "what was typed: {}", kept[0]);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode(&path), 0o600);
+        assert_eq!(mode(path.parent().unwrap()), 0o700);
+    }
+    run(state.path(), &["--text", "a", "--no-history"]).done();
+    assert_eq!(lines(&path), kept);
+}
+
+#[test]
+fn a_noisy_hand_makes_errors_that_add_up_to_the_typed_text() {
+    let state = tempfile::tempdir().unwrap();
+    let mut wrong = 0;
+    for noise in ["0", "4", "8"] {
+        let arguments = [
+            "--text",
+            "una mano abierta",
+            "--noise",
+            noise,
+            "--seed",
+            "2",
+        ];
+        let result = json(state.path(), &arguments);
+        println!("{result}");
+        let count = |name: &str| result[name].as_u64().expect("a number") as usize;
+        let length = |name: &str| result[name].as_str().expect("a text").chars().count();
+        let inserted = length("text") + count("insertions");
+        assert_eq!(inserted, length("typed") + count("deletions"), "{result}");
+        let errors = count("substitutions") + count("insertions") + count("deletions");
+        let rate = result["error_rate"].as_f64().unwrap();
+        let expected = errors as f64 / length("text").max(length("typed")) as f64;
+        assert!((rate - expected).abs() < 1e-4, "{result}");
+        let has_worst = !result["worst"].as_array().unwrap().is_empty();
+        assert!(has_worst || count("substitutions") + count("deletions") == 0);
+        if noise == "0" {
+            assert_eq!(errors, 0, "{result}");
+            assert!(result["words_per_minute"].as_f64().unwrap() > 5.0);
+        }
+        wrong += errors;
+    }
+    assert!(wrong > 0, "noise has to show");
+}
+
+#[test]
+fn lessons_come_from_files_languages_and_chords() {
+    let state = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "lesson.txt", "  dos\nlineas\r\n");
+    let result = json(state.path(), &["--file", &path]);
+    assert_eq!(result["text"], "dos lineas");
+    assert_eq!(result["typed"], result["text"]);
+    let spanish = |layout| json(state.path(), &["--lesson", "spanish", "--layout", layout]);
+    let first = spanish("qwerty-flat");
+    let second = spanish("chords-bend");
+    assert_eq!(first["lesson"], "spanish");
+    assert_eq!(second["typed"], second["text"]);
+    assert_ne!(first["text"], second["text"], "the next one");
+    let numpad = json(state.path(), &["--layout", "numpad"]);
+    assert_eq!(numpad["lesson"], "characters");
+    assert_eq!(numpad["typed"], numpad["text"]);
+}
+
+#[test]
+fn a_text_that_cannot_be_typed_is_refused() {
+    let state = tempfile::tempdir().unwrap();
+    for (arguments, reason) in [
+        (&["--text", "ñandú"][..], "cannot type this text"),
+        (&["--text", "  "], "nothing to type"),
+        (&["--layout", "arrows"], "no key of"),
+        (&["--lesson", "chords"], "no chords of bent fingers"),
+        (&["--file", "/nowhere/lesson"], "cannot read the text"),
+        (&["--file", "/"], "this is a directory"),
+    ] {
+        let ended = run(state.path(), arguments);
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        assert!(ended.err.contains(reason), "{reason}: {}", ended.err);
+    }
+    assert!(!history_file(&state).exists());
+}
+
+#[test]
+fn a_damaged_history_is_reported_and_nothing_of_it_is_lost() {
+    let state = tempfile::tempdir().unwrap();
+    run(state.path(), &["--text", "a b"]).done();
+    let path = history_file(&state);
+    let valid = fs::read(&path).unwrap();
+    let damaged = [b"{\"time\":\xff\n", &valid[..]].concat();
+    fs::write(&path, &damaged).unwrap();
+    let ended = run(state.path(), &["--text", "a b"]).done();
+    assert!(ended.err.contains("line 1 is damaged"), "{}", ended.err);
+    let kept = path.with_extension("damaged.1.jsonl");
+    assert!(ended.err.contains("is kept as "), "{}", ended.err);
+    assert_eq!(fs::read(kept).unwrap(), damaged);
+    let sessions = lines(&path);
+    assert_eq!(sessions.len(), 2);
+    assert_eq!(sessions[0].as_bytes(), valid.trim_ascii_end());
+    // The next one is whole.
+    let ended = run(state.path(), &["--text", "a b"]).done();
+    assert!(!ended.err.contains("damaged"), "{}", ended.err);
+    assert_eq!(lines(&path).len(), 3);
+}
+
+#[test]
+fn a_state_folder_that_cannot_be_written_is_reported_and_the_end_is_normal() {
+    let folder = tempfile::tempdir().unwrap();
+    let state = file(&folder, "state", "a file");
+    let ended = run(Path::new(&state), &["--text", "hola"]).done();
+    assert!(ended.out.contains("typed      hola\n"), "{}", ended.out);
+    assert!(!ended.out.contains("progress"), "{}", ended.out);
+    let message = "cannot keep the result in ";
+    assert!(ended.err.contains(message), "{}", ended.err);
+    assert!(ended.err.contains("XDG_STATE_HOME"), "{}", ended.err);
+    assert_eq!(fs::read_to_string(state).unwrap(), "a file");
+}
+
+#[test]
+fn results_are_exported_as_csv_and_printed() {
+    let state = tempfile::tempdir().unwrap();
+    let none = run(state.path(), &["--history"]).done();
+    assert!(none.out.contains("no results yet"), "{}", none.out);
+    for text in ["hola", "mundo"] {
+        run(state.path(), &["--text", text]).done();
+    }
+    let csv = state.path().join("progress.csv");
+    let ended = run(state.path(), &["--csv", text(&csv)]).done();
+    assert!(ended.out.contains("wrote 2 sessions"), "{}", ended.out);
+    let rows = lines(&csv);
+    assert_eq!(rows.len(), 3);
+    let columns: Vec<&str> = rows[0].split(',').collect();
+    let column = |row: &str, name: &str| -> String {
+        // The name of the layout has a comma, and is the only quoted field.
+        let (before, rest) = row.split_once('"').expect("a quote");
+        let (layout, after) = rest.split_once('"').expect("a quote");
+        let plain = format!("{before}{}{after}", layout.replace(',', ""));
+        let index = columns.iter().position(|column| *column == name);
+        let index = index.expect("a column");
+        plain.split(',').nth(index).expect("a field").to_owned()
+    };
+    assert_eq!(column(&rows[1], "characters"), "4");
+    assert_eq!(column(&rows[2], "characters"), "5");
+    assert_eq!(column(&rows[2], "layout"), "QWERTY 19 mm");
+    assert_eq!(column(&rows[2], "simulated"), "true");
+    let again = run(state.path(), &["--csv", text(&csv)]);
+    assert_eq!(again.code, Some(2));
+    assert!(again.err.contains("the file exists"), "{}", again.err);
+    assert_eq!(lines(&csv), rows);
+    let printed = run(state.path(), &["--csv", "-"]).done().out;
+    assert_eq!(printed.lines().collect::<Vec<_>>(), rows);
+    let table = run(state.path(), &["--history"]).done().out;
+    assert_eq!(table.lines().count(), 3, "{table}");
+    assert!(table.contains("QWERTY, 19 mm (simulated)"), "{table}");
+}
+
+#[cfg(target_os = "linux")]
+mod on_a_terminal {
+    use super::*;
+    use crate::view::screen::Screen;
+    use crate::view::set_terminal;
+    use vt100::Color;
+
+    fn start(state: &TempDir, arguments: &[&str]) -> Screen {
+        let mut command = practice(state.path(), arguments);
+        set_terminal(&mut command);
+        Screen::start(&command, 80, 40)
+    }
+
+    #[test]
+    fn the_line_shows_the_progress_and_the_end_shows_the_result() {
+        let state = tempfile::tempdir().unwrap();
+        let mut screen = start(&state, &["--text", "hola"]);
+        let text = screen.wait_for_text("typed    ho");
+        println!("{text}");
+        assert!(text.contains("to type  hola"), "{text}");
+        assert!(text.contains(" of 4 characters · "), "{text}");
+        assert!(text.contains("words/min"), "{text}");
+        assert!(
+            text.contains("this view only"),
+            "nothing else receives it: {text}"
+        );
+        assert!(screen.wait().success());
+        screen.assert_restored();
+        let text = screen.text();
+        println!("{text}");
+        assert!(text.contains("typed      hola"), "{text}");
+        assert!(text.contains("progress   words/min"), "{text}");
+        assert_eq!(lines(&history_file(&state)).len(), 1);
+    }
+
+    #[test]
+    fn the_keys_of_wrong_characters_are_coloured() {
+        let state = tempfile::tempdir().unwrap();
+        // The noise that the test of errors uses too.
+        let arguments = ["--text", "una mano", "--noise", "8", "--seed", "2"];
+        let mut screen = start(&state, &arguments);
+        screen.wait();
+        println!("{}", screen.text());
+        let text = screen.text();
+        let hot = |cell: &vt100::Cell| [Color::Idx(1), Color::Idx(3)].contains(&cell.bgcolor());
+        let colored = screen.text_where(hot);
+        match text.contains("worst keys none") {
+            true => assert_eq!(colored.trim(), "", "{text}"),
+            false => assert_ne!(colored.trim(), "", "{text}"),
+        }
+    }
+
+    #[test]
+    fn ctrl_c_ends_it_with_the_result_so_far_and_keeps_nothing() {
+        let state = tempfile::tempdir().unwrap();
+        let mut screen = start(&state, &["--text", "a long text that nobody ends"]);
+        screen.wait_for_text("typed    a");
+        screen.type_keys("\x03");
+        assert!(screen.wait().success());
+        screen.assert_restored();
+        let text = screen.text();
+        assert!(text.contains("the text was not completed"), "{text}");
+        assert!(text.contains("0.0 % errors"), "{text}");
+        assert!(!history_file(&state).exists());
+    }
+}
