@@ -37,6 +37,7 @@ mod lucidgloves;
 mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
+mod persons;
 mod pictures;
 #[cfg(target_os = "linux")]
 mod process_limits;

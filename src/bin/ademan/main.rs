@@ -58,6 +58,7 @@ mod output_list;
 mod outputs;
 mod panics;
 mod pause_signals;
+mod person;
 mod picture;
 mod record;
 mod recording_size;
@@ -125,6 +126,7 @@ subcommands! {
     Layouts(layouts),
     Gloves(gloves),
     Glove(glove),
+    Person(person),
     Setup(setup),
     Script(script),
     Token(token),
