@@ -1,4 +1,4 @@
-//! The files of this folder as text: layouts, gloves and arms.
+//! The files of this folder as text: layouts, gloves, arms and persons.
 //!
 //! A crate of its own, because a published package contains only what lies in its folder, and the stages need the files without a disk.
 
@@ -34,6 +34,8 @@ pub const FILES: &[(&str, &str)] = files! {
     "panels/switches"
     "panels/touch-pad"
     "panels/workshop"
+    "persons/adult"
+    "persons/left-small"
     "pointers/arm-6dof"
     "pointers/arm-gamepad"
     "pointers/direct"

@@ -20,7 +20,7 @@
 //! - [`kinematics`] computes the positions of the fingertips.
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
 //! - [`device`] turns touches into events and commands: keyboards, sliders, joysticks, pointers.
-//! - [`layout`] builds boards, controls, gloves and arms from RON files.
+//! - [`layout`] builds boards, controls, gloves, arms and persons from RON files.
 //! - [`pipeline`] runs these stages for one reading. It neither allocates nor blocks, and it reads no clock.
 //! - [`snapshot`] shows observers the results of all stages for one step.
 //! - [`output`] sends events to the desktop, the kernel or another program.

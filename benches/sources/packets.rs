@@ -5,8 +5,11 @@ use std::time::Duration;
 use ademan::capture::protocol::{Carriers, EncoderPlan};
 use ademan::capture::{Reading, Sample, SampleKind, SourceUri, StreamFormat};
 use ademan::hand::{Joint, JointPositions, Side};
+use ademan::layout::Person;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::sim::{Sensor, SimulatedTypist, TypistSettings, packet_period, taps_for_text};
+use ademan::sim::{
+    Sensor, SimulatedTypist, TypingKeys, TypistSettings, packet_period, taps_for_text,
+};
 use ademan::time::Timestamp;
 use glam::DVec3;
 use serde_json::json;
@@ -50,6 +53,8 @@ fn samples(setup: &LoadedSetup, kind: SampleKind, format: &StreamFormat) -> Vec<
         packet_period: packet_period(format),
         noise: 0.0,
         seed: 0,
+        person: Person::default(),
+        keys: TypingKeys::default(),
     };
     let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).expect("keys");
     let hands = [(&setup.arm, sensor)];

@@ -7,8 +7,8 @@ use super::{config_folder, in_config_folder as path_in_config_folder};
 use crate::document::{Document, DocumentError};
 use crate::message::{escape, escape_path};
 
-/// The folders of layouts, gloves and arms in the configuration folder.
-const FOLDERS: [&str; 3] = ["layouts", "gloves", "arms"];
+/// The folders of layouts, gloves, arms and persons in the configuration folder.
+const FOLDERS: [&str; 4] = ["layouts", "gloves", "arms", "persons"];
 
 /// The end of the name of a RON file.
 const EXTENSION: &str = ".ron";
@@ -107,6 +107,11 @@ pub fn own_layouts() -> Vec<String> {
 /// Returns the names of the gloves in the configuration folder.
 pub fn own_gloves() -> Vec<String> {
     own_names("gloves")
+}
+
+/// Returns the names of the persons in the configuration folder.
+pub fn own_persons() -> Vec<String> {
+    own_names("persons")
 }
 
 /// Returns the error for a name that stands for nothing. In `folder`, there may be a file with that name.

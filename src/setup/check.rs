@@ -149,7 +149,7 @@ fn checked(field: &str, settings: OneEuroSettings) -> Result<OneEuroSettings, Se
 }
 
 impl ArmSetup {
-    /// Returns the bone lengths of a measured arm.
+    /// Returns the bone lengths of a measured arm; `None` for another arm.
     pub(super) fn bone_lengths(&self) -> Result<Option<BoneLengths>, SetupError> {
         let Self::Measured {
             hand_length_mm,

@@ -3,6 +3,7 @@
 pub const SETUP: &str = "setup";
 pub const GLOVE: &str = "glove";
 pub const ARM: &str = "arm";
+pub const PERSON: &str = "person";
 pub const OTHER_GLOVE: &str = "other-glove";
 pub const OTHER_ARM: &str = "other-arm";
 pub const LAYOUT: &str = "layout";

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ArmSetup, OtherHand, Setup, SetupError, kind};
+use super::{ArmSetup, DEFAULT_ARM, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
 use crate::command::ProfileName;
 use crate::device::Capabilities;
@@ -12,7 +12,7 @@ use crate::estimate::{
 };
 use crate::hand::{JointAngles, Side};
 use crate::kinematics::{ArmModel, half_bent_fingers};
-use crate::layout::{Fit, Glove, Layout};
+use crate::layout::{Fit, Glove, Layout, Person};
 use crate::message::escape;
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
@@ -29,6 +29,10 @@ pub struct LoadedSetup {
     pub arm: ArmModel,
     /// The glove and the arm of the other hand.
     pub other_hand: Option<GloveAndArm>,
+    /// The person; the default one if the setup names none.
+    pub person: Person,
+    /// The person who is simulated, whose hand may differ from that of the setup.
+    pub simulated_person: Person,
     /// The layout that is active at the start.
     pub layout: Layout,
     /// The further layouts, in the order of the setup.
@@ -88,12 +92,28 @@ impl Loader<'_> {
         document.as_ref().map(Glove::parse).transpose()
     }
 
-    /// Loads an arm and mirrors it for the side of the glove.
-    fn arm(&mut self, kind: &str, arm: &ArmSetup, side: Side) -> Result<ArmModel, SetupError> {
+    /// Loads a person, the default one without a name.
+    fn person(&mut self, name: Option<&str>) -> Result<Person, DocumentError> {
+        match name {
+            Some(name) => Person::parse(&self.document(kind::PERSON, name)?),
+            None => Ok(Person::default()),
+        }
+    }
+
+    /// Loads an arm of a person and mirrors it for the side of the glove.
+    fn arm(
+        &mut self,
+        kind: &str,
+        arm: &ArmSetup,
+        person: &Person,
+        side: Side,
+    ) -> Result<ArmModel, SetupError> {
         match arm {
-            ArmSetup::Model(name) => {
-                Ok(ArmModel::parse(&self.document(kind, name)?)?.for_side(side))
-            }
+            ArmSetup::Person => match person.arm(side) {
+                Some(arm) => arm.map_err(|error| SetupError::Value(error.to_string())),
+                None => self.arm_model(kind, DEFAULT_ARM, side),
+            },
+            ArmSetup::Model(name) => self.arm_model(kind, name, side),
             ArmSetup::Measured { .. } => {
                 let bones = arm.bone_lengths()?.expect("the arm is measured");
                 ArmModel::anthropometric(side, &bones)
@@ -102,20 +122,28 @@ impl Loader<'_> {
         }
     }
 
+    fn arm_model(&mut self, kind: &str, name: &str, side: Side) -> Result<ArmModel, SetupError> {
+        Ok(ArmModel::parse(&self.document(kind, name)?)?.for_side(side))
+    }
+
     fn other_hand(
         &mut self,
         other: &OtherHand,
         first_source: Option<&SourceUri>,
+        person: &Person,
         first_side: Side,
     ) -> Result<GloveAndArm, SetupError> {
-        let glove = self.glove(kind::OTHER_GLOVE, other.glove_name(first_source))?;
         let side = first_side.opposite();
+        // Without a person, the default glove is the left one, and a message says that both are.
+        let default_side = person.side.map_or(Side::Left, Side::opposite);
+        let name = other.glove_name(first_source, default_side);
+        let glove = self.glove(kind::OTHER_GLOVE, name)?;
         if glove.as_ref().is_some_and(|glove| glove.side != side) {
             return Err(SetupError::Value(format!(
                 "both gloves are for the {first_side} hand, `other_hand` needs a glove for the {side} hand"
             )));
         }
-        let arm = self.arm(kind::OTHER_ARM, &other.arm, side)?;
+        let arm = self.arm(kind::OTHER_ARM, &other.arm, person, side)?;
         Ok(GloveAndArm { glove, arm })
     }
 
@@ -148,13 +176,16 @@ impl LoadedSetup {
             read,
             documents: Vec::new(),
         };
-        let glove = loader.glove(kind::GLOVE, setup.glove_name())?;
+        let person = loader.person(setup.person.as_deref())?;
+        let glove_name = setup.glove_name(person.side.unwrap_or(Side::Right));
+        let glove = loader.glove(kind::GLOVE, glove_name)?;
         let measured = setup.source.as_ref().and_then(SourceUri::hand);
         let side = glove.as_ref().map(|glove| glove.side).or(measured);
-        let side = side.unwrap_or(Side::Right);
-        let arm = loader.arm(kind::ARM, &setup.arm, side)?;
+        let side = side.or(person.side).unwrap_or(Side::Right);
+        setup.check_person(&person, glove.is_some(), side)?;
+        let arm = loader.arm(kind::ARM, &setup.arm, &person, side)?;
         let other_hand = match &setup.other_hand {
-            Some(other) => Some(loader.other_hand(other, setup.source.as_ref(), side)?),
+            Some(other) => Some(loader.other_hand(other, setup.source.as_ref(), &person, side)?),
             None => None,
         };
         let fit = Fit::new(&arm, other_hand.as_ref().map(|hand| &hand.arm))?;
@@ -162,6 +193,8 @@ impl LoadedSetup {
             glove,
             arm,
             other_hand,
+            simulated_person: person.clone(),
+            person,
             layout: loader.layout(kind::LAYOUT, &setup.layout, fit)?,
             profiles: loader.profiles(&setup, fit)?,
             documents: loader.documents,

@@ -4,6 +4,7 @@ mod check;
 mod kind;
 mod loaded;
 mod outputs;
+mod person;
 mod reach;
 mod reach_advice;
 mod recorded;
@@ -24,12 +25,13 @@ use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
 use crate::files::OpenDocument;
+use crate::hand::Side;
 use crate::message::escape_line;
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
 
-/// The gloves of a setup that names none: that of the first hand, and that of the other hand.
+/// The gloves of a setup that names none: that of the right hand, and that of the left hand.
 const DEFAULT_GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
 /// As [`DEFAULT_GLOVES`], for sources that speak the protocol of LucidGloves.
 const DEFAULT_LUCIDGLOVES: [&str; 2] = ["lucidgloves", "lucidgloves-left"];
@@ -50,6 +52,9 @@ pub struct Setup {
     pub arm_role: Option<SourceRole>,
     /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11`, if the source provides channels.
     pub glove: Option<String>,
+    /// The person: a shipped name or a path. Sets the side and, unless `arm` names a model or lengths, the arms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub person: Option<String>,
     /// The arm.
     pub arm: ArmSetup,
     /// The other hand of a setup with two hands.
@@ -112,9 +117,12 @@ pub struct ProfileSetup {
 }
 
 /// An arm.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Arm", deny_unknown_fields)]
 pub enum ArmSetup {
+    /// The arm of the person of the setup; the arm model `unam` if there is none, or no length in its file.
+    #[default]
+    Person,
     /// An arm model: a shipped name or a path.
     Model(String),
     /// An arm of average proportions.
@@ -219,6 +227,7 @@ impl Default for Setup {
             arm_source: None,
             arm_role: None,
             glove: None,
+            person: None,
             arm: ArmSetup::default(),
             other_hand: None,
             layout: "qwerty-flat".into(),
@@ -235,12 +244,6 @@ impl Default for Setup {
             allow_system_keys: false,
             panic_keys: Vec::new(),
         }
-    }
-}
-
-impl Default for ArmSetup {
-    fn default() -> Self {
-        Self::Model(DEFAULT_ARM.into())
     }
 }
 
@@ -263,14 +266,19 @@ impl Setup {
 
     /// Loads all files that the setup names.
     pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
-        LoadedSetup::new(self, &|_, name| Document::open(name))
+        let loaded = LoadedSetup::new(self, &|_, name| Document::open(name))?;
+        if let Some(note) = loaded.person_note() {
+            tracing::info!("{note}");
+        }
+        Ok(loaded)
     }
 
-    /// Returns the names of all files: gloves, arms and layouts.
+    /// Returns the names of all files: gloves, persons, arms and layouts.
     fn file_names(&mut self) -> Vec<&mut String> {
         let mut names = vec![&mut self.layout];
         names.extend(self.profiles.iter_mut().map(|profile| &mut profile.layout));
         names.extend(&mut self.glove);
+        names.extend(&mut self.person);
         names.extend(self.arm.model_name());
         if let Some(other) = &mut self.other_hand {
             names.extend(&mut other.glove);
@@ -279,17 +287,18 @@ impl Setup {
         names
     }
 
-    /// The name of the glove file, or `None` if the source needs no glove.
-    fn glove_name(&self) -> Option<&str> {
-        glove_name(&self.glove, self.source.as_ref(), 0)
+    /// The name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
+    fn glove_name(&self, side: Side) -> Option<&str> {
+        glove_name(&self.glove, self.source.as_ref(), side)
     }
 }
 
 impl OtherHand {
-    /// The name of the glove file, or `None` if the source needs no glove. `first` is the source of a hand without one of its own.
-    fn glove_name(&self, first: Option<&SourceUri>) -> Option<&str> {
+    /// The name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a hand without
+    /// one of its own.
+    fn glove_name(&self, first: Option<&SourceUri>, side: Side) -> Option<&str> {
         let source = self.source.as_ref().or(first);
-        glove_name(&self.glove, source, 1)
+        glove_name(&self.glove, source, side)
     }
 }
 
@@ -297,21 +306,25 @@ impl ArmSetup {
     fn model_name(&mut self) -> Option<&mut String> {
         match self {
             Self::Model(name) => Some(name),
-            Self::Measured { .. } => None,
+            Self::Person | Self::Measured { .. } => None,
         }
     }
 }
 
-/// Returns the name of the glove of a hand: 0 is the first hand, 1 the other one.
+/// Returns the name of the glove of a hand.
 fn glove_name<'a>(
     glove: &'a Option<String>,
     source: Option<&SourceUri>,
-    hand: usize,
+    side: Side,
 ) -> Option<&'a str> {
     let protocol = source.and_then(SourceUri::protocol);
-    let default = match protocol == Some(&lucidgloves::PROTOCOL) {
-        true => DEFAULT_LUCIDGLOVES[hand],
-        false => DEFAULT_GLOVES[hand],
+    let [right, left] = match protocol == Some(&lucidgloves::PROTOCOL) {
+        true => DEFAULT_LUCIDGLOVES,
+        false => DEFAULT_GLOVES,
+    };
+    let default = match side {
+        Side::Right => right,
+        Side::Left => left,
     };
     let needs_glove = source.is_none_or(SourceUri::needs_glove);
     glove.as_deref().or(needs_glove.then_some(default))

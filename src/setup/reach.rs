@@ -8,10 +8,10 @@ use super::{LoadedSetup, layout_instance, reach_advice};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::document::{Document, shipped_layouts};
-use crate::hand::Side;
+use crate::hand::{FingerSet, Side};
 use crate::layout::{ControlKind, Face, Layout, SpaceTargets, scale_boards};
 use crate::message::escape;
-use crate::sim::{Miss, TypingHand};
+use crate::sim::{Miss, TypingHand, pressing_fingers};
 
 /// The number of targets that a report names.
 const MAX_NAMES: usize = 12;
@@ -35,6 +35,8 @@ pub struct HandReach(Hands);
 /// The hands of a setup, and the mirror image of a single one, which uses only boards that are reserved for its side.
 #[derive(Clone, Debug)]
 pub(super) struct Hands {
+    /// The fingers that press; empty if the layout decides.
+    pub(super) fingers: FingerSet,
     pub(super) own: Vec<TypingHand>,
     pub(super) mirrored: Option<TypingHand>,
 }
@@ -76,7 +78,8 @@ impl LoadedSetup {
 
     /// Returns the report about a layout of the setup, or `None` if its hands reach everything.
     ///
-    /// Tests the index finger of each hand within the range of its sensors. Boards that are reserved for a hand that the setup
+    /// Tests the finger that the layout names for a target, or those of the person, or else the index finger, and any finger on a
+    /// board that moves with the wrist, within the range of the sensors of each hand. Boards that are reserved for a hand that the setup
     /// lacks are tested with the mirror image of the other one. Includes both ends of the track of a slider or lever, and the
     /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own, and
     /// keys that are pressed by bending.
@@ -101,6 +104,7 @@ impl LoadedSetup {
         if let (Some(mirrored), [hand]) = (&hands.mirrored, &*hands.own) {
             let side = hand.side();
             let hands = Hands {
+                fingers: hands.fingers,
                 own: vec![mirrored.clone()],
                 mirrored: Some(hand.clone()),
             };
@@ -134,10 +138,12 @@ impl LoadedSetup {
         let own = |side| self.typing_hand(side);
         match self.other_hand {
             Some(_) => Hands {
+                fingers: self.person.fingers,
                 own: vec![own(side), own(side.opposite())],
                 mirrored: None,
             },
             None => Hands {
+                fingers: self.person.fingers,
                 own: vec![own(side)],
                 mirrored: Some(own(side.opposite())),
             },
@@ -157,6 +163,7 @@ impl LoadedSetup {
             Some(glove) if self.setup.arm_source.is_none() => TypingHand::new(&arm, &glove.map),
             _ => TypingHand::without_glove(&arm),
         }
+        .with_limits(&self.person.limits)
     }
 }
 
@@ -209,12 +216,11 @@ fn on_boards_out_of_reach<'a, 'b>(
 /// Returns the way of the nearer hand to a position on a target out of reach, or `None` if one reaches it.
 fn miss(hands: &Hands, scene: &Scene, target: TargetId, position: Vec2) -> Option<Miss> {
     let side = scene.target(target).and_then(|(surface, _)| surface.side());
+    let fingers = pressing_fingers(scene, target, hands.fingers);
     let mut nearest: Option<Miss> = None;
     for hand in hands.of_board(side) {
-        match hand.tap_path_at(scene, target, position) {
-            Ok(_) => return None,
-            Err(miss) => nearest = Some(nearest.map_or(miss, |other| nearer(other, miss))),
-        }
+        let miss = hand.miss_of_fingers(scene, target, position, fingers)?;
+        nearest = Some(nearest.map_or(miss, |other| nearer(other, miss)));
     }
     nearest
 }

@@ -8,7 +8,7 @@ use crate::kinematics::ArmModel;
 use crate::message::escape;
 use crate::sim::{
     self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
-    SimulatedTypist, TourStop, TypistError, TypistSettings, open_script,
+    SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, open_script,
 };
 
 impl LoadedSetup {
@@ -25,6 +25,8 @@ impl LoadedSetup {
             packet_period: format.packet_period(),
             noise,
             seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
         };
         self.typist_with(text, &settings, SampleKind::Channels)
     }
@@ -42,6 +44,8 @@ impl LoadedSetup {
             packet_period: sim::packet_period(format),
             noise,
             seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
         };
         let typist = self.typist_with(text, &settings, format.protocol.sample)?;
         SimulatedStream::new(typist, format).map_err(|reason| {
@@ -60,6 +64,7 @@ impl LoadedSetup {
             sim::taps_for_text(text, &self.layout.key_bindings(), self.layout.bend_chords());
         let actions = actions.map_err(TypistError::from)?;
         let hands = self.hands(kind)?;
+        let hands = borrowed(&hands);
         let typist = SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands);
         let typist = typist.map_err(|error| match self.reach_message(&error) {
             Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
@@ -96,8 +101,11 @@ impl LoadedSetup {
             packet_period: format.packet_period(),
             noise,
             seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
         };
         let hands = self.hands(SampleKind::Channels)?;
+        let hands = borrowed(&hands);
         let scene = &self.layout.scene;
         let fit = &self.layout.fit;
         let actions = script.actions().iter().cloned();
@@ -126,8 +134,11 @@ impl LoadedSetup {
             packet_period: format.packet_period(),
             noise: 0.0,
             seed: 0,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
         };
         let hands = self.hands(SampleKind::Channels)?;
+        let hands = borrowed(&hands);
         let layout = Arc::new(self.layout.clone());
         let typist = SimulatedTypist::live(&settings, task, layout, &self.layout_feed, &hands)?;
         Ok(typist.repeated())
@@ -151,8 +162,16 @@ impl LoadedSetup {
         text
     }
 
+    /// Returns the arm of the simulated person in place of an arm of the setup.
+    fn simulated_arm(&self, assumed: &ArmModel) -> Result<ArmModel, SetupError> {
+        match self.simulated_person.arm(assumed.side()) {
+            Some(own) => own.map_err(|error| SetupError::Value(error.to_string())),
+            None => Ok(assumed.clone()),
+        }
+    }
+
     /// Returns the arms of the simulated hands with sensors whose samples are of this kind.
-    fn hands(&self, kind: SampleKind) -> Result<Vec<(&ArmModel, Sensor<'_>)>, SetupError> {
+    fn hands(&self, kind: SampleKind) -> Result<Vec<(ArmModel, Sensor<'_>)>, SetupError> {
         let other = self.other_hand.iter().map(|hand| (&hand.arm, &hand.glove));
         std::iter::once((&self.arm, &self.glove))
             .chain(other)
@@ -162,7 +181,7 @@ impl LoadedSetup {
                     let message = "a simulated hand needs a glove; add `glove` to the setup";
                     SetupError::Value(message.into())
                 })?;
-                Ok((arm, sensor))
+                Ok((self.simulated_arm(arm)?, sensor))
             })
             .collect()
     }
@@ -195,7 +214,9 @@ impl LoadedSetup {
                     "`{}` is {:.0} mm out of reach of the simulated hand; {}",
                     name(*target),
                     metres * 1e3,
-                    advice.as_deref().unwrap_or("move it nearer")
+                    advice
+                        .as_deref()
+                        .unwrap_or("move the board, or change the script")
                 )
             }
             ActionErrorKind::OutOfReach {
@@ -216,6 +237,10 @@ impl LoadedSetup {
             _ => return None,
         })
     }
+}
+
+fn borrowed<'a>(hands: &'a [(ArmModel, Sensor<'a>)]) -> Vec<(&'a ArmModel, Sensor<'a>)> {
+    hands.iter().map(|(arm, sensor)| (arm, *sensor)).collect()
 }
 
 #[cfg(test)]

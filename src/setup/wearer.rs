@@ -6,11 +6,11 @@ use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::LoadedSetup;
 use crate::contact::TargetId;
-use crate::contact::surface::{Anchor, Surface, Target};
-use crate::hand::{Joint, Side};
+use crate::contact::surface::{Surface, Target};
+use crate::hand::{FingerSet, Side};
 use crate::kinematics::HandPose;
 use crate::layout::{BoardShape, ReachArea, Wearer};
-use crate::sim::TypingHand;
+use crate::sim::{TypingHand, pressing_fingers};
 
 /// The distance of the area beyond the outermost targets of a board, in metres: inside the panel of the drawing.
 const MARGIN: f32 = 0.004;
@@ -28,10 +28,11 @@ const MIN_STEP: f32 = 0.004;
 const BISECTIONS: usize = 4;
 
 impl LoadedSetup {
-    /// Returns the hands at rest with the part of each board that the index finger reaches, and the targets out of reach.
+    /// Returns the hands at rest with the part of each board that their fingers reach, and the targets out of reach. The fingers are
+    /// those of [`reach_report`](Self::reach_report), and all that the layout names on the board.
     ///
-    /// A board that moves with the wrist has no such part, because it is always at the hand, and neither has a cylinder, whose
-    /// targets are not in one plane.
+    /// A cylinder has no such part, because its targets are not in one plane, and neither has a board whose keys are pressed by
+    /// bending.
     pub fn wearer(&self) -> Wearer {
         let first = self.arm.side();
         let surfaces = self.layout.scene.surfaces();
@@ -88,6 +89,8 @@ struct Samples<'a> {
     hand: &'a TypingHand,
     /// A target in the plane of the board, from which positions are measured.
     target: (TargetId, &'a Target),
+    /// The fingers that press targets of the board.
+    fingers: FingerSet,
     corner: Vec2,
     step: Vec2,
     columns: usize,
@@ -98,15 +101,19 @@ struct Samples<'a> {
 type Edge = (usize, usize);
 
 impl<'a> Samples<'a> {
-    /// Returns `None` for a board that moves with the wrist, for a cylinder, and for a board without a target in its plane.
+    /// Returns `None` for a board that is pressed by bending, for a cylinder, and for a board without a target in its plane.
     fn new(setup: &'a LoadedSetup, board: usize, hand: &'a TypingHand) -> Option<Self> {
         let surface = setup.layout.scene.surfaces().get(board)?;
         let board = setup.layout.boards.get(board)?;
         let is_flat = matches!(board.shape, BoardShape::Flat | BoardShape::Arc(_));
-        if surface.anchor() == Anchor::Joint(Joint::Wrist) || !is_flat {
+        if surface.is_bent() || !is_flat {
             return None;
         }
         let target = surface.targets().find(|(_, target)| is_in_plane(target))?;
+        let scene = &setup.layout.scene;
+        let pressing = surface.targets();
+        let pressing = pressing.map(|(id, _)| pressing_fingers(scene, id, setup.person.fingers));
+        let fingers = pressing.fold(FingerSet::NONE, FingerSet::union);
         let (min, max) = setup.layout.extent(board);
         let (min, max) = (min - MARGIN, max + MARGIN);
         let steps = ((max - min) / MIN_STEP)
@@ -119,6 +126,7 @@ impl<'a> Samples<'a> {
             setup,
             hand,
             target,
+            fingers,
             corner: min - step,
             step,
             columns,
@@ -144,7 +152,9 @@ impl<'a> Samples<'a> {
             .surface_from_target
             .inverse_transform_point(point.extend(0.0));
         let scene = &self.setup.layout.scene;
-        self.hand.tap_path_at(scene, id, offset.truncate()).is_ok()
+        let offset = offset.truncate();
+        let miss = self.hand.miss_of_fingers(scene, id, offset, self.fingers);
+        miss.is_none()
     }
 
     /// Returns the outlines of the area within reach: marching squares, with each crossing found by bisection.

@@ -38,6 +38,7 @@ mod lucidgloves;
 mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
+mod persons;
 mod pictures;
 mod practice;
 #[cfg(target_os = "linux")]

@@ -7,10 +7,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ademan::document::{Table, shipped_layouts};
-use ademan::layout::{Layout, field_tables};
+use ademan::layout::{Layout, field_tables, person_field_tables};
 use ademan::setup::Setup;
 
 const GUIDE: &str = "layouts/README.md";
+const PERSONS: &str = "docs/persons.md";
 const GALLERY: &str = "docs/layouts";
 const TUTORIAL: &str = "docs/tutorial";
 
@@ -58,7 +59,10 @@ fn generated(part: &str) -> String {
     if part == "gallery" {
         return gallery();
     }
-    let tables = field_tables();
+    let tables: Vec<Table> = field_tables()
+        .into_iter()
+        .chain(person_field_tables())
+        .collect();
     let name = part.strip_prefix("fields ").expect("a kind of part");
     let table = tables.iter().find(|table| table.name == name);
     let table = table.unwrap_or_else(|| panic!("no structure has the name {name}"));
@@ -141,6 +145,17 @@ fn the_generated_parts_of_the_guide_are_up_to_date() {
     }
     assert!(parts.iter().any(|part| part == "gallery"));
     assert_file(GUIDE, &text);
+}
+
+#[test]
+fn the_page_on_persons_lists_every_field() {
+    let page = fs::read_to_string(path(PERSONS)).expect("the page on persons");
+    let (text, parts) = regenerated(&page);
+    for table in person_field_tables() {
+        let part = format!("fields {}", table.name);
+        assert!(parts.contains(&part), "the page has no part `{part}`");
+    }
+    assert_file(PERSONS, &text);
 }
 
 #[test]

@@ -127,6 +127,11 @@ fn arms_are_read_or_refused() {
 }
 
 #[test]
+fn persons_are_read_or_refused() {
+    run("persons", seeds::persons(), texts::person);
+}
+
+#[test]
 fn recordings_are_replayed_or_refused() {
     run("recordings", recordings::seeds(), recordings::recording);
 }

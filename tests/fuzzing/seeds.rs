@@ -39,6 +39,15 @@ pub fn arms() -> Vec<Vec<u8>> {
     vec![shipped("unam")]
 }
 
+/// Returns the shipped persons, and one with every kind of field.
+pub fn persons() -> Vec<Vec<u8>> {
+    let every = r#"Person(fingers: ["index"], resting: ["ring"], offsets_mm: {"index": (1, -2)}, scatter: (x_mm: 3, y_part: 0.01),
+        joint_limits_deg: {"wrist-flexion": (-20, 30)}, tremor: (amplitude_mm: 3, frequency_hz: 5), speed: 0.5)"#;
+    let mut persons = texts(&[every]);
+    persons.extend([shipped("adult"), shipped("left-small")]);
+    persons
+}
+
 /// Returns the example setup, and setups with the fields that it lacks.
 pub fn setups() -> Vec<Vec<u8>> {
     texts(&[

@@ -126,6 +126,7 @@ pub fn setup(data: &[u8]) -> bool {
         layout: "arrows".into(),
         profiles: Vec::new(),
         other_hand: None,
+        person: None,
         arm: model(setup.arm),
         ..setup
     };
@@ -206,6 +207,29 @@ pub fn arm(data: &[u8]) -> bool {
             let pose = arm.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
             for (joint, pose) in pose.known() {
                 assert!(pose.is_finite(), "{joint} is nowhere");
+            }
+            true
+        }
+        Err(error) => {
+            check_error(&error, &document);
+            false
+        }
+    }
+}
+
+/// Parses a person, whose arms are usable.
+pub fn person(data: &[u8]) -> bool {
+    use ademan::hand::Side;
+    use ademan::layout::Person;
+
+    let Some(document) = document(data) else {
+        return false;
+    };
+    match Person::parse(&document) {
+        Ok(person) => {
+            for &side in Side::ALL {
+                let arm = person.arm(side);
+                assert!(arm.is_none_or(|arm| arm.is_ok()), "an arm without a use");
             }
             true
         }

@@ -24,6 +24,7 @@ mod lucidgloves;
 mod network_poses;
 mod panels;
 mod pauses;
+mod persons;
 mod placement;
 mod press_filters;
 mod random_vectors;

@@ -7,9 +7,9 @@ use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
 use ademan::files::Load;
 use ademan::hand::Side;
-use ademan::layout::{Glove, Layout};
+use ademan::layout::{Glove, Layout, Person};
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup, SmoothingSetup};
-use ademan::sim::{HandAction, Sensor, SimulatedTypist, TypistSettings, UsTextField};
+use ademan::sim::{HandAction, Sensor, SimulatedTypist, TypingKeys, TypistSettings, UsTextField};
 
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
@@ -143,6 +143,8 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
             packet_period: line(115_200).packet_period(),
             noise: 0.0,
             seed: 0,
+            person: Person::default(),
+            keys: TypingKeys::default(),
         };
         let mut hands = vec![(&setup.arm, sensor(&setup.glove))];
         let other = setup.other_hand.iter();

@@ -15,7 +15,7 @@
 //! - [`kinematics`] computes the positions of the fingertips.
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
 //! - [`device`] turns touches into events and commands: keyboards, sliders, joysticks, pointers.
-//! - [`layout`] builds boards, gloves and arms from documents.
+//! - [`layout`] builds boards, gloves, arms and persons from documents.
 //! - [`pipeline`] runs the stages for one reading, without an allocation.
 //! - [`snapshot`] is the state of the pipeline after a reading.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.

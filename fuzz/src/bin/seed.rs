@@ -16,6 +16,7 @@ fn main() -> std::io::Result<()> {
         ("gloves", seeds::gloves()),
         ("marks", seeds::marks()),
         ("arms", seeds::arms()),
+        ("persons", seeds::persons()),
         ("recordings", recordings::seeds()),
         ("messages", recordings::message_seeds()),
         ("requests", seeds::requests()),

@@ -6,8 +6,8 @@ use std::path::Path;
 use ademan::capture::recognition::port_names;
 use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
-use ademan::document::{shipped_gloves, shipped_layouts};
-use ademan::files::{own_gloves, own_layouts};
+use ademan::document::{shipped_gloves, shipped_layouts, shipped_persons};
+use ademan::files::{own_gloves, own_layouts, own_persons};
 use ademan::output::{BACKENDS, Backend};
 use clap_complete::engine::{
     ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
@@ -29,6 +29,14 @@ pub fn glove() -> ArgValueCompleter {
     ArgValueCompleter::new(|current: &OsStr| {
         let shipped = shipped_gloves().map(str::to_owned);
         names_and_files(current, shipped.chain(own_gloves()), "ron")
+    })
+}
+
+/// Completes a person, as a layout.
+pub fn person() -> ArgValueCompleter {
+    ArgValueCompleter::new(|current: &OsStr| {
+        let shipped = shipped_persons().map(str::to_owned);
+        names_and_files(current, shipped.chain(own_persons()), "ron")
     })
 }
 

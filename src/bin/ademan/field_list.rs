@@ -1,4 +1,4 @@
-//! `ademan layout fields`: the fields of a layout file, with their defaults and valid values.
+//! `ademan layout fields` and `ademan person fields`: the fields of a file, with their defaults and valid values.
 
 use std::io::{self, Write};
 
@@ -19,11 +19,16 @@ pub struct Args {
     json: bool,
 }
 
-/// Prints the tables that the word finds, or all.
+/// Prints the tables of layout files that the word finds, or all.
 pub fn print(args: &Args) -> Result<(), Failure> {
+    print_tables(args, field_tables(), "ademan layout fields")
+}
+
+/// Prints those of the tables that the word finds, or all. `command` lists all of them.
+pub fn print_tables(args: &Args, tables: Vec<Table>, command: &str) -> Result<(), Failure> {
     let tables = match &args.word {
-        Some(word) => matching(field_tables(), word)?,
-        None => field_tables(),
+        Some(word) => matching(tables, word, command)?,
+        None => tables,
     };
     let mut out = io::stdout().lock();
     if args.json {
@@ -35,7 +40,7 @@ pub fn print(args: &Args) -> Result<(), Failure> {
 }
 
 /// Returns the structure with this name, or else the fields whose name contains the word.
-fn matching(tables: Vec<Table>, word: &str) -> Result<Vec<Table>, Failure> {
+fn matching(tables: Vec<Table>, word: &str, command: &str) -> Result<Vec<Table>, Failure> {
     let lower = word.to_lowercase();
     let is_named = |table: &&Table| table.name.to_lowercase() == lower;
     if let Some(table) = tables.iter().find(is_named) {
@@ -55,7 +60,7 @@ fn matching(tables: Vec<Table>, word: &str) -> Result<Vec<Table>, Failure> {
         });
         let unknown = UnknownName::new("field or structure", word, names);
         return Err(Failure::wrong_use(format!(
-            "{unknown}; `ademan layout fields` lists all fields"
+            "{unknown}; `{command}` lists all fields"
         )));
     }
     Ok(found)

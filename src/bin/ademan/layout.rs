@@ -40,7 +40,7 @@ enum Action {
     },
     /// Check files, report errors with line and column, and list keys out of reach of a hand
     #[command(
-        after_help = "Examples:\n  ademan layout check my-board.ron\n  ademan layout check *.ron --json\n  ademan layout check my-board.ron --hand 189,262\n  ademan layout check my-board.ron --setup my-setup.ron"
+        after_help = "Examples:\n  ademan layout check my-board.ron\n  ademan layout check *.ron --json\n  ademan layout check my-board.ron --hand 189,262\n  ademan layout check my-board.ron --person left-small\n  ademan layout check my-board.ron --setup my-setup.ron"
     )]
     Check {
         /// Layout files, or names of layouts that come with the program
@@ -50,6 +50,9 @@ enum Action {
         /// layouts of the program are drawn for
         #[arg(long, value_name = "HAND,FOREARM", value_parser = layout_check::hand)]
         hand: Option<ArmSetup>,
+        /// The person who has to reach the keys: the name of one that comes with the program, or a file
+        #[arg(long, value_name = "FILE", add = complete::person(), conflicts_with = "hand")]
+        person: Option<String>,
         /// The setup file whose hands and gloves have to reach the keys
         #[arg(long, value_name = "SETUP.ron", conflicts_with = "hand")]
         setup: Option<String>,
@@ -81,9 +84,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Action::Check {
             files,
             hand,
+            person,
             setup,
             json,
-        } => layout_check::check(&files, hand, setup.as_deref(), json),
+        } => layout_check::check(&files, hand, person, setup.as_deref(), json),
         Action::List(args) => list(&args),
         Action::Keys(args) => key_list::print(&args),
         Action::Fields(args) => field_list::print(&args),

@@ -17,6 +17,7 @@ use crate::setup_args::number_in;
 pub fn check(
     files: &[String],
     hand: Option<ArmSetup>,
+    person: Option<String>,
     setup: Option<&str>,
     as_json: bool,
 ) -> Result<(), Failure> {
@@ -25,6 +26,7 @@ pub fn check(
         None => Setup::default(),
     };
     setup.arm = hand.unwrap_or(setup.arm);
+    setup.person = person.or(setup.person);
     let mut invalid = 0;
     let mut checked = Vec::new();
     for file in files {

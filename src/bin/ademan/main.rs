@@ -59,6 +59,7 @@ mod output_list;
 mod outputs;
 mod panics;
 mod pause_signals;
+mod person;
 mod picture;
 mod practice;
 mod record;
@@ -131,6 +132,7 @@ subcommands! {
     Layouts(layouts),
     Gloves(gloves),
     Glove(glove),
+    Person(person),
     Setup(setup),
     Script(script),
     Token(token),

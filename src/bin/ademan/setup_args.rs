@@ -34,6 +34,9 @@ pub struct SetupArgs {
     /// Glove: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
+    /// Person: the name of one that comes with the program (see `ademan person list`), or a file
+    #[arg(long, value_name = "FILE", add = complete::person())]
+    person: Option<String>,
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
@@ -44,8 +47,13 @@ pub struct SetupArgs {
 
 impl SetupArgs {
     /// Creates the flags of a command for one glove.
-    pub fn for_glove(source: Option<SourceUri>, glove: Option<String>) -> Self {
+    pub fn for_glove(
+        source: Option<SourceUri>,
+        glove: Option<String>,
+        person: Option<String>,
+    ) -> Self {
         Self {
+            person,
             source,
             glove,
             ..Self::default()
@@ -75,6 +83,7 @@ impl SetupArgs {
         setup.source = self.source.clone().or(setup.source);
         setup.arm_source = self.arm_source.clone().or(setup.arm_source);
         setup.glove = self.glove.clone().or(setup.glove);
+        setup.person = self.person.clone().or(setup.person);
         setup.layout = self.layout.clone().unwrap_or(setup.layout);
         self.override_permissions(&mut setup);
         Ok(setup)

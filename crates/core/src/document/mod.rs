@@ -1,6 +1,6 @@
 //! RON files as text with positions.
 //!
-//! Layouts, gloves, arms, setups and simulation scripts are all read through a [`Document`]. A document keeps its text, so that an
+//! Layouts, gloves, arms, persons, setups and simulation scripts are all read through a [`Document`]. A document keeps its text, so that an
 //! error can name the line and column, show the line, and underline the part that is wrong.
 
 mod all_errors;
@@ -25,7 +25,7 @@ pub use fields::{Row, Table};
 pub use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
-pub use shipped::{shipped_gloves, shipped_layouts};
+pub use shipped::{shipped_gloves, shipped_layouts, shipped_persons};
 pub use spanned::Spanned;
 pub use tree::{Item, Node, quote, quoted_content, read_tree};
 

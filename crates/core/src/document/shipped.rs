@@ -6,11 +6,11 @@ use super::{Document, DocumentError};
 use crate::message::escape;
 use crate::names;
 
-/// Returns the names of the shipped layouts, without folder and `.ron`. Gloves and arms are excluded.
+/// Returns the names of the shipped layouts, without folder and `.ron`. Gloves, arms and persons are excluded.
 pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
     FILES.iter().filter_map(|(path, _)| {
         let (folder, name) = path.split_once('/')?;
-        (!matches!(folder, "arms" | "gloves")).then_some(name)
+        (!matches!(folder, "arms" | "gloves" | "persons")).then_some(name)
     })
 }
 
@@ -18,6 +18,12 @@ pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
 pub fn shipped_gloves() -> impl Iterator<Item = &'static str> {
     let paths = FILES.iter();
     paths.filter_map(|(path, _)| path.strip_prefix("gloves/"))
+}
+
+/// Returns the names of the shipped persons, without folder and `.ron`.
+pub fn shipped_persons() -> impl Iterator<Item = &'static str> {
+    let paths = FILES.iter();
+    paths.filter_map(|(path, _)| path.strip_prefix("persons/"))
 }
 
 /// Returns the shipped file with that name; the folder and `.ron` are optional.

@@ -97,6 +97,12 @@ impl JointLimits {
         (self.lows[dof.index()], self.highs[dof.index()])
     }
 
+    /// Sets the lower and upper limit of `dof` in radians.
+    pub fn set_range(&mut self, dof: Dof, low: f64, high: f64) {
+        self.lows[dof.index()] = low;
+        self.highs[dof.index()] = high;
+    }
+
     pub(super) fn joint_range(&self, dof: Dof) -> JointRange {
         let (low, high) = self.range(dof);
         JointRange { low, high }

@@ -1,4 +1,4 @@
-//! Layouts, gloves and arms from `layouts/**/*.ron`.
+//! Layouts, gloves, arms and persons from `layouts/**/*.ron`.
 //!
 //! A file is deserialised into a schema, which uses the units in its field names. The builder turns the schema into a checked
 //! model in SI units. Every error names file, line and column.
@@ -26,6 +26,7 @@ mod load;
 mod mirror;
 mod model;
 mod outline;
+mod person;
 mod placement;
 pub mod quantity;
 mod render;
@@ -45,4 +46,5 @@ pub use model::{
     SpaceTargets,
 };
 pub use outline::Outline;
+pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
 pub use render::{Cell, Grid, KeySize, ReachArea, TooManyShapes, Wearer};

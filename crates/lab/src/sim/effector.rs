@@ -1,5 +1,6 @@
 //! The fingertips that a simulated hand points with, and the joints that move them.
 
+use super::typing_hand::REACH_TOLERANCE;
 use crate::hand::{Dof, Finger};
 
 /// A fingertip that goes to a target, and the joints that move it.
@@ -20,6 +21,17 @@ pub(super) enum Limb {
     Hand,
     /// The finger alone.
     Finger,
+}
+
+impl Limb {
+    /// Returns the largest error of inverse kinematics, in metres. A point with a larger error is out of reach. A fingertip on a
+    /// board at the wrist cannot go to the center of every key.
+    pub(super) fn tolerance(self) -> f64 {
+        match self {
+            Self::Arm => REACH_TOLERANCE,
+            Self::Hand | Self::Finger => 0.01,
+        }
+    }
 }
 
 /// Angles of the arm that move every fingertip.

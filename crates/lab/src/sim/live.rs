@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::action::HandAction;
 use super::action_error::ActionErrorKind;
+use super::motor::TypingKeys;
 use super::movement::Movement;
 use super::planner::HandState;
 use super::sensed_hand::{SensedHand, hand_for};
@@ -107,12 +108,18 @@ impl LiveTask {
         period: Duration,
     ) -> Self {
         let resolved = task.resolve(&layout);
+        let keys = TypingKeys::new(&layout);
+        let state = |hand: &SensedHand| {
+            let mut state = hand.hand.state();
+            state.motor.keys.clone_from(&keys);
+            state
+        };
         Self {
             steps: resolved.steps(&layout),
             task,
             resolved,
             next,
-            states: hands.iter().map(|hand| hand.hand.state()).collect(),
+            states: hands.iter().map(state).collect(),
             layout,
             movements: VecDeque::new(),
             hand: 0,
@@ -298,7 +305,7 @@ fn describe(kind: &ActionErrorKind, action: &HandAction, layout: &Layout) -> Str
 impl SimulatedHand {
     /// Returns the state of the hand in its present posture.
     fn state(&self) -> HandState {
-        let mut state = HandState::new(self.hand().clone());
+        let mut state = HandState::new(self.hand().clone(), self.motor().clone());
         state.values.copy_from_slice(self.values());
         state
     }

@@ -1,14 +1,20 @@
 //! Simulated people for demos, tests and the scoring of layouts.
 //!
 //! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
-//! the targets of a layout. Its [`Sensor`]s measure the hands. A [`SimulatedWearer`] is a person in a glove that is not calibrated
+//! the targets of a layout. The intention (which finger goes where, when, and with what error) and the unsteadiness of a
+//! [`Person`](crate::layout::Person) give joint angles and positions; its [`Sensor`]s measure nothing else of the hands. A [`SimulatedWearer`] is a person in a glove that is not calibrated
 //! yet.
 
 mod action;
 mod action_error;
+mod body;
 mod effector;
+mod glove_sensor;
+mod motor;
+mod unsteadiness;
 pub mod script;
 mod text_plan;
+mod reach;
 mod reach_target;
 mod typing_hand;
 mod movement;
@@ -31,6 +37,8 @@ mod wearer;
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
 pub use layout_feed::{LayoutChange, LayoutFeed};
+pub use motor::TypingKeys;
+pub use reach::{Miss, TapPath, pressing_fingers};
 pub use score::{EditCounts, TypingScore, error_rate, kept_characters, words_per_minute};
 pub use script::Script;
 pub use sensor::{JointSensor, Sensor};
@@ -40,6 +48,6 @@ pub use task::HandTask;
 pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
 pub use tour::{TourStop, tour, tour_text};
-pub use typing_hand::{Miss, REACH_TOLERANCE, TapPath, TypingHand};
+pub use typing_hand::{REACH_TOLERANCE, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
 pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};

@@ -1,18 +1,23 @@
 //! One hand of the simulated person, in a glove or followed by another sensor.
 
+use std::time::Duration;
+
 use arrayvec::ArrayVec;
 
 use super::action::HandAction;
 use super::action_error::ActionError;
+use super::glove_sensor::GloveSensor;
+use super::motor::Motor;
 use super::movement::{ActiveMovement, Movement};
 use super::noise::Noise;
 use super::planner;
 use super::sensor::{JointSensor, Sensor};
 use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
-use crate::capture::{Channels, MAX_CHANNELS, Sample};
+use super::unsteadiness::Unsteadiness;
+use crate::capture::{MAX_CHANNELS, Sample};
 use crate::contact::surface::Scene;
-use crate::estimate::{ChannelMap, Linearity};
+use crate::hand::Finger;
 use crate::kinematics::ArmModel;
 
 /// The counts of all channels of a glove.
@@ -33,24 +38,21 @@ pub(super) struct SimulatedHand {
     packet: u32,
     /// The fingertip presses a target after the movements so far.
     is_pressed: bool,
-    output: Output,
+    /// The finger of the active or last movement.
+    finger: Finger,
+    motor: Motor,
+    unsteadiness: Unsteadiness,
+    /// Number of samples so far, and the time between two.
+    samples: u64,
+    period: Duration,
+    sensor: HandSensor,
 }
 
+/// What measures the joint angles of a hand.
 #[derive(Clone)]
-enum Output {
-    Glove(GloveOutput),
+enum HandSensor {
+    Glove(GloveSensor),
     Joints(JointSensor, Noise),
-}
-
-/// The converter of a glove.
-#[derive(Clone)]
-struct GloveOutput {
-    full_scale: u16,
-    /// The counts before the posture is added.
-    resting_counts: GloveCounts,
-    /// The lines of all channels: a posture has linear counts.
-    linearities: Vec<Linearity>,
-    noise: Noise,
 }
 
 /// The progress of a hand in one packet.
@@ -74,10 +76,10 @@ impl SimulatedHand {
         sensor: Sensor,
     ) -> Result<Self, ActionError> {
         let noise = Noise::new(settings.noise, settings.seed);
-        let (hand, output) = match sensor {
+        let (hand, sensor) = match sensor {
             Sensor::Glove(map) => (
                 TypingHand::new(arm, map),
-                Output::Glove(GloveOutput::new(map, noise)),
+                HandSensor::Glove(GloveSensor::new(map, noise)),
             ),
             Sensor::Joints(sensor) => {
                 let hand = TypingHand::without_glove(arm);
@@ -85,10 +87,15 @@ impl SimulatedHand {
                     JointSensor::Displacement => hand.stiffened(),
                     _ => hand,
                 };
-                (hand, Output::Joints(sensor, noise))
+                (hand, HandSensor::Joints(sensor, noise))
             }
         };
-        let plan = planner::plan(actions, hand, scene, settings.packet_period)?;
+        let person = &settings.person;
+        let hand = hand
+            .with_limits(&person.limits)
+            .with_resting(person.resting);
+        let motor = Motor::new(person, arm.side(), &settings.keys, settings.seed);
+        let plan = planner::plan(actions, hand, &motor, scene, settings.packet_period)?;
         Ok(Self {
             hand: plan.hand,
             values: plan.start_values,
@@ -98,7 +105,12 @@ impl SimulatedHand {
             active: None,
             packet: 0,
             is_pressed: false,
-            output,
+            finger: Finger::Index,
+            motor,
+            unsteadiness: Unsteadiness::new(&person.motion, arm, settings.seed),
+            samples: 0,
+            period: settings.packet_period,
+            sensor,
         })
     }
 
@@ -136,6 +148,9 @@ impl SimulatedHand {
     fn begin(&mut self) {
         self.begun += 1;
         let movement = self.movements.next();
+        if let Some(movement) = &movement {
+            self.finger = movement.effector.finger;
+        }
         self.active =
             movement.map(|movement| ActiveMovement::begin(movement, &mut self.hand, &self.values));
     }
@@ -150,6 +165,11 @@ impl SimulatedHand {
     /// Returns the hand.
     pub(super) fn hand(&self) -> &TypingHand {
         &self.hand
+    }
+
+    /// Returns the intention of the person.
+    pub(super) fn motor(&self) -> &Motor {
+        &self.motor
     }
 
     /// Returns the present posture.
@@ -204,59 +224,20 @@ impl SimulatedHand {
         self.active.is_none() && end.is_none_or(|&end| self.begun >= end)
     }
 
-    /// Returns what the sensor measures of the posture.
+    /// Returns what the sensor measures of the hand in the next packet.
     pub(super) fn sample(&mut self) -> Sample {
-        match &mut self.output {
-            Output::Glove(glove) => Sample::Channels(Channels {
-                full_scale: glove.full_scale,
-                counts: glove.counts(&self.hand, &self.values),
-                unsent: Default::default(),
-            }),
-            Output::Joints(sensor, noise) => {
-                let angles = self.hand.angles(&self.values);
+        let seconds = self.period.as_secs_f64() * self.samples as f64;
+        self.samples += 1;
+        let presser = self.is_down().then_some(self.finger);
+        let intended = self.hand.angles(&self.values);
+        let angles = self.unsteadiness.apply(intended, presser, seconds);
+        match &mut self.sensor {
+            HandSensor::Glove(glove) => glove.measure(&angles),
+            HandSensor::Joints(sensor, noise) => {
                 let mut sample = sensor.measure(self.hand.arm(), &angles);
                 noise.add_to(&mut sample);
                 sample
             }
         }
     }
-}
-
-impl GloveOutput {
-    fn new(map: &ChannelMap, noise: Noise) -> Self {
-        Self {
-            full_scale: map.full_scale(),
-            resting_counts: resting_counts(map),
-            linearities: (0..MAX_CHANNELS)
-                .map(|channel| map.linearity(channel))
-                .collect(),
-            noise,
-        }
-    }
-
-    /// Converts a posture to counts.
-    fn counts(&mut self, hand: &TypingHand, values: &[f64]) -> GloveCounts {
-        let mut counts = self.resting_counts.clone();
-        for (&channel, &value) in hand.channels().iter().zip(values) {
-            let count = self.linearities[channel].apply_inverse(value);
-            counts[channel] = self.convert(count);
-        }
-        counts
-    }
-
-    /// Adds noise and rounds. The ends of the range are left out, as they mean a broken wire.
-    fn convert(&mut self, value: f64) -> u16 {
-        let max = f64::from(self.full_scale - 1);
-        (value + self.noise.value()).round().clamp(1.0, max) as u16
-    }
-}
-
-/// Returns the counts of a glove of which no stick, trigger and button is used.
-fn resting_counts(map: &ChannelMap) -> GloveCounts {
-    // The input of an unused converter floats. Half of the range cannot be taken for a packet header.
-    let mut counts: GloveCounts = (0..MAX_CHANNELS).map(|_| map.full_scale() / 2).collect();
-    for row in map.inputs() {
-        counts[row.channel] = row.calibration.apply_inverse(0.0).round() as u16;
-    }
-    counts
 }

@@ -1,13 +1,9 @@
 //! Postures of a hand that points with the index finger, and inverse kinematics from targets to postures.
 
 use arrayvec::ArrayVec;
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec3;
 
-use super::action::TargetPoint;
 use super::effector::{Effector, Limb};
-use super::reach_target::ReachTarget;
-use crate::contact::TargetId;
-use crate::contact::surface::Scene;
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{
@@ -18,10 +14,6 @@ use crate::time::Timestamp;
 
 /// The finger that points. The other fingers are extended out of the way.
 const FINGER: Finger = Finger::Index;
-/// Height of the fingertip above the targets while it travels, in metres.
-const HOVER: f32 = 0.014;
-/// Distance of the fingertip beyond the end of a target's travel, in metres.
-const OVERTRAVEL: f32 = 0.002;
 /// Largest error of the inverse kinematics, in metres. A point with a larger error is out of reach.
 pub const REACH_TOLERANCE: f64 = 0.003;
 /// Distance between the centers of two pinched fingertips, in metres: pads of 5 mm that give way a little.
@@ -52,45 +44,13 @@ const MEETING: [Dof; 2] = [Dof::IndexMcpFlexion, Dof::IndexPipFlexion];
 pub struct TypingHand {
     arm: ArmModel,
     channels: Vec<usize>,
-    variables: Vec<IkVariable>,
+    pub(super) variables: Vec<IkVariable>,
     /// The angles that the glove does not measure.
     assumed: JointAngles,
     bend_ranges: BendRanges,
-    resting_pose: HandPose,
+    pub(super) resting_pose: HandPose,
     /// The sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
-}
-
-/// The positions of the center of the fingertip during a tap (world, metres).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TapPath {
-    /// Position above the key.
-    pub hover: Vec3,
-    /// Position with the key fully pressed.
-    pub bottom: Vec3,
-}
-
-/// The way from the nearest position of the fingertip to a position out of reach, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Miss {
-    /// Its length; infinity if the scene or the arm lacks the target or its anchor.
-    pub distance: f64,
-    /// Horizontally away from the elbow; negative if the position is too near.
-    pub outward: f32,
-    /// Upwards.
-    pub up: f32,
-    /// To the right, seen from the elbow.
-    pub right: f32,
-}
-
-impl Miss {
-    /// The miss of a target without a position.
-    pub const NO_POSITION: Self = Self {
-        distance: f64::INFINITY,
-        outward: 0.0,
-        up: 0.0,
-        right: 0.0,
-    };
 }
 
 impl TypingHand {
@@ -168,7 +128,8 @@ impl TypingHand {
         &self.arm
     }
 
-    fn at_rest(self) -> Self {
+    /// Returns the hand with the pose of its posture at rest.
+    pub(super) fn at_rest(self) -> Self {
         let resting_pose = self.pose(&self.rest_values());
         Self {
             resting_pose,
@@ -451,62 +412,6 @@ impl TypingHand {
             }
         }
         values
-    }
-
-    /// Returns the path of a tap on the center of a target. The error is the way by which the target is out of reach.
-    pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, Miss> {
-        self.tap_path_at(scene, target, Vec2::ZERO)
-    }
-
-    /// Like [`tap_path`](Self::tap_path), at `offset` from the center along the X and Y of the target, in metres.
-    pub fn tap_path_at(
-        &self,
-        scene: &Scene,
-        target: TargetId,
-        offset: Vec2,
-    ) -> Result<TapPath, Miss> {
-        let reach_target = self.reach_target(scene, target);
-        let reach_target = reach_target.ok_or(Miss::NO_POSITION)?;
-        let tip = |height| reach_target.tip_position(TargetPoint { target, offset }, height);
-        let path = TapPath {
-            hover: tip(reach_target.hover_height),
-            bottom: tip(reach_target.bottom_height),
-        };
-        match self.miss(path.bottom) {
-            Some(miss) => Err(miss),
-            None => Ok(path),
-        }
-    }
-
-    /// Returns the way from the nearest position of the fingertip to `tip` (world, metres); `None` if `tip` is within reach.
-    pub fn miss(&self, tip: Vec3) -> Option<Miss> {
-        let mut values = self.rest_values();
-        let distance = self.reach(tip, &mut values, &[]);
-        if distance <= REACH_TOLERANCE {
-            return None;
-        }
-        let way = tip - self.tip(&values);
-        let from_elbow = (tip - self.elbow()) * Vec3::new(1.0, 0.0, 1.0);
-        let outward = from_elbow.normalize_or(Vec3::NEG_Z);
-        Some(Miss {
-            distance,
-            outward: way.dot(outward),
-            up: way.y,
-            right: way.dot(outward.cross(Vec3::Y)),
-        })
-    }
-
-    /// Returns the geometry of a target; `None` if the scene or the arm lacks the target or its anchor.
-    pub(super) fn reach_target(&self, scene: &Scene, target: TargetId) -> Option<ReachTarget> {
-        let (surface, target) = scene.target(target)?;
-        let world_from_surface = surface.world_from_surface(&self.resting_pose)?;
-        Some(ReachTarget {
-            world_from_target: world_from_surface * target.surface_from_target,
-            hover_height: HOVER,
-            bottom_height: -(target.travel + OVERTRAVEL),
-            travel: target.travel,
-            tip_radius: self.resting_pose.tip_radius,
-        })
     }
 }
 

@@ -71,6 +71,9 @@ pub struct Args {
     /// Glove to start from: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
+    /// Person whose hand is calibrated: the name of one that comes with the program, or a file
+    #[arg(long, value_name = "FILE", add = complete::person())]
+    person: Option<String>,
     #[command(flatten)]
     lengths: LengthArgs,
 }
@@ -111,7 +114,11 @@ impl Args {
             Side::Left => "lucidgloves-left".to_owned(),
             Side::Right => "lucidgloves".to_owned(),
         });
-        let flags = SetupArgs::for_glove(self.source.clone(), self.glove.clone().or(worn));
+        let flags = SetupArgs::for_glove(
+            self.source.clone(),
+            self.glove.clone().or(worn),
+            self.person.clone(),
+        );
         let mut setup = flags.read_setup(self.setup.as_deref())?;
         // The glove that is calibrated may have no ranges yet.
         setup.learn_ranges = false;

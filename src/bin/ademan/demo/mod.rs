@@ -3,6 +3,7 @@
 pub mod looping;
 mod player;
 pub mod script;
+mod setup;
 mod task;
 pub mod text;
 
@@ -14,13 +15,11 @@ use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
-use ademan::files::Load;
-use ademan::hand::Side;
-use ademan::layout::Layout;
-use ademan::message::escape;
+use ademan::layout::Motion;
+use ademan::message::{escape, shell_word};
 use ademan::output;
 use ademan::session::{Session, SessionHandle, SessionOptions, Summary};
-use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::setup::LoadedSetup;
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedStream, SimulatedTypist};
 use clap::builder::PossibleValuesParser;
 
@@ -31,21 +30,16 @@ use crate::root_args::RootArgs;
 use crate::setup_args::number_in;
 use crate::view::{self, LiveView, Views};
 use crate::{messages, session, signals, stats, watchdog};
+pub use setup::with_simulated_gloves;
+
 use player::Player;
 use task::Task;
 use text::TextChoice;
 
-/// The gloves of the hands.
-const RIGHT_GLOVE: &str = "unam-hc11";
-const LEFT_GLOVE: &str = "unam-hc11-left";
-
-/// Stall timeout. The simulated hand pauses only when the whole machine is busy, which should not release its keys.
-const STALL_TIMEOUT_MS: u32 = 1000;
-
 /// Watch a simulated hand type a text or play a script, from glove bytes to events
 #[derive(Clone, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan demo\n  ademan demo --layout media\n  ademan demo --all\n  ademan demo --layout my-mixer.ron --repeat\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
+    after_help = "Examples:\n  ademan demo\n  ademan demo --layout media\n  ademan demo --all\n  ademan demo --person adult\n  ademan demo --layout my-mixer.ron --repeat\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
 )]
 pub struct Args {
     /// Text to type, in characters of a US keyboard. By default the demo chooses a text or a script for the layout
@@ -54,9 +48,19 @@ pub struct Args {
     /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
     #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
     script: Option<String>,
-    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
-    #[arg(long, default_value = "qwerty-flat", add = complete::layout())]
-    layout: String,
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file. The default is that of the setup,
+    /// or `qwerty-flat`
+    #[arg(long, add = complete::layout())]
+    layout: Option<String>,
+    /// Setup whose arms, gloves, layout and filters apply; its source and output do not
+    #[arg(long, value_name = "SETUP.ron", add = complete::setup())]
+    setup: Option<String>,
+    /// Person who is simulated: the name of one that comes with the program (see `ademan person list`), or a file
+    #[arg(long, value_name = "FILE", add = complete::person())]
+    person: Option<String>,
+    /// Glove of the first hand: the name of one that comes with the program, or a file
+    #[arg(long, add = complete::glove())]
+    glove: Option<String>,
     /// Play every layout that comes with the program for some seconds
     #[arg(long, conflicts_with_all = ["layout", "text", "script"])]
     all: bool,
@@ -66,9 +70,9 @@ pub struct Args {
     /// Play faster than real time, without the simulated serial line
     #[arg(long, conflicts_with = "repeat")]
     fast: bool,
-    /// The first hand, for boards that are for either
-    #[arg(long, value_name = "SIDE", default_value = "right", value_parser = PossibleValuesParser::new(["left", "right"]))]
-    hand: String,
+    /// The first hand, for boards that are for either. The default is that of the person, or right
+    #[arg(long, value_name = "SIDE", value_parser = PossibleValuesParser::new(["left", "right"]))]
+    hand: Option<String>,
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,
@@ -99,7 +103,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let mut failed = Vec::new();
     for layout in shipped_layouts() {
         let args = Args {
-            layout: layout.to_owned(),
+            layout: Some(layout.to_owned()),
             ..args.clone()
         };
         match play(&args, &player) {
@@ -127,7 +131,7 @@ fn cancel(player: &CurrentPlayer) {
 
 /// Plays one demo to its end.
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
-    let (setup, line) = (load_setup(args)?, line_format(args)?);
+    let (setup, line) = (setup::load(args)?, line_format(args)?);
     let (task, hand) = simulated_hand(args, &setup, &line)?;
     match args.fast {
         true => play_fast(args, current, setup, &line, task, hand),
@@ -251,35 +255,6 @@ fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
     }
 }
 
-fn load_setup(args: &Args) -> Result<LoadedSetup, Failure> {
-    let setup = Setup {
-        layout: args.layout.clone(),
-        output: args.output.clone(),
-        ..Setup::default()
-    };
-    Ok(with_simulated_gloves(setup, args.hand == "left")?.load_files()?)
-}
-
-/// Returns a setup with the gloves that a simulated hand wears, for both hands if its layout is for two, and with the stall timeout
-/// of a busy machine.
-pub fn with_simulated_gloves(setup: Setup, is_left: bool) -> Result<Setup, Failure> {
-    let layout = Layout::load(&setup.layout)?;
-    let [first, other] = match is_left {
-        true => [LEFT_GLOVE, RIGHT_GLOVE],
-        false => [RIGHT_GLOVE, LEFT_GLOVE],
-    };
-    let other_side = if is_left { Side::Right } else { Side::Left };
-    Ok(Setup {
-        stall_timeout_ms: STALL_TIMEOUT_MS,
-        glove: Some(first.to_owned()),
-        other_hand: layout.has_board_for(other_side).then(|| OtherHand {
-            glove: Some(other.to_owned()),
-            ..OtherHand::default()
-        }),
-        ..setup
-    })
-}
-
 fn line_format(args: &Args) -> Result<Hc11Format, Failure> {
     Ok(Hc11Format {
         baud: NonZeroU32::new(args.baud)
@@ -302,7 +277,7 @@ fn simulated_hand(
     }
     let choice = match &args.text {
         Some(text) => TextChoice::Given(text),
-        None => match script::for_layout(&args.layout) {
+        None => match script::for_layout(&setup.setup.layout) {
             Some(script) => return play(script, &script::title(script)),
             None if args.all => TextChoice::Short,
             None => TextChoice::Default,
@@ -316,11 +291,19 @@ fn simulated_hand(
         text => text?,
     };
     let hand = setup.typist(&text, line, args.noise, args.seed)?;
-    let others = match args.noise > 0.0 {
+    let has_errors = args.noise > 0.0 || setup.simulated_person.motion != Motion::default();
+    let others = match has_errors {
         true => "; other seeds give other figures",
         false => "",
     };
-    let conditions = format!("--noise {} --seed {}{others}", args.noise, args.seed);
+    let person = args.person.as_deref().or(setup.setup.person.as_deref());
+    let person = person.map_or(String::new(), |name| {
+        format!(" --person {}", shell_word(name))
+    });
+    let conditions = format!(
+        "--noise {} --seed {}{person}{others}",
+        args.noise, args.seed
+    );
     Ok((
         Task::type_text(text, conditions).repeated(args.repeat),
         hand,

@@ -41,6 +41,9 @@ pub struct Args {
     /// The hand that is drawn, with its reach, by its hand and forearm length in mm; layouts are fitted to it
     #[arg(long, value_name = "HAND,FOREARM", value_parser = layout_check::hand, conflicts_with = "setup")]
     hand: Option<ArmSetup>,
+    /// The person whose hands are drawn, with their reach: the name of one that comes with the program, or a file
+    #[arg(long, value_name = "FILE", add = complete::person(), conflicts_with = "hand")]
+    person: Option<String>,
 }
 
 /// A picture of a file format.
@@ -83,6 +86,7 @@ fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     let setup = Setup {
         layout: args.file.clone(),
         arm: args.hand.clone().unwrap_or_else(|| setup.arm.clone()),
+        person: args.person.clone().or(setup.person),
         ..setup
     };
     Ok(setup.load_files()?)

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use ademan::capture::{Hc11Format, StreamFormat};
 use ademan::command::Command;
+use ademan::hand::Side;
 use ademan::output;
 use ademan::pipeline::SourceRole;
 use ademan::session::{SessionHandle, SessionOptions};
@@ -25,7 +26,7 @@ use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, Views};
-use crate::{complete, demo, session, signals, watchdog};
+use crate::{complete, demo, person, session, signals, watchdog};
 
 /// The output without another one: the practice line only.
 const NO_OUTPUT: &str = "none";
@@ -116,7 +117,9 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
     setup.output = args.output.clone();
     let is_simulated = setup.source.is_none();
     if is_simulated {
-        setup = demo::with_simulated_gloves(setup, false)?;
+        let person = setup.person.as_deref().map(person::load).transpose()?;
+        let side = person.and_then(|person| person.side);
+        setup = demo::with_simulated_gloves(setup, side.unwrap_or(Side::Right))?;
     } else if !output::has_effect(&setup.output) {
         // The role protects other programs, and there are none.
         setup.role.get_or_insert(SourceRole::Both);

@@ -5,9 +5,7 @@ use std::time::Duration;
 use parry3d::math::{Vec2, Vec3};
 
 use super::watch::Watch;
-use super::{
-    CLEAR_TIME, MOVE_PACKETS, PRESS_PACKETS, PRESS_TIME, Planner, PressedTip, TURN_TIME, TipState,
-};
+use super::{CLEAR_TIME, HandState, MOVE_PACKETS, PRESS_PACKETS, Planner, PressedTip, TipState};
 use crate::contact::TargetId;
 use crate::contact::surface::Anchor;
 use crate::hand::{Finger, Joint};
@@ -16,11 +14,6 @@ use crate::sim::action_error::ActionErrorKind;
 use crate::sim::effector::{Effector, Limb};
 use crate::sim::movement::TipPath;
 use crate::sim::reach_target::ReachTarget;
-use crate::sim::typing_hand::REACH_TOLERANCE;
-
-/// Largest error of a fingertip on a board at the wrist, in metres: it cannot go to the center of every key, and presses only if
-/// it is on the right one.
-const WRIST_TOLERANCE: f64 = 0.01;
 
 /// Shortest time of a movement of the joints of one finger.
 const FINGER_TIME: Duration = Duration::from_millis(150);
@@ -32,18 +25,14 @@ impl Planner<'_> {
         metres: f64,
         target: Option<TargetId>,
     ) -> Result<(), ActionErrorKind> {
-        let tolerance = match self.state.effector.limb {
-            Limb::Arm => REACH_TOLERANCE,
-            Limb::Hand | Limb::Finger => WRIST_TOLERANCE,
-        };
-        match metres > tolerance {
+        match metres > self.state.effector.limb.tolerance() {
             true => Err(ActionErrorKind::OutOfReach { target, metres }),
             false => Ok(()),
         }
     }
 
-    /// Returns what may press a target, best first: the finger that the layout names, at a board that moves with the wrist the
-    /// fingers by their distance, and otherwise the index finger, then the thumb.
+    /// Returns what may press a target, best first: the finger that the layout names, those of the person, at a board that moves
+    /// with the wrist the fingers by their distance, and otherwise the index finger, then the thumb.
     pub(super) fn effectors(&self, target: TargetId) -> Vec<Effector> {
         let Some((surface, found)) = self.scene.target(target) else {
             return vec![Effector::INDEX];
@@ -51,13 +40,19 @@ impl Planner<'_> {
         if self.state.is_pinched || self.state.hand.is_stiff() {
             return vec![Effector::INDEX];
         }
+        let used = self.state.motor.fingers;
         let named = self.scene.finger(target);
+        let named = named.filter(|finger| used.is_empty() || used.contains(*finger));
         if surface.anchor() != Anchor::Joint(Joint::Wrist) {
             let arm = |finger| Effector {
                 finger,
                 limb: Limb::Arm,
             };
-            let fingers = named.map_or(vec![Finger::Index, Finger::Thumb], |finger| vec![finger]);
+            let fingers = match named {
+                Some(finger) => vec![finger],
+                None if used.is_empty() => vec![Finger::Index, Finger::Thumb],
+                None => self.assigned_fingers(surface, target),
+            };
             return fingers.into_iter().map(arm).collect();
         }
         let center = |pose| {
@@ -71,6 +66,7 @@ impl Planner<'_> {
             tip.map_or(f32::INFINITY, |tip| tip.distance(goal))
         };
         let mut fingers = named.map_or(Finger::ALL.to_vec(), |finger| vec![finger]);
+        fingers.retain(|finger| used.is_empty() || used.contains(*finger));
         fingers.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         let limbs = [Limb::Finger, Limb::Hand];
         let all = limbs.into_iter().flat_map(|limb| {
@@ -91,13 +87,54 @@ impl Planner<'_> {
         let mut first_error = None;
         for effector in self.effectors(point.target) {
             match self.press_with(effector, point, &height) {
-                Ok(()) => return Ok(()),
+                Ok(()) => {
+                    self.err(effector, point, &height, (&state, count));
+                    return Ok(());
+                }
                 Err(error) => _ = first_error.get_or_insert(error),
             }
             self.state = state.clone();
             self.movements.truncate(count);
         }
         Err(first_error.unwrap_or(ActionErrorKind::NotOnBoard))
+    }
+
+    /// Replaces the press that is intended, the movements since a state and their number, by one with the errors of the person.
+    fn err(
+        &mut self,
+        effector: Effector,
+        point: TargetPoint,
+        height: &impl Fn(&ReachTarget) -> f32,
+        (before, count): (&HandState, usize),
+    ) {
+        let Some((_, target)) = self.scene.target(point.target) else {
+            return;
+        };
+        let error = self.state.motor.stroke_error(effector.finger, target);
+        if error == Vec3::ZERO {
+            return;
+        }
+        let Ok(reach_target) = self.reach_target(point.target) else {
+            return;
+        };
+        let intended = (self.state.clone(), self.movements.split_off(count));
+        self.state.clone_from(before);
+        self.state.motor = intended.0.motor.clone();
+        let missed = TargetPoint {
+            offset: point.offset + error.truncate(),
+            ..point
+        };
+        self.point_with(effector);
+        let depth = height(&reach_target) + error.z;
+        let pressed = self
+            .approach(missed, &reach_target)
+            .and_then(|()| self.press_to(missed, reach_target, depth));
+        if pressed.is_err() {
+            // The error leads out of reach.
+            self.state = intended.0;
+            self.movements.truncate(count);
+            self.movements.extend(intended.1);
+        }
     }
 
     fn press_with(
@@ -170,7 +207,7 @@ impl Planner<'_> {
         let free = free.filter(|&(index, _)| !state.hand.finger_of(index).is_some_and(is_posed));
         let channel_targets: Vec<(usize, f64)> = free.collect();
         if !channel_targets.is_empty() {
-            self.push_movement(channel_targets, None, TURN_TIME, MOVE_PACKETS);
+            self.push_movement(channel_targets, None, self.turn_time(), MOVE_PACKETS);
         }
     }
 
@@ -184,7 +221,8 @@ impl Planner<'_> {
         let distance = hand.reach_with(state.effector, goal, &mut values, &[]);
         let changed = (0..values.len()).filter(|&index| values[index] != state.values[index]);
         let channel_targets = changed.map(|index| (index, values[index])).collect();
-        self.push_movement(channel_targets, None, time.max(FINGER_TIME), min_packets);
+        let time = time.max(state.motor.paced(FINGER_TIME));
+        self.push_movement(channel_targets, None, time, min_packets);
         distance
     }
 
@@ -218,7 +256,7 @@ impl Planner<'_> {
         height: f32,
     ) -> Result<(), ActionErrorKind> {
         let (id, tip) = (point.target, target.tip_position(point, height));
-        let distance = self.move_tip(TipPath::To(tip), PRESS_TIME, PRESS_PACKETS);
+        let distance = self.move_tip(TipPath::To(tip), self.press_time(), PRESS_PACKETS);
         self.mark_last(true);
         self.check_reach(distance, Some(id))?;
         self.state.tip_state = TipState::Pressed(PressedTip { id, target, tip });

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{MOVE_PACKETS, PRESS_PACKETS, PRESS_TIME, Planner};
+use super::{MOVE_PACKETS, PRESS_PACKETS, Planner};
 use crate::contact::TargetId;
 use crate::hand::Finger;
 use crate::sim::action_error::ActionErrorKind;
@@ -25,7 +25,7 @@ impl Planner<'_> {
     pub(super) fn play_chord(&mut self, targets: &[TargetId]) -> Result<(), ActionErrorKind> {
         self.lift();
         self.bend(targets)?;
-        self.wait(PRESS_TIME.max(PRESS_PACKETS * self.period));
+        self.wait(self.press_time().max(PRESS_PACKETS * self.period));
         self.straighten();
         Ok(())
     }
@@ -59,7 +59,8 @@ impl Planner<'_> {
 
     fn move_fingers(&mut self, bend: f64) {
         let channel_targets = self.values_at_bend(&self.state.bent, bend);
-        self.push_movement(channel_targets, None, BEND_TIME, MOVE_PACKETS);
+        let time = self.state.motor.paced(BEND_TIME);
+        self.push_movement(channel_targets, None, time, MOVE_PACKETS);
     }
 
     fn values_at_bend(&self, fingers: &[Finger], bend: f64) -> Vec<(usize, f64)> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{MOVE_PACKETS, Planner, PressedTip, TURN_TIME, TipState};
+use super::{MOVE_PACKETS, Planner, PressedTip, TipState};
 use crate::hand::{Dof, Finger};
 use crate::names::UnknownName;
 use crate::sim::action_error::ActionErrorKind;
@@ -39,7 +39,7 @@ impl Planner<'_> {
             self.state.is_pinched = false;
         }
         let moves_tip = moves(None) || moves(Some(Finger::Index));
-        self.move_channels(channel_targets, time.unwrap_or(TURN_TIME), moves_tip)
+        self.move_channels(channel_targets, time.unwrap_or(self.turn_time()), moves_tip)
     }
 
     /// Moves channels. A pressed fingertip keeps its position; otherwise the fingertip follows from the channels.

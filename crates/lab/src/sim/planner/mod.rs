@@ -1,6 +1,7 @@
 //! Translation of actions to movements.
 
 mod aim;
+mod assignment;
 mod bends;
 mod joints;
 mod route;
@@ -14,6 +15,7 @@ use parry3d::math::Vec3;
 use super::action::{HandAction, TargetPoint};
 use super::action_error::{ActionError, ActionErrorKind};
 use super::effector::Effector;
+use super::motor::Motor;
 use super::movement::{ActiveMovement, Movement, TipPath};
 use super::reach_target::ReachTarget;
 use super::typing_hand::{REACH_TOLERANCE, TypingHand};
@@ -52,10 +54,12 @@ pub(super) struct Plan {
 pub(super) fn plan(
     actions: &[HandAction],
     hand: TypingHand,
+    motor: &Motor,
     scene: &Scene,
     period: Duration,
 ) -> Result<Plan, ActionError> {
-    let mut planner = Planner::new(HandState::new(hand.clone()), scene, period);
+    let state = HandState::new(hand.clone(), motor.clone());
+    let mut planner = Planner::new(state, scene, period);
     planner.begin(actions);
     let start_values = planner.state.values.clone();
     let mut action_ends = Vec::with_capacity(actions.len());
@@ -176,7 +180,7 @@ impl<'a> Planner<'a> {
         };
         self.state.is_pinched = false;
         if !channel_targets.is_empty() || is_free {
-            let time = self.travel_time(tip).max(TURN_TIME);
+            let time = self.travel_time(tip).max(self.turn_time());
             self.push_movement(channel_targets, Some(TipPath::To(tip)), time, MOVE_PACKETS);
         }
         self.wait(CLEAR_TIME);
@@ -190,7 +194,8 @@ impl<'a> Planner<'a> {
             HandAction::Chord(targets) => self.play_chord(targets),
             HandAction::Tap(point) => {
                 self.press(*point)?;
-                self.wait(PRESS_TIME.max(PRESS_PACKETS * self.period));
+                let time = self.state.motor.paced(PRESS_TIME);
+                self.wait(time.max(PRESS_PACKETS * self.period));
                 self.lift();
                 Ok(())
             }
@@ -212,8 +217,8 @@ impl<'a> Planner<'a> {
                 Ok(())
             }
             HandAction::SetAngles(angles, time) => self.set_angles(angles, *time),
-            HandAction::Pinch(time) => self.pinch(time.unwrap_or(TURN_TIME)),
-            HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(TURN_TIME)),
+            HandAction::Pinch(time) => self.pinch(time.unwrap_or(self.turn_time())),
+            HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(self.turn_time())),
             HandAction::Point(position, time) => self.point(*position, *time),
         }
     }
@@ -238,7 +243,7 @@ impl<'a> Planner<'a> {
             let height = -fraction * pressed.target.travel;
             pressed.tip = pressed.target.tip_position(point, height);
             let path = TipPath::To(pressed.tip);
-            let distance = self.move_tip(path, PRESS_TIME, PRESS_PACKETS);
+            let distance = self.move_tip(path, self.press_time(), PRESS_PACKETS);
             self.check_reach(distance, Some(id))?;
             self.state.tip_state = TipState::Pressed(pressed);
             return Ok(());
@@ -256,7 +261,7 @@ impl<'a> Planner<'a> {
             offset: target.pad_position(tip).truncate(),
         };
         let hover = target.tip_position(point, target.hover_height);
-        self.move_tip(TipPath::To(hover), PRESS_TIME, PRESS_PACKETS);
+        self.move_tip(TipPath::To(hover), self.press_time(), PRESS_PACKETS);
         self.mark_last(false);
         self.state.tip_state = TipState::Clear;
     }
@@ -284,7 +289,7 @@ impl<'a> Planner<'a> {
         length: f32,
         time: Option<Duration>,
     ) -> Result<(), ActionErrorKind> {
-        let time = time.unwrap_or_else(|| slide_time(length));
+        let time = time.unwrap_or_else(|| self.slide_time(length));
         let distance = self.move_tip(path, time, PRESS_PACKETS);
         self.check_reach(distance, Some(pressed.id))?;
         pressed.tip = path.end(pressed.tip);
@@ -297,7 +302,7 @@ impl<'a> Planner<'a> {
         self.point_with(Effector::INDEX);
         let tip = self.state.hand.elbow() + position;
         let length = tip.distance(self.tip());
-        let time = time.unwrap_or_else(|| slide_time(length));
+        let time = time.unwrap_or_else(|| self.slide_time(length));
         let distance = self.move_tip(TipPath::To(tip), time, MOVE_PACKETS);
         self.state.tip_state = TipState::Free;
         self.check_reach(distance, None)
@@ -419,7 +424,21 @@ impl<'a> Planner<'a> {
     fn travel_time(&self, to: Vec3) -> Duration {
         let distance = self.tip().distance(to);
         let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();
-        Duration::from_secs_f64(0.060 + 0.085 * difficulty)
+        let usual = Duration::from_secs_f64(0.060 + 0.085 * difficulty);
+        self.state.motor.paced(usual)
+    }
+
+    fn press_time(&self) -> Duration {
+        self.state.motor.paced(PRESS_TIME)
+    }
+
+    fn turn_time(&self) -> Duration {
+        self.state.motor.paced(TURN_TIME)
+    }
+
+    fn slide_time(&self, length: f32) -> Duration {
+        let usual = Duration::from_secs_f64(f64::from(length) / SPEED).max(PRESS_TIME);
+        self.state.motor.paced(usual)
     }
 }
 
@@ -431,8 +450,4 @@ fn check_steps(path: Option<TipPath>) -> u32 {
         }
         Some(TipPath::To(_)) | None => 1,
     }
-}
-
-fn slide_time(length: f32) -> Duration {
-    Duration::from_secs_f64(f64::from(length) / SPEED).max(PRESS_TIME)
 }

@@ -10,6 +10,7 @@ use crate::hand::{Finger, FingerSet};
 use crate::sim::action::HandAction;
 use crate::sim::action_error::ActionErrorKind;
 use crate::sim::effector::Effector;
+use crate::sim::motor::Motor;
 use crate::sim::movement::Movement;
 use crate::sim::typing_hand::TypingHand;
 
@@ -17,6 +18,8 @@ use crate::sim::typing_hand::TypingHand;
 #[derive(Clone)]
 pub(in crate::sim) struct HandState {
     pub(in crate::sim) hand: TypingHand,
+    /// The intention of the person.
+    pub(in crate::sim) motor: Motor,
     /// Posture after the movements so far.
     pub(in crate::sim) values: Vec<f64>,
     /// Posture to which the hand returns at the end.
@@ -41,14 +44,16 @@ pub(in crate::sim) struct HandState {
 
 impl HandState {
     /// Creates a hand at rest.
-    pub(in crate::sim) fn new(hand: TypingHand) -> Self {
+    pub(in crate::sim) fn new(hand: TypingHand, motor: Motor) -> Self {
         Self {
+            // They stay as they are, whatever they touch.
+            posed: motor.resting,
+            motor,
             values: hand.rest_values(),
             rest: hand.rest_values(),
             hand,
             tip_state: TipState::Clear,
             effector: Effector::INDEX,
-            posed: FingerSet::NONE,
             is_pinched: false,
             before_pinch: Vec::new(),
             home: Vec3::ZERO,

@@ -1,0 +1,99 @@
+//! The sensors of a simulated glove: joint angles to counts.
+
+use super::noise::Noise;
+use super::simulated_hand::GloveCounts;
+use crate::capture::{Channels, MAX_CHANNELS, Sample};
+use crate::estimate::{AffineMap, ChannelMap, JointAngles, Linearity};
+use crate::hand::Dof;
+
+/// A glove on a simulated hand, with its converter. It knows the joint angles and nothing else of the person.
+#[derive(Clone)]
+pub(super) struct GloveSensor {
+    full_scale: u16,
+    /// The counts of a glove that measures no angle.
+    resting_counts: GloveCounts,
+    channels: Vec<SensedChannel>,
+    noise: Noise,
+}
+
+/// A channel, and the angles that bend its sensor.
+#[derive(Clone)]
+struct SensedChannel {
+    channel: usize,
+    mappings: Vec<(Dof, AffineMap)>,
+    linearity: Linearity,
+}
+
+impl GloveSensor {
+    /// Creates the sensors of a glove.
+    pub(super) fn new(map: &ChannelMap, noise: Noise) -> Self {
+        let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
+        channels.sort_unstable();
+        channels.dedup();
+        let sensed = channels.into_iter().map(|channel| SensedChannel {
+            channel,
+            mappings: mappings(map, channel),
+            linearity: map.linearity(channel),
+        });
+        Self {
+            full_scale: map.full_scale(),
+            resting_counts: resting_counts(map),
+            channels: sensed.collect(),
+            noise,
+        }
+    }
+
+    /// Returns what the glove measures of a hand with these angles.
+    pub(super) fn measure(&mut self, angles: &JointAngles) -> Sample {
+        let mut counts = self.resting_counts.clone();
+        for sensed in &self.channels {
+            let linear = sensed.linear_count(angles);
+            let count = sensed.linearity.apply_inverse(linear) + self.noise.value();
+            // The ends of the range are left out, as they mean a broken wire.
+            let max = f64::from(self.full_scale - 1);
+            counts[sensed.channel] = count.round().clamp(1.0, max) as u16;
+        }
+        Sample::Channels(Channels {
+            full_scale: self.full_scale,
+            counts,
+            unsent: Default::default(),
+        })
+    }
+}
+
+impl SensedChannel {
+    /// Returns the count of a channel without curvature: the mean of its angles, which are those of one bend.
+    fn linear_count(&self, angles: &JointAngles) -> f64 {
+        let counts = self.mappings.iter();
+        let counts = counts.map(|(dof, map)| map.apply_inverse(angles.get(*dof)));
+        counts.sum::<f64>() / self.mappings.len() as f64
+    }
+}
+
+/// Returns the angles that a channel measures, without those that a later channel measures too, which the estimator uses.
+fn mappings(map: &ChannelMap, channel: usize) -> Vec<(Dof, AffineMap)> {
+    let rows = map.rows();
+    let own = || rows.iter().filter(|row| row.channel == channel);
+    let is_last = |dof: Dof| {
+        let mut others = rows.iter().filter(|row| row.dof == dof);
+        others.all(|row| row.channel <= channel)
+    };
+    let mut mappings: Vec<(Dof, AffineMap)> = own()
+        .filter(|row| is_last(row.dof))
+        .map(|row| (row.dof, row.calibration))
+        .collect();
+    if mappings.is_empty() {
+        mappings.extend(own().map(|row| (row.dof, row.calibration)));
+    }
+    mappings
+}
+
+/// Returns the counts of a glove of which no stick, trigger and button is used.
+fn resting_counts(map: &ChannelMap) -> GloveCounts {
+    // The input of an unused converter floats. Half of the range cannot be taken for a packet header.
+    let mut counts: GloveCounts = (0..MAX_CHANNELS).map(|_| map.full_scale() / 2).collect();
+    for row in map.inputs() {
+        counts[row.channel] = row.calibration.apply_inverse(0.0).round() as u16;
+    }
+    counts
+}

@@ -1,0 +1,80 @@
+//! The finger of a person for each target of a board.
+
+use super::Planner;
+use crate::contact::TargetId;
+use crate::contact::surface::{Surface, Target};
+use crate::hand::{Finger, FingerSet};
+
+/// Half the breadth of a column of keys, in metres.
+const HALF_COLUMN: f32 = 0.0095;
+
+impl Planner<'_> {
+    /// Returns the fingers of the person for a target on a board that the hand moves to, best first; empty if the layout decides.
+    ///
+    /// The columns of the board are divided between the fingers: on a board of this hand with F or J those below a hand whose index
+    /// finger is above that key, as for touch typing, and otherwise those below a hand above the middle of the board, in proportion
+    /// on a wider board. The thumb presses the space bar.
+    pub(super) fn assigned_fingers(&self, surface: &Surface, target: TargetId) -> Vec<Finger> {
+        let motor = &self.state.motor;
+        let used = Finger::ALL.iter().copied();
+        let used: Vec<Finger> = used
+            .filter(|finger| motor.fingers.contains(*finger))
+            .collect();
+        if motor.fingers.contains(Finger::Thumb) && motor.keys.space.contains(&target) {
+            let others = used.into_iter().filter(|finger| *finger != Finger::Thumb);
+            return std::iter::once(Finger::Thumb).chain(others).collect();
+        }
+        let column = self.column(surface, target, motor.fingers).unwrap_or(0.0);
+        let mut fingers: Vec<(Finger, f32)> = used
+            .into_iter()
+            .map(|finger| {
+                let x = self.finger_x(surface, finger).unwrap_or(f32::INFINITY);
+                let distance = match finger {
+                    // The thumb is below the others, and presses keys only if no other finger can.
+                    Finger::Thumb => f32::INFINITY,
+                    _ => (x - column).abs(),
+                };
+                (finger, distance)
+            })
+            .collect();
+        fingers.sort_by(|a, b| a.1.total_cmp(&b.1));
+        fingers.into_iter().map(|(finger, _)| finger).collect()
+    }
+
+    /// Returns the X of a target relative to the middle finger, in metres, as far as the fingers span the board.
+    fn column(&self, surface: &Surface, target: TargetId, fingers: FingerSet) -> Option<f32> {
+        let x_of = |target: &Target| target.surface_from_target.translation.x;
+        let own = x_of(surface.target(target)?);
+        let mut home = self.state.motor.keys.home.iter();
+        if surface.side().is_some()
+            && let Some(home) = home.find_map(|home| surface.target(*home))
+        {
+            return Some(own - x_of(home) + self.finger_x(surface, Finger::Index)?);
+        }
+        let xs = surface.targets().map(|(_, target)| x_of(target));
+        let (min, max) = xs.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| {
+            (min.min(x), max.max(x))
+        });
+        let pressing = fingers.without(Finger::Thumb);
+        let fingers = Finger::ALL
+            .iter()
+            .filter(|finger| pressing.contains(**finger));
+        let span = fingers
+            .filter_map(|finger| self.finger_x(surface, *finger))
+            .fold(0.0_f32, |span, x| span.max(x.abs()));
+        let half_width = (max - min) / 2.0;
+        let scale = ((span + HALF_COLUMN) / (half_width + HALF_COLUMN)).min(1.0);
+        Some((own - min.midpoint(max)) * scale)
+    }
+
+    /// Returns the X of a half bent finger on the board relative to the middle finger, in metres.
+    fn finger_x(&self, surface: &Surface, finger: Finger) -> Option<f32> {
+        let pose = self.state.hand.half_bent_pose();
+        let world_from_surface = surface.world_from_surface(&pose)?;
+        let x_of = |finger| {
+            let tip = pose.fingertip(finger)?;
+            Some(world_from_surface.inverse_transform_point(tip).x)
+        };
+        Some(x_of(finger)? - x_of(Finger::Middle)?)
+    }
+}
