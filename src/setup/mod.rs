@@ -12,7 +12,7 @@ mod sources;
 mod wearer;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
-pub use reach::{HandReach, ReachReport};
+pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;
 pub use sources::NamedSource;
 
