@@ -283,6 +283,27 @@ impl Setup {
     fn glove_name(&self) -> Option<&str> {
         glove_name(&self.glove, self.source.as_ref(), 0)
     }
+
+    /// Returns whether a simulated hand wears a glove that the setup does not name.
+    fn has_default_simulated_glove(&self) -> bool {
+        let is_simulated =
+            |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
+        let is_simulated = self.source.as_ref().is_none_or(is_simulated);
+        is_simulated && self.glove.is_none() && self.glove_name() == Some(DEFAULT_GLOVES[0])
+    }
+
+    /// Returns the setup with simulated gloves that have a stick and buttons.
+    fn with_simulated_inputs(self) -> Self {
+        let [first, other] = DEFAULT_LUCIDGLOVES.map(|name| Some(name.to_owned()));
+        Self {
+            glove: first,
+            other_hand: self.other_hand.map(|hand| OtherHand {
+                glove: hand.glove.or(other),
+                ..hand
+            }),
+            ..self
+        }
+    }
 }
 
 impl OtherHand {

@@ -12,7 +12,8 @@ use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
 use crate::capture::{Channels, MAX_CHANNELS, Sample};
 use crate::contact::surface::Scene;
-use crate::estimate::{ChannelMap, Linearity};
+use crate::estimate::{ChannelMap, InputRow, Linearity};
+use crate::hand::Input;
 use crate::kinematics::ArmModel;
 
 /// The counts of all channels of a glove.
@@ -46,8 +47,9 @@ enum Output {
 #[derive(Clone)]
 struct GloveOutput {
     full_scale: u16,
-    /// The counts before the posture is added.
-    resting_counts: GloveCounts,
+    /// The counts before the posture is added: those of the inputs, and of converters without a sensor.
+    other_counts: GloveCounts,
+    inputs: Vec<InputRow>,
     /// The lines of all channels: a posture has linear counts.
     linearities: Vec<Linearity>,
     noise: Noise,
@@ -138,6 +140,10 @@ impl SimulatedHand {
         let movement = self.movements.next();
         self.active =
             movement.map(|movement| ActiveMovement::begin(movement, &mut self.hand, &self.values));
+        let input = self.active.as_ref().and_then(ActiveMovement::input);
+        if let (Some((input, value)), Output::Glove(glove)) = (input, &mut self.output) {
+            glove.set_input(input, value);
+        }
     }
 
     /// Returns whether the first `actions` actions are done, also if the hand moves on.
@@ -226,7 +232,8 @@ impl GloveOutput {
     fn new(map: &ChannelMap, noise: Noise) -> Self {
         Self {
             full_scale: map.full_scale(),
-            resting_counts: resting_counts(map),
+            other_counts: resting_counts(map),
+            inputs: map.inputs().to_vec(),
             linearities: (0..MAX_CHANNELS)
                 .map(|channel| map.linearity(channel))
                 .collect(),
@@ -234,9 +241,17 @@ impl GloveOutput {
         }
     }
 
+    /// Sets a stick, trigger or button.
+    fn set_input(&mut self, input: Input, value: f64) {
+        for row in self.inputs.iter().filter(|row| row.input == input) {
+            let count = row.calibration.apply_inverse(value).round();
+            self.other_counts[row.channel] = count.clamp(0.0, f64::from(self.full_scale)) as u16;
+        }
+    }
+
     /// Converts a posture to counts.
     fn counts(&mut self, hand: &TypingHand, values: &[f64]) -> GloveCounts {
-        let mut counts = self.resting_counts.clone();
+        let mut counts = self.other_counts.clone();
         for (&channel, &value) in hand.channels().iter().zip(values) {
             let count = self.linearities[channel].apply_inverse(value);
             counts[channel] = self.convert(count);
