@@ -40,6 +40,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "pointers/arm-gamepad"
     "pointers/direct"
     "pointers/joint"
+    "pointers/lucidgloves-controller"
     "pointers/rate"
     "pointers/ray"
     "pointers/space"

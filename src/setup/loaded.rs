@@ -189,13 +189,18 @@ impl LoadedSetup {
             None => None,
         };
         let fit = Fit::new(&arm, other_hand.as_ref().map(|hand| &hand.arm))?;
+        let layout = loader.layout(kind::LAYOUT, &setup.layout, fit)?;
+        if layout.uses_inputs() && setup.has_default_simulated_glove() {
+            let setup = setup.with_simulated_inputs();
+            return Self::new(setup, read);
+        }
         let loaded = Self {
             glove,
             arm,
             other_hand,
             simulated_person: person.clone(),
             person,
-            layout: loader.layout(kind::LAYOUT, &setup.layout, fit)?,
+            layout,
             profiles: loader.profiles(&setup, fit)?,
             documents: loader.documents,
             has_files: true,

@@ -13,7 +13,7 @@ mod sources;
 mod wearer;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
-pub use reach::{HandReach, ReachReport};
+pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;
 pub use sources::NamedSource;
 
@@ -290,6 +290,27 @@ impl Setup {
     /// The name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
     fn glove_name(&self, side: Side) -> Option<&str> {
         glove_name(&self.glove, self.source.as_ref(), side)
+    }
+
+    /// Returns whether a simulated hand wears a glove that the setup does not name.
+    fn has_default_simulated_glove(&self) -> bool {
+        let is_simulated =
+            |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
+        let is_simulated = self.source.as_ref().is_none_or(is_simulated);
+        is_simulated && self.glove.is_none() && self.glove_name() == Some(DEFAULT_GLOVES[0])
+    }
+
+    /// Returns the setup with simulated gloves that have a stick and buttons.
+    fn with_simulated_inputs(self) -> Self {
+        let [first, other] = DEFAULT_LUCIDGLOVES.map(|name| Some(name.to_owned()));
+        Self {
+            glove: first,
+            other_hand: self.other_hand.map(|hand| OtherHand {
+                glove: hand.glove.or(other),
+                ..hand
+            }),
+            ..self
+        }
     }
 }
 

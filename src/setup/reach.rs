@@ -28,6 +28,31 @@ pub struct ReachReport<'a> {
     pub advice: String,
 }
 
+/// A target on a board that no hand reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetOutOfReach {
+    /// The target.
+    pub target: TargetId,
+    miss: Miss,
+}
+
+impl TargetOutOfReach {
+    /// Returns the distance beyond the reach in metres; infinity for a target without a position.
+    pub fn metres(&self) -> f64 {
+        self.miss.distance
+    }
+
+    /// Returns the direction in which the target comes within reach, such as `nearer`.
+    pub fn step(&self) -> &'static str {
+        reach_advice::step(&self.miss)
+    }
+
+    /// Returns the step that brings most of several targets within reach.
+    pub fn common_step(targets: &[Self]) -> String {
+        reach_advice::by_direction(targets.iter().map(|target| &target.miss))
+    }
+}
+
 /// The hands of a setup, to find targets out of their reach without the setup.
 #[derive(Clone, Debug)]
 pub struct HandReach(Hands);
@@ -51,14 +76,17 @@ impl Hands {
 }
 
 impl HandReach {
-    /// Returns the targets on boards out of reach, with the distance beyond it in metres, nearest first. The rules are those of
-    /// [`LoadedSetup::reach_report`]. Takes about 0.1 ms for each target.
-    pub fn on_boards(&self, layout: &Layout) -> Vec<(TargetId, f64)> {
+    /// Returns the targets on boards out of reach, nearest first. The rules are those of [`LoadedSetup::reach_report`]. Takes about
+    /// 0.1 ms for each target.
+    pub fn on_boards(&self, layout: &Layout) -> Vec<TargetOutOfReach> {
         let found = on_boards_out_of_reach(layout, &layout.scene, &self.0);
         let mut found: Vec<_> = found
-            .map(|(face, miss)| (face.target, miss.distance))
+            .map(|(face, miss)| TargetOutOfReach {
+                target: face.target,
+                miss,
+            })
             .collect();
-        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.sort_by(|a, b| a.metres().total_cmp(&b.metres()));
         found
     }
 }

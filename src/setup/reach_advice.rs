@@ -52,6 +52,18 @@ impl Direction {
         }
     }
 
+    /// Returns the way back into reach.
+    fn step(self) -> &'static str {
+        match self {
+            Self::Far => "nearer",
+            Self::Near => "away",
+            Self::High => "down",
+            Self::Low => "up",
+            Self::Right => "to the left",
+            Self::Left => "to the right",
+        }
+    }
+
     fn advice(self) -> &'static str {
         match self {
             Self::Far => "move the board nearer or make it smaller",
@@ -62,6 +74,11 @@ impl Direction {
             Self::Left => "the board is too far to the left: move it to the right",
         }
     }
+}
+
+/// Returns the direction in which a target comes within reach.
+pub(super) fn step(miss: &Miss) -> &'static str {
+    Direction::of(miss).step()
 }
 
 /// Returns the step against the most frequent direction of the misses.

@@ -75,6 +75,17 @@ pub struct Triangles {
     pub indices: Vec<u32>,
 }
 
+/// An image on the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The upper left and the lower right corner, in points.
+    pub corners: [Vec2; 2],
+    /// Width and height, in pixels.
+    pub size: [usize; 2],
+    /// The pixels, row by row from the top.
+    pub pixels: Vec<Color>,
+}
+
 /// A picture, in layers from below to above.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
@@ -83,6 +94,8 @@ pub struct Picture {
     /// Labels of keys and controls.
     pub labels: Vec<Label>,
     /// Hands.
+    pub skin: Option<Image>,
+    /// Bones, and what is edited.
     pub above: Triangles,
     /// Rings, trails and cursors.
     pub marks: Triangles,

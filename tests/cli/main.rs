@@ -35,6 +35,8 @@ mod idle;
 mod learning;
 mod log_options;
 mod lucidgloves;
+#[cfg(target_os = "linux")]
+mod lucidgloves_controller;
 mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;

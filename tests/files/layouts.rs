@@ -57,6 +57,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "arm-gamepad",
             "direct",
             "joint",
+            "lucidgloves-controller",
             "rate",
             "ray",
             "space",

@@ -1,6 +1,7 @@
 //! Tours: scripts that use each control of a layout once.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 
 use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
@@ -11,6 +12,7 @@ use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::sim::HandTask;
 
 const MIXER: &str = r#"Layout(name: "My mixer", boards: [(
     pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
@@ -80,4 +82,32 @@ fn a_tour_touches_each_control_and_moves_it_along_its_travel() {
     assert!(low < 0.2 && high > 0.8, "{values:?}");
     let (low, high) = values["Pan"];
     assert!(high - low > 0.1, "{values:?}");
+}
+
+#[test]
+fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
+    let format = Hc11Format {
+        baud: NonZeroU32::new(115_200).unwrap(),
+        ..Hc11Format::default()
+    };
+    for name in shipped_layouts() {
+        let setup = load(name);
+        for task in [
+            HandTask::Fitting(HandTask::tour),
+            HandTask::Text("Hello, World".to_owned()),
+        ] {
+            let hand = setup.live_hand(task, &format);
+            let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
+            let mut pipeline = CheckedPipeline::new(&setup);
+            let mut events = Events::new();
+            for _ in 0..1500 {
+                let Ok(SourceEvent::Reading(reading)) = hand.next() else {
+                    panic!("{name}: a live hand has no end");
+                };
+                events.clear();
+                let step = pipeline.step(&reading, &mut events).map(|_| ());
+                assert_eq!(step, Ok(()), "{name} at {:?}", reading.time);
+            }
+        }
+    }
 }

@@ -116,6 +116,7 @@ pub fn fields_of(part: Part) -> Vec<FieldSpec> {
             return vec![
                 field("name", Text),
                 field("hand", Choice(SIDES)),
+                field("held", Ron),
                 field("when", Ron),
                 field("action", Action),
                 field("output", Output),

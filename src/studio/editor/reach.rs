@@ -8,13 +8,13 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 use super::{LayoutEditor, Problem, Severity};
 use crate::contact::TargetId;
 use crate::layout::Layout;
-use crate::setup::HandReach;
+use crate::setup::{HandReach, TargetOutOfReach};
 
 /// The largest number of controls with a warning each: the nearest ones.
 const MAX_WARNINGS: usize = 20;
 
-/// Targets out of reach, with the distance beyond it in metres.
-type Found = Vec<(TargetId, f64)>;
+/// Targets out of reach, the nearest first.
+type Found = Vec<TargetOutOfReach>;
 
 /// Finds the controls out of reach after each edit, on a thread of its own: 10 000 keys take seconds.
 pub struct ReachCheck {
@@ -80,12 +80,14 @@ impl ReachCheck {
 
 fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Problem> {
     let names = layout.target_names();
-    let warning = |&(target, metres): &(TargetId, f64)| {
+    let warning = |found: &TargetOutOfReach| {
+        let (target, metres) = (found.target, found.metres());
         let name = names.get(target);
         let message = match metres.is_finite() {
             true => format!(
-                "`{name}` is {:.0} mm out of reach of the hand; move it or its board nearer",
-                metres * 1e3
+                "`{name}` is {:.0} mm out of reach of the hand; move it or its board {}",
+                metres * 1e3,
+                found.step()
             ),
             false => {
                 format!("`{name}` is out of reach: its board has no position without a second hand")
@@ -99,9 +101,8 @@ fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Proble
         .checked_sub(MAX_WARNINGS)
         .filter(|rest| *rest > 0)
     {
-        let message = format!(
-            "{rest} more controls are out of reach; move the board nearer or make it smaller"
-        );
+        let step = TargetOutOfReach::common_step(&found[MAX_WARNINGS..]);
+        let message = format!("{rest} more controls are out of reach; {step}");
         warnings.push(problem(message, editor, None));
     }
     warnings
@@ -180,6 +181,21 @@ mod tests {
         editor.apply(&nearer).unwrap();
         finish(&mut check, &editor);
         assert_eq!(check.warnings(), []);
+    }
+
+    #[test]
+    fn a_key_that_is_too_near_is_moved_away_and_one_that_is_too_far_nearer() {
+        for (at_mm, step) in [("0, -290", "away"), ("0, 400", "nearer")] {
+            let editor = editor(&format!("(code: \"B\", at_mm: ({at_mm}))"));
+            let mut check = check();
+            finish(&mut check, &editor);
+            let [warning] = check.warnings() else {
+                panic!("{at_mm}: {:?}", check.warnings());
+            };
+            let message = &warning.message;
+            let is_named = message.ends_with(&format!("move it or its board {step}"));
+            assert!(is_named, "{at_mm}: {message}");
+        }
     }
 
     #[test]

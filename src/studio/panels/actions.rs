@@ -16,6 +16,7 @@ pub(super) enum Action {
     Zero,
     Look(Viewpoint),
     Bones,
+    Opaque,
     Trails,
     Reach,
     Show(PanelKind),
@@ -61,7 +62,7 @@ const fn plain(key: Key) -> (Modifiers, Key) {
 }
 
 /// All actions. A shortcut with more modifiers stands before one with fewer.
-pub(super) const ACTIONS: [ActionSpec; 14] = [
+pub(super) const ACTIONS: [ActionSpec; 15] = [
     spec(Action::Pause, plain(Key::P), "button-pause", "hint-pause"),
     spec(
         Action::Recenter,
@@ -89,6 +90,7 @@ pub(super) const ACTIONS: [ActionSpec; 14] = [
         "hint-view",
     ),
     spec(Action::Bones, plain(Key::B), "view-bones", "hint-view"),
+    spec(Action::Opaque, plain(Key::O), "view-opaque", "hint-view"),
     spec(Action::Trails, plain(Key::T), "view-trails", "hint-view"),
     spec(Action::Reach, plain(Key::R), "view-reach", "hint-view"),
     global(spec(
@@ -168,6 +170,7 @@ impl Action {
             Self::Zero => context.sent.push(Command::Zero),
             Self::Look(viewpoint) => state.next_viewpoint = Some(viewpoint),
             Self::Bones => state.scene.bones = !state.scene.bones,
+            Self::Opaque => state.scene.opaque = !state.scene.opaque,
             Self::Trails => state.scene.trails = !state.scene.trails,
             Self::Reach => state.scene.reach = !state.scene.reach,
             Self::Show(kind) => state.shown[kind as usize] = !state.shown[kind as usize],

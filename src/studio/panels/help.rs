@@ -7,6 +7,13 @@ use super::actions::{ACTIONS, OTHER_KEYS};
 use crate::studio::texts::{text, text_with};
 use crate::studio::tour::{STEPS, Tour};
 
+/// Distance of the tour from the lower left corner, in points: over the scope and above the status line. What the steps explain is
+/// beside it: the 3D view, the toolbar, the sensors, the status line.
+const TOUR_OFFSET: egui::Vec2 = egui::vec2(10.0, -44.0);
+
+/// Height of the window above and below the list of keys, with its title and hint, in points.
+const KEYS_MARGIN: f32 = 190.0;
+
 /// Width of the words of the tour, in points.
 const TOUR_WIDTH: f32 = 460.0;
 
@@ -26,21 +33,28 @@ fn show_keys(ui: &egui::Ui, state: &mut PanelState) {
         .collapsible(false)
         .resizable(false);
     window.show(ui.ctx(), |ui| {
-        let grid = egui::Grid::new("key_list").num_columns(2).striped(true);
-        grid.spacing([24.0, 6.0]).show(ui, |ui| {
-            for spec in &ACTIONS {
-                ui.monospace(spec.keys(ui.ctx()));
-                ui.label(text(spec.name));
-                ui.end_row();
-            }
-            for (keys, words) in OTHER_KEYS {
-                ui.monospace(keys);
-                ui.label(text(words));
-                ui.end_row();
-            }
-        });
+        // A small window scrolls the list.
+        let height = ui.ctx().content_rect().height() - KEYS_MARGIN;
+        let area = egui::ScrollArea::vertical().max_height(height);
+        area.show(ui, show_key_list);
         ui.add_space(6.0);
         ui.label(text("hint-camera"));
+    });
+}
+
+fn show_key_list(ui: &mut egui::Ui) {
+    let grid = egui::Grid::new("key_list").num_columns(2).striped(true);
+    grid.spacing([24.0, 6.0]).show(ui, |ui| {
+        for spec in &ACTIONS {
+            ui.monospace(spec.keys(ui.ctx()));
+            ui.label(text(spec.name));
+            ui.end_row();
+        }
+        for (keys, words) in OTHER_KEYS {
+            ui.monospace(keys);
+            ui.label(text(words));
+            ui.end_row();
+        }
     });
 }
 
@@ -55,7 +69,7 @@ fn show_tour(ui: &egui::Ui, state: &mut PanelState) {
     let step = STEPS[index];
     let window = egui::Window::new(text(step.heading))
         .id(egui::Id::unique("tour"))
-        .anchor(Align2::CENTER_BOTTOM, egui::vec2(0.0, -60.0))
+        .anchor(Align2::LEFT_BOTTOM, TOUR_OFFSET)
         .collapsible(false)
         .resizable(false);
     window.show(ui.ctx(), |ui| {

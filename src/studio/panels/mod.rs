@@ -212,6 +212,13 @@ impl PanelState {
     }
 }
 
+/// Returns whether a number field was changed. A field that is left without a change rounds its number to what it shows, which must
+/// not reach a file.
+fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
+    let shown = |number: f64| format!("{number:.decimals$}");
+    old != new && shown(old) != shown(new)
+}
+
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     if let Some(Ok(editor)) = &mut state.editor {
@@ -303,4 +310,18 @@ fn show_scope(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelCont
         scope::show(ui, &mut state.scope, context);
     });
     state.set_size_of(PanelKind::Scope, shown.response.rect.height());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_other_number;
+
+    #[test]
+    fn a_number_that_is_rounded_to_what_is_shown_has_not_changed() {
+        let degrees = 3.0_f64.to_degrees();
+        assert!(!is_other_number(degrees, 171.9, 1));
+        assert!(!is_other_number(degrees, degrees, 1));
+        assert!(is_other_number(degrees, 172.0, 1));
+        assert!(is_other_number(4.0, 4.001, 3));
+    }
 }

@@ -7,7 +7,7 @@ use parry3d::math::Vec2;
 
 use super::{PanelContext, PanelState, look};
 use crate::studio::camera::{CameraStep, Viewpoint};
-use crate::studio::picture::{Color, Label, Picture, Triangles};
+use crate::studio::picture::{Color, Image, Label, Picture, Triangles};
 use crate::studio::scene::{self, SceneColors};
 use crate::studio::texts::text;
 
@@ -134,8 +134,50 @@ pub fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background:
     painter.rect_filled(area, 0.0, color32(background));
     painter.add(mesh(&picture.below, area));
     painter.add(label_mesh(painter, area, &picture.labels));
+    if let Some(image) = &picture.skin {
+        paint_image(painter, area, image);
+    }
     painter.add(mesh(&picture.above, area));
     painter.add(mesh(&picture.marks, area));
+}
+
+/// The textures of the images of one pass, which the next pass uses again in the same order.
+#[derive(Clone, Default)]
+struct Textures {
+    pass: u64,
+    used: usize,
+    handles: Vec<egui::TextureHandle>,
+}
+
+fn paint_image(painter: &egui::Painter, area: Rect, image: &Image) {
+    let pixels = image.pixels.iter().map(|&color| color32(color)).collect();
+    let pixels = egui::ColorImage::new(image.size, pixels);
+    let context = painter.ctx();
+    let id = egui::Id::unique("textures of hands");
+    let mut textures: Textures = context.data(|data| data.get_temp(id)).unwrap_or_default();
+    let pass = context.cumulative_pass_nr();
+    if textures.pass != pass {
+        (textures.pass, textures.used) = (pass, 0);
+    }
+    let options = egui::TextureOptions::LINEAR;
+    match textures.handles.get_mut(textures.used) {
+        Some(handle) => handle.set(pixels, options),
+        None => {
+            let handle = context.load_texture("hand", pixels, options);
+            textures.handles.push(handle);
+        }
+    }
+    let texture = textures.handles[textures.used].id();
+    textures.used += 1;
+    context.data_mut(|data| data.insert_temp(id, textures));
+    let [low, high] = image.corners.map(|corner| on_screen(corner, area));
+    let whole = Rect::from_min_max(Pos2::ZERO, egui::pos2(1.0, 1.0));
+    painter.image(
+        texture,
+        Rect::from_min_max(low, high),
+        whole,
+        Color32::WHITE,
+    );
 }
 
 /// Returns the letters of all labels. Each lies on its key, which no text of egui can.

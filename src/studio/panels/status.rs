@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
 }
 
 /// Returns the word of a state and the colour behind it.
-fn state_look(state: PipelineState) -> (&'static str, Color32) {
+pub(super) fn state_look(state: PipelineState) -> (&'static str, Color32) {
     match state {
         PipelineState::Starting => ("state-starting", Color32::from_rgb(0x5a, 0x64, 0x76)),
         PipelineState::Running => ("state-running", Color32::from_rgb(0x14, 0x75, 0x4b)),

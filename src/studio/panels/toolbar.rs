@@ -71,6 +71,7 @@ fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Panel
         let mut is_on = match spec.action {
             Action::Show(kind) => state.shown[kind as usize],
             Action::Bones => state.scene.bones,
+            Action::Opaque => state.scene.opaque,
             Action::Trails => state.scene.trails,
             Action::Reach => state.scene.reach,
             _ => continue,

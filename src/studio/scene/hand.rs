@@ -3,14 +3,10 @@
 use parry3d::math::Vec2;
 
 use super::limbs::{arm_sections, finger_sections};
-use super::skin::{LimbSettings, Skin};
-use super::{Canvas, SceneOptions};
+use super::{Canvas, SceneOptions, skin};
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;
 use crate::studio::picture::capsule;
-
-/// Opacity of skin through which bones are seen.
-const SKIN_OVER_BONES: f32 = 0.45;
 
 /// Sides of an arm.
 const ARM_SIDES: usize = 36;
@@ -18,29 +14,12 @@ const ARM_SIDES: usize = 36;
 /// Sides of a finger.
 const FINGER_SIDES: usize = 20;
 
-/// Distance by which fingers count as nearer to the eye than the palm, in metres: those of a flat hand are over it from both
-/// sides, and those of a fist behind its back.
-const FINGER_LIFT: f32 = 0.015;
-
 /// Adds a hand with its forearm.
 pub(super) fn add_hand(canvas: &mut Canvas, pose: &HandPose, options: SceneOptions) {
-    let opacity = if options.bones { SKIN_OVER_BONES } else { 1.0 };
-    let mut skin = Skin::default();
-    let arm = LimbSettings {
-        sides: ARM_SIDES,
-        opacity,
-        lift: 0.0,
-    };
-    skin.add(canvas, &arm_sections(pose), &arm);
-    let finger_settings = LimbSettings {
-        sides: FINGER_SIDES,
-        opacity,
-        lift: FINGER_LIFT,
-    };
+    skin::add(canvas, &arm_sections(pose), ARM_SIDES);
     for &finger in Finger::ALL {
-        skin.add(canvas, &finger_sections(pose, finger), &finger_settings);
+        skin::add(canvas, &finger_sections(pose, finger), FINGER_SIDES);
     }
-    skin.draw(&mut canvas.picture.above);
     if options.bones {
         add_bones(canvas, pose);
     }

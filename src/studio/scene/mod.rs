@@ -4,8 +4,8 @@ mod boards;
 mod colors;
 mod fingertips;
 mod hand;
-mod limb_order;
 mod limbs;
+mod raster;
 mod reach;
 mod skin;
 mod spaces;
@@ -16,6 +16,7 @@ use self::boards::add_board;
 pub use self::colors::SceneColors;
 use self::fingertips::{add_rings, add_trail};
 use self::hand::add_hand;
+use self::raster::Mesh;
 use self::reach::add_reach;
 use self::spaces::{add_pointer, add_spaces};
 use super::camera::{Camera, Projected, Projection};
@@ -24,11 +25,19 @@ use super::picture::Picture;
 use crate::hand::Joint;
 use crate::kinematics::HandPose;
 
+/// Opacity of skin through which bones are seen.
+const SKIN_OVER_BONES: f32 = 0.45;
+
+/// Opacity of skin through which keys are seen.
+const SKIN_OVER_KEYS: f32 = 0.6;
+
 /// Optional parts of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneOptions {
     /// Bones and joints, through the skin.
     pub bones: bool,
+    /// Skin that hides the keys below it.
+    pub opaque: bool,
     /// Trails of the fingertips.
     pub trails: bool,
     /// The space that the fingertips can reach with the elbow where it is.
@@ -39,6 +48,7 @@ impl Default for SceneOptions {
     fn default() -> Self {
         Self {
             bones: false,
+            opaque: false,
             trails: true,
             reach: false,
         }
@@ -50,6 +60,8 @@ struct Canvas<'a> {
     projection: Projection,
     size: Vec2,
     colors: &'a SceneColors,
+    /// The hands.
+    skin: Mesh,
     picture: Picture,
 }
 
@@ -59,12 +71,19 @@ impl<'a> Canvas<'a> {
             projection: camera.projection(size),
             size,
             colors,
+            skin: Mesh::default(),
             picture: Picture::default(),
         }
     }
 
     fn project(&self, point: Vec3) -> Option<Projected> {
         self.projection.project(point)
+    }
+
+    /// Returns the picture, with skin of this opacity.
+    fn finish(mut self, opacity: f32) -> Picture {
+        self.picture.skin = self.skin.draw(self.size, opacity);
+        self.picture
     }
 
     /// Returns `true` if a disc of this radius is on the picture, at least in part.
@@ -99,14 +118,19 @@ pub fn draw(
         }
     }
     add_pointer(&mut canvas, model);
-    canvas.picture
+    let hides_keys = !model.view.layout.boards.is_empty();
+    canvas.finish(match options {
+        SceneOptions { bones: true, .. } => SKIN_OVER_BONES,
+        SceneOptions { opaque: false, .. } if hides_keys => SKIN_OVER_KEYS,
+        _ => 1.0,
+    })
 }
 
 /// Draws a hand without boards on a picture of this size, in points.
 pub fn draw_hand(pose: &HandPose, camera: &Camera, size: Vec2, colors: &SceneColors) -> Picture {
     let mut canvas = Canvas::new(camera, size, colors);
     add_hand(&mut canvas, pose, SceneOptions::default());
-    canvas.picture
+    canvas.finish(1.0)
 }
 
 /// Returns the points that the first picture shows: the corners of all keys and controls, targets in space, and the hands.

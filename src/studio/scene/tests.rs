@@ -6,8 +6,10 @@ use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::*;
 use crate::contact::surface::Surface;
+use crate::estimate::{Estimate, JointAngles};
 use crate::files::Load;
-use crate::hand::Side;
+use crate::hand::{Dof, Finger, Side};
+use crate::kinematics::{ArmModel, BoneLengths};
 use crate::layout::Layout;
 use crate::session::view::{View, ViewState};
 use crate::studio::camera::Viewpoint;
@@ -118,6 +120,106 @@ fn every_shipped_layout_is_framed_within_the_picture() {
             let at = camera.project(point, SIZE).unwrap().position;
             let is_inside = at.cmpge(Vec2::ZERO).all() && at.cmple(SIZE).all();
             assert!(is_inside, "{layout}: {at}");
+        }
+    }
+}
+
+/// Returns the largest opacity of the skin, 0..=255; 0 without skin.
+fn skin_opacity(picture: &Picture) -> u8 {
+    let pixels = picture.skin.iter().flat_map(|image| &image.pixels);
+    pixels.map(|color| color.0[3]).max().unwrap_or(0)
+}
+
+/// Returns the opacity of the skin at a point of the world, 0..=255.
+fn opacity_at(picture: &Picture, camera: &Camera, point: Vec3) -> u8 {
+    let image = picture.skin.as_ref().expect("a hand");
+    let at = camera.project(point, SIZE).unwrap().position;
+    let [low, high] = image.corners;
+    let size = Vec2::new(image.size[0] as f32, image.size[1] as f32);
+    let pixel = ((at - low) / (high - low) * size).clamp(Vec2::ZERO, size - 1.0);
+    image.pixels[pixel.y as usize * image.size[0] + pixel.x as usize].0[3]
+}
+
+/// Returns the model with a hand of average size and these angles, in degrees.
+fn with_hand(mut model: StudioModel, degrees: &[(Dof, f64)]) -> StudioModel {
+    let bones = BoneLengths::from_hand_and_forearm(0.19, 0.26).unwrap();
+    let arm = ArmModel::anthropometric(Side::Right, &bones).unwrap();
+    let mut angles = JointAngles::default();
+    for &(dof, degrees) in degrees {
+        angles.set(dof, degrees.to_radians());
+    }
+    let pose = arm.forward(&Estimate::new(Timestamp(0), angles));
+    model.poses[Side::Right.index()] = Some(pose);
+    model
+}
+
+#[test]
+fn keys_are_seen_through_the_hand_unless_it_is_to_be_opaque() {
+    for (layout, opaque, expected) in [
+        ("qwerty-flat", false, 153),
+        ("qwerty-flat", true, 255),
+        ("direct", false, 255),
+    ] {
+        let (model, camera) = scene(layout);
+        let model = with_hand(model, &[]);
+        let options = SceneOptions {
+            opaque,
+            ..SceneOptions::default()
+        };
+        let picture = draw(&model, &camera, SIZE, &SceneColors::DARK, options);
+        assert_eq!(skin_opacity(&picture), expected, "{layout}");
+    }
+}
+
+#[test]
+fn an_arm_that_passes_the_eye_fades_out_and_the_hand_before_it_stays() {
+    let (model, mut camera) = scene("qwerty-flat");
+    let model = with_hand(model, &[]);
+    let pose = model.poses[Side::Right.index()].unwrap();
+    let at = |joint: Joint| pose.position(joint).unwrap();
+    let (elbow, wrist) = (at(Joint::Elbow), at(Joint::Wrist));
+    let tip = at(Joint::MiddleTip);
+    // The eye looks along the arm, from between elbow and wrist.
+    let along = (tip - elbow).normalize();
+    camera.target = tip;
+    camera.azimuth = (-along.x).atan2(-along.z);
+    camera.elevation = 0.3;
+    camera.distance = 0.8 * tip.distance(wrist) + 0.4 * wrist.distance(elbow);
+    assert!(camera.project(elbow, SIZE).is_none(), "behind the eye");
+    let picture = picture(&model, &camera);
+    for joint in [
+        Joint::MiddlePhalanxProximal,
+        Joint::MiddlePhalanxIntermediate,
+    ] {
+        let opacity = opacity_at(&picture, &camera, at(joint));
+        assert!(opacity > 140, "{joint:?}: {opacity}");
+    }
+}
+
+#[test]
+fn the_skin_of_a_bent_finger_has_no_hole() {
+    for bend in [30.0, 60.0, 90.0, 110.0] {
+        let dofs = [Dof::IndexMcpFlexion, Dof::IndexPipFlexion];
+        let (model, mut camera) = scene("direct");
+        let model = with_hand(model, &dofs.map(|dof| (dof, bend)));
+        let points = points_of_interest(&model);
+        for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+            camera.frame(&points, 0.0, viewpoint, SIZE.x / SIZE.y);
+            let pose = model.poses[Side::Right.index()].unwrap();
+            let picture = picture(&model, &camera);
+            let joints = Finger::Index.joints();
+            // Points on the bones of the finger are within its skin.
+            for pair in joints[1..].windows(2) {
+                let [Some(from), Some(to)] = [pose.position(pair[0]), pose.position(pair[1])]
+                else {
+                    panic!("a joint of the index finger is unknown");
+                };
+                for step in 0..=20 {
+                    let point = from.lerp(to, step as f32 / 20.0);
+                    let opacity = opacity_at(&picture, &camera, point);
+                    assert_eq!(opacity, 255, "{bend}° {viewpoint:?} {:?} {step}", pair[0]);
+                }
+            }
         }
     }
 }

@@ -90,6 +90,48 @@ fn the_first_step_of_the_tour_is_as_reviewed() {
     picture::compare(&mut window, "studio-tour", panel);
 }
 
+/// Returns the area of the words and buttons of the tour, with its frame.
+fn tour_area(window: &StudioWindow, words: &'static str) -> egui::Rect {
+    let words = window.rect_of(text(words));
+    words.union(window.rect_of(text("tour-back"))).expand(12.0)
+}
+
+#[test]
+fn the_tour_covers_nothing_that_it_explains() {
+    for language in Language::ALL {
+        let opening = Opening {
+            size: [1280.0, 720.0],
+            ..Opening::default()
+        };
+        let mut window = opening.open();
+        window.harness.state_mut().settings().language = Some(language);
+        window.draw(2);
+        let screen = window.harness.ctx.content_rect();
+        let status = screen.with_min_y(screen.max.y - 34.0);
+        let explained = [
+            ("tour-view-words", window.panel(text("panel-space"))),
+            ("tour-pause-words", window.rect_of(text("button-pause"))),
+            ("tour-sensors-words", window.panel(text("panel-sensors"))),
+            (
+                "tour-layout-words",
+                window.rect_of(text("workspace-layout")),
+            ),
+            ("tour-output-words", status),
+        ];
+        window.click(text("menu-help"));
+        window.click(text("help-tour"));
+        for (words, area) in explained {
+            let tour = tour_area(&window, words);
+            let covered = tour.intersect(area.shrink(6.0));
+            assert!(!covered.is_positive(), "{words}: {tour} over {area}");
+            assert!(screen.contains_rect(tour), "{words}: {tour}");
+            picture::draw(&mut window, &format!("{words}-{}", language.name()));
+            window.press_key(egui::Key::Enter);
+        }
+    }
+    texts::set_language(Language::English);
+}
+
 #[test]
 fn the_tour_goes_back_and_is_left_with_escape() {
     let mut window = Opening::default().open();

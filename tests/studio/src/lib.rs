@@ -19,5 +19,6 @@ mod scope;
 mod sensors;
 mod settings;
 mod space;
+mod texts;
 mod toolbar;
 mod window;

@@ -127,3 +127,21 @@ fn the_panel_is_as_reviewed() {
     let figures = egui::Rect::from_x_y_ranges(panel.x_range(), source.min.y..=channels.min.y - 4.0);
     picture::compare_except(&mut window, "studio-sensors", panel, &[figures]);
 }
+
+#[test]
+fn a_number_that_is_left_as_it_was_does_not_change_the_file() {
+    let mut own = OwnGlove::open();
+    let window = &mut own.window;
+    window.click(text("joint-elbow"));
+    for field in ["value-gain", "value-offset"] {
+        let number = window
+            .harness
+            .get_by_role_and_label(Role::SpinButton, text(field));
+        // A click makes a text of the number, with the digits that are shown: 2.5 rad are 143.239°.
+        number.click();
+        window.draw(3);
+        window.press_key(egui::Key::Enter);
+        assert!(!window.is_enabled(text("glove-save")), "{field}");
+        assert!(!window.is_enabled(text("glove-undo")), "{field}");
+    }
+}

@@ -12,18 +12,23 @@ pub const MAX_TRIGGERS: usize = 64;
 /// Resolution of the value, in steps: hand tremor then emits no events.
 const VALUE_STEPS: f32 = 1000.0;
 
+/// The value from which an input of the glove is held.
+const HELD: f32 = 0.5;
+
 /// A trigger.
 ///
 /// It switches on when its measurement reaches `on`, and off when it is back at `off`; `on` may be more or
 /// less than `off`. While the measurement is unknown (the source does not provide the joint, the finger is
-/// lost or untrusted, the hand was re-acquired) the trigger is off, and has to be seen off before it
-/// switches on.
+/// lost or untrusted, the hand was re-acquired), or [`held`](Self::held) is not held, the trigger is off, and has to be
+/// seen off before it switches on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trigger {
     /// The subject of its value events. The scene does not contain it.
     pub target: TargetId,
     /// The hand; `None` for both hands, each on its own.
     pub side: Option<Side>,
+    /// An input of the glove that has to be held; without it the trigger is off.
+    pub held: Option<Input>,
     /// The measurement.
     pub measure: Measure,
     /// The measurement at which it switches on: in radians or metres, or as a fraction for an input of the glove.
@@ -93,7 +98,8 @@ impl VirtualDevice for Triggers {
             if trigger.side != input.pose.side {
                 continue;
             }
-            match trigger.trigger.measure.measurement(input) {
+            let measurement = trigger.trigger.measure.measurement(input);
+            match measurement.filter(|_| trigger.is_held(input)) {
                 Some(measurement) => trigger.update(measurement, input.pose.time, out),
                 None => trigger.reset(input.pose.time, out),
             }
@@ -118,6 +124,12 @@ impl HandTrigger {
             side,
             state: TriggerState::Unknown,
         })
+    }
+
+    /// Returns whether the input that has to be held is held.
+    fn is_held(&self, input: &DeviceInput) -> bool {
+        let is_held = |held| input.inputs.get(held).is_some_and(|value| value >= HELD);
+        self.trigger.held.is_none_or(is_held)
     }
 
     fn source(&self) -> PressSource {

@@ -2,7 +2,7 @@
 
 use super::load::LayoutSchema;
 use crate::document::{FieldType, Table};
-use crate::hand::{Dof, Finger, Side};
+use crate::hand::{Dof, Finger, Input, Side};
 
 /// Returns the tables of the fields of a layout file: the file itself first, each structure after the one that contains it.
 pub fn field_tables() -> Vec<Table> {
@@ -22,7 +22,7 @@ macro_rules! quoted_names {
         }
     )+};
 }
-quoted_names!(Finger Side);
+quoted_names!(Finger Input Side);
 
 impl FieldType for Dof {
     fn values() -> String {

@@ -92,8 +92,11 @@ impl<'a> Edits<'a> {
                 self.replace(x.to_deg, x.from_deg.trim().get_ron().to_owned());
                 Ok(())
             }
-            // The motions are those of the world.
-            RawMode::Arm {} => Ok(()),
+            // The motions are those of the world, and a stick is not mirrored with the hand.
+            RawMode::Arm {}
+            | RawMode::Rate {
+                input: RawDisplacement::Stick,
+            } => Ok(()),
         }
     }
 
@@ -197,6 +200,7 @@ enum RawDisplacement<'a> {
         #[serde(borrow)]
         x: RawAngle<'a>,
     },
+    Stick,
 }
 
 #[derive(Deserialize)]

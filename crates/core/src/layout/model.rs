@@ -19,7 +19,7 @@ use crate::device::radio::Radio;
 use crate::device::slider::Slider;
 use crate::device::toggle::Toggle;
 use crate::device::touch_surface::TouchSurface;
-use crate::device::trigger::Trigger;
+use crate::device::trigger::{Measure, Trigger};
 use crate::device::{KeyAction, TextId};
 use crate::hand::Side;
 
@@ -184,6 +184,16 @@ impl Key {
 }
 
 impl Layout {
+    /// Returns whether a stick, trigger or button of a glove does something.
+    pub fn uses_inputs(&self) -> bool {
+        let mut triggers = self.triggers.iter();
+        triggers.any(|(_, it)| it.held.is_some() || matches!(it.measure, Measure::Input(_)))
+            || self
+                .pointer
+                .as_ref()
+                .is_some_and(PointerSettings::uses_inputs)
+    }
+
     /// Returns the bindings of the keys, for the keyboard device.
     pub fn key_bindings(&self) -> Vec<KeyBinding> {
         self.keys

@@ -1,7 +1,7 @@
 //! Errors of actions that a simulated hand cannot perform.
 
 use crate::contact::TargetId;
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::message::escape;
 use crate::names::UnknownName;
 
@@ -62,6 +62,9 @@ pub enum ActionErrorKind {
     /// An angle that the glove does not measure.
     #[error("the glove has no sensor for `{}`{}", escape(&.0.text), suggestion(.0))]
     NoSensor(UnknownName),
+    /// A stick, trigger or button that the glove does not have.
+    #[error("the glove has no input `{0}`; use a glove with inputs, such as `lucidgloves`")]
+    NoInput(Input),
     /// An angle outside the range of the joint or of its sensor.
     #[error(
         "`{dof}` ranges from {low:.0}° to {high:.0}° with this glove, and {wanted:.0}° is outside"

@@ -3,15 +3,16 @@
 use super::noise::Noise;
 use super::simulated_hand::GloveCounts;
 use crate::capture::{Channels, MAX_CHANNELS, Sample};
-use crate::estimate::{AffineMap, ChannelMap, JointAngles, Linearity};
-use crate::hand::Dof;
+use crate::estimate::{AffineMap, ChannelMap, InputRow, JointAngles, Linearity};
+use crate::hand::{Dof, Input};
 
 /// A glove on a simulated hand, with its converter. It knows the joint angles and nothing else of the person.
 #[derive(Clone)]
 pub(super) struct GloveSensor {
     full_scale: u16,
-    /// The counts of a glove that measures no angle.
-    resting_counts: GloveCounts,
+    /// The counts before the angles are added: those of the inputs, and of converters without a sensor.
+    other_counts: GloveCounts,
+    inputs: Vec<InputRow>,
     channels: Vec<SensedChannel>,
     noise: Noise,
 }
@@ -37,15 +38,24 @@ impl GloveSensor {
         });
         Self {
             full_scale: map.full_scale(),
-            resting_counts: resting_counts(map),
+            other_counts: resting_counts(map),
+            inputs: map.inputs().to_vec(),
             channels: sensed.collect(),
             noise,
         }
     }
 
+    /// Sets a stick, trigger or button.
+    pub(super) fn set_input(&mut self, input: Input, value: f64) {
+        for row in self.inputs.iter().filter(|row| row.input == input) {
+            let count = row.calibration.apply_inverse(value).round();
+            self.other_counts[row.channel] = count.clamp(0.0, f64::from(self.full_scale)) as u16;
+        }
+    }
+
     /// Returns what the glove measures of a hand with these angles.
     pub(super) fn measure(&mut self, angles: &JointAngles) -> Sample {
-        let mut counts = self.resting_counts.clone();
+        let mut counts = self.other_counts.clone();
         for sensed in &self.channels {
             let linear = sensed.linear_count(angles);
             let count = sensed.linearity.apply_inverse(linear) + self.noise.value();

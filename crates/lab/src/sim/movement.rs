@@ -5,6 +5,7 @@ use parry3d::math::Vec3;
 
 use super::effector::Effector;
 use super::typing_hand::TypingHand;
+use crate::hand::Input;
 
 /// A planned movement. It starts in the posture that the hand then has.
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub(super) struct Movement {
     pub(super) channel_targets: Vec<(usize, f64)>,
     /// Path of the fingertip that points; `None` if the fingertip follows from the channels.
     pub(super) path: Option<TipPath>,
+    /// An input of the glove that is set at the start, and its value.
+    pub(super) input: Option<(Input, f64)>,
     /// What moves along the path.
     pub(super) effector: Effector,
     /// `true` if the thumb stays at the index finger.
@@ -90,6 +93,11 @@ impl ActiveMovement {
     /// Returns whether the fingertip presses a target at the end.
     pub(super) fn ends_down(&self) -> bool {
         self.movement.ends_down
+    }
+
+    /// Returns the input of the glove that is set, and its value.
+    pub(super) fn input(&self) -> Option<(Input, f64)> {
+        self.movement.input
     }
 
     /// Returns the duration in packets.

@@ -153,6 +153,10 @@ impl SimulatedHand {
         }
         self.active =
             movement.map(|movement| ActiveMovement::begin(movement, &mut self.hand, &self.values));
+        let input = self.active.as_ref().and_then(ActiveMovement::input);
+        if let (Some((input, value)), HandSensor::Glove(glove)) = (input, &mut self.sensor) {
+            glove.set_input(input, value);
+        }
     }
 
     /// Returns whether the first `actions` actions are done, also if the hand moves on.

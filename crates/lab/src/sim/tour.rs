@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::command::Command;
 use crate::device::KeyAction;
 use crate::device::trigger::{Measure, Trigger};
+use crate::hand::{Finger, Input};
 use crate::layout::{Control, ControlKind, Key, Layout};
 
 /// Rest between two controls, in ms.
@@ -15,6 +16,10 @@ const TURN_DEG: u32 = 90;
 const INNER: f32 = 0.8;
 /// Angle by which a trigger is passed, in degrees.
 const BEYOND_DEG: f32 = 5.0;
+/// Value by which an input is beyond its threshold.
+const HOLD_BEYOND: f32 = 0.2;
+/// Time for which an input is held, in ms.
+const HOLD_MS: u32 = 200;
 
 /// A part of a tour: one control.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,8 +39,10 @@ pub fn tour(layout: &Layout) -> Vec<TourStop> {
     let triggers = layout.triggers.iter();
     let triggers = triggers.filter_map(|(name, trigger)| trigger_stop(name, trigger));
     let mut stops: Vec<TourStop> = keys.chain(controls).chain(triggers).collect();
-    if layout.pointer.is_some() || !layout.spaces.is_empty() {
-        stops.extend(arm_stops());
+    match &layout.pointer {
+        Some(pointer) if pointer.mode.starts_at_rest() => stops.extend(stick_stops()),
+        None if layout.spaces.is_empty() => {}
+        _ => stops.extend(arm_stops()),
     }
     stops
 }
@@ -140,12 +147,39 @@ fn trigger_stop(name: &str, trigger: &Trigger) -> Option<TourStop> {
                 off - beyond
             )
         }
-        Measure::Pinch(crate::hand::Finger::Index) => "pinch; unpinch".to_owned(),
-        Measure::Pinch(_) | Measure::Input(_) => return None,
+        Measure::Pinch(Finger::Index) => "pinch; unpinch".to_owned(),
+        Measure::Input(input) => {
+            let name = input.name();
+            let held = trigger.held.map(Input::name);
+            let hold = |value| held.map_or(String::new(), |held| format!("input {held} {value}; "));
+            format!(
+                "{}input {name} {:.2}; wait {HOLD_MS}; input {name} 0; {}wait {HOLD_MS}",
+                hold(1),
+                trigger.on + HOLD_BEYOND.copysign(trigger.on - trigger.off),
+                hold(0),
+            )
+        }
+        Measure::Pinch(_) => return None,
     };
     Some(TourStop {
         name: name.to_owned(),
         actions,
+    })
+}
+
+/// Returns movements of the stick of a glove, which move a cursor.
+fn stick_stops() -> impl Iterator<Item = TourStop> {
+    let moves = [
+        "stick-x 1",
+        "stick-x -1",
+        "stick-x 0",
+        "stick-y 1",
+        "stick-y -1",
+        "stick-y 0",
+    ];
+    moves.into_iter().map(|actions| TourStop {
+        name: "the stick".to_owned(),
+        actions: format!("input {actions}; wait {HOLD_MS}"),
     })
 }
 

@@ -5,7 +5,7 @@ use parry3d::math::Vec3;
 
 use super::effector::{Effector, Limb};
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
-use crate::hand::{Dof, Finger, Joint, Side};
+use crate::hand::{Dof, Finger, Input, Joint, Side};
 use crate::kinematics::{
     ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, half_bent_fingers,
     solve_ik, typing_angle,
@@ -47,6 +47,8 @@ pub struct TypingHand {
     pub(super) variables: Vec<IkVariable>,
     /// The angles that the glove does not measure.
     assumed: JointAngles,
+    /// The sticks, triggers and buttons of the glove.
+    inputs: Vec<Input>,
     bend_ranges: BendRanges,
     pub(super) resting_pose: HandPose,
     /// The sensor shows the hand as a whole and not its joints.
@@ -67,6 +69,7 @@ impl TypingHand {
         Self {
             arm: arm.clone(),
             assumed,
+            inputs: map.inputs().iter().map(|row| row.input).collect(),
             bend_ranges: BendRanges::of_glove(map),
             variables: variables.collect(),
             channels,
@@ -96,6 +99,7 @@ impl TypingHand {
         Self {
             arm: arm.clone(),
             assumed: JointAngles::default(),
+            inputs: Vec::new(),
             bend_ranges: BendRanges::human(),
             channels: (0..variables.len()).collect(),
             variables,
@@ -103,6 +107,11 @@ impl TypingHand {
             is_stiff: false,
         }
         .at_rest()
+    }
+
+    /// Returns whether the glove has this stick, trigger or button.
+    pub fn has_input(&self, input: Input) -> bool {
+        self.inputs.contains(&input)
     }
 
     /// Returns the side.

@@ -12,6 +12,7 @@ use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
+use ademan::capture::protocol::lucidgloves;
 use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
@@ -133,8 +134,9 @@ fn cancel(player: &CurrentPlayer) {
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     let (setup, line) = (setup::load(args)?, line_format(args)?);
     let (task, hand) = simulated_hand(args, &setup, &line)?;
-    match args.fast {
-        true => play_fast(args, current, setup, &line, task, hand),
+    // The simulated serial lines carry packets without sticks and buttons.
+    match args.fast || setup.layout.uses_inputs() {
+        true => play_bytes(args, current, setup, &line, task, hand),
         false => play_on_line(args, current, setup, line, task, hand),
     }
 }
@@ -180,8 +182,8 @@ fn play_on_line(
     }
 }
 
-/// Plays the bytes of the gloves as fast as the session takes them.
-fn play_fast(
+/// Plays the bytes of the gloves without a line.
+fn play_bytes(
     args: &Args,
     current: &CurrentPlayer,
     setup: LoadedSetup,
@@ -189,10 +191,17 @@ fn play_fast(
     mut task: Task,
     hand: SimulatedTypist,
 ) -> Result<(), Failure> {
-    let stream = SimulatedStream::new(hand, &StreamFormat::from(*line)).map_err(Failure::job)?;
-    announce(&task, &setup, "its bytes, faster than real time")?;
+    let hand = if args.repeat { hand.repeated() } else { hand };
+    let stream = SimulatedStream::new(hand, &byte_format(&setup, line)?).map_err(Failure::job)?;
+    let pace = match args.fast {
+        true => "its bytes, faster than real time",
+        false => "its bytes",
+    };
+    announce(&task, &setup, pace)?;
     let options = SessionOptions {
         source: Some(Box::new(stream)),
+        speed: (!args.fast).then_some(1.0),
+        watch_layouts: args.repeat,
         ..session_options()?
     };
     let session = Session::start(setup, options)?;
@@ -214,9 +223,25 @@ fn play_fast(
     writeln!(out, "readings   {}", stats::line(&summary.stats))?;
     match task.is_done(&playback) {
         true => Ok(()),
+        false if playback.is_cancelled && args.repeat => Ok(()),
         false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
         false => Err(Failure::job("the typed text differs from the given one")),
     }
+}
+
+/// Returns the format of the bytes: that of the line, or lines of LucidGloves at its rate for a glove with a stick and buttons.
+fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, Failure> {
+    if !setup.layout.uses_inputs() {
+        return Ok(StreamFormat::from(*line));
+    }
+    let mut format = StreamFormat::new(&lucidgloves::PROTOCOL);
+    let mut options = format.protocol.options.iter();
+    if let Some(rate) = options.find(|option| option.name == "rate_hz") {
+        let rate_hz = 1.0 / line.packet_period().as_secs_f64();
+        let set = format.options.set(rate, &format!("{rate_hz:.3}"));
+        set.map_err(Failure::job)?;
+    }
+    Ok(format)
 }
 
 fn announce(task: &Task, setup: &LoadedSetup, source: &str) -> io::Result<()> {

@@ -17,6 +17,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "direct"
     "game"
     "joint"
+    "lucidgloves-controller"
     "media"
     "rate"
     "ray"

@@ -10,9 +10,9 @@ use super::Args;
 use crate::failure::Failure;
 use crate::person;
 
-/// The gloves of the hands.
-const RIGHT_GLOVE: &str = "unam-hc11";
-const LEFT_GLOVE: &str = "unam-hc11-left";
+/// The gloves of the left and the right hand, and those with a stick and buttons.
+const GLOVES: [&str; 2] = ["unam-hc11-left", "unam-hc11"];
+const GLOVES_WITH_INPUTS: [&str; 2] = ["lucidgloves-left", "lucidgloves"];
 
 /// The largest count of a channel on the simulated line.
 const MAX_COUNT: u16 = 1023;
@@ -32,7 +32,9 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     let simulated = simulated.as_deref().map(person::load).transpose()?;
     let side = side(args, simulated.as_ref())?;
     let layout_name = args.layout.clone().unwrap_or(base.layout);
-    let has_other = Layout::load(&layout_name)?.has_board_for(side.opposite());
+    let layout = Layout::load(&layout_name)?;
+    let glove_of = |side| glove_for(&layout, side);
+    let has_other = layout.has_board_for(side.opposite());
     let uses_both = simulated
         .as_ref()
         .is_none_or(|person| person.hands == HandUse::Both);
@@ -43,15 +45,11 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
         profiles: base.profiles,
         output: args.output.clone(),
         stall_timeout_ms: STALL_TIMEOUT_MS,
-        glove: Some(glove.unwrap_or_else(|| glove_of(side).to_owned())),
+        glove: Some(glove.unwrap_or_else(|| glove_of(side))),
         person: assumed,
         arm: base.arm,
         other_hand: (has_other && uses_both).then(|| OtherHand {
-            glove: Some(
-                other
-                    .glove
-                    .unwrap_or_else(|| glove_of(side.opposite()).to_owned()),
-            ),
+            glove: Some(other.glove.unwrap_or_else(|| glove_of(side.opposite()))),
             arm: other.arm,
             ..OtherHand::default()
         }),
@@ -61,7 +59,9 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
         ..Setup::default()
     };
     let loaded = setup.load_files()?;
-    check_gloves(&loaded)?;
+    if !loaded.layout.uses_inputs() {
+        check_gloves(&loaded)?;
+    }
     match simulated {
         None => Ok(loaded),
         Some(person) => simulate(loaded, person),
@@ -71,12 +71,13 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
 /// Returns a setup with the gloves that a simulated hand of this side wears, for both hands if its layout is for two, and with the
 /// stall timeout of a busy machine.
 pub fn with_simulated_gloves(setup: Setup, side: Side) -> Result<Setup, Failure> {
-    let has_other = Layout::load(&setup.layout)?.has_board_for(side.opposite());
+    let layout = Layout::load(&setup.layout)?;
+    let other = side.opposite();
     Ok(Setup {
         stall_timeout_ms: STALL_TIMEOUT_MS,
-        glove: Some(glove_of(side).to_owned()),
-        other_hand: has_other.then(|| OtherHand {
-            glove: Some(glove_of(side.opposite()).to_owned()),
+        glove: Some(glove_for(&layout, side)),
+        other_hand: layout.has_board_for(other).then(|| OtherHand {
+            glove: Some(glove_for(&layout, other)),
             ..OtherHand::default()
         }),
         ..setup
@@ -97,11 +98,17 @@ fn side(args: &Args, person: Option<&Person>) -> Result<Side, Failure> {
     }
 }
 
-fn glove_of(side: Side) -> &'static str {
+/// Returns a glove that a simulated hand wears for a layout.
+fn glove_for(layout: &Layout, side: Side) -> String {
+    let [left, right] = match layout.uses_inputs() {
+        true => GLOVES_WITH_INPUTS,
+        false => GLOVES,
+    };
     match side {
-        Side::Left => LEFT_GLOVE,
-        Side::Right => RIGHT_GLOVE,
+        Side::Left => left,
+        Side::Right => right,
     }
+    .to_owned()
 }
 
 /// Refuses a glove whose counts the simulated line does not carry.

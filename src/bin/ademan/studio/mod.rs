@@ -26,7 +26,7 @@ use crate::source_value::{self, SourceValue};
 /// Watch a hand, its boards and its sensors in a window
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600'\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it
@@ -34,6 +34,9 @@ pub struct Args {
     setup: Option<String>,
     #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
+    /// Glove: the name of one that comes with the program, or a file
+    #[arg(long, add = complete::glove())]
+    glove: Option<String>,
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,

@@ -8,6 +8,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let Args {
         setup: _,
         source: _,
+        glove: _,
         layout: _,
         recording: _,
         overlay: _,

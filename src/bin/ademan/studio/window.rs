@@ -106,7 +106,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
     if let Some(path) = &args.recording {
         let replay = Replay::open(path)?;
         let settings = ReplaySettings {
-            glove: None,
+            glove: args.glove.as_deref(),
             layout: args.layout.as_deref(),
             permissions: None,
         };
@@ -123,6 +123,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         },
     };
     setup.source = args.source.or(setup.source);
+    setup.glove = args.glove.or(setup.glove);
     setup.layout = args.layout.unwrap_or(setup.layout);
     if args.place {
         setup.output = NO_OUTPUT.into();
@@ -133,4 +134,29 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         options.source = Some(Box::new(source::simulated_hand(&setup)?));
     }
     Ok(setup)
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan::hand::Side;
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct CommandLine {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn the_glove_of_the_command_line_replaces_that_of_the_setup() {
+        let line = ["studio", "--glove", "lucidgloves-left"];
+        let line = CommandLine::try_parse_from(line).expect("the flag is known");
+        let mut options = SessionOptions::default();
+        let setup = load(line.args, &mut options).expect("a glove that comes with the program");
+        let glove = setup.glove.expect("the glove");
+        assert_eq!((glove.side, glove.map.full_scale()), (Side::Left, 4095));
+        assert!(options.source.is_some(), "a simulated hand wears it");
+    }
 }

@@ -4,7 +4,11 @@ use eframe::egui::{self, DragValue};
 
 use super::EditorPanel;
 use crate::studio::editor::{Edit, FieldSpec, FieldType, Part, quoted};
+use crate::studio::panels::is_other_number;
 use crate::studio::texts::text;
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 3;
 
 /// Width of a text, in points.
 const TEXT_WIDTH: f32 = 150.0;
@@ -20,13 +24,14 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     match field.field_type {
         FieldType::Number { min, max, default } => {
             let value = written.as_deref().and_then(|value| value.parse().ok());
-            let mut value: f64 = value.or(default).unwrap_or(min);
+            let old: f64 = value.or(default).unwrap_or(min);
+            let mut value = old;
             let drag = DragValue::new(&mut value).range(min..=max).suffix(unit);
             let speed = ((max - min) / 500.0).clamp(0.005, 1.0);
             let drag = ui
-                .add(drag.speed(speed).max_decimals(3))
+                .add(drag.speed(speed).max_decimals(DECIMALS))
                 .labelled_by(label.id);
-            if drag.changed() {
+            if drag.changed() && is_other_number(old, value, DECIMALS) {
                 let value = (value * 1000.0).round() / 1000.0;
                 set_while_dragged(panel, parts, field.name, &value.to_string());
             }

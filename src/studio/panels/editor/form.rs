@@ -5,7 +5,11 @@ use eframe::egui::{self, DragValue};
 use super::{EditorPanel, bar, binding, field_row, rounded};
 use crate::studio::canvas::ItemShape;
 use crate::studio::editor::{Edit, FieldSpec, FieldType, Part, fields_of};
+use crate::studio::panels::is_other_number;
 use crate::studio::texts::{text, text_with};
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 2;
 
 /// Fields that the geometry above them shows.
 const GEOMETRY_FIELDS: [&str; 5] = ["at_mm", "size_mm", "length_mm", "width_mm", "diameter_mm"];
@@ -84,7 +88,7 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             let mut number =
                 |ui: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
                     let label = ui.label(name);
-                    let drag = DragValue::new(value).speed(0.1).max_decimals(2);
+                    let drag = DragValue::new(value).speed(0.1).max_decimals(DECIMALS);
                     let drag = ui
                         .add(drag.range(range).suffix(suffix))
                         .labelled_by(label.id);
@@ -96,7 +100,7 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             let mut size = shape.half * 2.0;
             match shape.is_disc {
                 true => {
-                    number(ui, "⌀", &mut size.x, 1.0..=500.0, " mm");
+                    number(ui, text("editor-diameter"), &mut size.x, 1.0..=500.0, " mm");
                     size.y = size.x;
                 }
                 false => {
@@ -125,25 +129,37 @@ fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &
     let Some(Some(part)) = panel.parts.get(index).copied() else {
         return;
     };
-    let by = new.center - old.center;
-    let wider = (new.half - old.half) * 2.0;
-    let turned = new.rotation_deg - old.rotation_deg;
+    // A field that is left without a change rounds its number to what it shows.
+    let changed = |old: f32, new: f32| match is_other_number(old.into(), new.into(), DECIMALS) {
+        true => rounded(new - old),
+        false => 0.0,
+    };
+    let by = [
+        changed(old.center.x, new.center.x),
+        changed(old.center.y, new.center.y),
+    ];
+    let (old_size, new_size) = (old.half * 2.0, new.half * 2.0);
+    let wider = [
+        changed(old_size.x, new_size.x),
+        changed(old_size.y, new_size.y),
+    ];
+    let turned = changed(old.rotation_deg, new.rotation_deg);
     // One field changes at a time, so that one edit is made.
-    let edit = if by.length() > 0.0 {
+    let edit = if by != [0.0; 2] {
         Edit::Move {
             parts: vec![part],
-            by_mm: [rounded(by.x), rounded(by.y), 0.0],
+            by_mm: [by[0], by[1], 0.0],
         }
-    } else if wider.length() > 0.0 {
+    } else if wider != [0.0; 2] {
         Edit::Resize {
             parts: vec![part],
-            by_mm: [rounded(wider.x), rounded(wider.y)],
+            by_mm: wider,
             fixed: [0.0, 0.0],
         }
     } else if turned != 0.0 {
         Edit::Turn {
             parts: vec![part],
-            degrees: rounded(turned),
+            degrees: turned,
         }
     } else {
         return;

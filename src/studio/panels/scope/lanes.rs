@@ -161,6 +161,9 @@ fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
     }
 }
 
+/// Width of the name of a key with its arrow, in points.
+const NAME_WIDTH: f32 = 24.0;
+
 /// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room is left out; zooming
 /// makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
@@ -181,9 +184,18 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
         if x >= free_from {
             let name = format!("{}{arrow}", event.key);
-            let at = Pos2::new(x + 2.0, row.center().y);
-            let text = canvas.text(at, Align2::LEFT_CENTER, &name, color);
-            free_from = text.max.x + 4.0;
+            // A name at the end of the row is left of its tick, as it would be cut off.
+            let is_at_end = x + NAME_WIDTH > row.max.x;
+            let (side, align) = match is_at_end {
+                true => (-2.0, Align2::RIGHT_CENTER),
+                false => (2.0, Align2::LEFT_CENTER),
+            };
+            let at = Pos2::new(x + side, row.center().y);
+            let text = canvas.text(at, align, &name, color);
+            free_from = match is_at_end {
+                true => x + NAME_WIDTH,
+                false => text.max.x + 4.0,
+            };
         }
     }
 }

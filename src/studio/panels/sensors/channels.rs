@@ -14,7 +14,7 @@ const COUNT_WIDTH: f32 = 38.0;
 const ANGLE_WIDTH: f32 = 52.0;
 
 /// Width of the column of joints, as a fraction of the rest.
-const JOINT_WIDTH: f32 = 0.64;
+const JOINT_WIDTH: f32 = 0.70;
 
 pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     let table = &context.model.sensors;

@@ -2,13 +2,15 @@
 
 use eframe::egui::{self, DragValue};
 
-use crate::estimate::CountRange;
 use crate::studio::glove_editor::{GloveEditor, MAX_FULL_RANGE_DEG, MIN_FULL_RANGE_DEG};
 use crate::studio::joint_names::joint_name;
-use crate::studio::panels::PanelContext;
+use crate::studio::panels::{PanelContext, is_other_number};
 use crate::studio::sensor_control::SensorControl;
 use crate::studio::sensors::{ChannelJoint, SensorRow};
 use crate::studio::texts::text;
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 1;
 
 pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext, row: &SensorRow) {
     let full_scale = f64::from(context.model.sensors.full_scale());
@@ -46,31 +48,34 @@ fn show_joint(
         return;
     };
     let row = joint.row;
-    let (mut range, mut zero) = (editor.full_range_deg(row).abs(), editor.zero_count(row));
+    let old = (editor.full_range_deg(row).abs(), editor.zero_count(row));
+    let (mut range, mut zero) = old;
     if is_named {
         ui.strong(joint_name(joint.dof));
         ui.end_row();
     }
     let value = DragValue::new(&mut range)
         .range(MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
-        .max_decimals(1)
+        .max_decimals(DECIMALS)
         .speed(0.5)
         .suffix("°");
     let label = ui
         .label(text("value-gain"))
         .on_hover_text(text("value-gain-hint"));
-    if ui.add(value).labelled_by(label.id).changed() {
+    ui.add(value).labelled_by(label.id);
+    if is_other_number(old.0, range, DECIMALS) {
         sensors.edit(|editor| editor.set_full_range_deg(row, range));
     }
     ui.end_row();
     let value = DragValue::new(&mut zero)
         .range(-full_scale..=2.0 * full_scale)
-        .max_decimals(1)
+        .max_decimals(DECIMALS)
         .speed(0.2);
     let label = ui
         .label(text("value-offset"))
         .on_hover_text(text("value-offset-hint"));
-    if ui.add(value).labelled_by(label.id).changed() {
+    ui.add(value).labelled_by(label.id);
+    if is_other_number(old.1, zero, DECIMALS) {
         sensors.edit(|editor| editor.set_zero_count(row, zero));
     }
     ui.end_row();
@@ -115,8 +120,13 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
         });
     }
     ui.end_row();
-    let is_changed = |new: Option<CountRange>| new != range;
-    if is_changed(new) {
+    let is_changed = match (range, new) {
+        (Some((low, high)), Some((new_low, new_high))) => {
+            is_other_number(low, new_low, DECIMALS) || is_other_number(high, new_high, DECIMALS)
+        }
+        _ => new != range,
+    };
+    if is_changed {
         sensors.edit(|editor| editor.set_range(channel, new));
     }
 }
@@ -124,6 +134,6 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
 fn end(count: &mut f64, full_scale: f64) -> DragValue<'_> {
     DragValue::new(count)
         .range(0.0..=full_scale)
-        .max_decimals(1)
+        .max_decimals(DECIMALS)
         .speed(0.2)
 }

@@ -3,13 +3,17 @@
 use std::time::Duration;
 
 use super::trusted_hand::TrustedHand;
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::time::Timestamp;
 
 /// Difference of the off threshold of a flexion from its on threshold, in radians: 10°.
 const FLEXION_OFF: f32 = 0.174_533;
 /// Difference of the near threshold of a flexion from its on threshold, in radians: 20°.
 const FLEXION_NEAR: f32 = 0.349_066;
+
+/// The values at which an input of the glove switches on and off.
+const INPUT_ON: f32 = 0.5;
+const INPUT_OFF: f32 = 0.4;
 
 /// Time for which a near gesture holds the pointer: a hand whose fingers rest close together does not hold
 /// it for longer.
@@ -22,6 +26,8 @@ pub enum Gesture {
     Pinch(Finger),
     /// A joint is bent by this angle, in radians; negative for the other direction. Off 10° before.
     Flexion(Dof, f32),
+    /// A trigger or button of the glove is held.
+    Input(Input),
 }
 
 /// The distances between two fingertip centers in a pinch, in metres: `on < off < near`.
@@ -47,7 +53,7 @@ impl Default for PinchGaps {
     }
 }
 
-/// Thresholds of a measurement that increases with a gesture: `near < off < on`.
+/// Thresholds of a measurement that increases with a gesture: `near <= off < on`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Thresholds {
     pub(super) near: f32,
@@ -64,6 +70,7 @@ impl Gesture {
                 Some(-gap)
             }
             Self::Flexion(dof, angle) => Some(hand.angle(dof)? * angle.signum()),
+            Self::Input(input) => hand.input(input),
         }
     }
 
@@ -78,6 +85,12 @@ impl Gesture {
                 near: angle.abs() - FLEXION_NEAR,
                 off: angle.abs() - FLEXION_OFF,
                 on: angle.abs(),
+            },
+            // A button moves nothing but itself, so that it needs no approach in which the cursor rests.
+            Self::Input(_) => Thresholds {
+                near: INPUT_OFF,
+                off: INPUT_OFF,
+                on: INPUT_ON,
             },
         }
     }

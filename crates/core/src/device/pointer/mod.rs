@@ -85,6 +85,8 @@ struct ScreenPointer {
     scroll_remainder: Vec2,
     depth: Option<ValueEmitter>,
     axes: ArmAxesState,
+    /// A mode that [starts at rest](PointingMode::starts_at_rest) was not at rest since the hand was lost.
+    awaits_rest: bool,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
 }
@@ -122,6 +124,7 @@ impl ScreenPointer {
                 .depth
                 .map(|output| ValueEmitter::new(settings.target, output, depth_at_rest)),
             axes: ArmAxesState::default(),
+            awaits_rest: settings.mode.starts_at_rest(),
             time: None,
             settings,
         }
@@ -136,7 +139,7 @@ impl ScreenPointer {
             true => None,
             false => self.settings.mode.aim(hand),
         };
-        let Some(aim) = aim else {
+        let Some(aim) = aim.map(|aim| self.after_rest(aim)) else {
             self.reset(time, out);
             return false;
         };
@@ -151,6 +154,15 @@ impl ScreenPointer {
             depth.set((self.cursor.fractions().z * 1e3).round() / 1e3, time, out);
         }
         true
+    }
+
+    /// Returns a velocity of 0 until the mode was at rest.
+    fn after_rest(&mut self, aim: Aim) -> Aim {
+        self.awaits_rest &= aim != Aim::Velocity(Vec3::ZERO);
+        match self.awaits_rest {
+            true => Aim::Velocity(Vec3::ZERO),
+            false => aim,
+        }
     }
 
     fn drive_axes(&mut self, posture: &HandPosture, time: Timestamp, out: &mut DeviceOutput) {
@@ -252,6 +264,7 @@ impl ScreenPointer {
     fn reset(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.gestures.cancel(self.settings.target, time, out);
         self.motion.reset();
+        self.awaits_rest = self.settings.mode.starts_at_rest();
         self.time = None;
         self.dwell = DwellDetector::default();
         self.scroll_remainder = Vec2::ZERO;

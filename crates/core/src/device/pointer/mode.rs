@@ -50,6 +50,11 @@ impl PointingMode {
         }
     }
 
+    /// Returns whether the cursor moves only after a velocity of 0: a broken stick can be at an end of its range.
+    pub fn starts_at_rest(&self) -> bool {
+        matches!(self, Self::Rate(rate) if rate.displacement == Displacement::Stick)
+    }
+
     /// Returns the direction of a push, away from the wearer, in the world.
     pub(super) fn forward(&self) -> Vec3 {
         match self {

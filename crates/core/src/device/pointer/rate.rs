@@ -5,7 +5,7 @@ use parry3d::math::{Vec2, Vec3};
 use super::anchored_frame::AnchoredFrame;
 use super::joint::AngleMapping;
 use super::trusted_hand::TrustedHand;
-use crate::hand::Finger;
+use crate::hand::{Finger, Input};
 
 /// The relation between displacement and velocity.
 ///
@@ -31,6 +31,8 @@ pub enum Displacement {
     /// Two angles, to the right and up, from the middle of their ranges to the ends. Their own curves apply
     /// as well.
     Angles(AngleMapping, AngleMapping),
+    /// The stick of the glove. It moves the pointer after it was seen at rest.
+    Stick,
 }
 
 impl RateControl {
@@ -42,6 +44,9 @@ impl RateControl {
                 tip.truncate() / full
             }
             Displacement::Angles(x, y) => Vec2::new(x.deflection(hand)?, y.deflection(hand)?),
+            Displacement::Stick => {
+                Vec2::new(hand.input(Input::StickX)?, hand.input(Input::StickY)?)
+            }
         };
         let displacement = displacement.clamp_length_max(1.0);
         let t = (displacement.length() - self.dead_zone) / (1.0 - self.dead_zone);
@@ -56,7 +61,7 @@ impl RateControl {
     pub(super) fn frame(&self) -> Option<&AnchoredFrame> {
         match &self.displacement {
             Displacement::Fingertip(frame, _) => Some(frame),
-            Displacement::Angles(..) => None,
+            Displacement::Angles(..) | Displacement::Stick => None,
         }
     }
 }

@@ -62,6 +62,21 @@ pub struct PointerSettings {
     pub axes: ArmAxes,
 }
 
+impl PointerSettings {
+    /// Returns whether it uses a stick, trigger or button of a glove.
+    pub fn uses_inputs(&self) -> bool {
+        let clicks = self.clicks.iter().filter_map(|(method, _)| match method {
+            ClickMethod::Gesture(gesture) => Some(*gesture),
+            ClickMethod::Push(_) => None,
+        });
+        let others = [self.precision_gesture, self.clutch];
+        let others = others.into_iter().flatten();
+        let scroll = self.scroll.iter().map(|scroll| scroll.gesture);
+        let mut gestures = clicks.chain(others).chain(scroll);
+        self.mode.starts_at_rest() || gestures.any(|it| matches!(it, Gesture::Input(_)))
+    }
+}
+
 /// The events that move the cursor of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CursorOutput {

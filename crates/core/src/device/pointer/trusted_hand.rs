@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use crate::device::DeviceInput;
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::kinematics::HandPose;
 
 /// A view of the device input that returns `None` for untrusted measurements.
@@ -32,6 +32,12 @@ impl<'a> TrustedHand<'a> {
         let is_known = self.0.angles.is_known(dof) && !is_untrusted;
         let radians = is_known.then(|| self.0.angles.get(dof) as f32)?;
         radians.is_finite().then_some(radians)
+    }
+
+    /// Returns the value of a stick, trigger or button of the glove, −1..=1; `None` if it is unknown or not finite.
+    pub(super) fn input(&self, input: Input) -> Option<f32> {
+        let value = self.0.inputs.get(input);
+        value.filter(|value| value.is_finite())
     }
 
     /// Returns the center of a fingertip in the world, in metres; `None` if it is unknown, not finite, or

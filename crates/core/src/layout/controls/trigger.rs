@@ -28,6 +28,9 @@ schema! {
         /// `"left"` or `"right"`. Default: either.
         #[serde(borrow, default)]
         hand: Option<Spanned<'a>>,
+        /// Button of the glove that has to be held, such as `"button-b"`: without it the trigger is off.
+        #[serde(borrow, default)]
+        held: Option<Spanned<'a>>,
         /// The quantity that is measured, and its thresholds.
         #[serde(borrow)]
         when: MeasureSchema<'a>,
@@ -133,6 +136,7 @@ impl<'a> TriggerSchema<'a> {
             .hand
             .map(|hand| parse::<Side>(builder, hand))
             .transpose()?;
+        let held = self.held.map(|held| parse::<Input>(builder, held));
         let action = self
             .action
             .map(|action| builder.action(action, None))
@@ -141,6 +145,7 @@ impl<'a> TriggerSchema<'a> {
         let trigger = Trigger {
             target,
             side,
+            held: held.transpose()?,
             measure,
             on: to_si(thresholds.on),
             off: to_si(thresholds.off),

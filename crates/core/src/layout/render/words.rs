@@ -393,6 +393,11 @@ impl Words<'_> {
             Measure::Pinch(finger) => format!("{finger} pinch, {:.0} mm", trigger.on * 1e3),
             Measure::Input(input) => format!("glove {input}, from {:.2}", trigger.on),
         }];
+        parts.extend(
+            trigger
+                .held
+                .map(|held| format!("while glove {held} is held")),
+        );
         parts.extend(trigger.side.map(|side| format!("{side} hand")));
         if let Some(action) = trigger.action {
             parts.push(format!("holds {}", self.action(action)));

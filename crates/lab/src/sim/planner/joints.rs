@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::{MOVE_PACKETS, Planner, PressedTip, TipState};
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::names::UnknownName;
 use crate::sim::action_error::ActionErrorKind;
 use crate::sim::movement::TipPath;
@@ -91,6 +91,18 @@ impl Planner<'_> {
             true => Err(ActionErrorKind::PinchFailed(gap)),
             false => Ok(()),
         }
+    }
+
+    /// Sets an input of the glove and keeps the posture for a packet.
+    pub(super) fn set_input(&mut self, input: Input, value: f64) -> Result<(), ActionErrorKind> {
+        if !self.state.hand.has_input(input) {
+            return Err(ActionErrorKind::NoInput(input));
+        }
+        self.wait(self.period);
+        if let Some(movement) = self.movements.last_mut() {
+            movement.input = Some((input, value));
+        }
+        Ok(())
     }
 
     pub(super) fn unpinch(&mut self, time: Duration) -> Result<(), ActionErrorKind> {

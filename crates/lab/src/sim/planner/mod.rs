@@ -219,6 +219,7 @@ impl<'a> Planner<'a> {
             HandAction::SetAngles(angles, time) => self.set_angles(angles, *time),
             HandAction::Pinch(time) => self.pinch(time.unwrap_or(self.turn_time())),
             HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(self.turn_time())),
+            HandAction::SetInput(input, value) => self.set_input(*input, *value),
             HandAction::Point(position, time) => self.point(*position, *time),
         }
     }
@@ -334,6 +335,7 @@ impl<'a> Planner<'a> {
         self.movements.push(Movement {
             channel_targets: Vec::new(),
             path: None,
+            input: None,
             effector: self.state.effector,
             is_pinched: false,
             is_down: self.is_down(),
@@ -372,6 +374,7 @@ impl<'a> Planner<'a> {
         let movement = Movement {
             channel_targets,
             path,
+            input: None,
             effector: self.state.effector,
             is_pinched: self.state.is_pinched,
             is_down: self.is_down(),

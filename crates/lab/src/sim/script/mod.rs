@@ -13,7 +13,7 @@ use parry3d::math::Vec2;
 use super::action::{HandAction, TargetPoint};
 use crate::contact::{TargetId, TargetNames};
 use crate::document::{Document, DocumentError};
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::names::{UnknownName, named_enum};
 pub use tokens::{SyntaxError, Token, tokenize};
 
@@ -44,6 +44,7 @@ named_enum! {
         Pinch = "pinch",
         Unpinch = "unpinch",
         Point = "point",
+        Input = "input",
     }
 }
 
@@ -62,6 +63,7 @@ const SYNTAX: [&str; Verb::COUNT] = [
     "pinch [MS]",
     "unpinch [MS]",
     "point X Y Z [MS]",
+    "input NAME VALUE",
 ];
 
 /// A list of actions with their positions in the text.
@@ -211,6 +213,13 @@ fn parse_action(tokens: &[Token], names: &TargetNames) -> Result<HandAction, Syn
         Verb::Point => {
             let position = arguments.point2()?.extend(arguments.metres("Z")?);
             HandAction::Point(position, arguments.time()?)
+        }
+        Verb::Input => {
+            let token = arguments.token("NAME")?;
+            let unknown =
+                |error: UnknownName| SyntaxError::new(token.span.clone(), error.to_string());
+            let input: Input = token.text.parse().map_err(unknown)?;
+            HandAction::SetInput(input, arguments.number("VALUE", -1.0..=1.0)?)
         }
     };
     arguments.finish()?;

@@ -46,7 +46,9 @@ fn actions_are_parsed_in_millimetres_degrees_and_milliseconds() {
         ]
     );
     assert_eq!(
-        actions("arc -180; lift; wait 1.5; pinch; unpinch 50; point 0 -45 -300"),
+        actions(
+            "arc -180; lift; wait 1.5; pinch; unpinch 50; point 0 -45 -300; input stick-x -0.5"
+        ),
         [
             HandAction::Arc(-std::f32::consts::PI, None),
             HandAction::Lift,
@@ -54,6 +56,7 @@ fn actions_are_parsed_in_millimetres_degrees_and_milliseconds() {
             HandAction::Pinch(None),
             HandAction::Unpinch(Some(ms(50))),
             HandAction::Point(Vec2::new(0.0, -0.045).extend(-0.3), None),
+            HandAction::SetInput(Input::StickX, -0.5),
         ]
     );
 }

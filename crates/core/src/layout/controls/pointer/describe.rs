@@ -1,6 +1,6 @@
 //! A pointer in words, for the drawing of a layout.
 
-use crate::device::pointer::mode::RayOrigin;
+use crate::device::pointer::mode::{Displacement, RateControl, RayOrigin};
 use crate::device::pointer::{ClickMethod, CursorOutput, Gesture, PointerSettings, PointingMode};
 use crate::layout::model::action_label;
 
@@ -21,6 +21,10 @@ pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, St
             let (x, y) = (ray.size.x * 1e3, ray.size.y * 1e3);
             format!("ray from the {origin} through a rectangle of {x:.0} × {y:.0} mm")
         }
+        PointingMode::Rate(RateControl {
+            displacement: Displacement::Stick,
+            ..
+        }) => "stick of the glove, rate control".to_owned(),
         PointingMode::Rate(_) => "rate control".to_owned(),
         PointingMode::Arm(_) => "motion of the hand".to_owned(),
     };
@@ -69,6 +73,7 @@ fn button(label: &str) -> String {
 fn gesture(gesture: Gesture) -> String {
     match gesture {
         Gesture::Pinch(finger) => format!("{finger} pinch"),
+        Gesture::Input(input) => format!("glove {input}"),
         Gesture::Flexion(dof, angle) => format!("{dof} {:.0}°", angle.to_degrees()),
     }
 }

@@ -9,7 +9,7 @@ use crate::device::pointer::{
     ClickMethod, DwellSettings, Gesture, MAX_CLICKS, PinchGaps, ScrollSettings,
 };
 use crate::document::{DocumentError, schema};
-use crate::hand::{Dof, Finger};
+use crate::hand::{Dof, Finger, Input};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{
     DwellTime, FingertipGap, JointAngle, PixelDistance, PixelsPerDetent, PushDistance, metres,
@@ -28,6 +28,8 @@ schema! {
         Pinch(Finger),
         /// A joint is bent beyond an angle, or below a negative angle, until it is 10° back.
         Flexion(Dof, JointAngle),
+        /// A trigger or button of the glove is held.
+        Input(Input),
     }
 }
 
@@ -40,6 +42,8 @@ schema! {
         Pinch(Finger),
         /// A joint is bent beyond an angle, or below a negative angle, until it is 10° back.
         Flexion(Dof, JointAngle),
+        /// A trigger or button of the glove is held.
+        Input(Input),
         /// The index fingertip moves forward by this distance at 150 mm/s or more, until it is half-way back.
         Push(PushDistance),
     }
@@ -111,6 +115,10 @@ impl GestureSchema {
                 "the angle of `Flexion` of `{dof}` must be at least {MIN_FLEXION_DEG}° or at most -{MIN_FLEXION_DEG}°, so that it can turn off"
             )),
             Self::Flexion(dof, angle) => Ok(Gesture::Flexion(dof, angle.get().to_radians() as f32)),
+            Self::Input(input @ (Input::StickX | Input::StickY)) => Err(format!(
+                "`{input}` moves to both sides; a gesture is a button, or the `trigger`"
+            )),
+            Self::Input(input) => Ok(Gesture::Input(input)),
         }
     }
 }
@@ -195,6 +203,7 @@ pub(super) fn duplicate(
         ClickGestureSchema::Flexion(dof, _) => {
             format!("two gestures bend `{dof}` in the same direction")
         }
+        ClickGestureSchema::Input(input) => format!("two gestures are the input `{input}`"),
         ClickGestureSchema::Push(_) => "two clicks are a `Push`".into(),
     };
     Some(format!("{what}: both would be on together"))
@@ -207,6 +216,7 @@ impl ClickGestureSchema {
             Self::Flexion(dof, angle) => {
                 ClickMethod::Gesture(GestureSchema::Flexion(dof, angle).check()?)
             }
+            Self::Input(input) => ClickMethod::Gesture(GestureSchema::Input(input).check()?),
             Self::Push(distance) => ClickMethod::Push(metres(distance.get())),
         })
     }
@@ -217,6 +227,7 @@ impl ClickGestureSchema {
             (Self::Flexion(dof, angle), Self::Flexion(other_dof, other_angle)) => {
                 dof == other_dof && angle.get().signum() == other_angle.get().signum()
             }
+            (Self::Input(one), Self::Input(other)) => one == other,
             (Self::Push(_), Self::Push(_)) => true,
             _ => false,
         }
@@ -228,6 +239,7 @@ impl From<GestureSchema> for ClickGestureSchema {
         match gesture {
             GestureSchema::Pinch(finger) => Self::Pinch(finger),
             GestureSchema::Flexion(dof, angle) => Self::Flexion(dof, angle),
+            GestureSchema::Input(input) => Self::Input(input),
         }
     }
 }

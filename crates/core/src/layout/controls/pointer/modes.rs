@@ -145,6 +145,8 @@ schema! {
             /// Up.
             y: AngleMappingSchema,
         },
+        /// The stick of the glove from its center. The cursor moves after the stick was seen at rest.
+        Stick,
     }
 }
 
@@ -200,6 +202,7 @@ impl DisplacementSchema {
                 Displacement::Fingertip(frame(pose, &fit), metres(full_mm.get()) * fit.scale)
             }
             Self::Angles { x, y } => Displacement::Angles(x.check()?, y.check()?),
+            Self::Stick => Displacement::Stick,
         })
     }
 }

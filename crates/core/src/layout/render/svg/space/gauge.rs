@@ -26,7 +26,7 @@ pub fn draw(mode: &PointingMode) -> Option<Canvas> {
         }
         PointingMode::Rate(rate) => match &rate.displacement {
             Displacement::Angles(x, y) => vec![(x, across), (y, upright)],
-            Displacement::Fingertip(..) => return None,
+            Displacement::Fingertip(..) | Displacement::Stick => return None,
         },
         PointingMode::Direct(_) | PointingMode::Ray(_) | PointingMode::Arm(_) => return None,
     };
