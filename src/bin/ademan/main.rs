@@ -77,6 +77,7 @@ mod sources;
 mod stats;
 mod studio;
 mod system_files;
+mod text;
 mod token;
 mod trace;
 mod usage;
@@ -127,6 +128,7 @@ subcommands! {
     Glove(glove),
     Setup(setup),
     Script(script),
+    Text(text),
     Token(token),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]
