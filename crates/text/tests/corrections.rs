@@ -105,7 +105,6 @@ fn spaces_are_moved_and_apostrophes_and_names_are_set() {
         ("the wis dom of ", "the wisdom of "),
         ("i dont ", "I don't "),
         ("the helo world ", "the hello world "),
-        ("the woorld ", "the world "),
     ] {
         let mut field = Field::new(&bytes, Mode::Auto);
         field.types(typed);

@@ -170,15 +170,12 @@ impl<'m> Corrector<'m> {
     }
 
     fn correct(&mut self, character: char) {
-        let margin = self.decoder.options().margin;
-        let typed = self.decoder.typed_score();
         self.target.clear();
-        let best = self.decoder.candidates().first();
-        let likely =
-            best.filter(|best| best.score - typed >= margin && best.text.ends_with(character));
-        match likely {
-            Some(best) => self.target.push_str(&best.text),
-            None => self.target.push_str(self.decoder.typed()),
+        self.target.push_str(self.decoder.reading());
+        // A space that may mean nothing is kept until it is clear where the word ends.
+        if !self.target.ends_with(character) {
+            self.target.clear();
+            self.target.push_str(self.decoder.typed());
         }
         if self.replace() {
             return;

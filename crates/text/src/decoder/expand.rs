@@ -12,9 +12,13 @@ use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
-pub const ANY_CHARACTER: f32 = -3.7;
-/// A second space, or a letter right behind punctuation.
+pub const ANY_CHARACTER: f32 = -2.5;
+/// More punctuation or a letter right behind punctuation.
 const RARE: f32 = -3.0;
+/// A second space.
+const SECOND_SPACE: f32 = -7.0;
+/// Punctuation other than a period or a comma.
+const RARE_PUNCTUATION: f32 = -2.0;
 
 /// The step of one tap.
 pub struct Expansion<'a, 'm> {
@@ -34,6 +38,24 @@ pub fn is_punctuation(character: char) -> bool {
         character,
         '.' | ',' | ';' | ':' | '!' | '?' | '-' | '(' | ')' | '"' | '¡' | '¿'
     )
+}
+
+/// Returns the log-probability that a word that the lexicon has not ends.
+pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool) -> f32 {
+    let end = options.language * model.spelling.end(state);
+    if is_typed {
+        end.max(options.letter)
+    } else {
+        end
+    }
+}
+
+/// Returns the log-probability of punctuation behind a word.
+pub fn punctuation(options: &Options, character: char) -> f32 {
+    match character {
+        '.' | ',' => options.punctuation,
+        _ => options.punctuation + RARE_PUNCTUATION,
+    }
 }
 
 /// A hypothesis on the way: further letters may be left out before the tap is used.
@@ -65,7 +87,8 @@ impl Expansion<'_, '_> {
         match token.place {
             Place::Word(_) => self.word(&partial),
             Place::Gap => self.gap(&partial),
-            Place::Spelled(state) => self.spelled(&partial, state),
+            Place::Typed(state) => self.spelled(&partial, state, true),
+            Place::Spelled(state) => self.spelled(&partial, state, false),
             Place::Verbatim => self.verbatim(&partial),
         }
     }
@@ -99,11 +122,11 @@ impl Expansion<'_, '_> {
         self.end(partial);
         if node == ROOT {
             self.unknown(partial);
-        }
-        if self.is_sign {
-            let mut sign = *partial;
-            sign.token.score += self.options.verbatim - self.best(node);
-            self.verbatim(&sign);
+            if self.is_sign {
+                let mut sign = *partial;
+                sign.token.score += self.options.verbatim - self.best(node);
+                self.verbatim(&sign);
+            }
         }
         self.skips(partial);
     }
@@ -152,7 +175,7 @@ impl Expansion<'_, '_> {
             let space = self.touches.space();
             if let Some(space) = space.filter(|_| partial.token.end != super::history::NONE) {
                 let mut next = *partial;
-                next.token.score += RARE + self.touches.of_key(space, &partial.token.drift);
+                next.token.score += SECOND_SPACE + self.touches.of_key(space, &partial.token.drift);
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
@@ -203,7 +226,7 @@ impl Expansion<'_, '_> {
             }
             let touch = self.touches.of_key(near.key, &ended.token.drift);
             let mut next = *ended;
-            next.token.score += touch + self.options.punctuation;
+            next.token.score += touch + punctuation(self.options, near.character);
             next.token.place = Place::Gap;
             let ends_sentence = matches!(near.character, '.' | '!' | '?');
             next.token.row = if ends_sentence {
@@ -221,11 +244,11 @@ impl Expansion<'_, '_> {
     fn unknown(&mut self, partial: &Partial) {
         let mut start = *partial;
         start.token.score += self.options.unknown - self.best(ROOT);
-        self.spell(&start, START);
+        self.spell(&start, START, true);
     }
 
     /// Uses the tap as a letter of a word that the lexicon has not.
-    fn spell(&mut self, partial: &Partial, state: u16) {
+    fn spell(&mut self, partial: &Partial, state: u16, is_typed: bool) {
         if !self.is_open(partial.token.score) {
             return;
         }
@@ -233,26 +256,40 @@ impl Expansion<'_, '_> {
             let near = self.touches.near()[near];
             let Some(symbol) = near.symbol else { continue };
             let (spelling, state) = self.model.spelling.letter(state, symbol);
+            let spelling = self.language(spelling);
             let touch = self.touches.of_key(near.key, &partial.token.drift);
             let mut next = *partial;
-            next.token.score += self.language(spelling) + touch;
-            next.token.place = Place::Spelled(state);
+            let is_same = near.key == self.typed.0;
+            let cost = match is_same {
+                true => spelling.max(self.options.letter),
+                false => spelling + self.options.other,
+            };
+            next.token.score += cost + touch;
+            next.token.place = match is_typed && is_same {
+                true => Place::Typed(state),
+                false => Place::Spelled(state),
+            };
             next.token.drift = self.drift(touch, near.key, &partial.token.drift);
             next.emission = next.emission.with(near.character, From::This, Case::Lower);
             self.push(next);
         }
     }
 
-    fn spelled(&mut self, partial: &Partial, state: u16) {
-        self.spell(partial, state);
+    fn spelled(&mut self, partial: &Partial, state: u16, is_typed: bool) {
+        self.spell(partial, state, is_typed);
         let mut ended = *partial;
-        ended.token.score += self.language(self.model.spelling.end(state));
+        ended.token.score += self.spelling_end(state, is_typed);
         self.separators(&ended, ROOT, Case::Lower);
-        if self.is_sign {
+        // A sign is typed on purpose only in a word that is meant as it was typed.
+        if self.is_sign && is_typed {
             let mut sign = *partial;
             sign.token.score += self.options.verbatim;
             self.verbatim(&sign);
         }
+    }
+
+    fn spelling_end(&self, state: u16, is_typed: bool) -> f32 {
+        spelling_end(self.model, self.options, state, is_typed)
     }
 
     /// Uses the tap as a character of a word with digits or signs: the one that was typed.
@@ -302,17 +339,8 @@ impl Expansion<'_, '_> {
     fn skips(&mut self, partial: &Partial) {
         let node = partial.node();
         let options = *self.options;
-        if self.is_open(partial.token.score + options.missing_space) && node != ROOT {
-            if let Some(mut ended) = self.ended(partial) {
-                ended.token.score += options.missing_space + self.best(ROOT);
-                if self.is_open(ended.token.score) {
-                    ended.token.place = Place::Word(ROOT);
-                    ended.token.row = self.model.row(node);
-                    let case = self.model.lexicon.node(node).case();
-                    ended.emission = ended.emission.with(' ', From::None, case);
-                    self.letters(&ended);
-                }
-            }
+        if node != ROOT && self.is_open(partial.token.score + options.missing_space) {
+            self.missing_space(partial);
         }
         let silent = self.apostrophe;
         if !self.is_open(partial.token.score + options.omission.max(options.silent)) {
@@ -338,6 +366,22 @@ impl Expansion<'_, '_> {
             next.emission = next.emission.with(letter, From::None, Case::Lower);
             self.letters(&next);
             self.end(&next);
+        }
+    }
+
+    /// Uses the tap as the first letter of a word behind a complete one.
+    fn missing_space(&mut self, partial: &Partial) {
+        let node = partial.node();
+        let Some(mut ended) = self.ended(partial) else {
+            return;
+        };
+        ended.token.score += self.options.missing_space + self.best(ROOT);
+        if self.is_open(ended.token.score) {
+            ended.token.place = Place::Word(ROOT);
+            ended.token.row = self.model.row(node);
+            let case = self.model.lexicon.node(node).case();
+            ended.emission = ended.emission.with(' ', From::None, case);
+            self.letters(&ended);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The scores of hypotheses if the text ended here.
 
 use super::Options;
+use super::expand::spelling_end;
 use super::token::{Place, Token};
 use crate::model::Model;
 use crate::model::lexicon::{Case, ROOT};
@@ -41,9 +42,10 @@ pub fn finish(
     let node = match token.place {
         Place::Word(node) => node,
         Place::Gap | Place::Verbatim => return found(plain),
-        Place::Spelled(state) => {
+        Place::Typed(state) | Place::Spelled(state) => {
+            let is_typed = matches!(token.place, Place::Typed(_));
             return found(Finished {
-                score: token.score + options.language * model.spelling.end(state),
+                score: token.score + spelling_end(model, options, state, is_typed),
                 ..plain
             });
         }

@@ -1,7 +1,7 @@
 //! The text as it was typed, with its own log-probability, so that a correction can be compared with it.
 
 use super::Options;
-use super::expand::is_punctuation;
+use super::expand::{ANY_CHARACTER, is_punctuation, punctuation, spelling_end};
 use super::touches::Touches;
 use crate::keyboard::Millimetres;
 use crate::model::Model;
@@ -83,26 +83,31 @@ impl Literal {
                 _ => node.map_or(NO_ROW, |node| model.row(node)),
             };
             if character != ' ' {
-                self.score += options.punctuation;
+                self.score += punctuation(options, character);
             }
             self.word = EMPTY;
             self.is_empty = true;
             return;
         }
-        self.is_empty = false;
+        let is_first = std::mem::take(&mut self.is_empty);
         let Some(symbol) = model.alphabet.symbol(character) else {
             self.word.node = None;
-            self.word.has_sign = true;
-            self.word.spelled += super::expand::ANY_CHARACTER;
+            if !std::mem::replace(&mut self.word.has_sign, true) {
+                self.word.spelled += options.verbatim;
+            }
+            self.word.spelled += ANY_CHARACTER;
             return;
         };
+        if is_first {
+            self.word.spelled += options.unknown;
+        }
         let next = |node| model.lexicon.child(node, symbol);
         self.word.node = self.word.node.and_then(next);
         if self.word.has_sign {
-            self.word.spelled += super::expand::ANY_CHARACTER;
+            self.word.spelled += ANY_CHARACTER;
         } else {
             let (spelling, state) = model.spelling.letter(self.word.state, symbol);
-            self.word.spelled += options.language * spelling;
+            self.word.spelled += (options.language * spelling).max(options.letter);
             self.word.state = state;
         }
     }
@@ -113,10 +118,9 @@ impl Literal {
             return (0.0, None);
         }
         let unknown = if self.word.has_sign {
-            options.verbatim + self.word.spelled
+            self.word.spelled
         } else {
-            let end = options.language * model.spelling.end(self.word.state);
-            options.unknown + self.word.spelled + end
+            self.word.spelled + spelling_end(model, options, self.word.state, true)
         };
         let known = self.word.node.and_then(|node| {
             let alone = model.lexicon.node(node).word()?;

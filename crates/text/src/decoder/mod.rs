@@ -15,6 +15,7 @@
 //! What was typed is a hypothesis of its own, which is never dropped.
 
 mod beam;
+mod candidate;
 mod expand;
 mod finish;
 mod history;
@@ -24,9 +25,11 @@ mod render;
 mod token;
 mod touches;
 
+pub use candidate::Candidate;
 pub use options::{MAX_BEAM, Options};
 
 use beam::Beam;
+use candidate::same_letters;
 use expand::Expansion;
 use finish::{Finished, finish};
 use history::{Entry, History, NONE};
@@ -48,15 +51,6 @@ pub const MAX_TAPS: usize = 512;
 pub const CANDIDATES: usize = 3;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
-
-/// A text that the taps may mean.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Candidate {
-    /// The text.
-    pub text: String,
-    /// Its log-probability.
-    pub score: f32,
-}
 
 /// Decodes the taps of a person on a keyboard.
 ///
@@ -369,6 +363,23 @@ impl<'m> Decoder<'m> {
         }
         self.add_literal();
         &self.candidates[..self.found]
+    }
+
+    /// Returns the text to show: the most probable one if it is likelier than what was typed by [`Options::margin`], or else what was
+    /// typed, with capitals where sentences start and names have them.
+    pub fn reading(&mut self) -> &str {
+        let typed = self.typed_score();
+        let margin = self.options.margin;
+        self.candidates();
+        let candidates = &self.candidates[..self.found];
+        let is_clear = |best: &&Candidate| best.score - typed >= margin;
+        let literal = self.literal.text();
+        let same = |candidate: &&Candidate| same_letters(&candidate.text, literal);
+        let chosen = candidates
+            .first()
+            .filter(is_clear)
+            .or_else(|| candidates.iter().find(same));
+        chosen.map_or(literal, |chosen| chosen.text.as_str())
     }
 
     fn capitals(&self) -> bool {

@@ -28,6 +28,10 @@ pub struct Options {
     pub plain: f32,
     /// A word that the lexicon has not.
     pub unknown: f32,
+    /// A letter of such a word costs at most this, if it was typed.
+    pub letter: f32,
+    /// A letter of such a word is not the typed one.
+    pub other: f32,
     /// Punctuation ends a word.
     pub punctuation: f32,
     /// A word with digits or signs starts.
@@ -44,15 +48,17 @@ impl Default for Options {
             beam: 200,
             width: 16.0,
             language: 1.0,
-            omission: -4.2,
-            insertion: -4.2,
+            omission: -5.0,
+            insertion: -4.5,
             substitution: -5.5,
             transposition: -6.5,
-            missing_space: -4.5,
+            missing_space: -5.0,
             silent: -0.7,
             plain: -2.5,
             unknown: -5.0,
-            punctuation: -3.5,
+            letter: -2.8,
+            other: -2.5,
+            punctuation: -3.0,
             verbatim: -5.0,
             margin: 1.5,
             capitals: true,
@@ -76,6 +82,8 @@ impl Options {
             (&mut self.silent, default.silent),
             (&mut self.plain, default.plain),
             (&mut self.unknown, default.unknown),
+            (&mut self.letter, default.letter),
+            (&mut self.other, default.other),
             (&mut self.punctuation, default.punctuation),
             (&mut self.verbatim, default.verbatim),
         ];

@@ -11,7 +11,9 @@ pub enum Place {
     Word(u32),
     /// Behind punctuation, before its space.
     Gap,
-    /// A state of the spelling, in a word that the lexicon may not have.
+    /// A state of the spelling, in a word that the lexicon may not have, as it was typed until now.
+    Typed(u16),
+    /// The same, with letters of other keys than those that were typed.
     Spelled(u16),
     /// In a word with digits or signs.
     Verbatim,
@@ -40,6 +42,7 @@ impl Token {
             Place::Gap => 1 << 24,
             Place::Verbatim => 2 << 24,
             Place::Spelled(state) => 3 << 24 | u64::from(state),
+            Place::Typed(state) => 4 << 24 | u64::from(state),
         };
         u64::from(self.row.0) << 32 | place
     }

@@ -229,13 +229,13 @@ impl Touches {
             return drift;
         };
         let variance = self.variance[key.hand];
-        for axis in 0..2 {
+        for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
             let gain = variance / (variance + key.spread.covariance[axis]);
-            let residual = self.tap[axis] - key.spread.mean[axis] - drift[key.hand][axis];
+            let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
             // A slip to another key is no drift.
             let limit = 3.0 * (variance + key.spread.covariance[axis]).sqrt();
             if !(key.wide && axis == 0) && residual.abs() < limit {
-                drift[key.hand][axis] += gain * residual;
+                *shift += gain * residual;
             }
         }
         drift

@@ -65,7 +65,7 @@ impl Alphabet {
             .collect();
         let letters = letters.ok_or(ModelError::Damaged("a letter of the alphabet"))?;
         let increases = letters.windows(2).all(|pair| pair[0] < pair[1]);
-        if count == 0 || count > MAX_SYMBOLS || section.len() % 4 != 0 || !increases {
+        if count == 0 || count > MAX_SYMBOLS || !section.len().is_multiple_of(4) || !increases {
             return Err(ModelError::Damaged("the alphabet"));
         }
         Ok(Self { letters })

@@ -26,7 +26,10 @@ pub struct Bigrams<'a> {
 
 impl<'a> Bigrams<'a> {
     pub(super) fn read(rows: &'a [u8], entries: &'a [u8]) -> Result<Self, ModelError> {
-        if rows.len() % ROW_BYTES != 0 || rows.is_empty() || entries.len() % 4 != 0 {
+        if !rows.len().is_multiple_of(ROW_BYTES)
+            || rows.is_empty()
+            || !entries.len().is_multiple_of(4)
+        {
             return Err(ModelError::Damaged("the size of the pairs of words"));
         }
         let bigrams = Self { rows, entries };

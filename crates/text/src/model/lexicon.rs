@@ -97,7 +97,7 @@ impl<'a> Lexicon<'a> {
     pub(super) fn read(nodes: &'a [u8], symbols: usize) -> Result<Self, ModelError> {
         let bytes = nodes.len().saturating_sub(PADDING);
         let count = bytes / NODE_BYTES;
-        if count == 0 || bytes % NODE_BYTES != 0 || count >= MAX_NODES {
+        if count == 0 || !bytes.is_multiple_of(NODE_BYTES) || count >= MAX_NODES {
             return Err(ModelError::Damaged("the size of the lexicon"));
         }
         let lexicon = Self {

@@ -41,7 +41,10 @@ impl<'a> Spelling<'a> {
             end: symbols as Symbol,
         };
         let count = (states.len() / STATE_BYTES).saturating_sub(1);
-        if states.len() % STATE_BYTES != 0 || count < 2 || arcs.len() % ARC_BYTES != 0 {
+        if !states.len().is_multiple_of(STATE_BYTES)
+            || count < 2
+            || !arcs.len().is_multiple_of(ARC_BYTES)
+        {
             return Err(ModelError::Damaged("the size of the spelling"));
         }
         let last = (arcs.len() / ARC_BYTES) as u32;

@@ -114,15 +114,7 @@ pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phras
         for &tap in &phrase.taps {
             decoder.tap(tap);
         }
-        let best = decoder.best().to_owned();
-        let typed = (decoder.typed_score(), decoder.candidates()[0].score);
-        // As the program corrects: only with a margin.
-        let is_clear = typed.1 - typed.0 >= decoder.options().margin;
-        texts.push(if is_clear {
-            best
-        } else {
-            decoder.typed().to_owned()
-        });
+        texts.push(decoder.reading().to_owned());
         decoder.commit();
         decoder.start_sentence();
     }

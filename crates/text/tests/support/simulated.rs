@@ -26,9 +26,11 @@ pub struct Tier {
     pub offset: f32,
     /// The standard deviation of the drift with each tap in mm.
     pub drift: f32,
+    /// The decoder has to divide the errors of the nearest keys by at least this: half of what was measured.
+    pub divides: f64,
 }
 
-const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32) -> Tier {
+const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32, divides: f64) -> Tier {
     Tier {
         name,
         scatter,
@@ -36,19 +38,20 @@ const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32) -> T
         missed,
         offset: 0.0,
         drift: 0.0,
+        divides,
     }
 }
 
 pub const TIERS: [Tier; 6] = [
-    tier("T0", 3.0, 0.0, 0.0),
-    tier("T1", 5.0, 0.0, 0.0),
-    tier("T2", 6.0, 0.02, 0.02),
-    tier("T3", 8.0, 0.02, 0.02),
-    tier("T4", 10.0, 0.03, 0.03),
+    tier("T0", 3.0, 0.0, 0.0, 2.5),
+    tier("T1", 5.0, 0.0, 0.0, 6.0),
+    tier("T2", 6.0, 0.02, 0.02, 2.5),
+    tier("T3", 8.0, 0.02, 0.02, 2.5),
+    tier("T4", 10.0, 0.03, 0.03, 1.5),
     Tier {
         offset: 8.0,
         drift: 0.4,
-        ..tier("Toff", 4.0, 0.0, 0.0)
+        ..tier("Toff", 4.0, 0.0, 0.0, 50.0)
     },
 ];
 
