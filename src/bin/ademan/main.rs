@@ -81,6 +81,7 @@ mod start;
 mod stats;
 mod studio;
 mod system_files;
+mod text;
 mod token;
 mod trace;
 mod usage;
@@ -135,6 +136,7 @@ subcommands! {
     Person(person),
     Setup(setup),
     Script(script),
+    Text(text),
     Token(token),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]

@@ -1,0 +1,109 @@
+//! The time from a tap to its candidates, in one run beside a reference: the nearest word of the same length in the flat list, by
+//! the same distances, which needs no search over errors.
+//!
+//! Run with `cargo bench -p ademan-text`; prints microseconds and ratios. `cargo test --bench taps` runs it once, with few taps.
+
+#![allow(clippy::disallowed_types, reason = "a benchmark reads the clock")]
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use ademan_text::{Decoder, Model, Options, Prior, Tap, TouchModel};
+use support::simulated::{Person, TIERS, keyboard};
+
+const TEXT: &str = "the quick brown fox jumps over the lazy dog, and it is not what you think of the weather in the evening. ";
+
+fn percentile(times: &mut [Duration], share: f64) -> f64 {
+    times.sort_unstable();
+    let index = ((times.len() - 1) as f64 * share) as usize;
+    times[index].as_secs_f64() * 1e6
+}
+
+/// Returns the negated distance of the nearest word of the same length.
+fn flat(words: &[Vec<usize>], centers: &[[f32; 2]], taps: &[Tap]) -> f32 {
+    let same = words.iter().filter(|word| word.len() == taps.len());
+    let distance = |word: &Vec<usize>| {
+        let letters = word.iter().zip(taps);
+        let apart = |(&key, tap): (&usize, &Tap)| {
+            let [x, y] = centers[key];
+            (tap.position[0] - x).powi(2) + (tap.position[1] - y).powi(2)
+        };
+        -letters.map(apart).sum::<f32>()
+    };
+    same.map(distance).fold(f32::NEG_INFINITY, f32::max)
+}
+
+fn flat_words(model: &Model) -> Vec<Vec<usize>> {
+    let keyboard = keyboard();
+    let mut words = Vec::new();
+    let mut open = vec![(0_u32, Vec::new())];
+    while let Some((node, letters)) = open.pop() {
+        if model.lexicon.node(node).word().is_some() {
+            words.push(letters.clone());
+        }
+        for child in model.lexicon.children(node) {
+            let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
+            if let Some(key) = keyboard.index(letter) {
+                let mut longer = letters.clone();
+                longer.push(key);
+                open.push((child, longer));
+            }
+        }
+    }
+    words
+}
+
+fn main() {
+    let is_bench = std::env::args().any(|argument| argument == "--bench");
+    let rounds = if is_bench { 40 } else { 1 };
+    let started = Instant::now();
+    let model = Model::from_bytes(black_box(ademan_text::languages::ENGLISH)).expect("the model");
+    println!(
+        "load and check of {} bytes: {:.2} ms",
+        ademan_text::languages::ENGLISH.len(),
+        started.elapsed().as_secs_f64() * 1e3
+    );
+    let words = flat_words(&model);
+    let centers: Vec<[f32; 2]> = keyboard().keys().iter().map(|key| key.center).collect();
+    println!("{} words", words.len());
+    for tier in TIERS {
+        let mut decoder = Decoder::new(
+            model.clone(),
+            keyboard(),
+            TouchModel::new(Prior::default()),
+            Options::default(),
+        );
+        let mut person = Person::new(tier, 5);
+        let (mut taps, mut reads, mut flats) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..rounds {
+            let phrase = person.types(TEXT);
+            for (index, &tap) in phrase.taps.iter().enumerate() {
+                let started = Instant::now();
+                decoder.tap(black_box(tap));
+                taps.push(started.elapsed());
+                black_box(decoder.candidates());
+                reads.push(started.elapsed());
+                let word = &phrase.taps[index.saturating_sub(4)..=index];
+                let started = Instant::now();
+                black_box(flat(&words, &centers, black_box(word)));
+                flats.push(started.elapsed());
+            }
+            decoder.commit();
+        }
+        let reference = percentile(&mut flats, 0.5);
+        let [tap, read] =
+            [&mut taps, &mut reads].map(|times| [0.5, 0.99].map(|share| percentile(times, share)));
+        println!(
+            "{}: tap p50 {:.1} µs p99 {:.1} µs, with candidates p50 {:.1} µs p99 {:.1} µs; flat list p50 {reference:.1} µs, ratio {:.3}",
+            tier.name,
+            tap[0],
+            tap[1],
+            read[0],
+            read[1],
+            read[0] / reference,
+        );
+    }
+}

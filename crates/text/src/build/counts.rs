@@ -1,0 +1,169 @@
+//! Counts of words and pairs in lists and texts.
+
+use std::collections::BTreeMap;
+
+use super::{Word, Words};
+use crate::model::lexicon::Case;
+
+/// The longest word in letters.
+const MAX_LETTERS: usize = 30;
+/// How often a word has to occur in the texts to be taken without being in a list.
+const MIN_UNLISTED: u32 = 2;
+
+/// The word that stands for the start of a sentence in pairs.
+pub const SENTENCE_START: &str = "";
+
+/// What is known about a spelling.
+#[derive(Clone, Debug, Default)]
+struct Spelled {
+    /// The weight in the lists.
+    weight: f64,
+    listed: bool,
+    /// The occurrences in texts.
+    count: u32,
+    /// The evidence for each case: list entries and occurrences inside a sentence.
+    cases: [u32; 3],
+}
+
+/// Counts of words and pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Counts {
+    spelled: BTreeMap<String, Spelled>,
+    pairs: BTreeMap<(String, String), u32>,
+}
+
+/// Returns the case of a word, or `None` for one like `iPhone`.
+fn case(word: &str) -> Option<Case> {
+    let mut upper = word
+        .chars()
+        .filter(|&letter| letter != '\'')
+        .map(char::is_uppercase);
+    let first = upper.next()?;
+    let (mut any, mut all) = (false, true);
+    let mut rest = 0;
+    for is_upper in upper {
+        any |= is_upper;
+        all &= is_upper;
+        rest += 1;
+    }
+    match (first, any, all) {
+        (false, false, _) => Some(Case::Lower),
+        (true, false, _) => Some(Case::Title),
+        (true, true, true) if rest > 0 => Some(Case::Upper),
+        _ => None,
+    }
+}
+
+/// Returns the lower-case spelling and the case of a word, or `None` if it has characters that words do not have.
+fn spelling(word: &str) -> Option<(String, Case)> {
+    let letters = |letter: char| letter.is_alphabetic() || letter == '\'';
+    let inside = !word.starts_with('\'') && !word.ends_with('\'');
+    if word.chars().count() > MAX_LETTERS || !inside || !word.chars().all(letters) {
+        return None;
+    }
+    Some((word.to_lowercase(), case(word)?))
+}
+
+impl Counts {
+    /// Adds an entry of a list.
+    pub fn listed(&mut self, word: &str, weight: f64) {
+        if let Some((key, case)) = spelling(word) {
+            let spelled = self.spelled.entry(key).or_default();
+            spelled.weight = spelled.weight.max(weight);
+            spelled.listed = true;
+            spelled.cases[case as usize] += 1;
+        }
+    }
+
+    /// Adds a sentence.
+    pub fn sentence(&mut self, sentence: &str) {
+        let mut before = Some(SENTENCE_START.to_owned());
+        let sentence = sentence.replace('\u{2019}', "'");
+        for piece in sentence.split_whitespace() {
+            let is_part = |letter: char| letter.is_alphabetic() || letter == '\'';
+            let ends = piece.ends_with(['.', ',', ';', ':', '!', '?']);
+            let word = piece.trim_matches(|letter: char| !letter.is_alphanumeric());
+            if word.is_empty() {
+                continue;
+            }
+            let found = word.chars().all(is_part).then(|| spelling(word)).flatten();
+            let Some((key, case)) = found else {
+                before = None;
+                continue;
+            };
+            let spelled = self.spelled.entry(key.clone()).or_default();
+            spelled.count += 1;
+            // The first word of a sentence has a capital whatever it is.
+            if before.as_deref() != Some(SENTENCE_START) {
+                spelled.cases[case as usize] += 1;
+            }
+            if let Some(before) = before {
+                *self.pairs.entry((before, key.clone())).or_default() += 1;
+            }
+            before = (!ends).then_some(key);
+        }
+    }
+
+    /// Returns the words with their probabilities.
+    pub fn words(&self) -> Words {
+        let known = || {
+            self.spelled
+                .iter()
+                .filter(|(_, spelled)| spelled.listed || spelled.count >= MIN_UNLISTED)
+        };
+        let mass = |spelled: &Spelled| f64::from(spelled.count) + spelled.weight;
+        let total: f64 = known().map(|(_, spelled)| mass(spelled)).sum();
+        known()
+            .map(|(word, spelled)| {
+                let [lower, title, upper] = spelled.cases;
+                let case = match (lower >= title.max(upper), title >= upper) {
+                    (true, _) => Case::Lower,
+                    (false, true) => Case::Title,
+                    (false, false) => Case::Upper,
+                };
+                let probability = mass(spelled) / total;
+                (word.clone(), Word { probability, case })
+            })
+            .collect()
+    }
+
+    /// Returns the pairs and their counts, sorted.
+    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str, u32)> {
+        self.pairs
+            .iter()
+            .map(|((before, word), &count)| (before.as_str(), word.as_str(), count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_case_of_a_word_is_that_inside_sentences() {
+        let mut counts = Counts::default();
+        counts.sentence("The cat of Anna and I saw NASA.");
+        counts.sentence("The cat of Anna and I saw NASA.");
+        let words = counts.words();
+        let case = |word: &str| words[word].case;
+        assert_eq!(case("the"), Case::Lower);
+        assert_eq!(case("anna"), Case::Title);
+        assert_eq!(case("i"), Case::Title);
+        assert_eq!(case("nasa"), Case::Upper);
+    }
+
+    #[test]
+    fn pairs_do_not_reach_over_punctuation_and_numbers() {
+        let mut counts = Counts::default();
+        counts.sentence("Well, it's 5 o'clock (now).");
+        let pairs: Vec<_> = counts.pairs().collect();
+        assert_eq!(pairs, [("", "well", 1), ("o'clock", "now", 1)]);
+    }
+
+    #[test]
+    fn what_is_no_word_is_left_out() {
+        for text in ["x1", "iPhone", "'tis", "a_b", ""] {
+            assert_eq!(spelling(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The builder of language models: from lists of words and text to the bytes of a model.
+//!
+//! The same lists and texts, in any order of their lines, give the same bytes on every machine: counts are sorted, and the only
+//! function beyond arithmetic is [`ln`].
+//!
+//! - A word has the probability of its count in the texts plus its weight in the lists.
+//! - A pair of words that occurs at least twice has its count less a discount of 0.75, divided by the count of the first word; what
+//!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting).
+//! - Spelling: the letters of all words, each word weighted by the root of its probability, up to four letters before the next one,
+//!   interpolated after Witten and Bell.
+
+mod counts;
+mod letters;
+mod pairs;
+mod trie;
+
+use std::collections::BTreeMap;
+
+use crate::logarithm::ln;
+use crate::model::alphabet::{Alphabet, MAX_SYMBOLS};
+use crate::model::bytes::checksum;
+use crate::model::lexicon::{Case, MAX_NODES};
+use crate::model::{CHECKED_FROM, HEADER_BYTES, MAGIC, SECTIONS, VERSION};
+use counts::Counts;
+
+/// Lists and texts that make no model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BuildError {
+    /// There is no word.
+    #[error("there is no word: give a list of words or a text")]
+    Empty,
+    /// There are too many letters.
+    #[error(
+        "the words have {0} different letters, more than the 60 of a model; keep words of one language"
+    )]
+    Letters(usize),
+    /// There are too many words.
+    #[error("the words need {0} nodes, more than the {MAX_NODES} of a model; keep fewer words")]
+    Nodes(usize),
+}
+
+/// Collects words and text.
+#[derive(Clone, Debug, Default)]
+pub struct Builder {
+    counts: Counts,
+}
+
+/// A word of the model to be.
+#[derive(Clone, Debug)]
+struct Word {
+    probability: f64,
+    case: Case,
+}
+
+/// Words by their lower-case spelling.
+type Words = BTreeMap<String, Word>;
+
+impl Builder {
+    /// Makes an empty builder.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the words of a list: one each line, with a weight behind a tab or a space if it is not 1. A weight is the number of times that
+    /// the word is expected in a text as long as the given ones.
+    pub fn words(&mut self, list: &str) {
+        for line in list.lines() {
+            let mut fields = line.split_whitespace();
+            let Some(word) = fields.next() else { continue };
+            let weight = fields.next().and_then(|field| field.parse().ok());
+            self.counts.listed(word, weight.unwrap_or(1.0));
+        }
+    }
+
+    /// Adds the words and pairs of a text, a sentence each line.
+    pub fn text(&mut self, text: &str) {
+        for line in text.lines() {
+            self.counts.sentence(line);
+        }
+    }
+
+    /// Returns the bytes of the model.
+    ///
+    /// # Errors
+    ///
+    /// Fails if there is no word, or more than a model has room for.
+    pub fn build(&self) -> Result<Vec<u8>, BuildError> {
+        let words = self.counts.words();
+        if words.is_empty() {
+            return Err(BuildError::Empty);
+        }
+        let mut letters: Vec<char> = words.keys().flat_map(|word| word.chars()).collect();
+        letters.sort_unstable();
+        letters.dedup();
+        if letters.len() > MAX_SYMBOLS {
+            return Err(BuildError::Letters(letters.len()));
+        }
+        let alphabet = Alphabet::new(letters);
+        let (nodes, indices) = trie::build(&words, &alphabet)?;
+        let (rows, entries) = pairs::build(&self.counts, &words, &indices);
+        let (states, arcs) = letters::build(&words, &alphabet);
+        Ok(file([alphabet.write(), nodes, rows, entries, states, arcs]))
+    }
+}
+
+/// Returns `true` for a line of a text that the shipped models leave out, every 20th, so that it can be used to measure them.
+pub fn held_out(line: usize) -> bool {
+    line % 20 == 19
+}
+
+fn file(sections: [Vec<u8>; SECTIONS]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((SECTIONS as u32).to_le_bytes());
+    bytes.extend([0; 8]);
+    for section in &sections {
+        bytes.extend((section.len() as u32).to_le_bytes());
+    }
+    debug_assert_eq!(bytes.len(), HEADER_BYTES);
+    bytes.extend(sections.into_iter().flatten());
+    let sum = checksum(&bytes[CHECKED_FROM..]);
+    bytes[16..CHECKED_FROM].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}

@@ -1,0 +1,271 @@
+//! Corrections: from key presses to the edits of a text field.
+//!
+//! Letters are typed at once. At the end of a word, [`Mode::Auto`] replaces what differs from the most probable text, in one burst of
+//! Backspaces and characters. One Backspace right after it brings back what was typed, and that word is never changed again.
+//!
+//! | state | event | becomes | edits |
+//! |---|---|---|---|
+//! | any | character | typing | the character |
+//! | typing | character that ends a word, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
+//! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
+//! | other | Backspace | typing | Backspace |
+//! | any | pause, loss, stall, another key | partial, if inside a word | none; nothing is pending any more |
+//! | partial | character that ends a word | typing | the character |
+//!
+//! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
+
+mod restored;
+mod tail;
+
+use serde::{Deserialize, Serialize};
+
+use crate::decoder::{Candidate, Decoder, MAX_TAPS};
+use crate::keyboard::Tap;
+pub use restored::Restored;
+use tail::{Difference, difference, ends_word};
+
+/// How presses become text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Passes every press on as it is.
+    #[default]
+    Literal,
+    /// Has candidates, and changes nothing by itself.
+    Suggest,
+    /// Corrects at the end of a word.
+    Auto,
+}
+
+/// A key press for the text field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edit {
+    /// Deletes the character before the cursor.
+    Backspace,
+    /// Types a character.
+    Type(char),
+}
+
+/// The longest tail that is replaced, in characters.
+pub const MAX_TAIL: usize = 64;
+/// At the end of a word, after this many taps, the text before is final.
+const SETTLED_TAPS: usize = 96;
+
+/// A correction that one Backspace takes back.
+#[derive(Clone, Debug, Default)]
+struct Undo {
+    is_possible: bool,
+    /// The characters that the correction typed.
+    corrected: usize,
+    /// What they replaced.
+    typed: String,
+}
+
+/// Turns presses into edits.
+#[derive(Clone, Debug)]
+pub struct Corrector<'m> {
+    decoder: Decoder<'m>,
+    mode: Mode,
+    restored: Restored,
+    /// The text in the field since the last commit of the decoder.
+    shown: String,
+    target: String,
+    undo: Undo,
+    /// The decoder has not seen the beginning of the word.
+    is_partial: bool,
+    edits: Vec<Edit>,
+}
+
+impl<'m> Corrector<'m> {
+    /// Makes a corrector of a mode, with the words that the person restored before.
+    pub fn new(decoder: Decoder<'m>, mode: Mode, restored: Restored) -> Self {
+        let text = || String::with_capacity(8 * MAX_TAPS);
+        Self {
+            decoder,
+            mode,
+            restored,
+            shown: text(),
+            target: text(),
+            undo: Undo {
+                typed: text(),
+                ..Undo::default()
+            },
+            is_partial: false,
+            edits: Vec::with_capacity(16 * MAX_TAPS),
+        }
+    }
+
+    /// Returns the decoder.
+    pub fn decoder(&self) -> &Decoder<'m> {
+        &self.decoder
+    }
+
+    /// Returns the words that are never changed.
+    pub fn restored(&self) -> &Restored {
+        &self.restored
+    }
+
+    /// Returns the mode.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Changes the mode. What is pending is dropped.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.reset();
+        self.mode = mode;
+    }
+
+    /// Drops what is pending: after a pause, a loss, a stall, and a key that moves the cursor.
+    pub fn reset(&mut self) {
+        self.is_partial |= !self.shown.is_empty() && !self.shown.ends_with(ends_word);
+        self.shown.clear();
+        self.undo.is_possible = false;
+        self.decoder.start_anywhere();
+    }
+
+    /// Takes a character key. The tap has to say what it typed; without, it is the nearest key.
+    pub fn press(&mut self, tap: Tap) -> &[Edit] {
+        self.edits.clear();
+        let keyboard = self.decoder.keyboard();
+        let nearest = || Some(keyboard.keys()[keyboard.nearest(tap.position)?].character);
+        let Some(character) = tap.typed.or_else(nearest) else {
+            return &self.edits;
+        };
+        self.edits.push(Edit::Type(character));
+        if self.mode == Mode::Literal {
+            return &self.edits;
+        }
+        self.undo.is_possible = false;
+        if self.decoder.taps() + 1 >= MAX_TAPS {
+            self.reset();
+        }
+        self.shown.push(character);
+        self.decoder.tap(Tap {
+            typed: Some(character),
+            ..tap
+        });
+        if ends_word(character) {
+            self.end_word(character);
+        }
+        &self.edits
+    }
+
+    fn end_word(&mut self, character: char) {
+        if std::mem::take(&mut self.is_partial) {
+            self.shown.clear();
+            return self.decoder.commit_typed();
+        }
+        if self.mode == Mode::Auto {
+            self.correct(character);
+        }
+        if self.decoder.taps() >= SETTLED_TAPS {
+            if self.decoder.best() == self.shown {
+                self.decoder.commit();
+            } else {
+                self.decoder.commit_typed();
+            }
+            self.shown.clear();
+        }
+    }
+
+    fn correct(&mut self, character: char) {
+        self.target.clear();
+        self.target.push_str(self.decoder.reading());
+        // A space that may mean nothing is kept until it is clear where the word ends.
+        if !self.target.ends_with(character) {
+            self.target.clear();
+            self.target.push_str(self.decoder.typed());
+        }
+        if self.replace() {
+            return;
+        }
+        // A word that stays as it was typed is no evidence for what follows.
+        self.decoder.commit_typed();
+        self.shown.clear();
+    }
+
+    /// Replaces the tail that differs from the target. Returns `false` if a word is in the way that the person restored.
+    fn replace(&mut self) -> bool {
+        let Some(Difference { prefix, removed }) = difference(&self.shown, &self.target) else {
+            return true;
+        };
+        if self.restored.touches(&self.shown, prefix, &self.target) {
+            return false;
+        }
+        if removed > MAX_TAIL {
+            return true;
+        }
+        let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);
+        self.edits.extend(old.chars().map(|_| Edit::Backspace));
+        self.edits.extend(new.chars().map(Edit::Type));
+        self.undo.is_possible = true;
+        self.undo.corrected = new.chars().count();
+        self.undo.typed.clear();
+        self.undo.typed.push_str(old);
+        // The whole first word of the tail, so that it can be learned.
+        self.restored.remember(&self.shown, prefix, &self.target);
+        std::mem::swap(&mut self.shown, &mut self.target);
+        true
+    }
+
+    /// Takes a Backspace.
+    pub fn backspace(&mut self) -> &[Edit] {
+        self.edits.clear();
+        if std::mem::take(&mut self.undo.is_possible) {
+            self.edits
+                .extend((0..self.undo.corrected).map(|_| Edit::Backspace));
+            self.edits.extend(self.undo.typed.chars().map(Edit::Type));
+            self.restored.learn();
+            self.shown.clear();
+            self.decoder.commit_typed();
+            return &self.edits;
+        }
+        self.edits.push(Edit::Backspace);
+        if self.mode == Mode::Literal {
+            return &self.edits;
+        }
+        let inside = self
+            .shown
+            .chars()
+            .next_back()
+            .is_some_and(|last| !ends_word(last));
+        if inside || !self.shown.is_empty() && self.shown == self.decoder.typed() {
+            self.shown.pop();
+            self.decoder.untap();
+        } else {
+            // Back in text that is final: what follows is the rest of a word.
+            self.shown.clear();
+            self.decoder.start_anywhere();
+            self.is_partial = true;
+        }
+        &self.edits
+    }
+
+    /// Returns the candidates for the text since the last commit; none in [`Mode::Literal`].
+    pub fn candidates(&mut self) -> &[Candidate] {
+        match self.mode {
+            Mode::Literal => &[],
+            _ if self.is_partial => &[],
+            _ => self.decoder.candidates(),
+        }
+    }
+
+    /// Takes a candidate in place of what is shown. One Backspace takes it back.
+    pub fn accept(&mut self, candidate: usize) -> &[Edit] {
+        self.edits.clear();
+        self.target.clear();
+        let is_usable = self.mode != Mode::Literal && !self.is_partial;
+        let chosen = self
+            .decoder
+            .candidates()
+            .get(candidate)
+            .filter(|_| is_usable);
+        let Some(chosen) = chosen else {
+            return &self.edits;
+        };
+        self.target.push_str(&chosen.text);
+        self.replace();
+        &self.edits
+    }
+}

@@ -1,0 +1,137 @@
+//! Words that the person brought back, which are never changed again.
+
+use serde::{Deserialize, Serialize};
+
+use super::tail::ends_word;
+
+/// The most words; the oldest one goes first.
+const MAX_WORDS: usize = 512;
+/// The longest word in bytes.
+const MAX_BYTES: usize = 64;
+
+/// Words that are never changed, in lower case.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<String>", into = "Vec<String>")]
+pub struct Restored {
+    words: Vec<String>,
+    /// The words of the last correction as they were typed, separated by spaces.
+    pending: String,
+}
+
+impl From<Vec<String>> for Restored {
+    fn from(words: Vec<String>) -> Self {
+        let mut restored = Self::default();
+        for word in words {
+            restored.add(&word);
+        }
+        restored
+    }
+}
+
+impl From<Restored> for Vec<String> {
+    fn from(restored: Restored) -> Self {
+        restored.words
+    }
+}
+
+/// Returns the words of a text from the one around a place to the one before its common end with another text.
+fn changed<'a>(shown: &'a str, prefix: usize, target: &str) -> impl Iterator<Item = &'a str> {
+    let pairs = shown[prefix..]
+        .chars()
+        .rev()
+        .zip(target[prefix..].chars().rev());
+    let common = pairs.take_while(|(left, right)| left == right);
+    let common: usize = common.map(|(letter, _)| letter.len_utf8()).sum();
+    let start = shown[..prefix].rfind(ends_word).map_or(0, |last| {
+        last + shown[last..].chars().next().map_or(1, char::len_utf8)
+    });
+    let changed_end = shown.len() - common;
+    let end = shown[changed_end..]
+        .find(ends_word)
+        .map_or(shown.len(), |more| changed_end + more);
+    shown[start..end.max(start)]
+        .split(ends_word)
+        .filter(|word| !word.is_empty())
+}
+
+impl Restored {
+    /// Returns the words.
+    pub fn words(&self) -> &[String] {
+        &self.words
+    }
+
+    /// Adds a word.
+    pub fn add(&mut self, word: &str) {
+        let word = word.to_lowercase();
+        if word.len() > MAX_BYTES || word.is_empty() || self.words.contains(&word) {
+            return;
+        }
+        if self.words.len() == MAX_WORDS {
+            self.words.remove(0);
+        }
+        self.words.push(word);
+    }
+
+    /// Returns `true` if the change from a text to another one would change one of the words.
+    pub(super) fn touches(&self, shown: &str, prefix: usize, target: &str) -> bool {
+        let same = |left: &str, right: &str| {
+            let left = left.chars().flat_map(char::to_lowercase);
+            left.eq(right.chars())
+        };
+        changed(shown, prefix, target).any(|word| self.words.iter().any(|known| same(word, known)))
+    }
+
+    /// Notes the words that a change replaces.
+    pub(super) fn remember(&mut self, shown: &str, prefix: usize, target: &str) {
+        self.pending.clear();
+        for word in changed(shown, prefix, target) {
+            self.pending.push_str(word);
+            self.pending.push(' ');
+        }
+    }
+
+    /// Learns the noted words.
+    pub(super) fn learn(&mut self) {
+        let pending = std::mem::take(&mut self.pending);
+        for word in pending.split(' ') {
+            self.add(word);
+        }
+        self.pending = pending;
+        self.pending.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(shown: &str, prefix: usize, target: &str) -> Vec<String> {
+        changed(shown, prefix, target).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_changed_words_are_whole() {
+        assert_eq!(words("see teh ", 5, "see the "), ["teh"]);
+        assert_eq!(words("wis dom is ", 3, "wisdom is "), ["wis", "dom"]);
+        assert_eq!(words("como ", 1, "cómo "), ["como"]);
+        assert_eq!(words("cómo él ", 4, "cóma él "), ["cómo"]);
+    }
+
+    #[test]
+    fn the_oldest_word_makes_room() {
+        let mut restored = Restored::default();
+        for number in 0..=MAX_WORDS {
+            restored.add(&format!("w{number}"));
+        }
+        assert_eq!(restored.words().len(), MAX_WORDS);
+        assert_eq!(restored.words()[0], "w1");
+    }
+
+    #[test]
+    fn stored_words_are_checked() {
+        let text = format!("[\"Teh\", \"teh\", \"\", \"{}\"]", "x".repeat(100));
+        let restored: Restored = serde_json::from_str(&text).expect("words");
+        assert_eq!(restored.words(), ["teh"]);
+        assert_eq!(serde_json::to_string(&restored).expect("text"), "[\"teh\"]");
+    }
+}

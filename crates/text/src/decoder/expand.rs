@@ -1,0 +1,426 @@
+//! The hypotheses that one hypothesis becomes with a tap.
+
+use super::Options;
+use super::beam::Beam;
+use super::token::{Emission, From, Next, Place, Token};
+use super::touches::Touches;
+use crate::keyboard::Millimetres;
+use crate::model::Model;
+use crate::model::alphabet::Symbol;
+use crate::model::bigrams::NO_ROW;
+use crate::model::lexicon::{Case, ROOT};
+use crate::model::spelling::START;
+
+/// The log-probability of each character of a word with digits or signs.
+pub const ANY_CHARACTER: f32 = -2.5;
+/// More punctuation or a letter right behind punctuation.
+const RARE: f32 = -3.0;
+/// A second space.
+const SECOND_SPACE: f32 = -7.0;
+/// Punctuation other than a period or a comma.
+const RARE_PUNCTUATION: f32 = -2.0;
+
+/// The step of one tap.
+pub struct Expansion<'a, 'm> {
+    pub model: &'a Model<'m>,
+    pub options: &'a Options,
+    pub touches: &'a Touches,
+    pub beam: &'a mut Beam,
+    pub apostrophe: Option<Symbol>,
+    /// The key that was typed, its character, and whether it is neither letter, space nor punctuation.
+    pub typed: (usize, char),
+    pub is_sign: bool,
+}
+
+/// Returns `true` if the character ends a word as a space does.
+pub fn is_punctuation(character: char) -> bool {
+    matches!(
+        character,
+        '.' | ',' | ';' | ':' | '!' | '?' | '-' | '(' | ')' | '"' | '¡' | '¿'
+    )
+}
+
+/// Returns the log-probability that a word that the lexicon has not ends.
+pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool) -> f32 {
+    let end = options.language * model.spelling.end(state);
+    if is_typed {
+        end.max(options.letter)
+    } else {
+        end
+    }
+}
+
+/// Returns the log-probability of punctuation behind a word.
+pub fn punctuation(options: &Options, character: char) -> f32 {
+    match character {
+        '.' | ',' => options.punctuation,
+        _ => options.punctuation + RARE_PUNCTUATION,
+    }
+}
+
+/// A hypothesis on the way: further letters may be left out before the tap is used.
+#[derive(Clone, Copy)]
+struct Partial {
+    token: Token,
+    emission: Emission,
+}
+
+impl Partial {
+    fn node(&self) -> u32 {
+        match self.token.place {
+            Place::Word(node) => node,
+            _ => ROOT,
+        }
+    }
+}
+
+impl Expansion<'_, '_> {
+    /// Adds what a hypothesis becomes with the tap.
+    pub fn expand(&mut self, token: &Token) {
+        let partial = Partial {
+            token: *token,
+            emission: Emission::NOTHING,
+        };
+        let mut nothing = partial;
+        nothing.token.score += self.options.insertion + self.touches.anywhere();
+        self.push(nothing);
+        match token.place {
+            Place::Word(_) => self.word(&partial),
+            Place::Gap => self.gap(&partial),
+            Place::Typed(state) => self.spelled(&partial, state, true),
+            Place::Spelled(state) => self.spelled(&partial, state, false),
+            Place::Verbatim => self.verbatim(&partial),
+        }
+    }
+
+    fn push(&mut self, partial: Partial) {
+        self.beam.push(Next {
+            token: partial.token,
+            emission: partial.emission,
+        });
+    }
+
+    /// Returns `true` if a hypothesis can still be kept with a likely tap.
+    fn is_open(&self, score: f32) -> bool {
+        score + self.touches.likeliest() + 2.0 > self.beam.limit()
+    }
+
+    fn language(&self, nats: f32) -> f32 {
+        self.options.language * nats
+    }
+
+    fn best(&self, node: u32) -> f32 {
+        self.language(self.model.lexicon.node(node).best())
+    }
+
+    fn word(&mut self, partial: &Partial) {
+        let node = partial.node();
+        if !self.is_open(partial.token.score) {
+            return;
+        }
+        self.letters(partial);
+        self.end(partial);
+        if node == ROOT {
+            self.unknown(partial);
+            if self.is_sign {
+                let mut sign = *partial;
+                sign.token.score += self.options.verbatim - self.best(node);
+                self.verbatim(&sign);
+            }
+        }
+        self.skips(partial);
+    }
+
+    /// Uses the tap as the next letter of a word.
+    fn letters(&mut self, partial: &Partial) {
+        let node = partial.node();
+        let base = partial.token.score - self.best(node);
+        for child in self.model.lexicon.children(node) {
+            let contents = self.model.lexicon.node(child);
+            let score = base + self.language(contents.best());
+            if !self.is_open(score) {
+                continue;
+            }
+            let Some((touch, key)) = self
+                .touches
+                .of_letter(contents.symbol(), &partial.token.drift)
+            else {
+                continue;
+            };
+            if score + touch <= self.beam.limit() {
+                continue;
+            }
+            let mut next = *partial;
+            next.token.score = score + touch;
+            next.token.place = Place::Word(child);
+            next.token.drift = self.drift(touch, key, &partial.token.drift);
+            let letter = self.model.alphabet.letter(contents.symbol());
+            next.emission = next.emission.with(letter, From::This, Case::Lower);
+            self.push(next);
+        }
+    }
+
+    fn drift(&self, touch: f32, key: usize, drift: &[Millimetres; 2]) -> [Millimetres; 2] {
+        // A tap far from its key is a slip and tells nothing.
+        if touch <= self.touches.anywhere() {
+            return *drift;
+        }
+        self.touches.drifted(key, drift)
+    }
+
+    /// Uses the tap as the end of a word.
+    fn end(&mut self, partial: &Partial) {
+        let node = partial.node();
+        if node == ROOT {
+            let space = self.touches.space();
+            if let Some(space) = space.filter(|_| partial.token.end != super::history::NONE) {
+                let mut next = *partial;
+                next.token.score += SECOND_SPACE + self.touches.of_key(space, &partial.token.drift);
+                next.emission = next.emission.with(' ', From::This, Case::Lower);
+                self.push(next);
+            }
+            return;
+        }
+        let Some(ended) = self.ended(partial) else {
+            return;
+        };
+        let case = self.model.lexicon.node(node).case();
+        self.separators(&ended, node, case);
+    }
+
+    /// Returns the hypothesis with its word complete, or `None` if it is none.
+    fn ended(&self, partial: &Partial) -> Option<Partial> {
+        let node = partial.node();
+        let contents = self.model.lexicon.node(node);
+        let alone = contents.word()?;
+        let word = self.model.bigrams.after(partial.token.row, node, alone);
+        let mut ended = *partial;
+        ended.token.score += self.language(word) - self.language(contents.best());
+        Some(ended)
+    }
+
+    /// Uses the tap as a space or punctuation behind a complete word.
+    fn separators(&mut self, ended: &Partial, node: u32, case: Case) {
+        if !self.is_open(ended.token.score) {
+            return;
+        }
+        if let Some(space) = self.touches.space() {
+            let touch = self.touches.of_key(space, &ended.token.drift);
+            let mut next = *ended;
+            next.token.score += touch + self.best(ROOT);
+            if next.token.score > self.beam.limit() {
+                next.token.place = Place::Word(ROOT);
+                next.token.row = match node {
+                    ROOT => NO_ROW,
+                    node => self.model.row(node),
+                };
+                next.token.drift = self.drift(touch, space, &ended.token.drift);
+                next.emission = next.emission.with(' ', From::This, case);
+                self.push(next);
+            }
+        }
+        for near in 0..self.touches.near().len() {
+            let near = self.touches.near()[near];
+            if !is_punctuation(near.character) {
+                continue;
+            }
+            let touch = self.touches.of_key(near.key, &ended.token.drift);
+            let mut next = *ended;
+            next.token.score += touch + punctuation(self.options, near.character);
+            next.token.place = Place::Gap;
+            let ends_sentence = matches!(near.character, '.' | '!' | '?');
+            next.token.row = if ends_sentence {
+                self.model.row(ROOT)
+            } else {
+                NO_ROW
+            };
+            next.token.drift = self.drift(touch, near.key, &ended.token.drift);
+            next.emission = next.emission.with(near.character, From::This, case);
+            self.push(next);
+        }
+    }
+
+    /// Starts a word that the lexicon has not.
+    fn unknown(&mut self, partial: &Partial) {
+        let mut start = *partial;
+        start.token.score += self.options.unknown - self.best(ROOT);
+        self.spell(&start, START, true);
+    }
+
+    /// Uses the tap as a letter of a word that the lexicon has not.
+    fn spell(&mut self, partial: &Partial, state: u16, is_typed: bool) {
+        if !self.is_open(partial.token.score) {
+            return;
+        }
+        for near in 0..self.touches.near().len() {
+            let near = self.touches.near()[near];
+            let Some(symbol) = near.symbol else { continue };
+            let (spelling, state) = self.model.spelling.letter(state, symbol);
+            let spelling = self.language(spelling);
+            let touch = self.touches.of_key(near.key, &partial.token.drift);
+            let mut next = *partial;
+            let is_same = near.key == self.typed.0;
+            let cost = match is_same {
+                true => spelling.max(self.options.letter),
+                false => spelling + self.options.other,
+            };
+            next.token.score += cost + touch;
+            next.token.place = match is_typed && is_same {
+                true => Place::Typed(state),
+                false => Place::Spelled(state),
+            };
+            next.token.drift = self.drift(touch, near.key, &partial.token.drift);
+            next.emission = next.emission.with(near.character, From::This, Case::Lower);
+            self.push(next);
+        }
+    }
+
+    fn spelled(&mut self, partial: &Partial, state: u16, is_typed: bool) {
+        self.spell(partial, state, is_typed);
+        let mut ended = *partial;
+        ended.token.score += self.spelling_end(state, is_typed);
+        self.separators(&ended, ROOT, Case::Lower);
+        // A sign is typed on purpose only in a word that is meant as it was typed.
+        if self.is_sign && is_typed {
+            let mut sign = *partial;
+            sign.token.score += self.options.verbatim;
+            self.verbatim(&sign);
+        }
+    }
+
+    fn spelling_end(&self, state: u16, is_typed: bool) -> f32 {
+        spelling_end(self.model, self.options, state, is_typed)
+    }
+
+    /// Uses the tap as a character of a word with digits or signs: the one that was typed.
+    fn verbatim(&mut self, partial: &Partial) {
+        let (key, character) = self.typed;
+        let touch = self.touches.of_key(key, &partial.token.drift);
+        if character == ' ' || is_punctuation(character) {
+            return self.separators(partial, ROOT, Case::Lower);
+        }
+        let mut next = *partial;
+        next.token.score += touch + ANY_CHARACTER;
+        next.token.place = Place::Verbatim;
+        next.emission = next.emission.with(character, From::This, Case::Lower);
+        self.push(next);
+    }
+
+    /// Goes on behind punctuation: with its space, more of it, or a letter.
+    fn gap(&mut self, partial: &Partial) {
+        let mut start = *partial;
+        start.token.place = Place::Word(ROOT);
+        if let Some(space) = self.touches.space() {
+            let touch = self.touches.of_key(space, &partial.token.drift);
+            let mut next = start;
+            next.token.score += touch + self.best(ROOT);
+            next.emission = next.emission.with(' ', From::This, Case::Lower);
+            self.push(next);
+        }
+        for near in 0..self.touches.near().len() {
+            let near = self.touches.near()[near];
+            if is_punctuation(near.character) {
+                let mut next = *partial;
+                next.token.score += RARE + self.touches.of_key(near.key, &partial.token.drift);
+                next.emission = next.emission.with(near.character, From::This, Case::Lower);
+                self.push(next);
+            }
+        }
+        start.token.score += RARE + self.best(ROOT);
+        self.letters(&start);
+        self.unknown(&start);
+        if self.is_sign {
+            start.token.score += self.options.verbatim - self.best(ROOT);
+            self.verbatim(&start);
+        }
+    }
+
+    /// Goes on as if a letter or a space had not been tapped.
+    fn skips(&mut self, partial: &Partial) {
+        let node = partial.node();
+        let options = *self.options;
+        if node != ROOT && self.is_open(partial.token.score + options.missing_space) {
+            self.missing_space(partial);
+        }
+        let silent = self.apostrophe;
+        if !self.is_open(partial.token.score + options.omission.max(options.silent)) {
+            return;
+        }
+        let base = partial.token.score - self.best(node);
+        for child in self.model.lexicon.children(node) {
+            let contents = self.model.lexicon.node(child);
+            let is_silent = Some(contents.symbol()) == silent;
+            let cost = if is_silent {
+                options.silent
+            } else {
+                options.omission
+            };
+            let score = base + self.language(contents.best()) + cost;
+            if !self.is_open(score) {
+                continue;
+            }
+            let mut next = *partial;
+            next.token.score = score;
+            next.token.place = Place::Word(child);
+            let letter = self.model.alphabet.letter(contents.symbol());
+            next.emission = next.emission.with(letter, From::None, Case::Lower);
+            self.letters(&next);
+            self.end(&next);
+        }
+    }
+
+    /// Uses the tap as the first letter of a word behind a complete one.
+    fn missing_space(&mut self, partial: &Partial) {
+        let node = partial.node();
+        let Some(mut ended) = self.ended(partial) else {
+            return;
+        };
+        ended.token.score += self.options.missing_space + self.best(ROOT);
+        if self.is_open(ended.token.score) {
+            ended.token.place = Place::Word(ROOT);
+            ended.token.row = self.model.row(node);
+            let case = self.model.lexicon.node(node).case();
+            ended.emission = ended.emission.with(' ', From::None, case);
+            self.letters(&ended);
+        }
+    }
+
+    /// Adds what a hypothesis from before the last tap becomes if that tap and this one came in the wrong order.
+    pub fn transpose(&mut self, token: &Token, previous: Millimetres) {
+        let Place::Word(node) = token.place else {
+            return;
+        };
+        let reachable = token.score + self.options.transposition + self.touches.likeliest();
+        if !self.is_open(reachable) {
+            return;
+        }
+        let base = token.score + self.options.transposition - self.best(node);
+        let lexicon = &self.model.lexicon;
+        for first in lexicon.children(node) {
+            let first_symbol = lexicon.node(first).symbol();
+            let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.drift) else {
+                continue;
+            };
+            let score = base + touch + self.best(first);
+            if !self.is_open(score) {
+                continue;
+            }
+            for second in lexicon.children(first) {
+                let symbol = lexicon.node(second).symbol();
+                let touch = self.touches.letter_at(previous, symbol, &token.drift);
+                let Some((touch, _)) = touch else { continue };
+                let mut next = *token;
+                next.score = score + touch - self.best(first) + self.best(second);
+                next.place = Place::Word(second);
+                let letter = |symbol| self.model.alphabet.letter(symbol);
+                let emission = Emission::NOTHING
+                    .with(letter(first_symbol), From::This, Case::Lower)
+                    .with(letter(symbol), From::Previous, Case::Lower);
+                self.beam.push(Next {
+                    token: next,
+                    emission,
+                });
+            }
+        }
+    }
+}

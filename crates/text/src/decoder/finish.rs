@@ -1,0 +1,79 @@
+//! The scores of hypotheses if the text ended here.
+
+use super::Options;
+use super::expand::spelling_end;
+use super::token::{Place, Token};
+use crate::model::Model;
+use crate::model::lexicon::{Case, ROOT};
+
+/// A hypothesis as a complete text.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished {
+    /// Its log-probability.
+    pub score: f32,
+    /// The last character of its chain.
+    pub end: u32,
+    /// A last letter that was not tapped.
+    pub omitted: Option<char>,
+    /// The case of its last word.
+    pub case: Case,
+    /// The node of its last word, if the lexicon has it.
+    pub word: Option<u32>,
+    /// Its index.
+    pub token: usize,
+}
+
+/// Calls `found` with each way in which a hypothesis can be complete.
+pub fn finish(
+    model: &Model,
+    options: &Options,
+    index: usize,
+    token: &Token,
+    mut found: impl FnMut(Finished),
+) {
+    let plain = Finished {
+        score: token.score,
+        end: token.end,
+        omitted: None,
+        case: Case::Lower,
+        word: None,
+        token: index,
+    };
+    let node = match token.place {
+        Place::Word(node) => node,
+        Place::Gap | Place::Verbatim => return found(plain),
+        Place::Typed(state) | Place::Spelled(state) => {
+            let is_typed = matches!(token.place, Place::Typed(_));
+            return found(Finished {
+                score: token.score + spelling_end(model, options, state, is_typed),
+                ..plain
+            });
+        }
+    };
+    let best = |node: u32| options.language * model.lexicon.node(node).best();
+    if node == ROOT {
+        return found(Finished {
+            score: token.score - best(ROOT),
+            ..plain
+        });
+    }
+    // Without the part that stands for the word to come.
+    let score = token.score - best(node);
+    let mut word = |node: u32, cost: f32, omitted: Option<char>| {
+        let contents = model.lexicon.node(node);
+        let Some(alone) = contents.word() else { return };
+        let probability = options.language * model.bigrams.after(token.row, node, alone);
+        found(Finished {
+            score: score + probability + cost,
+            omitted,
+            case: contents.case(),
+            word: Some(node),
+            ..plain
+        });
+    };
+    word(node, 0.0, None);
+    for child in model.lexicon.children(node) {
+        let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
+        word(child, options.omission, Some(letter));
+    }
+}

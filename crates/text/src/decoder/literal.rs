@@ -1,0 +1,142 @@
+//! The text as it was typed, with its own log-probability, so that a correction can be compared with it.
+
+use super::Options;
+use super::expand::{ANY_CHARACTER, is_punctuation, punctuation, spelling_end};
+use super::touches::Touches;
+use crate::keyboard::Millimetres;
+use crate::model::Model;
+use crate::model::bigrams::{NO_ROW, Row};
+use crate::model::lexicon::ROOT;
+use crate::model::spelling::START;
+
+/// What the typed characters of the current word are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Word {
+    /// The node of the lexicon, if the word can still become one of its words.
+    node: Option<u32>,
+    state: u16,
+    /// The log-probability of the spelling.
+    spelled: f32,
+    /// The word has digits or signs.
+    has_sign: bool,
+}
+
+const EMPTY: Word = Word {
+    node: Some(ROOT),
+    state: START,
+    spelled: 0.0,
+    has_sign: false,
+};
+
+/// The typed text.
+#[derive(Clone, Debug)]
+pub struct Literal {
+    text: String,
+    score: f32,
+    row: Row,
+    word: Word,
+    is_empty: bool,
+}
+
+impl Literal {
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            text: String::with_capacity(4 * capacity),
+            score: 0.0,
+            row: NO_ROW,
+            word: EMPTY,
+            is_empty: true,
+        }
+    }
+
+    pub fn clear(&mut self, row: Row) {
+        self.text.clear();
+        self.score = 0.0;
+        self.row = row;
+        self.word = EMPTY;
+        self.is_empty = true;
+    }
+
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Adds a typed character.
+    pub fn push(
+        &mut self,
+        typed: (usize, char),
+        shown: char,
+        model: &Model,
+        options: &Options,
+        touches: &Touches,
+        drift: &[Millimetres; 2],
+    ) {
+        let (key, character) = typed;
+        self.text.push(shown);
+        self.score += touches.of_key(key, drift);
+        if character == ' ' || is_punctuation(character) {
+            let (language, node) = self.language(model, options);
+            self.score += language;
+            self.row = match character {
+                '.' | '!' | '?' => model.row(ROOT),
+                ' ' if self.is_empty => self.row,
+                _ => node.map_or(NO_ROW, |node| model.row(node)),
+            };
+            if character != ' ' {
+                self.score += punctuation(options, character);
+            }
+            self.word = EMPTY;
+            self.is_empty = true;
+            return;
+        }
+        let is_first = std::mem::take(&mut self.is_empty);
+        let Some(symbol) = model.alphabet.symbol(character) else {
+            self.word.node = None;
+            if !std::mem::replace(&mut self.word.has_sign, true) {
+                self.word.spelled += options.verbatim;
+            }
+            self.word.spelled += ANY_CHARACTER;
+            return;
+        };
+        if is_first {
+            self.word.spelled += options.unknown;
+        }
+        let next = |node| model.lexicon.child(node, symbol);
+        self.word.node = self.word.node.and_then(next);
+        if self.word.has_sign {
+            self.word.spelled += ANY_CHARACTER;
+        } else {
+            let (spelling, state) = model.spelling.letter(self.word.state, symbol);
+            self.word.spelled += (options.language * spelling).max(options.letter);
+            self.word.state = state;
+        }
+    }
+
+    /// Returns the log-probability of the current word, and its node.
+    fn language(&self, model: &Model, options: &Options) -> (f32, Option<u32>) {
+        if self.is_empty {
+            return (0.0, None);
+        }
+        let unknown = if self.word.has_sign {
+            self.word.spelled
+        } else {
+            self.word.spelled + spelling_end(model, options, self.word.state, true)
+        };
+        let known = self.word.node.and_then(|node| {
+            let alone = model.lexicon.node(node).word()?;
+            Some((
+                options.language * model.bigrams.after(self.row, node, alone),
+                node,
+            ))
+        });
+        match known {
+            Some((known, node)) if known > unknown => (known, Some(node)),
+            _ => (unknown, None),
+        }
+    }
+
+    /// Returns the log-probability of the text if it ended here.
+    pub fn score(&self, model: &Model, options: &Options) -> f32 {
+        self.score + self.language(model, options).0
+    }
+}

@@ -1,0 +1,496 @@
+//! The decoder: from taps to the text that they most probably mean.
+//!
+//! A hypothesis is a place in the lexicon, the word before, the characters until now and the drift of the hands that fits them. With
+//! each tap a hypothesis becomes several: the next letter, the end of the word, nothing at all (an insertion), a letter after one that was
+//! left out (an omission), two letters in the wrong order, a new word without a space, or a letter of a word that the lexicon does not
+//! have. Their score is
+//!
+//! ```text
+//! Σ ln N(tap; key + offset + drift, Σ) + λ Σ ln P(word | word before) + Σ cost of each error
+//! ```
+//!
+//! and inside a word, ln P of the likeliest word that it can become. Hypotheses at the same place after the same word are one. After
+//! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015).
+//!
+//! What was typed is a hypothesis of its own, which is never dropped.
+
+mod beam;
+mod candidate;
+mod expand;
+mod finish;
+mod history;
+mod literal;
+mod options;
+mod render;
+mod token;
+mod touches;
+
+pub use candidate::Candidate;
+pub use options::{MAX_BEAM, Options};
+
+use beam::Beam;
+use candidate::same_letters;
+use expand::Expansion;
+use finish::{Finished, finish};
+use history::{Entry, History, NONE};
+use literal::Literal;
+use render::Rendered;
+use token::{From, Place, Token};
+use touches::Touches;
+
+use crate::keyboard::{Keyboard, Millimetres, Tap};
+use crate::model::Model;
+use crate::model::alphabet::Symbol;
+use crate::model::bigrams::{NO_ROW, Row};
+use crate::model::lexicon::ROOT;
+use crate::touch::TouchModel;
+
+/// The most taps between two commits; the next one commits by itself.
+pub const MAX_TAPS: usize = 512;
+/// The candidates beside what was typed.
+pub const CANDIDATES: usize = 3;
+/// The hypotheses of the step before that are tried for letters in the wrong order.
+const TRANSPOSED: usize = 40;
+
+/// Decodes the taps of a person on a keyboard.
+///
+/// ```
+/// use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, build::Builder};
+///
+/// let mut builder = Builder::new();
+/// builder.words("cat\ncar\t3");
+/// let bytes = builder.build()?;
+/// let model = Model::from_bytes(&bytes)?;
+/// let keys = "catr ".chars().zip(0_u8..).map(|(character, index)| Key {
+///     character,
+///     center: [f32::from(index) * 19.0, 0.0],
+///     size: [19.0; 2],
+///     hand: 0,
+/// });
+/// let mut decoder = Decoder::new(model, Keyboard::new(keys), TouchModel::new(Prior::default()), Options::default());
+/// for x in [2.0, 20.0, 48.0] {
+///     decoder.tap(Tap::at(x, 1.0));
+/// }
+/// assert_eq!(decoder.best(), "Car");
+/// assert_eq!(decoder.typed(), "car");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Decoder<'m> {
+    model: Model<'m>,
+    keyboard: Keyboard,
+    touch: TouchModel,
+    options: Options,
+    touches: Touches,
+    apostrophe: Option<Symbol>,
+    beam: Beam,
+    history: History,
+    tokens: Vec<Token>,
+    previous: Vec<Token>,
+    taps: Vec<Tap>,
+    /// Taps that are decoded again.
+    spare: Vec<Tap>,
+    literal: Literal,
+    row: Row,
+    starts_sentence: bool,
+    /// The variance of the drift before the first tap, for [`untap`](Self::untap).
+    variance: [f32; 2],
+    finished: Vec<Finished>,
+    rendered: Rendered,
+    candidates: [Candidate; CANDIDATES],
+    found: usize,
+}
+
+impl<'m> Decoder<'m> {
+    /// Makes a decoder at the start of a sentence.
+    pub fn new(
+        model: Model<'m>,
+        keyboard: Keyboard,
+        mut touch: TouchModel,
+        options: Options,
+    ) -> Self {
+        touch.sanitize();
+        touch.reserve(&keyboard);
+        let options = options.sane();
+        let touches = Touches::new(&keyboard, &model.alphabet, &touch, &options);
+        let candidate = || Candidate {
+            text: String::with_capacity(8 * MAX_TAPS),
+            score: 0.0,
+        };
+        let mut decoder = Self {
+            apostrophe: model.alphabet.symbol('\''),
+            row: NO_ROW,
+            model,
+            keyboard,
+            touch,
+            options,
+            variance: touches.variance(),
+            touches,
+            beam: Beam::new(options.width),
+            history: History::new(),
+            tokens: Vec::with_capacity(options.beam),
+            previous: Vec::with_capacity(options.beam),
+            taps: Vec::with_capacity(MAX_TAPS),
+            spare: Vec::with_capacity(MAX_TAPS),
+            literal: Literal::new(MAX_TAPS),
+            starts_sentence: true,
+            finished: Vec::with_capacity(40 * options.beam),
+            rendered: Rendered::new(),
+            candidates: std::array::from_fn(|_| candidate()),
+            found: 0,
+        };
+        decoder.start_sentence();
+        decoder
+    }
+
+    /// Returns the touch model with what was learned.
+    pub fn touch(&self) -> &TouchModel {
+        &self.touch
+    }
+
+    /// Returns the keyboard.
+    pub fn keyboard(&self) -> &Keyboard {
+        &self.keyboard
+    }
+
+    /// Returns the options.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Returns the model.
+    pub fn model(&self) -> &Model<'m> {
+        &self.model
+    }
+
+    /// Returns the number of taps since the last commit.
+    pub fn taps(&self) -> usize {
+        self.taps.len()
+    }
+
+    /// Drops all taps and starts a sentence, without learning.
+    pub fn start_sentence(&mut self) {
+        self.row = self.model.row(ROOT);
+        self.starts_sentence = true;
+        self.restart();
+    }
+
+    /// Drops all taps and goes on behind unknown text, without learning, and with hands that may have moved.
+    pub fn start_anywhere(&mut self) {
+        self.touches.lift();
+        self.row = NO_ROW;
+        self.starts_sentence = false;
+        self.restart();
+    }
+
+    fn restart(&mut self) {
+        self.variance = self.touches.variance();
+        self.begin();
+    }
+
+    fn begin(&mut self) {
+        self.history.clear();
+        self.taps.clear();
+        self.previous.clear();
+        self.tokens.clear();
+        self.literal.clear(self.row);
+        self.tokens.push(Token {
+            score: self.options.language * self.model.lexicon.node(ROOT).best(),
+            place: Place::Word(ROOT),
+            row: self.row,
+            end: NONE,
+            drift: self.touch.drift,
+        });
+    }
+
+    /// Decodes a tap. Positions that are not finite are ignored.
+    pub fn tap(&mut self, tap: Tap) {
+        if !tap.position.iter().all(|value| value.is_finite()) {
+            return;
+        }
+        let Some((key, shown)) = self.typed_key(&tap) else {
+            return;
+        };
+        if self.taps.len() == MAX_TAPS {
+            self.commit();
+        }
+        let character = self.keyboard.keys()[key].character;
+        let drift = self
+            .tokens
+            .first()
+            .map_or(self.touch.drift, |token| token.drift);
+        self.touches.tap(tap.position, key, &drift);
+        let typed = (key, character);
+        self.literal.push(
+            typed,
+            shown,
+            &self.model,
+            &self.options,
+            &self.touches,
+            &drift,
+        );
+        self.step(typed);
+        self.touches.settle(key);
+        self.taps.push(tap);
+    }
+
+    /// Returns the key of a tap and the character that it typed.
+    fn typed_key(&self, tap: &Tap) -> Option<(usize, char)> {
+        let nearest = self.keyboard.nearest(tap.position)?;
+        let Some(typed) = tap.typed else {
+            return Some((nearest, self.keyboard.keys()[nearest].character));
+        };
+        let mut lower = typed.to_lowercase();
+        let lower = lower.next().unwrap_or(typed);
+        Some((self.keyboard.index(lower).unwrap_or(nearest), typed))
+    }
+
+    fn step(&mut self, typed: (usize, char)) {
+        self.beam.clear();
+        let (_, character) = typed;
+        let is_letter = self.model.alphabet.symbol(character).is_some();
+        let mut expansion = Expansion {
+            model: &self.model,
+            options: &self.options,
+            touches: &self.touches,
+            beam: &mut self.beam,
+            apostrophe: self.apostrophe,
+            typed,
+            is_sign: !is_letter && character != ' ' && !expand::is_punctuation(character),
+        };
+        for token in &self.tokens {
+            expansion.expand(token);
+        }
+        if let Some(last) = self.taps.last() {
+            for token in self.previous.iter().take(TRANSPOSED) {
+                expansion.transpose(token, last.position);
+            }
+        }
+        std::mem::swap(&mut self.tokens, &mut self.previous);
+        self.tokens.clear();
+        self.make_room();
+        let now = self.taps.len() as u32;
+        for next in self.beam.best(self.options.beam) {
+            let mut token = next.token;
+            for emitted in next.emission.items() {
+                let tap = match emitted.from {
+                    From::This => now,
+                    From::Previous => now.saturating_sub(1),
+                    From::None => NONE,
+                };
+                token.end = self.history.push(Entry {
+                    previous: token.end,
+                    tap,
+                    character: emitted.character,
+                    case: emitted.case,
+                });
+            }
+            self.tokens.push(token);
+        }
+    }
+
+    /// Drops characters that no hypothesis has, if little room is left.
+    fn make_room(&mut self) {
+        if self.history.has_room() {
+            return;
+        }
+        let next = self.beam.ends_mut();
+        for end in next.map(|end| *end) {
+            self.history.keep(end);
+        }
+        for token in &self.previous {
+            self.history.keep(token.end);
+        }
+        self.history.sweep();
+        for end in self.beam.ends_mut() {
+            *end = self.history.moved(*end);
+        }
+        for token in &mut self.previous {
+            token.end = self.history.moved(token.end);
+        }
+        self.history.unmark();
+    }
+
+    /// Takes the last tap back.
+    pub fn untap(&mut self) {
+        if self.taps.pop().is_none() {
+            return;
+        }
+        self.touches.set_variance(self.variance);
+        std::mem::swap(&mut self.taps, &mut self.spare);
+        self.begin();
+        for index in 0..self.spare.len() {
+            let tap = self.spare[index];
+            self.tap(tap);
+        }
+        self.spare.clear();
+    }
+
+    /// Returns what was typed since the last commit.
+    pub fn typed(&self) -> &str {
+        self.literal.text()
+    }
+
+    /// Returns the most probable text since the last commit.
+    pub fn best(&mut self) -> &str {
+        self.candidates()
+            .first()
+            .map_or("", |best| best.text.as_str())
+    }
+
+    /// Returns the most probable texts since the last commit, the best first. What was typed is always one of them.
+    pub fn candidates(&mut self) -> &[Candidate] {
+        self.finish();
+        self.found = 0;
+        for index in 0..self.finished.len() {
+            if self.found == CANDIDATES {
+                break;
+            }
+            let finished = self.finished[index];
+            let text = self
+                .rendered
+                .text(&self.history, &finished, &self.taps, self.capitals());
+            let is_new = self.candidates[..self.found]
+                .iter()
+                .all(|known| known.text != text);
+            if is_new {
+                let candidate = &mut self.candidates[self.found];
+                candidate.text.clear();
+                candidate.text.push_str(text);
+                candidate.score = finished.score;
+                self.found += 1;
+            }
+        }
+        self.add_literal();
+        &self.candidates[..self.found]
+    }
+
+    /// Returns the text to show: the most probable one if it is likelier than what was typed by [`Options::margin`], or else what was
+    /// typed, with capitals where sentences start and names have them.
+    pub fn reading(&mut self) -> &str {
+        let typed = self.typed_score();
+        let margin = self.options.margin;
+        self.candidates();
+        let candidates = &self.candidates[..self.found];
+        let is_clear = |best: &&Candidate| best.score - typed >= margin;
+        let literal = self.literal.text();
+        let same = |candidate: &&Candidate| same_letters(&candidate.text, literal);
+        let chosen = candidates
+            .first()
+            .filter(is_clear)
+            .or_else(|| candidates.iter().find(same));
+        chosen.map_or(literal, |chosen| chosen.text.as_str())
+    }
+
+    fn capitals(&self) -> bool {
+        self.options.capitals && self.starts_sentence
+    }
+
+    /// Puts what was typed among the candidates, in place of the last one if there are enough.
+    fn add_literal(&mut self) {
+        let typed = self.literal.text();
+        let found = &self.candidates[..self.found];
+        if found.iter().any(|candidate| candidate.text == typed) {
+            return;
+        }
+        let score = self.typed_score();
+        let last = self.found.min(CANDIDATES - 1);
+        self.candidates[last].text.clear();
+        self.candidates[last].text.push_str(self.literal.text());
+        self.candidates[last].score = score;
+        self.found = last + 1;
+    }
+
+    /// Returns the log-probability that what was typed is meant.
+    pub fn typed_score(&self) -> f32 {
+        self.literal.score(&self.model, &self.options)
+    }
+
+    /// Collects the complete hypotheses, the best first.
+    fn finish(&mut self) {
+        self.finished.clear();
+        for (index, token) in self.tokens.iter().enumerate() {
+            finish(&self.model, &self.options, index, token, |found| {
+                if self.finished.len() < self.finished.capacity() {
+                    self.finished.push(found);
+                }
+            });
+        }
+        self.finished.sort_unstable_by(|a, b| {
+            let order = b.score.total_cmp(&a.score).then(a.token.cmp(&b.token));
+            order.then(a.omitted.cmp(&b.omitted))
+        });
+    }
+
+    /// Takes the most probable text as meant: learns from its taps, and starts anew behind it.
+    pub fn commit(&mut self) {
+        self.finish();
+        let Some(best) = self.finished.first().copied() else {
+            return self.start_anywhere();
+        };
+        let token = self.tokens[best.token];
+        self.learn(&best);
+        self.touch.drift = token.drift;
+        self.touches.learn(&self.keyboard, &self.touch);
+        let last = self.history.get(best.end).map(|entry| entry.character);
+        match (token.place, last) {
+            (Place::Gap, Some('.' | '!' | '?')) => self.starts_sentence = true,
+            (Place::Word(ROOT), _) => {
+                self.starts_sentence =
+                    self.starts_sentence && last.is_none() || token.row == self.model.row(ROOT);
+            }
+            _ => self.starts_sentence = false,
+        }
+        self.row = match best.word {
+            Some(node) => self.model.row(node),
+            None => token.row,
+        };
+        self.restart();
+    }
+
+    /// Takes what was typed as meant, and starts anew behind it.
+    pub fn commit_typed(&mut self) {
+        self.touch.drift = self
+            .tokens
+            .first()
+            .map_or(self.touch.drift, |token| token.drift);
+        let last = self.literal.text().trim_end();
+        self.starts_sentence = last.ends_with(['.', '!', '?']);
+        let word = last
+            .rsplit(' ')
+            .next()
+            .and_then(|word| self.model.find(word));
+        self.row = match (self.starts_sentence, word) {
+            (true, _) => self.model.row(ROOT),
+            (false, Some(found)) => self.model.row(found.node),
+            (false, None) => NO_ROW,
+        };
+        self.restart();
+    }
+
+    /// Learns where the keys were tapped that a text consists of.
+    fn learn(&mut self, best: &Finished) {
+        let drift = self.tokens[best.token].drift;
+        let mut end = best.end;
+        while let Some(entry) = self.history.get(end) {
+            end = entry.previous;
+            let Some(tap) = self.taps.get(entry.tap as usize) else {
+                continue;
+            };
+            let plain = crate::model::alphabet::plain(entry.character);
+            let own = self.keyboard.index(entry.character);
+            let Some(index) = own.or_else(|| self.keyboard.index(plain)) else {
+                continue;
+            };
+            let key = self.keyboard.keys()[index];
+            let shift: Millimetres = drift[usize::from(key.hand.min(1))];
+            let residual: Millimetres =
+                std::array::from_fn(|axis| tap.position[axis] - key.center[axis] - shift[axis]);
+            // A slip to another key says nothing about where the key is felt.
+            let inside = (0..2).all(|axis| residual[axis].abs() < 1.5 * key.size[axis]);
+            if inside {
+                self.touch.learn(key.character, residual);
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The text of a hypothesis, with capitals.
+
+use super::finish::Finished;
+use super::history::{Entry, History};
+use crate::keyboard::Tap;
+use crate::model::lexicon::Case;
+
+/// The text of a hypothesis, in memory that is used again.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    entries: Vec<Entry>,
+    text: String,
+}
+
+impl Rendered {
+    pub fn new() -> Self {
+        Self {
+            entries: Vec::with_capacity(4 * super::MAX_TAPS),
+            text: String::with_capacity(16 * super::MAX_TAPS),
+        }
+    }
+
+    /// Returns the text of a complete hypothesis.
+    pub fn text(
+        &mut self,
+        history: &History,
+        finished: &Finished,
+        taps: &[Tap],
+        capital: bool,
+    ) -> &str {
+        self.entries.clear();
+        self.text.clear();
+        let mut end = finished.end;
+        while let Some(entry) = history.get(end) {
+            if self.entries.len() == self.entries.capacity() {
+                break;
+            }
+            self.entries.push(entry);
+            end = entry.previous;
+        }
+        self.entries.reverse();
+        let (mut start, mut capital) = (0, capital);
+        for index in 0..self.entries.len() {
+            let entry = self.entries[index];
+            if entry.character.is_alphanumeric() || entry.character == '\'' {
+                continue;
+            }
+            self.word(start, index, entry.case, taps, capital);
+            if index > start {
+                capital = false;
+            }
+            capital |= matches!(entry.character, '.' | '!' | '?');
+            self.text.push(entry.character);
+            start = index + 1;
+        }
+        self.word(start, self.entries.len(), finished.case, taps, capital);
+        if let Some(letter) = finished.omitted {
+            let upper = finished.case == Case::Upper;
+            self.text
+                .extend(upper.then(|| letter.to_uppercase()).into_iter().flatten());
+            self.text.extend((!upper).then_some(letter));
+        }
+        &self.text
+    }
+
+    fn word(&mut self, start: usize, end: usize, case: Case, taps: &[Tap], capital: bool) {
+        for index in start..end {
+            let entry = self.entries[index];
+            let typed = taps.get(entry.tap as usize).and_then(|tap| tap.typed);
+            let is_first = index == start;
+            let by_case = match case {
+                Case::Lower => false,
+                Case::Title => is_first,
+                Case::Upper => true,
+            };
+            let is_upper = by_case || capital && is_first || typed.is_some_and(char::is_uppercase);
+            if is_upper {
+                self.text.extend(entry.character.to_uppercase());
+            } else {
+                self.text.push(entry.character);
+            }
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! The likelihood of a tap for each key, and the drift of the hands.
+
+use crate::keyboard::{Keyboard, Millimetres};
+use crate::model::alphabet::{Alphabet, Symbol, plain};
+use crate::touch::{Spread, TouchModel};
+
+/// A key as the decoder needs it for one tap.
+#[derive(Clone, Copy, Debug)]
+struct KeyTouch {
+    spread: Spread,
+    /// The inverse of the covariance, with the uncertainty of the drift.
+    inverse: [f32; 3],
+    /// The logarithm of the density at the mean.
+    peak: f32,
+    hand: usize,
+    /// A space bar tells nothing about the drift along it.
+    wide: bool,
+}
+
+/// The keys on which a letter is typed: its own one, that of its plain letter, or both.
+#[derive(Clone, Copy, Debug, Default)]
+struct LetterKeys {
+    own: Option<u8>,
+    plain: Option<u8>,
+}
+
+/// A key near a tap.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// Its character.
+    pub character: char,
+    /// Its letter, if it types one.
+    pub symbol: Option<Symbol>,
+    /// Its index.
+    pub key: usize,
+}
+
+/// The touch model of a keyboard for the current tap.
+#[derive(Clone, Debug)]
+pub struct Touches {
+    keys: Vec<KeyTouch>,
+    letters: Vec<LetterKeys>,
+    symbols: Vec<Option<Symbol>>,
+    characters: Vec<char>,
+    space: Option<usize>,
+    floor: f32,
+    plain_cost: f32,
+    /// The variance of the drift of each hand.
+    variance: [f32; 2],
+    first_variance: f32,
+    step: f32,
+    tap: Millimetres,
+    near: Vec<Near>,
+    likeliest: f32,
+}
+
+/// A key whose likelihood is this much worse than that of the likeliest is not near.
+const NEAR: f32 = 8.0;
+
+impl Touches {
+    pub fn new(
+        keyboard: &Keyboard,
+        alphabet: &Alphabet,
+        touch: &TouchModel,
+        options: &super::Options,
+    ) -> Self {
+        let key_of = |letter: char| keyboard.index(letter).map(|index| index as u8);
+        let letters = alphabet.letters().iter().map(|&letter| LetterKeys {
+            own: key_of(letter),
+            plain: (plain(letter) != letter)
+                .then(|| key_of(plain(letter)))
+                .flatten(),
+        });
+        let characters: Vec<char> = keyboard.keys().iter().map(|key| key.character).collect();
+        let mut touches = Self {
+            keys: Vec::with_capacity(characters.len()),
+            letters: letters.collect(),
+            symbols: characters
+                .iter()
+                .map(|&letter| alphabet.symbol(letter))
+                .collect(),
+            space: keyboard.index(' '),
+            near: Vec::with_capacity(characters.len()),
+            characters,
+            floor: options.substitution - keyboard.area().ln(),
+            plain_cost: options.plain,
+            variance: [touch.prior.first_drift.powi(2); 2],
+            first_variance: touch.prior.first_drift.powi(2),
+            step: touch.prior.drift.powi(2),
+            tap: [0.0; 2],
+            likeliest: 0.0,
+        };
+        touches.learn(keyboard, touch);
+        touches
+    }
+
+    /// Takes over what was learned.
+    pub fn learn(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
+        self.keys.clear();
+        for (spread, key) in touch.spreads(keyboard).zip(keyboard.keys()) {
+            self.keys.push(KeyTouch {
+                spread,
+                inverse: [0.0; 3],
+                peak: 0.0,
+                hand: usize::from(key.hand.min(1)),
+                wide: key.size[0] > 2.0 * key.size[1],
+            });
+        }
+    }
+
+    /// Forgets how well the drift is known.
+    pub fn lift(&mut self) {
+        self.variance = [self.first_variance; 2];
+    }
+
+    pub fn variance(&self) -> [f32; 2] {
+        self.variance
+    }
+
+    pub fn set_variance(&mut self, variance: [f32; 2]) {
+        self.variance = variance;
+    }
+
+    /// Starts a tap, seen from a hypothesis of the drift.
+    pub fn tap(&mut self, tap: Millimetres, nearest: usize, drift: &[Millimetres; 2]) {
+        self.tap = tap;
+        for variance in &mut self.variance {
+            *variance += self.step;
+        }
+        for key in &mut self.keys {
+            let [xx, yy, xy] = key.spread.covariance;
+            let drift = self.variance[key.hand];
+            let (xx, yy) = (xx + drift, yy + drift);
+            let determinant = xx * yy - xy * xy;
+            key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
+            key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());
+        }
+        let likelihoods = |key: usize| self.of_key(key, drift);
+        self.likeliest = (0..self.keys.len())
+            .map(likelihoods)
+            .fold(f32::NEG_INFINITY, f32::max);
+        self.near.clear();
+        for key in 0..self.keys.len() {
+            if key == nearest || self.of_key(key, drift) > self.likeliest - NEAR {
+                self.near.push(Near {
+                    character: self.characters[key],
+                    symbol: self.symbols[key],
+                    key,
+                });
+            }
+        }
+    }
+
+    /// Notes that the tap of this step told something about the drift of a hand.
+    pub fn settle(&mut self, nearest: usize) {
+        let key = self.keys[nearest];
+        let variance = &mut self.variance[key.hand];
+        let noise = (key.spread.covariance[0] * key.spread.covariance[1]).sqrt();
+        *variance *= noise / (*variance + noise);
+    }
+
+    /// Returns the keys near the tap.
+    pub fn near(&self) -> &[Near] {
+        &self.near
+    }
+
+    /// Returns the largest log-likelihood of any key.
+    pub fn likeliest(&self) -> f32 {
+        self.likeliest
+    }
+
+    /// Returns the log-likelihood that the tap means nothing, without its cost.
+    pub fn anywhere(&self) -> f32 {
+        self.floor
+    }
+
+    /// Returns the log-likelihood of the tap if it means a key.
+    pub fn of_key(&self, key: usize, drift: &[Millimetres; 2]) -> f32 {
+        self.at(self.tap, key, drift)
+    }
+
+    fn at(&self, tap: Millimetres, key: usize, drift: &[Millimetres; 2]) -> f32 {
+        let Some(key) = self.keys.get(key) else {
+            return f32::NEG_INFINITY;
+        };
+        let shift = drift[key.hand];
+        let x = tap[0] - key.spread.mean[0] - shift[0];
+        let y = tap[1] - key.spread.mean[1] - shift[1];
+        let [xx, yy, xy] = key.inverse;
+        let distance = x * x * xx + y * y * yy + 2.0 * x * y * xy;
+        (key.peak - 0.5 * distance).max(self.floor)
+    }
+
+    /// Returns the log-likelihood of a tap if it means a letter, and the key; `None` if the keyboard has no key for it.
+    pub fn of_letter(&self, symbol: Symbol, drift: &[Millimetres; 2]) -> Option<(f32, usize)> {
+        self.letter_at(self.tap, symbol, drift)
+    }
+
+    /// Like [`of_letter`](Self::of_letter), for another tap.
+    pub fn letter_at(
+        &self,
+        tap: Millimetres,
+        symbol: Symbol,
+        drift: &[Millimetres; 2],
+    ) -> Option<(f32, usize)> {
+        let keys = self.letters.get(usize::from(symbol))?;
+        let own = keys
+            .own
+            .map(|key| (self.at(tap, key.into(), drift), usize::from(key)));
+        let plain = keys.plain.map(|key| {
+            let cost = if own.is_some() { self.plain_cost } else { 0.0 };
+            (self.at(tap, key.into(), drift) + cost, usize::from(key))
+        });
+        match (own, plain) {
+            (Some(own), Some(plain)) => Some(if plain.0 > own.0 { plain } else { own }),
+            (own, plain) => own.or(plain),
+        }
+    }
+
+    /// Returns the index of the space bar.
+    pub fn space(&self) -> Option<usize> {
+        self.space
+    }
+
+    /// Returns the drift of the hands after the tap meant a key.
+    pub fn drifted(&self, key: usize, drift: &[Millimetres; 2]) -> [Millimetres; 2] {
+        let mut drift = *drift;
+        let Some(key) = self.keys.get(key) else {
+            return drift;
+        };
+        let variance = self.variance[key.hand];
+        for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
+            let gain = variance / (variance + key.spread.covariance[axis]);
+            let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
+            // A slip to another key is no drift.
+            let limit = 3.0 * (variance + key.spread.covariance[axis]).sqrt();
+            if !(key.wide && axis == 0) && residual.abs() < limit {
+                *shift += gain * residual;
+            }
+        }
+        drift
+    }
+}

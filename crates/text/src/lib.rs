@@ -1,0 +1,56 @@
+//! Reads noisy typing on keyboards in space.
+//!
+//! Data flows in one direction:
+//!
+//! ```text
+//!  lists, text ──▶ Builder ──bytes──▶ Model ─┐
+//!                  build               model │
+//!  Tap ────────────────────────────────────▶ Decoder ──Candidate──▶ Corrector ──Edit──▶ text field
+//!  keyboard           TouchModel ──────────▶ decoder               correction
+//!                     touch
+//! ```
+//!
+//! - [`logarithm`] stores probabilities in a byte, alike on every machine.
+//! - [`model`] is the language: letters, words, pairs of words and spelling in one block of bytes.
+//! - [`build`] makes its bytes.
+//! - [`keyboard`] holds keys and taps, in millimetres.
+//! - [`touch`] says where taps land that mean a key, and learns it for a person.
+//! - [`decoder`] finds the text that taps most probably mean.
+//! - [`correction`] turns it into edits of a text field.
+//! - [`languages`] are the models that come with the crate.
+//!
+//! # Model
+//!
+//! The decoder looks for the text that maximizes
+//!
+//! ```text
+//! Σ ln p(tap | key) + λ Σ ln P(word | word before) + Σ ln P(error)
+//! ```
+//!
+//! - A tap of key k is normal: `N(center + offset of the person + offset of k + drift of the hand, Σₖ + drift variance)`, or, with
+//!   e^-5.5, anywhere on the keyboard (Goodman et al. 2002; Bi and Zhai 2013 for the dual normal distribution that makes touches
+//!   scatter around an offset).
+//! - Offsets and covariances have a normal-inverse-Wishart prior and forget exponentially; the drift of a hand is a random walk, tracked by
+//!   a Kalman filter with each hypothesis.
+//! - `P(word | word before)` interpolates pairs and words with absolute discounting (Ney, Essen and Kneser 1994).
+//! - A word that the lexicon lacks costs e^-5 and its letters, each by up to four letters before it, interpolated after Witten and Bell
+//!   (1991). So an unknown word stays as it was typed unless a known one is much likelier.
+//! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`].
+//!
+//! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis
+//! is judged by the likeliest word that it can become.
+
+pub mod logarithm;
+pub mod model;
+pub mod build;
+pub mod keyboard;
+pub mod touch;
+pub mod decoder;
+pub mod correction;
+pub mod languages;
+
+pub use correction::{Corrector, Edit, Mode};
+pub use decoder::{Candidate, Decoder, Options};
+pub use keyboard::{Key, Keyboard, Tap};
+pub use model::{Model, ModelError};
+pub use touch::{Prior, TouchModel};

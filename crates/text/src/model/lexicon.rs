@@ -1,0 +1,154 @@
+//! The words: a trie in breadth-first order, six bytes a node.
+//!
+//! The children of a node lie side by side, those of the next node behind them, so that a node holds only the index of its first child.
+//! Besides its letter, a node has the probability of the word that ends there and that of the likeliest word below it, which bounds
+//! what a prefix may become.
+
+use super::ModelError;
+use super::alphabet::Symbol;
+use super::bytes::u64_at;
+use crate::logarithm::nats;
+
+/// The bytes of a node.
+pub const NODE_BYTES: usize = 6;
+/// The most nodes: an index has 20 bits.
+pub const MAX_NODES: usize = 1 << 20;
+/// Bytes behind the last node, so that every node can be read as eight bytes.
+pub const PADDING: usize = 2;
+
+/// The node from which all words start.
+pub const ROOT: u32 = 0;
+
+/// The case of a word inside a sentence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Case {
+    /// `word`
+    #[default]
+    Lower,
+    /// `Word`
+    Title,
+    /// `WORD`
+    Upper,
+}
+
+/// The case of the bits of a node.
+pub(crate) fn case_of(bits: u8) -> Case {
+    match bits {
+        1 => Case::Title,
+        2 => Case::Upper,
+        _ => Case::Lower,
+    }
+}
+
+/// The contents of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Node(u64);
+
+impl Node {
+    pub(crate) fn new(first_child: u32, symbol: Symbol, word: u8, best: u8, case: Case) -> Self {
+        Self(
+            u64::from(first_child)
+                | u64::from(symbol) << 20
+                | u64::from(word) << 26
+                | u64::from(best) << 34
+                | (case as u64) << 42,
+        )
+    }
+
+    pub(crate) fn to_bytes(self) -> [u8; NODE_BYTES] {
+        let bytes = self.0.to_le_bytes();
+        [bytes[0], bytes[1], bytes[2], bytes[3], bytes[4], bytes[5]]
+    }
+
+    fn first_child(self) -> u32 {
+        (self.0 & 0xf_ffff) as u32
+    }
+
+    /// Returns the letter that leads to this node.
+    pub fn symbol(self) -> Symbol {
+        (self.0 >> 20 & 0x3f) as Symbol
+    }
+
+    /// Returns the log-probability of the word that ends here, if one does.
+    pub fn word(self) -> Option<f32> {
+        let byte = (self.0 >> 26 & 0xff) as u8;
+        (byte != 0).then(|| nats(byte))
+    }
+
+    /// Returns the log-probability of the likeliest word that ends here or below.
+    pub fn best(self) -> f32 {
+        nats((self.0 >> 34 & 0xff) as u8)
+    }
+
+    /// Returns the case of the word that ends here.
+    pub fn case(self) -> Case {
+        case_of((self.0 >> 42 & 3) as u8)
+    }
+}
+
+/// The words of a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Lexicon<'a> {
+    nodes: &'a [u8],
+    count: u32,
+}
+
+impl<'a> Lexicon<'a> {
+    pub(super) fn read(nodes: &'a [u8], symbols: usize) -> Result<Self, ModelError> {
+        let bytes = nodes.len().saturating_sub(PADDING);
+        let count = bytes / NODE_BYTES;
+        if count == 0 || !bytes.is_multiple_of(NODE_BYTES) || count >= MAX_NODES {
+            return Err(ModelError::Damaged("the size of the lexicon"));
+        }
+        let lexicon = Self {
+            nodes,
+            count: count as u32,
+        };
+        // Children lie behind their parent, so that no walk down the trie can turn in a circle.
+        let mut first = 1;
+        for index in 0..count as u32 {
+            let node = lexicon.node(index);
+            let child = node.first_child();
+            if child < first || child <= index || child > count as u32 {
+                return Err(ModelError::Damaged("the order of the lexicon"));
+            }
+            if usize::from(node.symbol()) >= symbols {
+                return Err(ModelError::Damaged("a letter of the lexicon"));
+            }
+            first = child;
+        }
+        Ok(lexicon)
+    }
+
+    /// Returns the number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Returns the number of words.
+    pub fn words(&self) -> usize {
+        (0..self.count)
+            .filter(|&index| self.node(index).word().is_some())
+            .count()
+    }
+
+    /// Returns a node. An index beyond the end gives a node without children.
+    pub fn node(&self, index: u32) -> Node {
+        if index >= self.count {
+            return Node(u64::from(self.count));
+        }
+        Node(u64_at(self.nodes, index as usize * NODE_BYTES))
+    }
+
+    /// Returns the indices of the children of a node.
+    pub fn children(&self, index: u32) -> std::ops::Range<u32> {
+        let first = self.node(index).first_child();
+        first..self.node(index + 1).first_child().min(self.count)
+    }
+
+    /// Returns the child of a node by its letter.
+    pub fn child(&self, index: u32, symbol: Symbol) -> Option<u32> {
+        self.children(index)
+            .find(|&child| self.node(child).symbol() == symbol)
+    }
+}

@@ -1,0 +1,149 @@
+//! The language model: an alphabet, a lexicon, pairs of words and spelling, borrowed from the bytes of one file.
+//!
+//! | offset | bytes | contents |
+//! |---|---|---|
+//! | 0 | 8 | `ADEMTEXT` |
+//! | 8 | 4 | version of the format, 1 |
+//! | 12 | 4 | number of sections, 6 |
+//! | 16 | 8 | checksum of everything behind it |
+//! | 24 | 24 | the size of each section in bytes |
+//! | 48 | | alphabet, nodes, rows, entries, states, arcs |
+//!
+//! Numbers are little-endian. [`Model::from_bytes`] checks the sum and the order of every section; after that no look-up fails,
+//! whatever the bytes.
+
+pub mod alphabet;
+pub mod bigrams;
+pub(crate) mod bytes;
+pub mod lexicon;
+pub mod spelling;
+
+use alphabet::Alphabet;
+use bigrams::{Bigrams, Row};
+use bytes::{checksum, u32_at, u64_at};
+use lexicon::{Case, Lexicon, ROOT};
+use spelling::Spelling;
+
+/// The first bytes of a model.
+pub const MAGIC: &[u8; 8] = b"ADEMTEXT";
+/// The version of the format that this library writes and reads.
+pub const VERSION: u32 = 1;
+pub(crate) const SECTIONS: usize = 6;
+pub(crate) const CHECKED_FROM: usize = 24;
+pub(crate) const HEADER_BYTES: usize = CHECKED_FROM + 4 * SECTIONS;
+
+/// Bytes that are no model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ModelError {
+    /// The first bytes are others.
+    #[error(
+        "it is no language model: it does not start with ADEMTEXT; `ademan text build` makes one"
+    )]
+    Foreign,
+    /// The format is another one.
+    #[error(
+        "it has version {0} of the format of language models, and this program reads version {VERSION}; build it again with `ademan text build`"
+    )]
+    Version(u32),
+    /// The file ends too early or goes on too long.
+    #[error("it has {found} bytes instead of {expected}; copy or build it again")]
+    Length {
+        /// The bytes that its header announces.
+        expected: u64,
+        /// The bytes that are there.
+        found: u64,
+    },
+    /// The checksum is another one.
+    #[error("its checksum is wrong, so it was damaged; copy or build it again")]
+    Checksum,
+    /// A section contradicts itself.
+    #[error("{0} cannot be read; build it again with `ademan text build`")]
+    Damaged(&'static str),
+}
+
+/// A word found in the lexicon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Its node.
+    pub node: u32,
+    /// Its log-probability.
+    pub log_probability: f32,
+    /// Its case.
+    pub case: Case,
+}
+
+/// The language model of one file.
+#[derive(Clone, Debug)]
+pub struct Model<'a> {
+    /// The letters.
+    pub alphabet: Alphabet,
+    /// The words.
+    pub lexicon: Lexicon<'a>,
+    /// The pairs of words.
+    pub bigrams: Bigrams<'a>,
+    /// The spelling of other words.
+    pub spelling: Spelling<'a>,
+}
+
+impl<'a> Model<'a> {
+    /// Checks the bytes of a file and borrows them.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the bytes are not a model of this version, whole and undamaged.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, ModelError> {
+        if bytes.get(..MAGIC.len()) != Some(MAGIC) {
+            return Err(ModelError::Foreign);
+        }
+        let version = u32_at(bytes, 8);
+        if version != VERSION {
+            return Err(ModelError::Version(version));
+        }
+        let sizes: [u32; SECTIONS] =
+            std::array::from_fn(|section| u32_at(bytes, CHECKED_FROM + 4 * section));
+        let expected = HEADER_BYTES as u64 + sizes.iter().map(|&size| u64::from(size)).sum::<u64>();
+        if bytes.len() as u64 != expected || u32_at(bytes, 12) as usize != SECTIONS {
+            return Err(ModelError::Length {
+                expected,
+                found: bytes.len() as u64,
+            });
+        }
+        if checksum(&bytes[CHECKED_FROM..]) != u64_at(bytes, 16) {
+            return Err(ModelError::Checksum);
+        }
+        let mut rest = &bytes[HEADER_BYTES..];
+        let sections = sizes.map(|size| {
+            let (section, behind) = rest.split_at(size as usize);
+            rest = behind;
+            section
+        });
+        let [letters, nodes, rows, entries, states, arcs] = sections;
+        let alphabet = Alphabet::read(letters)?;
+        let symbols = alphabet.len();
+        Ok(Self {
+            lexicon: Lexicon::read(nodes, symbols)?,
+            bigrams: Bigrams::read(rows, entries)?,
+            spelling: Spelling::read(states, arcs, symbols)?,
+            alphabet,
+        })
+    }
+
+    /// Looks a word up, whatever its case.
+    pub fn find(&self, word: &str) -> Option<Found> {
+        let mut node = ROOT;
+        for letter in word.chars().flat_map(char::to_lowercase) {
+            node = self.lexicon.child(node, self.alphabet.symbol(letter)?)?;
+        }
+        let found = self.lexicon.node(node);
+        Some(Found {
+            node,
+            log_probability: found.word()?,
+            case: found.case(),
+        })
+    }
+
+    /// Returns the row of the words that follow a word; that of the root follows the start of a sentence.
+    pub fn row(&self, node: u32) -> Row {
+        self.bigrams.row(node)
+    }
+}

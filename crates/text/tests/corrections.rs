@@ -1,0 +1,287 @@
+//! Corrections as a text field shows them.
+
+mod support;
+
+use ademan_text::build::Builder;
+use ademan_text::correction::Restored;
+use ademan_text::{
+    Corrector, Decoder, Edit, Keyboard, Mode, Model, Options, Prior, Tap, TouchModel,
+};
+use support::simulated::{PITCH, keyboard};
+
+/// A text field behind a corrector.
+struct Field<'m> {
+    corrector: Corrector<'m>,
+    keyboard: Keyboard,
+    text: String,
+    edits: usize,
+}
+
+impl<'m> Field<'m> {
+    fn new(bytes: &'m [u8], mode: Mode) -> Self {
+        Self::with(bytes, mode, Restored::default())
+    }
+
+    fn with(bytes: &'m [u8], mode: Mode, restored: Restored) -> Self {
+        let model = Model::from_bytes(bytes).expect("a model");
+        let touch = TouchModel::new(Prior::default());
+        let options = Options {
+            capitals: false,
+            ..Options::default()
+        };
+        let decoder = Decoder::new(model, keyboard(), touch, options);
+        Self {
+            corrector: Corrector::new(decoder, mode, restored),
+            keyboard: keyboard(),
+            text: String::new(),
+            edits: 0,
+        }
+    }
+
+    fn apply(text: &mut String, edits: &[Edit]) -> usize {
+        for edit in edits {
+            match edit {
+                Edit::Backspace => assert!(text.pop().is_some(), "a Backspace at the start"),
+                Edit::Type(character) => text.push(*character),
+            }
+        }
+        edits.len()
+    }
+
+    /// Taps the centers of keys.
+    fn types(&mut self, text: &str) {
+        for character in text.chars() {
+            let lower = character.to_lowercase().next().expect("a letter");
+            let position = match self.keyboard.index(lower) {
+                Some(key) => self.keyboard.keys()[key].center,
+                None => [20.0 * PITCH, 0.0],
+            };
+            self.tap(position, character);
+        }
+    }
+
+    fn tap(&mut self, position: [f32; 2], character: char) {
+        let edits = self.corrector.press(Tap {
+            position,
+            typed: Some(character),
+        });
+        self.edits = Self::apply(&mut self.text, edits);
+    }
+
+    fn backspace(&mut self) {
+        self.edits = Self::apply(&mut self.text, self.corrector.backspace());
+    }
+}
+
+fn english() -> Vec<u8> {
+    let mut builder = Builder::new();
+    builder.words("the\t200\nof\t90\ncat\t20\nsat\t20\nwisdom\t5\ndon't\t20\nI\t50\nparis\t3\nParis\t3\nquick\t9\nhello\t10\nworld\t10");
+    builder.text("the wisdom of the world\nthe wisdom of the world\nthe cat sat\nthe cat sat\nI don't\nI saw Paris");
+    builder.build().expect("a model")
+}
+
+#[test]
+fn a_word_is_corrected_at_its_end_in_one_burst() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("teh");
+    assert_eq!(field.text, "teh", "letters are typed at once");
+    field.types(" ");
+    assert_eq!(field.text, "the ");
+    assert_eq!(
+        field.edits,
+        1 + 3 + 3,
+        "the space, and the tail that differs"
+    );
+    field.types("qiuck ");
+    assert_eq!(field.text, "the quick ");
+}
+
+#[test]
+fn spaces_are_moved_and_apostrophes_and_names_are_set() {
+    let bytes = english();
+    for (typed, shown) in [
+        ("the wisdomof the ", "the wisdom of the "),
+        ("the wis dom of ", "the wisdom of "),
+        ("i dont ", "I don't "),
+        ("the helo world ", "the hello world "),
+    ] {
+        let mut field = Field::new(&bytes, Mode::Auto);
+        field.types(typed);
+        assert_eq!(field.text, shown);
+    }
+}
+
+#[test]
+fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("teh ");
+    field.backspace();
+    assert_eq!(field.text, "teh ");
+    field.types("teh teh, ");
+    assert_eq!(field.text, "teh teh teh, ");
+    assert_eq!(field.corrector.restored().words(), ["teh"]);
+    // The knowledge can be stored.
+    let stored = field.corrector.restored().clone();
+    let mut field = Field::with(&bytes, Mode::Auto, stored);
+    field.types("teh ");
+    assert_eq!(field.text, "teh ");
+    // A second Backspace deletes as usual.
+    field.backspace();
+    assert_eq!(field.text, "teh");
+    field.types(" hlelo ");
+    assert_eq!(field.text, "teh hello ");
+}
+
+#[test]
+fn a_backspace_inside_a_word_takes_its_tap_back() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("teh wordl");
+    field.backspace();
+    field.backspace();
+    field.types("ld ");
+    assert_eq!(field.text, "the world ");
+    field.types("helx");
+    for _ in 0..4 {
+        field.backspace();
+    }
+    field.types("cta ");
+    assert_eq!(field.text, "the world cat ");
+}
+
+#[test]
+fn text_that_is_deleted_into_is_left_alone() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("teh cat ");
+    field.backspace();
+    field.backspace();
+    assert_eq!(field.text, "the ca");
+    field.types("hte ");
+    assert_eq!(field.text, "the cahte ", "the rest of a word is no word");
+    field.types("hte ");
+    assert_eq!(field.text, "the cahte the ");
+}
+
+#[test]
+fn literal_mode_passes_every_press_on() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Literal);
+    let typed = "teh WISDOMof  x1!;é \u{1f600} qiuck.";
+    for character in typed.chars() {
+        field.tap([3.0, 3.0], character);
+        assert_eq!(field.edits, 1);
+    }
+    assert_eq!(field.text, typed);
+    assert!(field.corrector.candidates().is_empty());
+    assert!(field.corrector.accept(0).is_empty());
+    field.backspace();
+    assert_eq!(field.edits, 1);
+}
+
+#[test]
+fn suggest_mode_changes_only_what_is_accepted() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Suggest);
+    field.types("teh ");
+    assert_eq!(field.text, "teh ");
+    let candidates: Vec<String> = field
+        .corrector
+        .candidates()
+        .iter()
+        .map(|one| one.text.clone())
+        .collect();
+    assert_eq!(candidates[0], "the ");
+    assert!(candidates.contains(&"teh ".to_owned()), "{candidates:?}");
+    let edits = field.corrector.accept(0).to_vec();
+    Field::apply(&mut field.text, &edits);
+    assert_eq!(field.text, "the ");
+    field.backspace();
+    assert_eq!(field.text, "teh ");
+}
+
+#[test]
+fn a_pause_drops_what_is_pending() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("te");
+    field.corrector.reset();
+    field.types("h ");
+    assert_eq!(field.text, "teh ", "half a word is not corrected");
+    field.types("teh ");
+    assert_eq!(field.text, "teh the ");
+    field.corrector.reset();
+    field.backspace();
+    assert_eq!(
+        field.text, "teh the",
+        "a Backspace after a pause only deletes"
+    );
+}
+
+#[test]
+fn numbers_signs_and_unknown_words_are_left_alone() {
+    for bytes in [english().as_slice(), ademan_text::languages::ENGLISH] {
+        let mut field = Field::new(bytes, Mode::Auto);
+        let typed = "xk47 1984 a-b zyzzogeton 3.14 kubectl 10-12 blorft, ";
+        field.types(typed);
+        assert_eq!(field.text, typed);
+    }
+}
+
+#[test]
+fn capitals_that_were_typed_stay() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("Teh HELLO ");
+    assert_eq!(field.text, "The HELLO ");
+}
+
+#[test]
+fn sentences_start_with_a_capital_if_asked_to() {
+    let bytes = english();
+    let model = Model::from_bytes(&bytes).expect("a model");
+    let touch = TouchModel::new(Prior::default());
+    let decoder = Decoder::new(model, keyboard(), touch, Options::default());
+    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let keyboard = keyboard();
+    let mut text = String::new();
+    for character in "hello world. the cat ".chars() {
+        let key = keyboard.keys()[keyboard.index(character).expect("a key")];
+        let [x, y] = key.center;
+        Field::apply(&mut text, corrector.press(Tap::at(x, y)));
+    }
+    assert_eq!(text, "Hello world. The cat ");
+}
+
+#[test]
+fn accents_are_set_by_likelihood() {
+    let mut builder = Builder::new();
+    builder.words("cómo\t5\ncomo\t50\nestá\t40\nniño\t10");
+    let sentence = "¿cómo está?\nalto como él\n";
+    builder.text(&sentence.repeat(5));
+    let bytes = builder.build().expect("a model");
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("como esta ");
+    assert_eq!(field.text, "cómo está ");
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("alto como el nino ");
+    assert_eq!(field.text, "alto como él niño ");
+}
+
+#[test]
+fn a_long_text_stays_in_step() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    for _ in 0..200 {
+        field.types("the cta ");
+    }
+    assert_eq!(field.text, "the cat ".repeat(200));
+    // A word without an end.
+    let mut field = Field::new(&bytes, Mode::Auto);
+    let endless = "x".repeat(2_000);
+    field.types(&endless);
+    field.types(" teh ");
+    assert_eq!(field.text, endless + " the ");
+}

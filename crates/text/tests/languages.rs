@@ -1,0 +1,68 @@
+//! The shipped models are what their lists and texts give.
+#![allow(clippy::disallowed_types, reason = "the lists are made by a script")]
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+
+use ademan_text::Model;
+use ademan_text::build::{Builder, held_out};
+use support::shared;
+
+/// Returns the bytes that the lists and the sentences give, or `None` without them.
+fn built(language: &str, folder: &Path) -> Option<Vec<u8>> {
+    let text = std::fs::read_to_string(shared(&format!("data/text/common_voice_{language}.txt"))?);
+    let text = text.expect("the sentences");
+    let list = std::fs::read_to_string(folder.join(format!("{language}.words"))).expect("a list");
+    let mut builder = Builder::new();
+    builder.words(&list);
+    let kept: String = text
+        .lines()
+        .enumerate()
+        .filter(|&(line, _)| !held_out(line))
+        .flat_map(|(_, line)| [line, "\n"])
+        .collect();
+    builder.text(&kept);
+    Some(builder.build().expect("a model"))
+}
+
+#[test]
+fn the_shipped_models_are_rebuilt_byte_by_byte() {
+    if !Path::new("/usr/share/dict/scowl/english-words.10").exists()
+        || !Path::new("/usr/share/dict/spanish").exists()
+    {
+        println!("SKIPPED: Debian's packages scowl and wspanish are not installed");
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("ademan-languages-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let languages = Path::new(env!("CARGO_MANIFEST_DIR")).join("languages");
+    let lists = Command::new(languages.join("lists")).arg(&folder).status();
+    assert!(lists.expect("bash").success());
+    for language in ["en", "es"] {
+        let Some(bytes) = built(language, &folder) else {
+            continue;
+        };
+        let model = Model::from_bytes(&bytes).expect("a model");
+        println!(
+            "{language}: {} bytes, {} letters, {} words, {} nodes, {} pairs",
+            bytes.len(),
+            model.alphabet.len(),
+            model.lexicon.words(),
+            model.lexicon.nodes(),
+            model.bigrams.len(),
+        );
+        let path = languages.join(format!("{language}.adm"));
+        if std::env::var_os("ADEMAN_WRITE").is_some() {
+            std::fs::write(&path, &bytes).expect("a model");
+        }
+        let shipped = std::fs::read(&path).expect("the shipped model");
+        assert!(
+            shipped == bytes,
+            "{language}.adm differs; ADEMAN_WRITE=1 writes it"
+        );
+        assert!(bytes.len() <= 4_000_000, "{} bytes", bytes.len());
+    }
+    std::fs::remove_dir_all(&folder).expect("a folder");
+}

@@ -1,0 +1,112 @@
+//! A tap allocates nothing after the start.
+#![allow(
+    unsafe_code,
+    reason = "a global allocator can only be written as unsafe code"
+)]
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use ademan_text::correction::Restored;
+use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel};
+use support::simulated::{Person, TIERS, keyboard};
+
+/// The system allocator with a counter for each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: Every call goes to the system allocator with the same arguments.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: The caller upholds the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: The caller upholds the contract of `realloc`.
+        unsafe { System.realloc(block, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: The caller upholds the contract of `dealloc`.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn taps_corrections_and_commits_do_not_allocate() {
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let decoder = Decoder::new(
+        model,
+        keyboard(),
+        TouchModel::new(Prior::default()),
+        Options::default(),
+    );
+    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    // The worst tier, so that the beam is full and errors are many.
+    let mut person = Person::new(TIERS[4], 1);
+    let text = "the quick brown fox jumps over the lazy dog, and it is not what you think. ";
+    let taps = person.types(&text.repeat(20)).taps;
+
+    let before = ALLOCATIONS.get();
+    let mut edits = 0;
+    for (index, &tap) in taps.iter().enumerate() {
+        edits += corrector.press(tap).len();
+        edits += corrector.candidates().len();
+        if index % 50 == 0 {
+            edits += corrector.backspace().len();
+        }
+    }
+    let allocated = ALLOCATIONS.get() - before;
+
+    assert!(edits > taps.len());
+    // A word that was restored is stored for good; everything else is free of allocations.
+    let stored = corrector.restored().words().len() as u64;
+    assert!(
+        allocated <= 4 * stored + 4,
+        "{allocated} allocations, {stored} words stored"
+    );
+}
+
+#[test]
+fn decoding_does_not_allocate_at_all() {
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let mut decoder = Decoder::new(
+        model,
+        keyboard(),
+        TouchModel::new(Prior::default()),
+        Options::default(),
+    );
+    let mut person = Person::new(TIERS[3], 2);
+    let text = "the quick brown fox jumps over the lazy dog and it is not what you think ";
+    // More than fits between two commits, and than the block of characters holds.
+    let taps = person.types(&text.repeat(20)).taps;
+
+    let before = ALLOCATIONS.get();
+    let mut length = 0;
+    for &tap in &taps {
+        decoder.tap(tap);
+        length += decoder.best().len();
+    }
+    decoder.untap();
+    decoder.commit();
+    let allocated = ALLOCATIONS.get() - before;
+
+    assert!(length > taps.len());
+    assert_eq!(
+        allocated,
+        0,
+        "{allocated} allocations for {} taps",
+        taps.len()
+    );
+}

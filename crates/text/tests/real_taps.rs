@@ -1,0 +1,166 @@
+//! Real taps of people on a telephone, leaving out the person that is measured.
+
+mod support;
+
+use ademan_text::{Key, Keyboard, Model, Prior, Tap};
+use serde_json::Value;
+use support::session::{Errors, Phrase, decode, nearest};
+use support::shared;
+
+/// The units of the recording in millimetres, from the size of its keys.
+const MM_PER_PIXEL: [f32; 2] = [6.7 / 135.0, 10.2 / 206.0];
+
+fn json(path: &str) -> Option<Value> {
+    let text = std::fs::read_to_string(shared(path)?).expect("a file");
+    Some(serde_json::from_str(&text).expect("JSON"))
+}
+
+fn number(value: &Value) -> f32 {
+    value.as_f64().expect("a number") as f32
+}
+
+fn character(name: &str) -> char {
+    match name.to_lowercase().as_str() {
+        "space" => ' ',
+        name => name.chars().next().expect("a name"),
+    }
+}
+
+fn keyboard(file: &Value) -> Keyboard {
+    let keys = file["keys_info"].as_object().expect("keys");
+    Keyboard::new(keys.iter().map(|(name, key)| {
+        let length = |name: &str, axis: usize| number(&key[name]) * MM_PER_PIXEL[axis];
+        Key {
+            character: character(name),
+            center: [length("key_center_x", 0), length("key_center_y", 1)],
+            size: [length("key_width", 0), length("key_height", 1)],
+            hand: 0,
+        }
+    }))
+}
+
+/// A person with their phrases, and the offsets of their letters from the centers of the keys.
+struct Person {
+    name: String,
+    phrases: Vec<Phrase>,
+    offsets: Vec<[f32; 2]>,
+}
+
+fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
+    let mut people: Vec<Person> = Vec::new();
+    for phrase in file.as_array().expect("phrases") {
+        let source = phrase["source"].as_str().expect("a source");
+        let name = source.split('/').next().expect("a person");
+        let mut offsets = Vec::new();
+        let taps = phrase["taps"].as_array().expect("taps").iter().map(|tap| {
+            let character = character(tap["key"].as_str().expect("a key"));
+            let key = keyboard.keys()[keyboard.index(character).expect("a key")];
+            let offset = [
+                number(&tap["dxNorm"]) * key.size[0],
+                number(&tap["dyNorm"]) * key.size[1],
+            ];
+            if character.is_alphabetic() {
+                offsets.push(offset);
+            }
+            Tap::at(key.center[0] + offset[0], key.center[1] + offset[1])
+        });
+        let taps = taps.collect();
+        let index = people
+            .iter()
+            .position(|person| person.name == name)
+            .unwrap_or_else(|| {
+                people.push(Person {
+                    name: name.to_owned(),
+                    phrases: Vec::new(),
+                    offsets: Vec::new(),
+                });
+                people.len() - 1
+            });
+        let meant = phrase["intended"].as_str().expect("a text").to_lowercase();
+        people[index].phrases.push(Phrase { meant, taps });
+        people[index].offsets.extend(offsets);
+    }
+    people
+}
+
+/// Fits the prior to the taps of people: mean and covariance around each one's own mean.
+fn prior<'a>(people: impl Iterator<Item = &'a Person>) -> Prior {
+    let (mut mean, mut squares, mut count) = ([0.0; 2], [0.0; 3], 0.0);
+    for person in people {
+        let number = person.offsets.len() as f32;
+        let own: [f32; 2] = std::array::from_fn(|axis| {
+            person
+                .offsets
+                .iter()
+                .map(|offset| offset[axis])
+                .sum::<f32>()
+                / number
+        });
+        for offset in &person.offsets {
+            let [x, y] = [offset[0] - own[0], offset[1] - own[1]];
+            for (sum, square) in squares.iter_mut().zip([x * x, y * y, x * y]) {
+                *sum += square;
+            }
+        }
+        mean = [mean[0] + own[0] * number, mean[1] + own[1] * number];
+        count += number;
+    }
+    Prior {
+        offset: mean.map(|sum| sum / count),
+        covariance: squares.map(|sum| sum / count),
+        ..Prior::phone()
+    }
+}
+
+#[test]
+fn real_taps_are_read_with_few_errors_leaving_one_person_out() {
+    let (Some(taps), Some(keys)) = (
+        json("data/taps/tsi_odd_users.json"),
+        json("data/taps/keyboard_data.json"),
+    ) else {
+        return;
+    };
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let keyboard = keyboard(&keys);
+    let people = people(&taps, &keyboard);
+    assert_eq!(people.len(), 8);
+    let (mut plain, mut decoded) = (Errors::default(), Errors::default());
+    for person in &people {
+        let others = people.iter().filter(|other| other.name != person.name);
+        let texts = decode(&model, &keyboard, prior(others), &person.phrases);
+        let (mut own_plain, mut own) = (Errors::default(), Errors::default());
+        for (phrase, text) in person.phrases.iter().zip(&texts) {
+            own_plain.add(&phrase.meant, &nearest(&keyboard, &phrase.taps));
+            own.add(&phrase.meant, text);
+            println!(
+                "  {:40} {:40} {text}",
+                phrase.meant,
+                nearest(&keyboard, &phrase.taps)
+            );
+        }
+        println!(
+            "{}: nearest key {:.2} % CER {:.1} % words, decoded {:.2} % CER {:.1} % words",
+            person.name,
+            own_plain.cer(),
+            own_plain.wer(),
+            own.cer(),
+            own.wer(),
+        );
+        plain.merge(&own_plain);
+        decoded.merge(&own);
+    }
+    println!(
+        "all: nearest key {:.2} % CER {:.1} % of {} words, decoded {:.2} % CER {:.1} % words",
+        plain.cer(),
+        plain.wer(),
+        plain.words,
+        decoded.cer(),
+        decoded.wer(),
+    );
+    let all = prior(people.iter());
+    println!("prior of all: {:?} {:?}", all.offset, all.covariance);
+    // The baseline is as bad as the data says, and the decoder clearly better.
+    assert!(plain.cer() > 4.0 && plain.wer() > 14.0, "{plain:?}");
+    assert!(decoded.cer() <= 1.0, "{decoded:?}");
+    assert!(decoded.wer() <= 4.0, "{decoded:?}");
+}

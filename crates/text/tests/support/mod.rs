@@ -1,0 +1,23 @@
+//! What the tests of this crate share.
+#![allow(dead_code, reason = "each test program uses a part")]
+
+use std::path::PathBuf;
+
+/// Returns the path of material that is not part of the project: below `ADEMAN_SHARED`, or `shared` beside the project. Prints SKIPPED
+/// if it is absent.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("ADEMAN_SHARED").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let path = folder.join(path);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("SKIPPED: there is no {}", path.display());
+    None
+}
+
+pub mod session;
+pub mod simulated;
+pub mod baselines;

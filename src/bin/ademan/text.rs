@@ -1,0 +1,197 @@
+//! `ademan text`: builds language models, and decodes taps.
+
+use std::fs;
+use std::io::{self, BufRead, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::device::KeyAction;
+use ademan::document::DocumentError;
+use ademan::files::{self, Load};
+use ademan::layout::Layout;
+use ademan::message::{escape, escape_path};
+use ademan_text::build::{Builder, held_out};
+use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, languages};
+
+use crate::complete;
+use crate::failure::Failure;
+
+/// Build language models, and read taps with them
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan text build --words words.txt --text sentences.txt -o my.adm\n  echo '0 0' | ademan text decode en --layout qwerty-flat"
+)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Build a language model from lists of words and text. The same files give the same bytes
+    #[command(
+        after_help = "Example: ademan text build --words words.txt --text sentences.txt --text more.txt -o my.adm"
+    )]
+    Build {
+        /// A list of words, one each line, with a weight behind a blank: how often the word is expected in a text as long as the given
+        /// ones
+        #[arg(long, required_unless_present = "text")]
+        words: Vec<PathBuf>,
+        /// A text, a sentence each line
+        #[arg(long)]
+        text: Vec<PathBuf>,
+        /// Leave out every 20th line of each text, to measure the model with it
+        #[arg(long)]
+        hold_out: bool,
+        /// The model to write
+        #[arg(short, long, value_name = "FILE.adm")]
+        output: PathBuf,
+    },
+    /// Read taps from the standard input, one `x y` in mm each line from the center of the layout's first board, x to the right, y down.
+    /// An empty line prints the candidates
+    #[command(after_help = "Example: ademan text decode en --layout qwerty-flat < taps.txt")]
+    Decode {
+        /// The model: `en` or `es`, or a file
+        model: String,
+        /// Layout whose keys are tapped: the name of one that comes with the program, or a file
+        #[arg(long, default_value = "qwerty-flat", add = complete::layout())]
+        layout: String,
+    },
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.action {
+        Action::Build {
+            words,
+            text,
+            hold_out,
+            output,
+        } => build(&words, &text, hold_out, &output),
+        Action::Decode { model, layout } => decode(&model, &layout),
+    }
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    fs::read_to_string(path)
+        .map_err(|error| Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path))))
+}
+
+fn build(
+    words: &[PathBuf],
+    texts: &[PathBuf],
+    hold_out: bool,
+    output: &Path,
+) -> Result<(), Failure> {
+    let mut builder = Builder::new();
+    for path in words {
+        builder.words(&read(path)?);
+    }
+    for path in texts {
+        let text = read(path)?;
+        let lines = text.lines().enumerate();
+        for (_, line) in lines.filter(|&(line, _)| !(hold_out && held_out(line))) {
+            builder.text(line);
+        }
+    }
+    let bytes = builder
+        .build()
+        .map_err(|error| Failure::wrong_use(format!("cannot build a model: {error}")))?;
+    let cannot_write = |error: String| {
+        Failure::wrong_use(format!("cannot write {}: {error}", escape_path(output)))
+    };
+    let mut file = files::replace(output).map_err(|error| cannot_write(error.to_string()))?;
+    file.write_all(&bytes)
+        .map_err(|error| cannot_write(error.to_string()))?;
+    let model = Model::from_bytes(&bytes)
+        .map_err(|error| Failure::job(format!("the model cannot be read: {error}")))?;
+    Ok(writeln!(
+        io::stdout(),
+        "wrote {}: {} words, {} pairs of words, {} bytes",
+        escape_path(output),
+        model.lexicon.words(),
+        model.bigrams.len(),
+        bytes.len(),
+    )?)
+}
+
+/// Returns the keys of the first board of a layout that type a character.
+fn keyboard(name: &str) -> Result<Keyboard, DocumentError> {
+    let layout = Layout::load(name)?;
+    let Some(board) = layout.boards.first() else {
+        return Ok(Keyboard::new([]));
+    };
+    let keys = layout.keys[board.keys.clone()].iter().filter_map(|key| {
+        let Some(KeyAction::Key(code)) = key.action(0) else {
+            return None;
+        };
+        let half = board.row_half_extents(&key.face);
+        let center = key.face.row_position;
+        Some(Key {
+            character: code.us_character(false)?,
+            center: [center.x * 1e3, -center.y * 1e3],
+            size: [half.x * 2e3, half.y * 2e3],
+            hand: u8::from(center.x > 0.0),
+        })
+    });
+    Ok(Keyboard::new(keys))
+}
+
+fn decode(name: &str, layout: &str) -> Result<(), Failure> {
+    let file;
+    let bytes = match name {
+        "en" => languages::ENGLISH,
+        "es" => languages::SPANISH,
+        path => {
+            file = fs::read(path).map_err(|error| {
+                Failure::wrong_use(format!("cannot read {}: {error}", escape(path)))
+            })?;
+            &file
+        }
+    };
+    let model = Model::from_bytes(bytes)
+        .map_err(|error| Failure::wrong_use(format!("cannot use {}: {error}", escape(name))))?;
+    let keyboard = keyboard(layout)?;
+    if keyboard.keys().is_empty() {
+        return Err(Failure::wrong_use(format!(
+            "no key of the first board of {} types a character",
+            escape(layout)
+        )));
+    }
+    let touch = TouchModel::new(Prior::default());
+    let mut decoder = Decoder::new(model, keyboard, touch, Options::default());
+    let mut out = io::stdout().lock();
+    for (number, line) in io::stdin().lock().lines().enumerate() {
+        let line = line?;
+        if line.trim().is_empty() {
+            print(&mut decoder, &mut out)?;
+            decoder.commit();
+            decoder.start_sentence();
+            continue;
+        }
+        decoder.tap(tap(&line).ok_or_else(|| {
+            Failure::wrong_use(format!(
+                "line {} is no tap `x y` in mm: {}",
+                number + 1,
+                escape(&line)
+            ))
+        })?);
+    }
+    print(&mut decoder, &mut out)
+}
+
+fn tap(line: &str) -> Option<Tap> {
+    let mut numbers = line.split_whitespace().map(str::parse::<f32>);
+    let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
+    let is_sane = numbers.next().is_none() && x.is_finite() && y.is_finite();
+    is_sane.then(|| Tap::at(x, y))
+}
+
+/// Prints the candidates, the best first, with their log-probabilities.
+fn print(decoder: &mut Decoder, out: &mut impl Write) -> Result<(), Failure> {
+    if decoder.taps() == 0 {
+        return Ok(());
+    }
+    for candidate in decoder.candidates() {
+        writeln!(out, "{:.1}\t{}", candidate.score, candidate.text)?;
+    }
+    Ok(writeln!(out)?)
+}

@@ -1,0 +1,84 @@
+//! `ademan text`: language models are built and used.
+
+use std::io::Write;
+use std::process::Stdio;
+
+use super::{Ended, ademan, file, run, text};
+
+/// Runs `ademan text decode` with the positions of taps.
+fn decode(model: &str, taps: &str) -> Ended {
+    let mut command = ademan(["text", "decode", model, "--layout", "qwerty-flat"]);
+    let command = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = child.stdin.take().expect("a pipe");
+    // A program that refuses its arguments does not read.
+    let _ = stdin.write_all(taps.as_bytes());
+    drop(stdin);
+    child.wait_with_output().expect("the program ends").into()
+}
+
+#[test]
+fn a_model_is_built_alike_twice_and_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = file(&folder, "words.txt", "hello\t5\nworld\nzebra\t0.1\n");
+    let sentences = file(&folder, "text.txt", "Hello world.\nHello world.\n");
+    let model = folder.path().join("my.adm");
+    let arguments = [
+        "text",
+        "build",
+        "--words",
+        &words,
+        "--text",
+        &sentences,
+        "-o",
+        text(&model),
+    ];
+    let first = run(arguments).done();
+    assert!(
+        first.out.contains("3 words, 2 pairs of words"),
+        "{}",
+        first.out
+    );
+    let bytes = std::fs::read(&model).expect("a model");
+    run(arguments).done();
+    assert!(std::fs::read(&model).expect("a model") == bytes);
+    let used = decode(text(&model), "").done();
+    assert_eq!(used.out, "");
+}
+
+#[test]
+fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let foreign = file(&folder, "foreign.adm", "words");
+    let ended = decode(&foreign, "");
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("no language model"), "{}", ended.err);
+    let ended = decode("absent.adm", "");
+    assert!(
+        ended.err.contains("cannot read absent.adm"),
+        "{}",
+        ended.err
+    );
+    let ended = decode("en", "1 2\n1 2 3\n");
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("line 2 is no tap"), "{}", ended.err);
+}
+
+#[test]
+fn taps_on_the_keys_of_a_layout_give_candidates() {
+    // Three taps near one place, far from the edges: whatever the keys are, something is read, and what was typed is in it.
+    let ended = decode("en", "0 0\n1 1\n-1 0\n\n0 0\n").done();
+    let texts: Vec<&str> = ended.out.split("\n\n").collect();
+    assert_eq!(
+        texts.iter().filter(|text| !text.trim().is_empty()).count(),
+        2,
+        "{}",
+        ended.out
+    );
+    let first = texts[0].lines().next().expect("a candidate");
+    let (score, _) = first.split_once('\t').expect("a score");
+    assert!(score.parse::<f32>().expect("a number") < 0.0);
+}
