@@ -85,6 +85,8 @@ struct ScreenPointer {
     scroll_remainder: Vec2,
     depth: Option<ValueEmitter>,
     axes: ArmAxesState,
+    /// The hand points into the range of the mode, and not beside it.
+    is_in_range: bool,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
 }
@@ -122,6 +124,7 @@ impl ScreenPointer {
                 .depth
                 .map(|output| ValueEmitter::new(settings.target, output, depth_at_rest)),
             axes: ArmAxesState::default(),
+            is_in_range: false,
             time: None,
             settings,
         }
@@ -140,6 +143,7 @@ impl ScreenPointer {
             self.reset(time, out);
             return false;
         };
+        self.is_in_range = aim.is_in_range();
         self.gestures
             .update(hand, &self.settings, seconds, time, out);
         self.move_cursor(aim, seconds, time, out);
@@ -252,6 +256,7 @@ impl ScreenPointer {
     fn reset(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.gestures.cancel(self.settings.target, time, out);
         self.motion.reset();
+        self.is_in_range = false;
         self.time = None;
         self.dwell = DwellDetector::default();
         self.scroll_remainder = Vec2::ZERO;
@@ -332,5 +337,10 @@ impl VirtualDevice for Pointer {
             fractions: screen.map(|screen| screen.cursor.fractions()),
             in_spaces: self.selector.positions().collect(),
         })
+    }
+    fn is_pointing(&self) -> bool {
+        self.screen
+            .as_ref()
+            .is_some_and(|screen| screen.is_in_range)
     }
 }
