@@ -53,17 +53,16 @@ use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
 use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
-use self::status::StatusLog;
+use self::status::{Hints, StatusLog};
 use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
 use crate::capture::{CaptureError, Haptics, Source, SourceUri};
 use crate::command::{Command, CommandOrigin};
-use crate::hand::FingerSet;
 use crate::layout::Layout;
 use crate::message::escape;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
-use crate::pipeline::{Pipeline, PipelineState, SourceRole};
+use crate::pipeline::{Pipeline, SourceRole};
 use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
@@ -271,11 +270,8 @@ impl Session {
         let mut observe = |step: &StepView, now: Instant, pipeline: &Pipeline| {
             haptics.update(step);
             if let Some(status) = &mut status {
-                let bent = match step.state {
-                    PipelineState::Paused => pipeline.bent_fingers(),
-                    _ => FingerSet::NONE,
-                };
-                status.update(step, bent, now, &mut |notice| notices.send(notice));
+                let hints = Hints::of(pipeline);
+                status.update(step, &hints, now, &mut |notice| notices.send(notice));
             }
             if let Some(notifier) = &mut notifier {
                 notifier.notify_step(step);

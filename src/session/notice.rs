@@ -8,6 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender, bounded, never};
+use parry3d::math::Vec3;
 
 use super::reload::LayoutReport;
 use crate::advice;
@@ -24,6 +25,21 @@ const QUEUE_LENGTH: usize = 64;
 
 /// Longest wait at the end of a session for notices that the user's receiver has not handled yet.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// What a person does at the start of a layout that is placed by the hand.
+pub const AWAITING_HAND: &str =
+    "hold your hand open and still for a second: the layout is placed there";
+
+/// The control that is nearest to a hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearestTarget {
+    /// Its name; `None` for the range of the pointer.
+    pub name: Option<String>,
+    /// The way to it: to the right, up, towards the wearer, in metres.
+    pub way: Vec3,
+    /// It is on a board, which `recenter` moves.
+    pub is_on_board: bool,
+}
 
 /// A message for the user, one or more lines as [`Display`](fmt::Display).
 #[derive(Debug)]
@@ -51,6 +67,10 @@ pub enum Notice {
     Disarmed,
     /// Fingers that press by bending are bent: the output is not armed until they are straight.
     BentFingers(FingerSet),
+    /// The layout is placed where an open hand is held still.
+    AwaitingHand,
+    /// A hand moves and reaches nothing: its side, the name of the nearest control, and the way to it.
+    Unreached(Side, Option<NearestTarget>),
     /// Touches become events.
     Armed {
         /// The events reach other programs.
@@ -135,6 +155,8 @@ impl fmt::Display for Notice {
                 "paused: straighten {}: a bent finger types nothing until it was straight",
                 finger_names(*fingers)
             ),
+            Self::AwaitingHand => f.write_str(AWAITING_HAND),
+            Self::Unreached(side, nearest) => write_unreached(f, *side, nearest.as_ref()),
             Self::Armed { has_effect: true } => {
                 f.write_str("armed: touches are typed into other programs, Ctrl-C ends")
             }
@@ -206,9 +228,62 @@ impl Notice {
                 | Self::NoControlSocket
                 | Self::Disarmed
                 | Self::BentFingers(_)
+                | Self::AwaitingHand
                 | Self::Armed { .. }
         )
     }
+}
+
+fn write_unreached(
+    f: &mut fmt::Formatter<'_>,
+    side: Side,
+    nearest: Option<&NearestTarget>,
+) -> fmt::Result {
+    let Some(NearestTarget {
+        name,
+        way,
+        is_on_board,
+    }) = nearest
+    else {
+        return write!(
+            f,
+            "the {side} hand moves, but the source does not show the joints that the layout needs; `webcam-mouse` and \
+             `webcam-qwerty` need only a hand"
+        );
+    };
+    write!(f, "the {side} hand moves and reaches nothing: ")?;
+    match name {
+        Some(name) => write!(f, "`{}`", escape(name))?,
+        None => f.write_str("the range of the pointer")?,
+    }
+    write!(f, " is {:.0} mm away", way.length() * 1e3)?;
+    write_directions(f, *way * 1e3)?;
+    f.write_str(match is_on_board {
+        true => "; `ademan ctl recenter` brings the boards below the hand, `ademan calibrate` corrects a glove, and a layout with \
+                 `anchor: start`, such as `webcam-qwerty`, is placed where the hand is",
+        false => {
+            "; `ademan calibrate` corrects a glove, and a layout with `anchor: start`, such as `webcam-mouse`, is placed where the \
+             hand is"
+        }
+    })
+}
+
+/// Writes the parts of a way in millimetres that matter, the largest first.
+fn write_directions(f: &mut fmt::Formatter<'_>, way: Vec3) -> fmt::Result {
+    let mut parts = [
+        (way.x, ["to the right", "to the left"]),
+        (way.y, ["up", "down"]),
+        (-way.z, ["forward", "back"]),
+    ];
+    parts.sort_by(|one, other| other.0.abs().total_cmp(&one.0.abs()));
+    let smallest = parts[0].0.abs() / 4.0;
+    let parts = parts.iter().filter(|(part, _)| part.abs() >= smallest);
+    for (index, (part, [positive, negative])) in parts.enumerate() {
+        let separator = if index == 0 { ", " } else { " and " };
+        let direction = if *part < 0.0 { negative } else { positive };
+        write!(f, "{separator}{:.0} mm {direction}", part.abs())?;
+    }
+    Ok(())
 }
 
 fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Result {
@@ -319,4 +394,36 @@ impl NoticeThread {
 pub fn counted(count: u64, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_that_reaches_nothing_is_told_distance_directions_and_a_remedy() {
+        let text = |name: Option<&str>, way| {
+            let nearest = NearestTarget {
+                name: name.map(str::to_owned),
+                way,
+                is_on_board: name.is_some(),
+            };
+            Notice::Unreached(Side::Left, Some(nearest)).to_string()
+        };
+        let far = text(Some("Q"), Vec3::new(0.01, -0.09, -0.4));
+        assert!(
+            far.contains(
+                "the left hand moves and reaches nothing: `Q` is 410 mm away, 400 mm forward;"
+            ),
+            "{far}"
+        );
+        assert!(far.contains("`ademan ctl recenter`"), "{far}");
+        let range = text(None, Vec3::new(-0.3, 0.3, 0.3));
+        assert!(
+            range.contains("the range of the pointer is 520 mm away, 300 mm to the left and 300 mm up and 300 mm back;"),
+            "{range}"
+        );
+        let unknown = Notice::Unreached(Side::Right, None).to_string();
+        assert!(unknown.contains("`webcam-mouse`"), "{unknown}");
+    }
 }

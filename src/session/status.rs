@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use super::notice::Notice;
+use super::notice::{NearestTarget, Notice};
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
 use crate::message_limits::MessageLimits;
-use crate::pipeline::PipelineState;
+use crate::pipeline::{Pipeline, PipelineState, Unreached};
 use crate::snapshot::{Stats, StepView};
 
 /// Notices per 10 s that a person waits for: the pause that was asked for, and the start of typing, which must never
@@ -30,6 +30,10 @@ pub(super) struct StatusLog {
     pointing_by_role: u64,
     /// Fingers that were reported as bent.
     bent: FingerSet,
+    /// The wait for an open hand was reported.
+    is_awaiting: bool,
+    /// A hand that reaches nothing was reported.
+    is_unreached: bool,
     /// By side.
     untrusted: [FingerSet; Side::COUNT],
     /// By side.
@@ -52,8 +56,32 @@ enum Topic {
     Paused,
     Disarmed,
     Bent,
+    Awaiting,
     Armed,
     Stalled,
+}
+
+/// What a person has to do before the layout works, as the pipeline has it after a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hints {
+    /// Fingers that must be straightened before the output is armed.
+    bent: FingerSet,
+    /// The layout waits for an open hand.
+    awaits_start: bool,
+    unreached: Option<Unreached>,
+}
+
+impl Hints {
+    pub fn of(pipeline: &Pipeline) -> Self {
+        Self {
+            bent: match pipeline.state() {
+                PipelineState::Paused => pipeline.bent_fingers(),
+                _ => FingerSet::NONE,
+            },
+            awaits_start: pipeline.awaits_start(),
+            unreached: pipeline.unreached(),
+        }
+    }
 }
 
 impl StatusLog {
@@ -65,11 +93,11 @@ impl StatusLog {
         }
     }
 
-    /// Reports the changes since the last step. `bent` are the fingers that must be straightened before the output is armed.
+    /// Reports the changes since the last step.
     pub fn update(
         &mut self,
         step: &StepView,
-        bent: FingerSet,
+        hints: &Hints,
         now: Instant,
         report: &mut impl FnMut(Notice),
     ) {
@@ -104,7 +132,8 @@ impl StatusLog {
             }
         }
         self.report_state(step, now, report);
-        self.report_bent(step, bent, now, report);
+        self.report_bent(step, hints.bent, now, report);
+        self.report_place(step, hints, now, report);
         let is_end = step.state == PipelineState::Stopped;
         while let Some(held_back) = match is_end {
             true => self.limits.take_any(now),
@@ -189,6 +218,35 @@ impl StatusLog {
         } else if self.bent != bent && self.limits.admits(Topic::Bent, now) {
             self.bent = bent;
             report(Notice::BentFingers(bent));
+        }
+    }
+
+    /// Reports that the layout has no place yet, or that the hand is beside it; the latter once.
+    fn report_place(
+        &mut self,
+        step: &StepView,
+        hints: &Hints,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        if !hints.awaits_start {
+            self.is_awaiting = false;
+        } else if !self.is_awaiting && self.limits.admits(Topic::Awaiting, now) {
+            self.is_awaiting = true;
+            report(Notice::AwaitingHand);
+        }
+        if let Some(Unreached { side, nearest }) = hints.unreached
+            && !self.is_unreached
+        {
+            self.is_unreached = true;
+            let nearest = nearest.map(|nearest| NearestTarget {
+                name: nearest
+                    .target
+                    .map(|id| step.target_names.get(id).to_string()),
+                way: nearest.way,
+                is_on_board: nearest.is_on_board,
+            });
+            report(Notice::Unreached(side, nearest));
         }
     }
 

@@ -191,7 +191,7 @@ impl LoadedSetup {
         let fit = Fit::new(&arm, other_hand.as_ref().map(|hand| &hand.arm))?;
         let layout = loader.layout(kind::LAYOUT, &setup.layout, fit)?;
         if layout.uses_inputs() && setup.has_default_simulated_glove() {
-            let setup = setup.with_simulated_inputs();
+            let setup = setup.with_simulated_inputs(side);
             return Self::new(setup, read);
         }
         let loaded = Self {

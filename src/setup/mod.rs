@@ -297,12 +297,17 @@ impl Setup {
         let is_simulated =
             |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
         let is_simulated = self.source.as_ref().is_none_or(is_simulated);
-        is_simulated && self.glove.is_none() && self.glove_name() == Some(DEFAULT_GLOVES[0])
+        let name = self.glove_name(Side::Right);
+        is_simulated && self.glove.is_none() && name == Some(DEFAULT_GLOVES[0])
     }
 
-    /// Returns the setup with simulated gloves that have a stick and buttons.
-    fn with_simulated_inputs(self) -> Self {
-        let [first, other] = DEFAULT_LUCIDGLOVES.map(|name| Some(name.to_owned()));
+    /// Returns the setup with simulated gloves that have a stick and buttons, the first one for a hand of `side`.
+    fn with_simulated_inputs(self, side: Side) -> Self {
+        let mut names = DEFAULT_LUCIDGLOVES.map(|name| Some(name.to_owned()));
+        if side == Side::Left {
+            names.reverse();
+        }
+        let [first, other] = names;
         Self {
             glove: first,
             other_hand: self.other_hand.map(|hand| OtherHand {

@@ -177,10 +177,10 @@ impl StudioModel {
         let anchor_from_board = self.view.boards.get(index)?;
         let origin = match surface.anchor() {
             Anchor::World => Vec3::ZERO,
-            Anchor::Joint(joint) => {
+            anchor @ (Anchor::Joint(_) | Anchor::Start) => {
                 let is_own = |pose: &&HandPose| surface.side().is_none_or(|side| side == pose.side);
                 let mut poses = self.poses.iter().rev().flatten().filter(is_own);
-                poses.find_map(|pose| pose.position(joint))?
+                poses.find_map(|pose| anchor.position(pose, surface.side().is_none()))?
             }
         };
         let translation = origin + anchor_from_board.translation;

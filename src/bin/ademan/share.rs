@@ -74,7 +74,11 @@ fn print_notices() -> NoticeReceiver {
     Box::new(|notice| {
         let is_of_typing = matches!(
             notice,
-            Notice::Armed { .. } | Notice::Disarmed | Notice::BentFingers(_)
+            Notice::Armed { .. }
+                | Notice::Disarmed
+                | Notice::BentFingers(_)
+                | Notice::AwaitingHand
+                | Notice::Unreached(..)
         );
         if !is_of_typing {
             messages::print_notice(&notice);

@@ -215,6 +215,7 @@ impl ViewPublisher {
             output: self.names.output.clone(),
             readings_per_second: self.rate.per_second,
             counts: ViewCounts::from(step.stats),
+            awaits_hand: pipeline.awaits_start(),
             fingertips: self.fingertips(active),
             bends: bends(pipeline).collect(),
             pressed: active.pressed_targets().collect(),

@@ -31,6 +31,9 @@ pub struct ViewState {
     pub readings_per_second: f32,
     /// Readings and losses so far.
     pub counts: ViewCounts,
+    /// The layout waits for an open hand that is held still.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub awaits_hand: bool,
     /// Fingertips near a board.
     pub fingertips: Vec<Fingertip>,
     /// Bends of fingers that press by bending.
@@ -123,6 +126,7 @@ impl ViewState {
             output: output.to_owned(),
             readings_per_second: 0.0,
             counts: ViewCounts::default(),
+            awaits_hand: false,
             fingertips: Vec::new(),
             bends: Vec::new(),
             pressed: Vec::new(),
@@ -155,6 +159,10 @@ impl ViewState {
             _ => format!("…{cut}"),
         }
     }
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 impl From<&Stats> for ViewCounts {

@@ -16,6 +16,21 @@ pub enum Anchor {
     /// A joint of the hand that touches: the surface follows the joint's position and keeps the
     /// orientation of the world.
     Joint(Joint),
+    /// The place of the open hand [at the start](HandPose::start).
+    Start,
+}
+
+impl Anchor {
+    /// Returns the position in the world (metres) for what this hand uses alone, or together with the other hand; `None` if it
+    /// is not known.
+    pub fn position(self, pose: &HandPose, is_shared: bool) -> Option<Vec3> {
+        match self {
+            Self::World => Some(Vec3::ZERO),
+            Self::Joint(joint) => pose.position(joint),
+            Self::Start if is_shared => pose.start.shared,
+            Self::Start => pose.start.own,
+        }
+    }
 }
 
 /// A group of targets that moves as one.
@@ -39,14 +54,18 @@ impl Surface {
         if self.side.is_some_and(|side| side != pose.side) {
             return None;
         }
-        let origin = match self.anchor {
-            Anchor::World => Vec3::ZERO,
-            Anchor::Joint(joint) => pose.position(joint)?,
-        };
+        let origin = self.anchor.position(pose, self.side.is_none())?;
         Some(Pose::from_parts(
             origin + self.anchor_from_surface.translation,
             self.anchor_from_surface.rotation,
         ))
+    }
+
+    /// Returns whether the hand may touch the surface once the surface has its place at the start.
+    pub fn waits_for_start(&self, pose: &HandPose) -> bool {
+        self.anchor == Anchor::Start
+            && self.side.is_none_or(|side| side == pose.side)
+            && self.anchor.position(pose, self.side.is_none()).is_none()
     }
 
     /// Returns the hand that the surface belongs to, or `None` if both hands can touch it.
@@ -202,6 +221,12 @@ impl Scene {
         surface.first = first;
         self.surfaces.push(surface);
         TargetId(first)
+    }
+
+    /// Returns whether a surface is anchored at the place of the hand at the start.
+    pub fn starts_at_hand(&self) -> bool {
+        let mut surfaces = self.surfaces.iter();
+        surfaces.any(|surface| surface.anchor == Anchor::Start)
     }
 
     /// Returns whether a finger presses a target by bending.

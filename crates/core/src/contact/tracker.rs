@@ -195,7 +195,7 @@ impl ContactTracker {
 
     /// Returns whether the hand is clear of all targets: no fingertip touches one, no trusted fingertip
     /// is behind a front (inside its outline, at most 0.1 m deep), and at least one trusted fingertip is
-    /// known. Does not allocate.
+    /// known. A surface without its place at the start has no targets yet. Does not allocate.
     pub fn is_clear(&self, scene: &Scene, pose: &HandPose) -> bool {
         if !self.is_idle() {
             return false;
@@ -205,6 +205,7 @@ impl ContactTracker {
         let mut is_seen = scene.surfaces().is_empty() && Finger::ALL.iter().any(is_trusted);
         for surface in scene.surfaces() {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
+                is_seen |= surface.waits_for_start(pose) && Finger::ALL.iter().any(is_trusted);
                 continue;
             };
             for &finger in Finger::ALL {

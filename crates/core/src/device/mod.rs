@@ -244,4 +244,9 @@ pub trait VirtualDevice: Send {
     fn cursor(&self) -> Option<CursorPosition> {
         None
     }
+
+    /// Returns whether a hand points somewhere with it.
+    fn is_pointing(&self) -> bool {
+        false
+    }
 }

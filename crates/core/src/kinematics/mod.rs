@@ -24,6 +24,15 @@ use parry3d::math::{Pose, Vec3};
 use crate::hand::{Finger, FingerSet, Joint, JointPositions, Side};
 use crate::time::Timestamp;
 
+/// The position of the index fingertip of an open hand that was held still at the start (world, metres); `None` until then.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StartPlace {
+    /// The place of the hand itself.
+    pub own: Option<Vec3>,
+    /// The place of the hand that was placed first, for what either hand uses.
+    pub shared: Option<Vec3>,
+}
+
 /// The poses of the joints of one arm and hand at one time, in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct HandPose {
@@ -37,6 +46,8 @@ pub struct HandPose {
     pub jumped: bool,
     /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,
+    /// The place of the hand at the start, which a new reading keeps.
+    pub start: StartPlace,
     joints: [Pose; Joint::COUNT],
     known: u32,
 }
@@ -50,6 +61,7 @@ impl HandPose {
             untrusted: FingerSet::NONE,
             jumped: false,
             tip_radius,
+            start: StartPlace::default(),
             joints: [Pose::IDENTITY; Joint::COUNT],
             known: 0,
         }

@@ -14,7 +14,7 @@ use crate::contact::{TargetId, TargetNames};
 use crate::device::joystick::Joystick;
 use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::knob::Knob;
-use crate::device::pointer::{PointerSettings, SelectionSpace};
+use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::radio::Radio;
 use crate::device::slider::Slider;
 use crate::device::toggle::Toggle;
@@ -206,6 +206,13 @@ impl Layout {
                 debounce: key.debounce,
             })
             .collect()
+    }
+
+    /// Iterates over the frames of the pointer and of the targets in space.
+    pub fn frames(&self) -> impl Iterator<Item = &AnchoredFrame> {
+        let pointer = self.pointer.iter();
+        let pointer = pointer.filter_map(|pointer| pointer.mode.frame());
+        pointer.chain(self.spaces.iter().map(|space| &space.space.frame))
     }
 
     /// Returns the faces of a board: keys first, then the other controls.

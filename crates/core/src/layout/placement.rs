@@ -79,6 +79,7 @@ impl From<AnchorSchema> for Anchor {
             AnchorSchema::World => Self::World,
             AnchorSchema::Elbow => Self::Joint(Joint::Elbow),
             AnchorSchema::Wrist => Self::Joint(Joint::Wrist),
+            AnchorSchema::Start => Self::Start,
         }
     }
 }

@@ -136,6 +136,8 @@ schema! {
         Elbow,
         /// The wrist.
         Wrist,
+        /// The index fingertip of your open hand, held still for a second at the start. From then on it does not move.
+        Start,
     }
 }
 

@@ -118,7 +118,13 @@ impl Pipeline {
     /// the center of the nearest one is below the index fingertip. That board moves in its own plane, so the height of
     /// the fingertip above its keys does not change. Needs a hand that has not stalled; fails like
     /// [`nudge`](Self::nudge).
+    ///
+    /// A layout that starts at the hand is placed again instead, where an open hand is held still next.
     pub fn recenter(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        if self.layout().starts_at_hand() {
+            self.place_again(events);
+            return Ok(());
+        }
         let index = self.last_tracked_hand().ok_or(CommandError::NoHand)?;
         let layout = &self.profiles[self.active_profile].layout;
         let pose = &self.hands[index].output.pose;

@@ -1,6 +1,8 @@
 //! The stages of one hand from readings to poses.
 
 use super::StepOutput;
+use super::start::StartDetector;
+use super::unreached::ReachWatch;
 use crate::contact::{Presses, Touches};
 use crate::device::TimedCommands;
 use crate::estimate::{Estimate, FingerBends, HandEstimator, JointAngles};
@@ -28,6 +30,8 @@ pub(super) struct HandPipeline {
     /// `true` after the hand has pressed faster than the rate limit while another one is tracked: it touches nothing until the
     /// run is resumed.
     pub(super) is_suspended: bool,
+    pub(super) start: StartDetector,
+    pub(super) reach: ReachWatch,
 }
 
 impl HandPipeline {
@@ -49,6 +53,8 @@ impl HandPipeline {
             was_placed: false,
             consecutive_rejections: 0,
             is_suspended: false,
+            start: StartDetector::default(),
+            reach: ReachWatch::default(),
         }
     }
 

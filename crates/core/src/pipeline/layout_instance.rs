@@ -6,8 +6,9 @@ use super::StepOutput;
 use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
 use crate::contact::board_pose::AutoRecenter;
-use crate::contact::surface::Scene;
+use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
+use crate::device::pointer::AnchoredFrame;
 use crate::device::{
     CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
 };
@@ -29,6 +30,8 @@ pub struct LayoutInstance {
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
     layout: Option<Arc<Layout>>,
+    /// Whether something is anchored at the start.
+    starts_at_hand: bool,
 }
 
 impl LayoutInstance {
@@ -44,6 +47,7 @@ impl LayoutInstance {
         Self {
             trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
             is_bent: scene.has_bend_targets(),
+            starts_at_hand: scene.starts_at_hand(),
             bend_trackers: Default::default(),
             scene,
             target_names,
@@ -57,7 +61,9 @@ impl LayoutInstance {
     /// Sets the layout that it was made from, for displays.
     #[must_use]
     pub fn with_layout(self, layout: Arc<Layout>) -> Self {
+        let is_at_start = |frame: &AnchoredFrame| frame.anchor == Anchor::Start;
         Self {
+            starts_at_hand: self.scene.starts_at_hand() || layout.frames().any(is_at_start),
             layout: Some(layout),
             ..self
         }
@@ -92,6 +98,16 @@ impl LayoutInstance {
     /// Returns the layout that it was made from, if that is known.
     pub fn layout(&self) -> Option<&Arc<Layout>> {
         self.layout.as_ref()
+    }
+
+    /// Returns whether a board, pointer or space is anchored at the place of the hand at the start.
+    pub fn starts_at_hand(&self) -> bool {
+        self.starts_at_hand
+    }
+
+    /// Returns whether a device points somewhere.
+    pub(super) fn is_pointing(&self) -> bool {
+        self.devices.iter().any(|device| device.is_pointing())
     }
 
     /// Returns the targets with the present poses of the boards.

@@ -15,7 +15,9 @@ mod rate_limit;
 mod release_order;
 mod settings;
 mod stalls;
+mod start;
 mod state;
+mod unreached;
 mod zero;
 
 pub use command_error::CommandError;
@@ -25,6 +27,7 @@ pub use press_filter::PressFilter;
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
 pub use state::{PipelineState, Suppressed};
+pub use unreached::{NearestControl, Unreached};
 
 use std::time::Duration;
 
@@ -166,7 +169,7 @@ impl Pipeline {
         reading: &Reading,
         events: &mut Events,
     ) -> Result<&StepOutput, Rejection> {
-        let index = self.hand_index(reading);
+        let (index, first) = (self.hand_index(reading), events.len());
         self.detect_gaps(reading.time, events);
         let hand = &mut self.hands[index];
         let estimate = &mut hand.output.estimate;
@@ -182,6 +185,8 @@ impl Pipeline {
         self.update_pose(index);
         self.arm_if_clear(index);
         self.update_devices(index, events);
+        self.watch_reach(index, events.len() > first);
+        self.place_at_start(index, events);
         self.zero_if_at_rest(events);
         self.learn_ranges(index);
         Ok(&self.hands[index].output)

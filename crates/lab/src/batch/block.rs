@@ -34,7 +34,7 @@ struct LaneSurface {
     /// The fronts are parallel to the surface: a fingertip enters one from above only.
     is_flat: bool,
     tip_radius: f32,
-    is_of_other_hand: bool,
+    has_no_place: bool,
 }
 
 impl LaneBoard {
@@ -59,7 +59,7 @@ impl LaneSurface {
         } = surface.anchor_from_surface();
         Self {
             anchor: match surface.anchor() {
-                Anchor::World => None,
+                Anchor::World | Anchor::Start => None,
                 Anchor::Joint(joint) => Some(joint),
             },
             translation: splat(translation.to_array()),
@@ -67,13 +67,14 @@ impl LaneSurface {
             heights: surface.front_heights(),
             is_flat: surface.is_flat(),
             tip_radius,
-            is_of_other_hand: surface.side().is_some_and(|other| other != side),
+            has_no_place: surface.anchor() == Anchor::Start
+                || surface.side().is_some_and(|other| other != side),
         }
     }
 
     /// Converts fingertips to the frame of the surface; NaN where the surface has no place.
     fn place(&self, hands: &LaneHands) -> AllTips {
-        if self.is_of_other_hand {
+        if self.has_no_place {
             return UNKNOWN;
         }
         let anchor = match self.anchor {

@@ -7,8 +7,8 @@ use super::effector::{Effector, Limb};
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Input, Joint, Side};
 use crate::kinematics::{
-    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, half_bent_fingers,
-    solve_ik, typing_angle,
+    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, StartPlace, angles_from_variables,
+    half_bent_fingers, solve_ik, typing_angle,
 };
 use crate::time::Timestamp;
 
@@ -51,6 +51,8 @@ pub struct TypingHand {
     inputs: Vec<Input>,
     bend_ranges: BendRanges,
     pub(super) resting_pose: HandPose,
+    /// The place of the open hand at the start.
+    start: StartPlace,
     /// The sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
 }
@@ -74,6 +76,7 @@ impl TypingHand {
             variables: variables.collect(),
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
+            start: StartPlace::default(),
             is_stiff: false,
         }
         .at_rest()
@@ -104,6 +107,7 @@ impl TypingHand {
             channels: (0..variables.len()).collect(),
             variables,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
+            start: StartPlace::default(),
             is_stiff: false,
         }
         .at_rest()
@@ -138,12 +142,28 @@ impl TypingHand {
     }
 
     /// Returns the hand with the pose of its posture at rest.
-    pub(super) fn at_rest(self) -> Self {
+    pub(super) fn at_rest(mut self) -> Self {
+        let place = self.pose(&self.open_values()).fingertip(FINGER);
+        self.start = StartPlace {
+            own: place,
+            shared: place,
+        };
         let resting_pose = self.pose(&self.rest_values());
         Self {
             resting_pose,
             ..self
         }
+    }
+
+    /// Returns the posture at the start of a layout that is placed by the hand: at rest, with straight fingers.
+    pub(super) fn open_values(&self) -> Vec<f64> {
+        let mut values = self.rest_values();
+        for index in 0..values.len() {
+            if self.finger_of(index).is_some() {
+                values[index] = self.value_near(index, 0.0);
+            }
+        }
+        values
     }
 
     /// Returns the channels of the glove that are in use, in ascending order.
@@ -171,8 +191,13 @@ impl TypingHand {
 
     /// Returns the pose of the hand in a posture.
     pub fn pose(&self, values: &[f64]) -> HandPose {
-        let estimate = Estimate::new(Timestamp(0), self.angles(values));
-        self.arm.forward(&estimate)
+        self.placed(self.angles(values))
+    }
+
+    fn placed(&self, angles: JointAngles) -> HandPose {
+        let mut pose = self.arm.forward(&Estimate::new(Timestamp(0), angles));
+        pose.start = self.start;
+        pose
     }
 
     /// Returns the pose of a hand whose arm rests and whose fingers are half bent.
@@ -182,7 +207,7 @@ impl TypingHand {
         for &dof in Dof::ALL.iter().filter(|dof| dof.finger().is_some()) {
             angles.set(dof, fingers.get(dof));
         }
-        self.arm.forward(&Estimate::new(Timestamp(0), angles))
+        self.placed(angles)
     }
 
     /// Returns the index fingertip in a posture (world, metres); the origin if the arm has none.
@@ -271,16 +296,17 @@ impl TypingHand {
 
     /// Returns the value of a channel of a raised index finger.
     fn raised(&self, index: usize) -> f64 {
+        let first = self.variables[index].mappings.first();
+        let is_knuckle = first.is_some_and(|(dof, _)| *dof == Dof::IndexMcpFlexion);
+        self.value_near(index, if is_knuckle { RAISED } else { 0.0 })
+    }
+
+    /// Returns the value of a channel at which its first angle is as near to `radians` as it can be.
+    fn value_near(&self, index: usize, radians: f64) -> f64 {
         let variable = &self.variables[index];
         let (low, high) = variable.range;
-        let value = variable.mappings.first().map(|(dof, map)| {
-            let radians = if *dof == Dof::IndexMcpFlexion {
-                RAISED
-            } else {
-                0.0
-            };
-            map.apply_inverse(radians)
-        });
+        let first = variable.mappings.first();
+        let value = first.map(|(_, map)| map.apply_inverse(radians));
         value.unwrap_or(variable.rest).clamp(low, high)
     }
 

@@ -98,6 +98,7 @@ impl Args {
             countdown,
             source: Some(source),
             glove,
+            person: None,
             lengths: LengthArgs::default(),
         }
     }

@@ -9,7 +9,7 @@ use crate::kinematics::HandPose;
 /// the wearer, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnchoredFrame {
-    /// The world or a joint.
+    /// The world, a joint, or the place of the hand at the start.
     pub anchor: Anchor,
     /// The pose relative to the position of the anchor, in the world's axes.
     pub anchor_from_frame: Pose,
@@ -18,10 +18,7 @@ pub struct AnchoredFrame {
 impl AnchoredFrame {
     /// Returns its pose in the world for a pose of the hand; `None` if the position of its anchor is unknown.
     pub fn world_from_frame(&self, pose: &HandPose) -> Option<Pose> {
-        let origin = match self.anchor {
-            Anchor::World => Vec3::ZERO,
-            Anchor::Joint(joint) => pose.position(joint)?,
-        };
+        let origin = self.anchor.position(pose, false)?;
         Some(Pose::from_parts(
             origin + self.anchor_from_frame.translation,
             self.anchor_from_frame.rotation,

@@ -87,6 +87,8 @@ struct ScreenPointer {
     axes: ArmAxesState,
     /// A mode that [starts at rest](PointingMode::starts_at_rest) was not at rest since the hand was lost.
     awaits_rest: bool,
+    /// The hand points into the range of the mode, and not beside it.
+    is_in_range: bool,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
 }
@@ -125,6 +127,7 @@ impl ScreenPointer {
                 .map(|output| ValueEmitter::new(settings.target, output, depth_at_rest)),
             axes: ArmAxesState::default(),
             awaits_rest: settings.mode.starts_at_rest(),
+            is_in_range: false,
             time: None,
             settings,
         }
@@ -143,6 +146,7 @@ impl ScreenPointer {
             self.reset(time, out);
             return false;
         };
+        self.is_in_range = aim.is_in_range();
         self.gestures
             .update(hand, &self.settings, seconds, time, out);
         self.move_cursor(aim, seconds, time, out);
@@ -265,6 +269,7 @@ impl ScreenPointer {
         self.gestures.cancel(self.settings.target, time, out);
         self.motion.reset();
         self.awaits_rest = self.settings.mode.starts_at_rest();
+        self.is_in_range = false;
         self.time = None;
         self.dwell = DwellDetector::default();
         self.scroll_remainder = Vec2::ZERO;
@@ -345,5 +350,10 @@ impl VirtualDevice for Pointer {
             fractions: screen.map(|screen| screen.cursor.fractions()),
             in_spaces: self.selector.positions().collect(),
         })
+    }
+    fn is_pointing(&self) -> bool {
+        self.screen
+            .as_ref()
+            .is_some_and(|screen| screen.is_in_range)
     }
 }

@@ -38,6 +38,17 @@ pub(super) enum Aim {
     Posture(HandPosture),
 }
 
+impl Aim {
+    /// Returns whether a position is not at a border, where one that is outside would be too.
+    pub(super) fn is_in_range(self) -> bool {
+        let is_inside = |fraction: f32| 0.0 < fraction && fraction < 1.0;
+        match self {
+            Self::Position(position) => is_inside(position.x) && is_inside(position.y),
+            Self::Velocity(_) | Self::Posture(_) => true,
+        }
+    }
+}
+
 impl PointingMode {
     /// Returns `None` if the hand points nowhere, or if the measurements it needs are unknown.
     pub(super) fn aim(&self, hand: &TrustedHand) -> Option<Aim> {
@@ -55,14 +66,19 @@ impl PointingMode {
         matches!(self, Self::Rate(rate) if rate.displacement == Displacement::Stick)
     }
 
+    /// Returns the frame of the box, rectangle or rest position; `None` for a mode that depends on angles or postures only.
+    pub fn frame(&self) -> Option<&AnchoredFrame> {
+        match self {
+            Self::Joint(_) | Self::Arm(_) => None,
+            Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => {
+                Some(frame)
+            }
+            Self::Rate(rate) => rate.frame(),
+        }
+    }
+
     /// Returns the direction of a push, away from the wearer, in the world.
     pub(super) fn forward(&self) -> Vec3 {
-        match self {
-            Self::Joint(_) | Self::Arm(_) => Vec3::NEG_Z,
-            Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => {
-                frame.forward()
-            }
-            Self::Rate(rate) => rate.frame().map_or(Vec3::NEG_Z, AnchoredFrame::forward),
-        }
+        self.frame().map_or(Vec3::NEG_Z, AnchoredFrame::forward)
     }
 }

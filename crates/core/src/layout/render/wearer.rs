@@ -58,7 +58,10 @@ impl Wearer {
     pub(super) fn has(&self, anchor: Anchor) -> bool {
         match anchor {
             Anchor::World => true,
-            Anchor::Joint(joint) => self.hands.iter().any(|hand| hand.position(joint).is_some()),
+            Anchor::Joint(_) | Anchor::Start => {
+                let mut hands = self.hands.iter();
+                hands.any(|hand| anchor.position(hand, false).is_some())
+            }
         }
     }
 }

@@ -171,6 +171,7 @@ pub(super) fn anchor(anchor: Anchor) -> &'static str {
         Anchor::World => "origin",
         Anchor::Joint(Joint::Wrist) => "wrist",
         Anchor::Joint(_) => "elbow",
+        Anchor::Start => "start",
     }
 }
 

@@ -26,6 +26,8 @@ use watch::Watch;
 
 /// Time for which the hand is clear of all targets at the start and at the end.
 const CLEAR_TIME: Duration = Duration::from_millis(600);
+/// Time for which the open hand is held still at the start: after output is armed, the pipeline watches it for a second.
+const START_TIME: Duration = Duration::from_millis(1600);
 /// Duration of a press and of a lift; also the time for which a tap stays pressed.
 const PRESS_TIME: Duration = Duration::from_millis(70);
 /// Duration of a movement of joints, and of a pinch.
@@ -127,13 +129,21 @@ impl<'a> Planner<'a> {
         if actions.is_empty() {
             return;
         }
-        if self.scene.has_bend_targets() {
+        if self.scene.starts_at_hand() {
+            self.begin_open();
+        } else if self.scene.has_bend_targets() {
             self.begin_straight();
         } else if let Some(point) = actions.iter().find_map(HandAction::target_point) {
             self.start_at(point);
         }
         self.state.home = self.tip();
         self.wait(CLEAR_TIME);
+    }
+
+    /// Starts with an open hand that is held still until the boards are placed.
+    fn begin_open(&mut self) {
+        self.state.values = self.state.hand.open_values();
+        self.wait(START_TIME);
     }
 
     /// Starts above a point, or with the fingers extended if another finger than the index finger presses it.

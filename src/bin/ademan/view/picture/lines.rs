@@ -24,6 +24,9 @@ impl Picture<'_> {
         if let (PipelineState::Paused, None) = (state.state, state.paused_by) {
             words += &straighten(&state.bends);
         }
+        if state.awaits_hand {
+            words += ": hold your hand open for a second";
+        }
         words.push(' ');
         let mut rest = String::new();
         if !left_out.is_empty() {

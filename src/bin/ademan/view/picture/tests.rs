@@ -208,3 +208,18 @@ fn bent_fingers_are_bars_with_their_thresholds_and_are_named_while_output_waits(
     assert!(text.contains("① thumb ▕██░│░░░░▏"), "{text}");
     assert!(text.contains("❷ index ▕███┃██░░▏"), "{text}");
 }
+
+#[test]
+fn a_layout_that_waits_for_an_open_hand_asks_for_it() {
+    let mut view = view("webcam-qwerty");
+    let shown = |view: &View| text(&drawn(view, COLORED, 100, 30));
+    assert!(!shown(&view).contains("hold your hand"));
+    let mut state = ViewState::clone(&view.state);
+    state.awaits_hand = true;
+    view.state = Arc::new(state);
+    let asked = shown(&view);
+    assert!(
+        asked.contains("running: hold your hand open for a second"),
+        "{asked}"
+    );
+}

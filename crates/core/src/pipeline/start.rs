@@ -1,0 +1,209 @@
+//! The place of the hand at the start, from which boards and pointers with the anchor `start` are measured.
+
+use std::time::Duration;
+
+use parry3d::math::Vec3;
+
+use super::{Pipeline, PipelineState};
+use crate::contact::trusted_fingertip;
+use crate::device::Events;
+use crate::hand::Finger;
+use crate::kinematics::{HandPose, StartPlace};
+use crate::time::Timestamp;
+
+/// The time for which the open hand is held still.
+const HOLD: Duration = Duration::from_secs(1);
+
+/// The largest distance of the index fingertip from where it was at first, in metres: the noise of a webcam and the tremor of
+/// a raised hand are less, and a hand that reaches for something is further away after 0.1 s.
+const STILL: f32 = 0.025;
+
+/// The longest gap between two poses of a hand that is held.
+const MAX_GAP: Duration = Duration::from_millis(250);
+
+/// The smallest distance of a fingertip from its knuckle, as a fraction of the length of the finger: a bend of 60° in all.
+const OPEN: f32 = 0.9;
+
+/// Fingers that are extended in an open hand.
+const FINGERS: [Finger; 4] = [Finger::Index, Finger::Middle, Finger::Ring, Finger::Little];
+
+/// Detects an open hand that is held still.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StartDetector(Option<Held>);
+
+/// An open hand since it is still.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    since: Timestamp,
+    last: Timestamp,
+    first: Vec3,
+    sum: Vec3,
+    count: f32,
+}
+
+impl StartDetector {
+    /// Processes the next pose, and returns the mean position of the index fingertip once the hand was held for [`HOLD`].
+    fn update(&mut self, pose: &HandPose) -> Option<Vec3> {
+        let tip = open_fingertip(pose);
+        let Some(tip) = tip.filter(|_| !pose.jumped) else {
+            self.0 = None;
+            return None;
+        };
+        let is_held = |held: &Held| {
+            held.first.distance(tip) <= STILL && pose.time.since(held.last) <= MAX_GAP
+        };
+        let held = self.0.filter(is_held).unwrap_or(Held {
+            since: pose.time,
+            last: pose.time,
+            first: tip,
+            sum: Vec3::ZERO,
+            count: 0.0,
+        });
+        let held = Held {
+            last: pose.time,
+            sum: held.sum + tip,
+            count: held.count + 1.0,
+            ..held
+        };
+        self.0 = Some(held);
+        (pose.time.since(held.since) >= HOLD).then(|| held.sum / held.count)
+    }
+
+    /// Forgets a hand that was held for a while.
+    fn reset(&mut self) {
+        self.0 = None;
+    }
+}
+
+/// Returns the index fingertip of an open hand, or `None` if a finger is bent or not known.
+fn open_fingertip(pose: &HandPose) -> Option<Vec3> {
+    let is_open = |finger: &Finger| is_extended(pose, *finger) == Some(true);
+    let tip = trusted_fingertip(pose, Finger::Index)?;
+    FINGERS.iter().all(is_open).then_some(tip)
+}
+
+/// Returns whether a finger is straight; `None` if it is not known. Joints that the arm model lacks count as straight.
+fn is_extended(pose: &HandPose, finger: Finger) -> Option<bool> {
+    let tip = trusted_fingertip(pose, finger)?;
+    let joints = &finger.joints()[1..];
+    let knuckle = pose.position(*joints.first()?)?;
+    let known = joints.iter().filter_map(|joint| pose.position(*joint));
+    let (length, _) = known.fold((0.0, knuckle), |(length, from), to| {
+        (length + from.distance(to), to)
+    });
+    Some(length > 0.0 && tip.distance(knuckle) >= OPEN * length)
+}
+
+impl Pipeline {
+    /// Returns whether output is enabled and the layout waits for an open hand that is held still.
+    pub fn awaits_start(&self) -> bool {
+        let is_placed = |pose: &HandPose| pose.start.own.is_some();
+        self.state() == PipelineState::Running
+            && self.layout().starts_at_hand()
+            && !self.hands.iter().any(|hand| is_placed(&hand.output.pose))
+    }
+
+    /// Puts what is anchored at the start where the open hand was held still. While something is pressed, nothing is placed.
+    pub(super) fn place_at_start(&mut self, index: usize, events: &mut Events) {
+        let layout = &self.profiles[self.active_profile].layout;
+        if !layout.starts_at_hand() {
+            return;
+        }
+        let is_ready = self.state() == PipelineState::Running && !layout.is_in_use();
+        let hand = &mut self.hands[index];
+        if !is_ready || !hand.output.estimate.is_placed || hand.output.pose.start.own.is_some() {
+            hand.start.reset();
+            return;
+        }
+        let Some(place) = hand.start.update(&hand.output.pose) else {
+            return;
+        };
+        hand.start.reset();
+        // Pointers and fingertips start anew in what has just appeared around them.
+        self.release_all(self.time, events);
+        let start = &mut self.hands[index].output.pose.start;
+        start.own = Some(place);
+        for hand in &mut self.hands {
+            hand.output.pose.start.shared.get_or_insert(place);
+        }
+    }
+
+    /// Releases everything and takes away what is anchored at the start, until an open hand is held still again.
+    pub(super) fn place_again(&mut self, events: &mut Events) {
+        self.release_all(self.time, events);
+        for hand in &mut self.hands {
+            hand.output.pose.start = StartPlace::default();
+            hand.start.reset();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::Pose;
+
+    use super::*;
+    use crate::hand::Side;
+
+    /// A hand whose fingers point up, each with bones of 40, 30 and 20 mm; the last two are bent by `bend` radians.
+    fn hand(time_ms: u64, place: Vec3, bend: f32) -> HandPose {
+        let mut pose = HandPose::new(Timestamp(time_ms * 1000), Side::Right, 0.005);
+        for (number, finger) in FINGERS.into_iter().enumerate() {
+            let mut position = place + Vec3::X * 0.02 * number as f32 - Vec3::Y * 0.09;
+            let mut angle = 0.0_f32;
+            let joints = finger.joints()[1..].iter();
+            for (joint, (length, turn)) in
+                joints.zip([(0.0, 0.0), (0.04, 0.0), (0.03, bend), (0.02, bend)])
+            {
+                angle += turn;
+                position += Vec3::new(0.0, angle.cos(), -angle.sin()) * length;
+                pose.set(*joint, Pose::from_translation(position));
+            }
+        }
+        pose
+    }
+
+    fn found(poses: impl IntoIterator<Item = HandPose>) -> Option<(Timestamp, Vec3)> {
+        let mut detector = StartDetector::default();
+        let mut poses = poses.into_iter();
+        poses.find_map(|pose| Some((pose.time, detector.update(&pose)?)))
+    }
+
+    #[test]
+    fn an_open_hand_that_is_still_for_a_second_has_the_mean_place_of_its_index_fingertip() {
+        let place = |frame: u64| Vec3::new(0.1 + 0.01 * (frame % 2) as f32, 0.2, -0.4);
+        let poses = (0..40).map(|frame| hand(33 * frame, place(frame), 0.1));
+        let (time, found) = found(poses).expect("it is still");
+        assert_eq!(time, Timestamp(31 * 33_000));
+        let expected = Vec3::new(0.105, 0.2, -0.4);
+        assert!(found.distance(expected) < 0.003, "{found}");
+    }
+
+    #[test]
+    fn a_hand_that_moves_jumps_is_lost_or_is_closed_has_no_place() {
+        let still = Vec3::new(0.1, 0.2, -0.4);
+        let open = |frame: u64| hand(33 * frame, still, 0.1);
+        let moving = |frame: u64| hand(33 * frame, still + Vec3::X * 0.002 * frame as f32, 0.1);
+        assert_eq!(found((0..90).map(moving)), None);
+        assert_eq!(
+            found((0..90).map(|frame| hand(33 * frame, still, 0.8))),
+            None
+        );
+        let jumping = |frame: u64| {
+            let mut pose = open(frame);
+            pose.jumped = frame.is_multiple_of(20);
+            pose
+        };
+        assert_eq!(found((0..90).map(jumping)), None);
+        let lost = (0..90).filter(|frame| frame % 30 < 20).map(open);
+        assert_eq!(found(lost), None);
+        let untrusted = |frame: u64| {
+            let mut pose = open(frame);
+            if frame % 25 == 0 {
+                pose.untrusted = pose.untrusted.with(Finger::Ring);
+            }
+            pose
+        };
+        assert_eq!(found((0..90).map(untrusted)), None);
+    }
+}
