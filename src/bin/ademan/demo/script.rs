@@ -23,6 +23,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "space"
     "switches"
     "touch-pad"
+    "webcam-mouse"
     "workshop"
 };
 
