@@ -34,6 +34,7 @@ macro_rules! subcommands {
 
 mod arm;
 mod body;
+mod bridge;
 mod calibrate;
 mod complete;
 mod completions;
@@ -83,6 +84,7 @@ mod usage;
 mod view;
 mod watch;
 mod watchdog;
+mod webcam;
 
 use std::process::ExitCode;
 
@@ -107,6 +109,7 @@ struct Cli {
 subcommands! {
     Demo(demo),
     Run(run),
+    Webcam(webcam),
     Share(share),
     Studio(studio),
     Watch(watch),
@@ -120,6 +123,7 @@ subcommands! {
     Trace(trace),
     Delay(delay),
     Layout(layout),
+    Bridge(bridge),
     Sources(sources),
     Outputs(outputs),
     Layouts(layouts),
