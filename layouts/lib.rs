@@ -29,6 +29,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/qwerty-two-flat"
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
+    "keyboards/webcam-qwerty"
     "panels/game"
     "panels/media"
     "panels/switches"
@@ -44,4 +45,5 @@ pub const FILES: &[(&str, &str)] = files! {
     "pointers/rate"
     "pointers/ray"
     "pointers/space"
+    "pointers/webcam-mouse"
 };

@@ -69,6 +69,8 @@ mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;
+#[cfg(unix)]
+mod webcam;
 mod writes;
 mod wrong_use;
 #[cfg(all(unix, feature = "zenoh"))]

@@ -48,6 +48,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "qwerty-two-flat",
             "qwertz-flat",
             "spanish-flat",
+            "webcam-qwerty",
             "game",
             "media",
             "switches",
@@ -61,6 +62,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "rate",
             "ray",
             "space",
+            "webcam-mouse",
         ]
     );
     for (name, layout) in &shipped {

@@ -32,6 +32,7 @@ mod recorded_landmarks;
 mod rig;
 mod scenarios;
 mod scripts;
+mod start;
 mod stops;
 mod taps;
 mod tours;

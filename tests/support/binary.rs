@@ -12,7 +12,7 @@ pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command
     let mut command = Command::new(program);
     let mut arguments = arguments.into_iter().peekable();
     let may_type = arguments.peek().is_some_and(|first| {
-        let commands = ["run", "replay", "demo"];
+        let commands = ["run", "webcam", "replay", "demo"];
         commands.iter().any(|command| first.as_ref() == *command)
     });
     command.args(arguments);

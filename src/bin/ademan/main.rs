@@ -34,6 +34,7 @@ macro_rules! subcommands {
 
 mod arm;
 mod body;
+mod bridge;
 mod calibrate;
 mod cameras;
 mod complete;
@@ -88,6 +89,7 @@ mod usage;
 mod view;
 mod watch;
 mod watchdog;
+mod webcam;
 
 use std::process::ExitCode;
 
@@ -114,6 +116,7 @@ subcommands! {
     Start(start),
     Practice(practice),
     Run(run),
+    Webcam(webcam),
     Share(share),
     Studio(studio),
     Watch(watch),
@@ -128,6 +131,7 @@ subcommands! {
     Trace(trace),
     Delay(delay),
     Layout(layout),
+    Bridge(bridge),
     Sources(sources),
     Outputs(outputs),
     Layouts(layouts),

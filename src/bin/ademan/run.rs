@@ -69,6 +69,15 @@ pub struct Args {
     view: Option<ViewKind>,
 }
 
+impl Args {
+    /// Sets the source if none is named, which must be standard input, and the layout unless a layout or a setup is named.
+    pub fn with_defaults(mut self, source: &str, layout: &str) -> Result<Self, Failure> {
+        let layout = self.setup.is_none().then_some(layout);
+        self.flags.default_to(source, layout)?;
+        Ok(self)
+    }
+}
+
 pub fn run(args: Args) -> Result<(), Failure> {
     args.root.check(true)?;
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;

@@ -68,6 +68,25 @@ impl SetupArgs {
         }
     }
 
+    /// Sets a source on standard input, and a layout, if none is named.
+    pub fn default_to(&mut self, source: &str, layout: Option<&str>) -> Result<(), Failure> {
+        match &self.source {
+            None => {
+                let source = source.parse();
+                self.source = Some(source.expect("the source of a command is valid"));
+            }
+            Some(named) if named.to_string().starts_with("stdin:") => {}
+            Some(other) => {
+                return Err(Failure::wrong_use(format!(
+                    "the source is the camera, not `{}`; `--source` may only set options: `{source}&swap_hands=yes`",
+                    escape(&other.to_string())
+                )));
+            }
+        }
+        self.layout = self.layout.take().or(layout.map(str::to_owned));
+        Ok(())
+    }
+
     /// Reads a setup file and applies the flags. Without a file, it is `setup.ron` in the configuration folder if there is one.
     pub fn read_setup(&self, file: Option<&str>) -> Result<Setup, Failure> {
         let own = files::in_config_folder(OWN_SETUP);

@@ -34,6 +34,7 @@ mod service_manager;
 mod sink;
 mod system_chords;
 mod text;
+mod webcam;
 mod xev;
 
 use std::time::{Duration, Instant};

@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(found(lost), None);
         let untrusted = |frame: u64| {
             let mut pose = open(frame);
-            if frame % 25 == 0 {
+            if frame.is_multiple_of(25) {
                 pose.untrusted = pose.untrusted.with(Finger::Ring);
             }
             pose

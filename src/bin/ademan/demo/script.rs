@@ -24,6 +24,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "space"
     "switches"
     "touch-pad"
+    "webcam-mouse"
     "workshop"
 };
 
