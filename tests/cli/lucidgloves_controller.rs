@@ -4,6 +4,7 @@
 
 use std::io::Write;
 use std::process::Stdio;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
@@ -57,7 +58,10 @@ impl Inputs {
 /// The program with a glove on a serial line.
 struct Run {
     inputs: Arc<Mutex<Inputs>>,
+    /// Number of lines sent.
+    lines: Arc<AtomicU64>,
     events: Receiver<String>,
+    messages: Receiver<String>,
     _program: Process,
     _port: TTYPort,
     _folder: tempfile::TempDir,
@@ -81,13 +85,17 @@ impl Run {
         };
         master.set_timeout(TIMEOUT).expect("a time-out");
         let inputs = Arc::new(Mutex::new(first));
-        let sent = inputs.clone();
+        let lines = Arc::new(AtomicU64::new(0));
+        let (sent, count) = (inputs.clone(), lines.clone());
         thread::spawn(move || {
             for index in 0.. {
                 let inputs = sent.lock().expect("no panic").clone();
                 let line = inputs.line(index);
-                if !inputs.is_mute && master.write_all(line.as_bytes()).is_err() {
-                    return;
+                if !inputs.is_mute {
+                    if master.write_all(line.as_bytes()).is_err() {
+                        return;
+                    }
+                    count.fetch_add(1, Ordering::Relaxed);
                 }
                 thread::sleep(PERIOD);
             }
@@ -99,23 +107,35 @@ impl Run {
         let mut program = Process::start(&mut command).expect("it starts");
         let events = line_receiver(program.0.stdout.take().expect("it is piped"));
         let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
-        loop {
-            let message = messages.recv_timeout(TIMEOUT).expect("it is armed");
-            if message == ARMED {
-                break;
-            }
-        }
-        Self {
+        let run = Self {
             inputs,
+            lines,
             events,
+            messages,
             _program: program,
             _port: port,
             _folder: folder,
-        }
+        };
+        run.wait_until_armed();
+        run
     }
 
     fn set(&self, inputs: Inputs) {
         *self.inputs.lock().expect("no panic") = inputs;
+    }
+
+    /// Waits until the output is armed, at the start or after a loss.
+    fn wait_until_armed(&self) {
+        let next = || self.messages.recv_timeout(TIMEOUT).expect("it is armed");
+        while next() != ARMED {}
+    }
+
+    /// Waits until some lines with the present inputs were sent.
+    fn hold(&self) {
+        let end = self.lines.load(Ordering::Relaxed) + 10;
+        while self.lines.load(Ordering::Relaxed) < end {
+            thread::sleep(PERIOD);
+        }
     }
 
     /// Waits for the next press, release, motion or scrolling.
@@ -147,9 +167,7 @@ impl Run {
             ..others.clone()
         });
         let before = self.until("down MouseRight");
-        for _ in 0..3 {
-            thread::sleep(10 * PERIOD);
-        }
+        self.hold();
         self.set(others);
         (before, self.until("up MouseRight"))
     }
@@ -213,6 +231,8 @@ fn the_trigger_and_the_buttons_press_until_they_are_released_or_the_glove_is_los
     });
     assert_eq!(run.next(), "up MouseLeft");
     // A trigger that is still pulled presses nothing again.
+    run.set(pulled.clone());
+    run.wait_until_armed();
     let (before, _) = run.moves_at_rest(pulled.clone());
     assert_eq!(before, [""; 0]);
     run.set(REST_INPUTS);
@@ -250,13 +270,13 @@ fn the_stick_scrolls_and_presses_arrow_keys_while_a_button_is_held() {
     ];
     for ((x, y), key) in arrows {
         // Wait until the stick was seen at rest while the button is held.
-        thread::sleep(10 * PERIOD);
+        run.hold();
         run.set(stick(x, y));
         assert_eq!(run.next(), format!("down {key}"));
         run.set(menu.clone());
         assert_eq!(run.next(), format!("up {key}"));
     }
-    thread::sleep(10 * PERIOD);
+    run.hold();
     run.set(stick(1.0, 0.0));
     assert_eq!(run.next(), "down ArrowRight");
     run.set(Inputs {

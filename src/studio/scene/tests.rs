@@ -183,7 +183,7 @@ fn an_arm_that_passes_the_eye_fades_out_and_the_hand_before_it_stays() {
     let along = (tip - elbow).normalize();
     camera.target = tip;
     camera.azimuth = (-along.x).atan2(-along.z);
-    camera.elevation = 0.3;
+    camera.elevation = 0.5;
     camera.distance = 0.8 * tip.distance(wrist) + 0.4 * wrist.distance(elbow);
     assert!(camera.project(elbow, SIZE).is_none(), "behind the eye");
     let picture = picture(&model, &camera);
