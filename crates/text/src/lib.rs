@@ -39,6 +39,12 @@
 //!
 //! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis
 //! is judged by the likeliest word that it can become.
+//!
+//! # Time and memory
+//!
+//! A tap takes 46 µs (median) at 3 mm of scatter and 285 µs at 10 mm with missed and spurious taps, 0.36 to 1.7 of a search for the
+//! nearest word of the same length in the flat list, in the same run (`benches/taps.rs`). A model is checked in 1.1 ms. A tap allocates
+//! nothing. A decoder has about 3 MB for hypotheses and their characters.
 
 pub mod logarithm;
 pub mod model;
