@@ -284,11 +284,11 @@ fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_ha
     assert_eq!(moves(&mut person), 0);
 }
 
+/// The name of a control and the way to it.
+type Nearest = (String, [f32; 3]);
+
 /// Returns the time at which a hand is found to reach nothing, and the name and way of what is nearest.
-fn unreached(
-    person: &mut Person,
-    seconds: Range<u32>,
-) -> Option<(u32, Option<(String, [f32; 3])>)> {
+fn unreached(person: &mut Person, seconds: Range<u32>) -> Option<(u32, Option<Nearest>)> {
     for second in seconds {
         let x = if second % 2 == 0 { 0.08 } else { 0.0 };
         person.go(1.0, PLACE + DVec3::X * x);

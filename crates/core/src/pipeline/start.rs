@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn an_open_hand_that_is_still_for_a_second_has_the_mean_place_of_its_index_fingertip() {
         let place = |frame: u64| Vec3::new(0.1 + 0.01 * (frame % 2) as f32, 0.2, -0.4);
-        let poses = (0..40).map(|frame| hand(33 * frame, place(frame), 0.1));
+        let poses = (0..40).map(|frame| hand(33 * frame, place(frame), 0.0));
         let (time, found) = found(poses).expect("it is still");
         assert_eq!(time, Timestamp(31 * 33_000));
         let expected = Vec3::new(0.105, 0.2, -0.4);

@@ -158,9 +158,9 @@ impl TypingHand {
     /// Returns the posture at the start of a layout that is placed by the hand: at rest, with straight fingers.
     pub(super) fn open_values(&self) -> Vec<f64> {
         let mut values = self.rest_values();
-        for index in 0..values.len() {
+        for (index, value) in values.iter_mut().enumerate() {
             if self.finger_of(index).is_some() {
-                values[index] = self.value_near(index, 0.0);
+                *value = self.value_near(index, 0.0);
             }
         }
         values
