@@ -133,7 +133,7 @@ schema! {
     #[derive(Clone, Copy, Debug, Default, Deserialize)]
     #[serde(rename = "Tremor", deny_unknown_fields)]
     pub(super) struct TremorSchema {
-        /// Amplitude at the fingertips; 0.05 in healthy hands (Arch Neurol 1982;39:358, 97 people).
+        /// Largest amplitude at the fingertips, bent fingers move less; 0.05 in healthy hands (Arch Neurol 1982;39:358, 97 people).
         #[serde(default)]
         pub amplitude_mm: Option<TremorAmplitude>,
         /// Frequency; 7 is usual in healthy hands (the same source), 4 to 6 in a resting tremor ?.
