@@ -218,7 +218,7 @@ pub const FAULTS: &[Fault] = &[
             "tests/pipeline/tracked_hands.rs",
             "a_hand_that_is_not_seen_releases_its_key_after_the_hold_time_and_the_other_hand_goes_on",
         ),
-        ("tests/pipeline/joint_positions.rs", "a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading"),
+        ("tests/pipeline/joint_positions.rs", "a_finger_that_leaves_the_view_for_two_readings_releases_its_key"),
         (
             "crates/core/src/estimate/samples/joints.rs",
             "a_hidden_tip_is_untrusted_and_a_hidden_elbow_distrusts_the_hand_after_200_ms",

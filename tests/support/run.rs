@@ -132,6 +132,8 @@ impl Run {
 
     /// Presses the key H.
     pub fn press(&self) {
+        // A person needs longer than the debounce time of the keys to press again.
+        std::thread::sleep(Duration::from_millis(60));
         *self.posture.lock().expect("no panic while it is locked") = self.down;
     }
 

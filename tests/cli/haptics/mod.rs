@@ -88,6 +88,8 @@ impl Run {
     }
 
     fn press(&self) {
+        // Longer than the debounce time of the keys.
+        std::thread::sleep(Duration::from_millis(60));
         self.glove.curl(Finger::Ring, PRESSED);
         assert_eq!(next_event(&self.events), "down A");
     }

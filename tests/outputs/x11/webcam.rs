@@ -81,7 +81,7 @@ fn a_hand_in_front_of_a_webcam_moves_clicks_and_drags_and_rests_as_a_fist() {
 fn a_hand_in_front_of_a_webcam_types_into_a_terminal() {
     let folder = tempfile::tempdir().expect("a folder");
     // H and I on the board.
-    let Some(film) = film(&folder, &["type", "13,0", "65,26"]) else {
+    let Some(film) = film(&folder, &["type", "12,0", "60,24"]) else {
         return;
     };
     let mut last = Vec::new();
