@@ -311,6 +311,32 @@ fn a_jumping_fingertip_is_untrusted_until_three_readings_agree() {
 }
 
 #[test]
+fn a_hand_that_turns_fast_at_the_wrist_is_trusted() {
+    let Sample::Joints { positions } = reading(1, 0.0).sample else {
+        unreachable!("the reading has joint positions");
+    };
+    let wrist = positions.get(Joint::Wrist).expect("a wrist");
+    let mut estimator = Estimator::new(EstimatorSettings::default());
+    // 20 rad/s at 120 readings a second, half a turn forth and back.
+    for index in 1..=60_u32 {
+        let angle = (f64::from(index) / 120.0 * 20.0).sin();
+        let turn = DQuat::from_rotation_y(angle);
+        let mut turned = JointPositions::default();
+        for (joint, position) in positions.known() {
+            let is_hand = joint > Joint::Wrist;
+            let moved = wrist + turn * (position - wrist);
+            turned.set(joint, if is_hand { moved } else { position });
+        }
+        let reading = reading_at(Timestamp(u64::from(index) * 8_333), turned);
+        let estimate = estimator.update(&reading);
+        assert!(
+            estimate.is_ok_and(|estimate| estimate.untrusted.is_empty()),
+            "reading {index}"
+        );
+    }
+}
+
+#[test]
 fn noise_of_measured_joints_and_a_shorter_straight_finger_reject_nothing() {
     let mut random = fastrand::Rng::with_seed(5);
     let mut estimator = Estimator::new(EstimatorSettings::default());

@@ -1,12 +1,18 @@
 //! Plausibility of measured fingertips: the way of each from one reading to the next.
 
+use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
 use super::{Estimate, MeasuredJoints};
 use crate::hand::{Finger, FingerSet, Joint};
 
-/// The distance of a fingertip from its knuckle, in metres: what turns the speed of a joint into the speed of a fingertip.
+/// The distances of a fingertip from its knuckle and from the wrist, in metres: what turns the speed of a joint into the speed of
+/// a fingertip.
 const FINGER_LENGTH: f64 = 0.09;
+const HAND_LENGTH: f64 = 0.2;
+
+/// The fewest fingertips whose common movement is taken for that of the hand.
+const MIN_TIPS_OF_HAND: usize = 3;
 
 /// The positions of the measured fingertips, in metres.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,26 +53,50 @@ impl Tips {
         self.known.contains(finger).then(|| self.at[finger.index()])
     }
 
-    /// Returns the fingers of a later reading that are further away than a finger moves while a joint turns by `rotation`
-    /// radians.
+    /// Returns the fingers of a later reading that moved further against the hand than a finger does while a joint turns by
+    /// `rotation` radians.
     pub(super) fn out_of_reach(&self, later: &Self, rotation: f64) -> FingerSet {
+        let moves = self.moves(later);
+        let hand = median(&moves);
         let reach = (rotation * FINGER_LENGTH) as f32;
-        let is_beyond = |finger: Finger| match (self.get(finger), later.get(finger)) {
-            (Some(before), Some(now)) => before.distance(now) > reach,
-            _ => false,
-        };
-        let beyond = Finger::ALL.iter().filter(|&&finger| is_beyond(finger));
-        beyond.fold(FingerSet::NONE, |fingers, &finger| fingers.with(finger))
+        let beyond = moves
+            .iter()
+            .filter(|(_, moved)| (*moved - hand).length() > reach);
+        beyond.fold(FingerSet::NONE, |fingers, &(finger, _)| {
+            fingers.with(finger)
+        })
     }
 
-    /// Returns whether every fingertip that both readings have is out of reach: a tracker has taken another hand for this one.
+    /// Returns whether every fingertip that both readings have moved further than a hand does while a joint turns by `rotation`
+    /// radians: a tracker has taken another hand for this one.
     pub(super) fn are_all_out_of_reach(&self, later: &Self, rotation: f64) -> bool {
-        let beyond = self.out_of_reach(later, rotation);
-        let is_shared =
-            |finger: Finger| self.known.contains(finger) && later.known.contains(finger);
-        let mut shared = Finger::ALL.iter().filter(|&&finger| is_shared(finger));
-        !beyond.is_empty() && shared.all(|&finger| beyond.contains(finger))
+        let reach = (rotation * HAND_LENGTH) as f32;
+        let moves = self.moves(later);
+        !moves.is_empty() && moves.iter().all(|(_, moved)| moved.length() > reach)
     }
+
+    /// Returns the movements of the fingertips that both readings have.
+    fn moves(&self, later: &Self) -> Moves {
+        let moved = |&finger: &Finger| Some((finger, later.get(finger)? - self.get(finger)?));
+        Finger::ALL.iter().filter_map(moved).collect()
+    }
+}
+
+/// The movements of fingertips, in metres.
+type Moves = ArrayVec<(Finger, Vec3), { Finger::COUNT }>;
+
+/// Returns the median of movements along each axis, or no movement if there are too few.
+fn median(moves: &Moves) -> Vec3 {
+    if moves.len() < MIN_TIPS_OF_HAND {
+        return Vec3::ZERO;
+    }
+    let along = |axis: usize| {
+        let mut values: ArrayVec<f32, { Finger::COUNT }> =
+            moves.iter().map(|(_, moved)| moved[axis]).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        values[values.len() / 2]
+    };
+    Vec3::new(along(0), along(1), along(2))
 }
 
 /// The last plausible place of each fingertip, and the implausible places that may prove right.

@@ -2,7 +2,6 @@
 
 use ademan::capture::SampleKind;
 use ademan::capture::protocol::PositionNoise;
-use ademan::document::shipped_layouts;
 use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::setup::Setup;
@@ -14,8 +13,8 @@ use crate::failure::Failure;
 const KEYBOARD: &str = "qwerty-flat";
 const CHORDS: &str = "chords-bend";
 
-/// The layout of a webcam, if this version has one.
-const WEBCAM: &str = "webcam";
+/// The keyboard that starts where the hand is, for cameras.
+const WEBCAM: &str = "webcam-qwerty";
 
 /// The layout of a source that measures the movement of the arm only.
 const ARM: &str = "arm-6dof";
@@ -48,8 +47,7 @@ pub fn propose(setup: &Setup) -> Result<String, Failure> {
         _ if noise == Some(PositionNoise::Landmarks) => &[WEBCAM, CHORDS],
         _ => &[KEYBOARD, CHORDS],
     };
-    let is_shipped = |name: &str| shipped_layouts().any(|shipped| shipped == name);
-    for candidate in candidates.iter().filter(|name| is_shipped(name)) {
+    for candidate in candidates {
         let setup = Setup {
             layout: (*candidate).to_owned(),
             ..setup.clone()
@@ -83,7 +81,7 @@ mod tests {
         let curls = "serial:/dev/ttyUSB0?protocol=lucidgloves";
         assert_eq!(proposal(curls, None), CHORDS);
         let webcam = proposal("udp:127.0.0.1:9000?protocol=hand-landmarks", None);
-        assert!([WEBCAM, CHORDS].contains(&&*webcam), "{webcam}");
+        assert_eq!(webcam, WEBCAM);
         assert_eq!(proposal("udp:127.0.0.1:4242?protocol=opentrack", None), ARM);
     }
 }

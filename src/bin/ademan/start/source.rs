@@ -84,9 +84,7 @@ fn propose_without_device(has_no_port: bool) {
         false => println!("no port has a known device"),
     }
     if Path::new(CAMERA).exists() {
-        println!(
-            "a camera is there, which can follow your hand:\n  python3 examples/bridges/mediapipe_webcam.py hand_landmarker.task | ademan run --source 'stdin:?protocol=hand-landmarks' --layout chords-bend\n  (docs/sources.md describes the model file that it needs)"
-        );
+        println!("a camera is there, which can follow your hand: ademan webcam");
     }
     println!("a simulated hand types instead, so that you see what happens");
 }
