@@ -160,8 +160,10 @@ fn keys_are_seen_through_the_hand_unless_it_is_to_be_opaque() {
         ("qwerty-flat", true, 255),
         ("direct", false, 255),
     ] {
-        let (model, camera) = scene(layout);
+        let (model, mut camera) = scene(layout);
         let model = with_hand(model, &[]);
+        let points = points_of_interest(&model);
+        camera.frame(&points, 0.0, Viewpoint::Eye, SIZE.x / SIZE.y);
         let options = SceneOptions {
             opaque,
             ..SceneOptions::default()
