@@ -86,7 +86,7 @@ mod tests {
         for &pose in CalibrationPose::GUIDED {
             for viewpoint in [Viewpoint::Above, Viewpoint::Below, Viewpoint::Side] {
                 let image = draw(pose, viewpoint);
-                let opaque = image.pixels.iter().filter(|color| color.0[3] == 255);
+                let opaque = image.pixels.iter().filter(|color| color.0[3] > 250);
                 let count = opaque.count();
                 assert!(count > 4_000, "{pose} {viewpoint:?}: {count} pixels");
             }

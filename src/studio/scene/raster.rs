@@ -15,11 +15,8 @@ const MAX_PIXELS: f32 = 800_000.0;
 /// Distance up to which the surfaces of two limbs that grow together blend, in metres.
 const SEAM: f32 = 0.004;
 
-/// The smallest opacity of a surface that is drawn.
+/// The smallest opacity of a surface that hides what is behind it.
 const MIN_OPACITY: f32 = 0.02;
-
-/// The opacity from which on nothing is seen through a surface.
-const OPAQUE: f32 = 0.995;
 
 /// A corner of a surface.
 #[derive(Clone, Copy, Debug)]
@@ -138,13 +135,8 @@ impl Buffer {
             true => (1.0 / old - 1.0 / nearness).abs() / SEAM,
             false => 1.0,
         };
-        let opacity = mean(|corner| corner.opacity);
-        // The weights add up to 1 but for rounding.
-        let opacity = if opacity > OPAQUE { 1.0 } else { opacity };
-        let old_opacity = f32::from(old_color.0[3]) / 255.0;
-        let is_hidden = nearness <= old && gap >= 1.0;
-        let is_seen_through = is_other && old_opacity < OPAQUE;
-        if is_hidden && !is_seen_through || opacity < MIN_OPACITY {
+        let opacity = mean(|corner| corner.opacity).clamp(0.0, 1.0);
+        if nearness <= old && gap >= 1.0 || opacity < MIN_OPACITY {
             return;
         }
         let channel = |channel: usize| {
@@ -154,12 +146,7 @@ impl Buffer {
         };
         let own = Color([channel(0), channel(1), channel(2), 255]);
         let share = 0.5 + 0.5 * gap.min(1.0);
-        if is_hidden {
-            let both = old_opacity + opacity * (1.0 - old_opacity);
-            let mixed = own.mix(old_color, old_opacity / both);
-            self.colors[index] = mixed.with_opacity(both);
-            return;
-        }
+        let old_opacity = f32::from(old_color.0[3]) / 255.0;
         if nearness <= old {
             let mixed = own.mix(old_color, share);
             self.colors[index] = mixed.with_opacity(old_opacity);
@@ -268,13 +255,14 @@ mod tests {
             surfaces.into_iter().for_each(|corners| mesh.add(corners));
             let image = mesh.draw(SIZE, 1.0).expect("an image");
             assert_eq!(color(&image, 3.0, 3.0), RED.with_opacity(0.5));
-            let other = draw(&surfaces, 1.0);
-            let Color([red, _, blue, opacity]) = color(&other, 3.0, 3.0);
-            assert!(
-                red > 80 && blue > 80 && opacity > 253,
-                "{red} {blue} {opacity}"
-            );
         }
+        // Another limb that was drawn before is seen.
+        let other = draw(&[far, near], 1.0);
+        let Color([red, _, blue, opacity]) = color(&other, 3.0, 3.0);
+        assert!(
+            red > 80 && blue > 80 && opacity > 253,
+            "{red} {blue} {opacity}"
+        );
     }
 
     #[test]

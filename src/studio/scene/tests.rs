@@ -219,7 +219,12 @@ fn the_skin_of_a_bent_finger_has_no_hole() {
                 for step in 0..=20 {
                     let point = from.lerp(to, step as f32 / 20.0);
                     let opacity = opacity_at(&picture, &camera, point);
-                    assert_eq!(opacity, 255, "{bend}° {viewpoint:?} {:?} {step}", pair[0]);
+                    // But for rounding.
+                    assert!(
+                        opacity > 250,
+                        "{bend}° {viewpoint:?} {:?} {step}: {opacity}",
+                        pair[0]
+                    );
                 }
             }
         }
