@@ -26,12 +26,13 @@ use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
 use crate::files::OpenDocument;
 use crate::hand::Side;
+use crate::layout::Layout;
 use crate::message::escape_line;
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
 
-/// The gloves of a setup that names none: that of the right hand, and that of the left hand.
+/// The gloves of a setup that names none, for the right hand and for the left hand.
 const DEFAULT_GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
 /// As [`DEFAULT_GLOVES`], for sources that speak the protocol of LucidGloves.
 const DEFAULT_LUCIDGLOVES: [&str; 2] = ["lucidgloves", "lucidgloves-left"];
@@ -303,15 +304,11 @@ impl Setup {
 
     /// Returns the setup with simulated gloves that have a stick and buttons, the first one for a hand of `side`.
     fn with_simulated_inputs(self, side: Side) -> Self {
-        let mut names = DEFAULT_LUCIDGLOVES.map(|name| Some(name.to_owned()));
-        if side == Side::Left {
-            names.reverse();
-        }
-        let [first, other] = names;
+        let glove = |side| Some(of_side(DEFAULT_LUCIDGLOVES, side).to_owned());
         Self {
-            glove: first,
+            glove: glove(side),
             other_hand: self.other_hand.map(|hand| OtherHand {
-                glove: hand.glove.or(other),
+                glove: hand.glove.or(glove(side.opposite())),
                 ..hand
             }),
             ..self
@@ -344,14 +341,27 @@ fn glove_name<'a>(
     side: Side,
 ) -> Option<&'a str> {
     let protocol = source.and_then(SourceUri::protocol);
-    let [right, left] = match protocol == Some(&lucidgloves::PROTOCOL) {
+    let defaults = match protocol == Some(&lucidgloves::PROTOCOL) {
         true => DEFAULT_LUCIDGLOVES,
         false => DEFAULT_GLOVES,
     };
-    let default = match side {
+    let needs_glove = source.is_none_or(SourceUri::needs_glove);
+    let default = needs_glove.then(|| of_side(defaults, side));
+    glove.as_deref().or(default)
+}
+
+/// Returns the name of the glove that a simulated hand wears for a layout, if nothing names one.
+pub fn simulated_glove(layout: &Layout, side: Side) -> &'static str {
+    let gloves = match layout.uses_inputs() {
+        true => DEFAULT_LUCIDGLOVES,
+        false => DEFAULT_GLOVES,
+    };
+    of_side(gloves, side)
+}
+
+fn of_side([right, left]: [&'static str; 2], side: Side) -> &'static str {
+    match side {
         Side::Right => right,
         Side::Left => left,
-    };
-    let needs_glove = source.is_none_or(SourceUri::needs_glove);
-    glove.as_deref().or(needs_glove.then_some(default))
+    }
 }

@@ -1,10 +1,12 @@
 //! Cameras are calibrated by a wand, and what they see is read as markers.
 
+use std::path::Path;
+
 use ademan::cameras::{Camera, CamerasFile, CamerasFormat};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use serde_json::json;
 
-use crate::{file, run, text};
+use crate::{Ended, file, run, text};
 
 /// Cameras around a volume of two metres that look at its middle.
 fn room() -> Vec<Camera> {
@@ -48,6 +50,21 @@ fn wand_lines(cameras: &[Camera]) -> Vec<String> {
         .collect()
 }
 
+/// Calibrates cameras by what they see of a wand of half a metre.
+fn calibrate(wand: &str, output: &Path) -> Ended {
+    run([
+        "cameras",
+        "calibrate",
+        wand,
+        "--wand",
+        "500",
+        "--size",
+        "1280x720",
+        "--output",
+        text(output),
+    ])
+}
+
 #[test]
 fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
     let folder = tempfile::tempdir().unwrap();
@@ -58,17 +75,7 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
         ("cameras.toml", CamerasFormat::Toml),
     ] {
         let path = folder.path().join(name);
-        let arguments = [
-            "cameras",
-            "calibrate",
-            &wand,
-            "--wand",
-            "500",
-            "--size",
-            "1280x720",
-        ];
-        let options = ["--output", text(&path)];
-        let calibrated = run(arguments.into_iter().chain(options)).done();
+        let calibrated = calibrate(&wand, &path).done();
         assert!(
             calibrated.err.contains("cam2: 160 marks, median error 0.0"),
             "{}",
@@ -99,17 +106,7 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
         assert!((found - expected).abs() < 1e-3, "{found} {expected}");
     }
     let path = folder.path().join("cameras.ron");
-    let again = run([
-        "cameras",
-        "calibrate",
-        &wand,
-        "--wand",
-        "500",
-        "--size",
-        "1280x720",
-        "--output",
-        text(&path),
-    ]);
+    let again = calibrate(&wand, &path);
     assert_eq!(again.code, Some(2));
     assert!(again.err.contains("the file exists"), "{}", again.err);
 }
@@ -121,17 +118,7 @@ fn a_camera_that_never_sees_the_wand_with_another_one_is_named() {
     let (both, alone) = (wand_lines(&cameras[..2]), wand_lines(&cameras[2..]));
     let wand = file(&folder, "wand.jsonl", [both, alone].concat().join("\n"));
     let path = folder.path().join("cameras.ron");
-    let ended = run([
-        "cameras",
-        "calibrate",
-        &wand,
-        "--wand",
-        "500",
-        "--size",
-        "1280x720",
-        "--output",
-        text(&path),
-    ]);
+    let ended = calibrate(&wand, &path);
     assert_eq!(ended.code, Some(1), "{}", ended.err);
     let expected = "`cam0` and `cam2` see both ends of the wand together in 0 frames and 8 are needed: 8 are missing";
     assert!(ended.err.contains(expected), "{}", ended.err);

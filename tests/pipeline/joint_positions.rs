@@ -232,51 +232,43 @@ fn pressed(is_seen: fn(Joint) -> bool) -> (Pipeline, Timestamp, KeyCode, JointPo
     (pipeline, time, key, hidden)
 }
 
+/// Returns the number of releases of a key by the positions that are seen some milliseconds after `time`.
+fn releases_after(
+    pipeline: &mut Pipeline,
+    time: Timestamp,
+    milliseconds: u64,
+    key: KeyCode,
+    seen: JointPositions,
+) -> usize {
+    let mut events = Events::new();
+    let reading = reading_at(time + Duration::from_millis(milliseconds), seen);
+    pipeline
+        .step(&reading, &mut events)
+        .expect("a valid reading");
+    let releases = events
+        .iter()
+        .filter(|event| event.kind == EventKind::KeyUp(key));
+    releases.count()
+}
+
 #[test]
 fn a_finger_that_leaves_the_view_for_two_readings_releases_its_key() {
     let (mut pipeline, time, key, hidden) = pressed(|joint| joint != Joint::IndexTip);
-    let mut events = Events::new();
-    let mut is_released_after = |milliseconds| {
-        events.clear();
-        let reading = reading_at(time + Duration::from_millis(milliseconds), hidden);
-        pipeline
-            .step(&reading, &mut events)
-            .expect("a valid reading");
-        events
-            .iter()
-            .any(|event| event.kind == EventKind::KeyUp(key))
-    };
     // A tracker often loses a fingertip for one picture.
-    assert!(!is_released_after(10));
-    assert!(is_released_after(20));
+    assert_eq!(releases_after(&mut pipeline, time, 10, key, hidden), 0);
+    assert_eq!(releases_after(&mut pipeline, time, 20, key, hidden), 1);
 }
 
 #[test]
 fn fingers_that_all_leave_the_view_release_their_keys_with_the_same_reading() {
     let (mut pipeline, time, key, hidden) = pressed(|joint| joint <= Joint::Wrist);
-    let mut events = Events::new();
-    let reading = reading_at(time + Duration::from_millis(10), hidden);
-    pipeline
-        .step(&reading, &mut events)
-        .expect("a valid reading");
-    let releases = events
-        .iter()
-        .filter(|event| event.kind == EventKind::KeyUp(key));
-    assert_eq!(releases.count(), 1, "{events:?}");
+    assert_eq!(releases_after(&mut pipeline, time, 10, key, hidden), 1);
 }
 
 #[test]
 fn a_finger_that_leaves_the_view_longer_than_a_picture_releases_its_key_at_once() {
     let (mut pipeline, time, key, hidden) = pressed(|joint| joint != Joint::IndexTip);
-    let mut events = Events::new();
-    let reading = reading_at(time + Duration::from_millis(80), hidden);
-    pipeline
-        .step(&reading, &mut events)
-        .expect("a valid reading");
-    let releases = events
-        .iter()
-        .filter(|event| event.kind == EventKind::KeyUp(key));
-    assert_eq!(releases.count(), 1, "{events:?}");
+    assert_eq!(releases_after(&mut pipeline, time, 80, key, hidden), 1);
 }
 
 #[test]

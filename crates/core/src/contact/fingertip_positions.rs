@@ -117,17 +117,13 @@ impl FingertipPositions {
 
     /// Keeps the places of fingertips that are missing for the first time, and returns them.
     fn hold_missing(&mut self) -> FingerSet {
-        let mut held = FingerSet::NONE;
-        for &finger in Finger::ALL {
-            let is_missing =
-                self.previous.known.contains(finger) && !self.current.known.contains(finger);
-            if is_missing && !self.held.contains(finger) {
-                let index = finger.index();
-                self.current.centers[index] = self.previous.centers[index];
-                self.current.known = self.current.known.with(finger);
-                held = held.with(finger);
-            }
+        let missing = self.previous.known.difference(self.current.known);
+        let held = missing.difference(self.held);
+        for finger in Finger::ALL.iter().filter(|&&finger| held.contains(finger)) {
+            let index = finger.index();
+            self.current.centers[index] = self.previous.centers[index];
         }
+        self.current.known = self.current.known.union(held);
         held
     }
 

@@ -4,35 +4,6 @@
 use super::{ChannelMap, JointLimits};
 use crate::hand::{Dof, Finger, JointAngles};
 
-/// The joints that bend each finger, in the order of [`Finger::ALL`].
-const FLEXIONS: [[Dof; 3]; Finger::COUNT] = [
-    [
-        Dof::ThumbCmcFlexion,
-        Dof::ThumbMcpFlexion,
-        Dof::ThumbIpFlexion,
-    ],
-    [
-        Dof::IndexMcpFlexion,
-        Dof::IndexPipFlexion,
-        Dof::IndexDipFlexion,
-    ],
-    [
-        Dof::MiddleMcpFlexion,
-        Dof::MiddlePipFlexion,
-        Dof::MiddleDipFlexion,
-    ],
-    [
-        Dof::RingMcpFlexion,
-        Dof::RingPipFlexion,
-        Dof::RingDipFlexion,
-    ],
-    [
-        Dof::LittleMcpFlexion,
-        Dof::LittlePipFlexion,
-        Dof::LittleDipFlexion,
-    ],
-];
-
 /// The smallest range of a joint that is measured, in radians: 20°. A sensor with less has not been calibrated with a fist.
 const MIN_RANGE: f64 = 0.35;
 
@@ -67,7 +38,7 @@ impl BendRanges {
     /// Returns the ranges of motion of a healthy adult, for sensors other than gloves.
     pub fn human() -> Self {
         let mut ranges = Self([None; Dof::COUNT]);
-        for &dof in FLEXIONS.as_flattened() {
+        for &dof in Finger::FLEXIONS.as_flattened() {
             let (_, closed) = JointLimits::human().range(dof);
             ranges.0[dof.index()] = Some(BendRange {
                 straight: 0.0,
@@ -103,7 +74,7 @@ impl BendRanges {
 
     /// Returns the bends of a hand: the mean over the known joints of each finger.
     pub fn bends(&self, angles: &JointAngles) -> FingerBends {
-        FingerBends(FLEXIONS.map(|joints| {
+        FingerBends(Finger::FLEXIONS.map(|joints| {
             let (mut sum, mut count) = (0.0, 0_u8);
             for dof in joints {
                 if let Some(range) = self.0[dof.index()].filter(|_| angles.is_known(dof)) {
@@ -119,7 +90,7 @@ impl BendRanges {
 
     /// Iterates over the joints of a finger that count, with their angles at a bend, in radians.
     pub fn angles_at(&self, finger: Finger, bend: f64) -> impl Iterator<Item = (Dof, f64)> + '_ {
-        let joints = FLEXIONS[finger.index()].into_iter();
+        let joints = Finger::FLEXIONS[finger.index()].into_iter();
         joints.filter_map(move |dof| {
             let range = self.0[dof.index()]?;
             Some((dof, range.straight + bend * (range.closed - range.straight)))

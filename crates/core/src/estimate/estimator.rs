@@ -114,7 +114,9 @@ impl Estimator {
         self.converter
             .convert(reading, &self.settings, offsets, &mut self.estimate)?;
         let anchor = anchor(&self.estimate);
-        self.estimate.jumped |= self.check_speed(anchor)?;
+        let mut tips = Tips::measured(&self.estimate, anchor.map(|(_, position)| position));
+        self.estimate.jumped |= self.check_speed(anchor, &tips)?;
+        tips.remove(self.estimate.untrusted);
         let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
         let is_interrupted = was_unseen || self.estimate.jumped;
@@ -123,8 +125,8 @@ impl Estimator {
         }
         match &mut self.last {
             // In place: an assignment of the whole copies the angles twice.
-            Some(last) => last.set(&self.estimate, anchor),
-            none => *none = Some(RawAngles::new(&self.estimate, anchor)),
+            Some(last) => last.set(&self.estimate, anchor, tips),
+            none => *none = Some(RawAngles::new(&self.estimate, anchor, tips)),
         }
         let angles = &mut self.estimate.angles;
         self.smoother.filter(angles, gap.as_secs_f64());
@@ -260,7 +262,7 @@ impl Estimator {
     }
 
     /// Returns whether the hand was re-acquired at another position; an error until consecutive readings agree on it.
-    fn check_speed(&mut self, anchor: Option<Anchor>) -> Result<bool, Rejection> {
+    fn check_speed(&mut self, anchor: Option<Anchor>, tips: &Tips) -> Result<bool, Rejection> {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
@@ -278,27 +280,26 @@ impl Estimator {
             rotation: (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION),
             distance: (MAX_HAND_SPEED * seconds).max(MIN_PLAUSIBLE_DISTANCE),
         };
-        let tips = Tips::measured(estimate, anchor.map(|(_, position)| position));
-        if last.is_within(&reach, &estimate.angles, anchor, &tips) {
+        if last.is_within(&reach, &estimate.angles, anchor, tips) {
             self.candidate = None;
             if !tips.is_empty() {
                 let beyond = self
                     .tip_speed
-                    .update(&tips, reach.rotation, CONSISTENT_READINGS);
+                    .update(tips, reach.rotation, CONSISTENT_READINGS);
                 self.estimate.untrusted = self.estimate.untrusted.union(beyond);
             }
             return Ok(false);
         }
         let agreeing = match &self.candidate {
             Some((candidate, count))
-                if candidate.is_within(&reach, &estimate.angles, anchor, &tips) =>
+                if candidate.is_within(&reach, &estimate.angles, anchor, tips) =>
             {
                 count + 1
             }
             _ => 1,
         };
         if agreeing < CONSISTENT_READINGS {
-            self.candidate = Some((RawAngles::new(estimate, anchor), agreeing));
+            self.candidate = Some((RawAngles::new(estimate, anchor, *tips), agreeing));
             return Err(Rejection::TooFast);
         }
         self.candidate = None;
@@ -316,20 +317,20 @@ struct Reach {
 }
 
 impl RawAngles {
-    fn new(estimate: &Estimate, anchor: Option<Anchor>) -> Self {
+    fn new(estimate: &Estimate, anchor: Option<Anchor>, tips: Tips) -> Self {
         Self {
             time: estimate.time,
             angles: estimate.angles,
             anchor,
-            tips: Tips::measured(estimate, anchor.map(|(_, position)| position)),
+            tips,
         }
     }
 
-    fn set(&mut self, estimate: &Estimate, anchor: Option<Anchor>) {
+    fn set(&mut self, estimate: &Estimate, anchor: Option<Anchor>, tips: Tips) {
         self.time = estimate.time;
         self.angles = estimate.angles;
         self.anchor = anchor;
-        self.tips = Tips::measured(estimate, anchor.map(|(_, position)| position));
+        self.tips = tips;
     }
 
     /// Returns whether neither the measured position of a later reading nor an angle is out of reach. Those that are known in

@@ -44,6 +44,11 @@ impl Tips {
         self.known.is_empty()
     }
 
+    /// Forgets the tips of `fingers`.
+    pub(super) fn remove(&mut self, fingers: FingerSet) {
+        self.known = self.known.difference(fingers);
+    }
+
     fn set(&mut self, finger: Finger, at: Vec3) {
         self.at[finger.index()] = at;
         self.known = self.known.with(finger);

@@ -92,6 +92,12 @@ impl FingerSet {
         Self(self.0 | other.0)
     }
 
+    /// Returns the fingers that are in this set and not in `other`.
+    #[must_use]
+    pub fn difference(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Returns whether `finger` is in the set.
     pub fn contains(self, finger: Finger) -> bool {
         self.0 & (1 << finger.index()) != 0
@@ -167,6 +173,35 @@ named_enum! {
 }
 
 impl Finger {
+    /// The joints that bend each finger, in the order of [`Finger::ALL`] and from the base outwards.
+    pub const FLEXIONS: [[Dof; 3]; Self::COUNT] = [
+        [
+            Dof::ThumbCmcFlexion,
+            Dof::ThumbMcpFlexion,
+            Dof::ThumbIpFlexion,
+        ],
+        [
+            Dof::IndexMcpFlexion,
+            Dof::IndexPipFlexion,
+            Dof::IndexDipFlexion,
+        ],
+        [
+            Dof::MiddleMcpFlexion,
+            Dof::MiddlePipFlexion,
+            Dof::MiddleDipFlexion,
+        ],
+        [
+            Dof::RingMcpFlexion,
+            Dof::RingPipFlexion,
+            Dof::RingDipFlexion,
+        ],
+        [
+            Dof::LittleMcpFlexion,
+            Dof::LittlePipFlexion,
+            Dof::LittleDipFlexion,
+        ],
+    ];
+
     /// Returns the joints from the base to the tip: four of the thumb, five of another finger.
     pub fn joints(self) -> &'static [Joint] {
         let tip = Joint::tip(self).index();

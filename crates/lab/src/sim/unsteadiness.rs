@@ -18,35 +18,6 @@ const SHARES: [[f64; Finger::COUNT]; Finger::COUNT] = [
     [0.05, 0.07, 0.15, 0.45, 0.0],
 ];
 
-/// The flexion of the joints of each finger, thumb first, from the knuckle outwards.
-const FLEXIONS: [[Dof; 3]; Finger::COUNT] = [
-    [
-        Dof::ThumbCmcFlexion,
-        Dof::ThumbMcpFlexion,
-        Dof::ThumbIpFlexion,
-    ],
-    [
-        Dof::IndexMcpFlexion,
-        Dof::IndexPipFlexion,
-        Dof::IndexDipFlexion,
-    ],
-    [
-        Dof::MiddleMcpFlexion,
-        Dof::MiddlePipFlexion,
-        Dof::MiddleDipFlexion,
-    ],
-    [
-        Dof::RingMcpFlexion,
-        Dof::RingPipFlexion,
-        Dof::RingDipFlexion,
-    ],
-    [
-        Dof::LittleMcpFlexion,
-        Dof::LittlePipFlexion,
-        Dof::LittleDipFlexion,
-    ],
-];
-
 /// The unintended movements of a hand.
 #[derive(Clone, Debug)]
 pub(super) struct Unsteadiness {
@@ -98,9 +69,9 @@ impl Unsteadiness {
     fn enslave(&self, master: Finger, angles: &JointAngles, moved: &mut JointAngles) {
         for &slave in Finger::ALL {
             let share = self.enslaving * SHARES[master.index()][slave.index()];
-            let joints = FLEXIONS[master.index()]
+            let joints = Finger::FLEXIONS[master.index()]
                 .into_iter()
-                .zip(FLEXIONS[slave.index()]);
+                .zip(Finger::FLEXIONS[slave.index()]);
             for (of_master, of_slave) in joints {
                 let flexion = angles.get(of_master) - self.before.get(of_master);
                 moved.set(of_slave, moved.get(of_slave) + share * flexion);

@@ -4,15 +4,11 @@ use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::{HandUse, Layout, Person};
 use ademan::message::escape;
-use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, Setup, simulated_glove};
 
 use super::Args;
 use crate::failure::Failure;
 use crate::person;
-
-/// The gloves of the left and the right hand, and those with a stick and buttons.
-const GLOVES: [&str; 2] = ["unam-hc11-left", "unam-hc11"];
-const GLOVES_WITH_INPUTS: [&str; 2] = ["lucidgloves-left", "lucidgloves"];
 
 /// The largest count of a channel on the simulated line.
 const MAX_COUNT: u16 = 1023;
@@ -33,7 +29,7 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     let side = side(args, simulated.as_ref())?;
     let layout_name = args.layout.clone().unwrap_or(base.layout);
     let layout = Layout::load(&layout_name)?;
-    let glove_of = |side| glove_for(&layout, side);
+    let glove_of = |side| simulated_glove(&layout, side).to_owned();
     let has_other = layout.has_board_for(side.opposite());
     let uses_both = simulated
         .as_ref()
@@ -75,9 +71,9 @@ pub fn with_simulated_gloves(setup: Setup, side: Side) -> Result<Setup, Failure>
     let other = side.opposite();
     Ok(Setup {
         stall_timeout_ms: STALL_TIMEOUT_MS,
-        glove: Some(glove_for(&layout, side)),
+        glove: Some(simulated_glove(&layout, side).to_owned()),
         other_hand: layout.has_board_for(other).then(|| OtherHand {
-            glove: Some(glove_for(&layout, other)),
+            glove: Some(simulated_glove(&layout, other).to_owned()),
             ..OtherHand::default()
         }),
         ..setup
@@ -96,19 +92,6 @@ fn side(args: &Args, person: Option<&Person>) -> Result<Side, Failure> {
         ))),
         (named, own) => Ok(named.or(own).unwrap_or(Side::Right)),
     }
-}
-
-/// Returns a glove that a simulated hand wears for a layout.
-fn glove_for(layout: &Layout, side: Side) -> String {
-    let [left, right] = match layout.uses_inputs() {
-        true => GLOVES_WITH_INPUTS,
-        false => GLOVES,
-    };
-    match side {
-        Side::Left => left,
-        Side::Right => right,
-    }
-    .to_owned()
 }
 
 /// Refuses a glove whose counts the simulated line does not carry.

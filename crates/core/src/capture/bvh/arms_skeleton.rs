@@ -196,7 +196,7 @@ impl ArmsSkeleton {
         }
     }
 
-    /// Returns the turn of the body: the one that takes the line of its shoulders into that of the arms, upright otherwise.
+    /// Returns the rotation of the upright body that aligns its shoulders with the shoulders of the arms.
     fn body_rotation(&self, arms: &[JointPositions; Side::COUNT]) -> DMat3 {
         let shoulder = |side: Side| position(&arms[side.index()], Joint::Shoulder);
         if !self.is_turned {
@@ -231,7 +231,7 @@ impl ArmsSkeleton {
     }
 
     /// Returns the world rotation of a joint, which turns its bones from the T pose into this one: two bones determine it, and
-    /// one determines it up to the twist, which is that of the parent.
+    /// one determines it up to the twist, which it takes from the parent.
     fn rotation(&self, index: usize, arm: &JointPositions, parent: &DMat3) -> DMat3 {
         let joint_at = |node: usize| self.joints[node].map(|(_, joint)| joint);
         let from_here = |child: usize| {

@@ -14,14 +14,14 @@ pub const MAX_CAMERAS: usize = 16;
 /// Noise of a ray, as a fraction of the largest gap.
 const NOISE: f64 = 0.05;
 
-/// Largest cost of a point that is not where a marker was expected: that of five standard deviations. A marker that moves on in a
-/// way that nobody could expect costs no more.
+/// Largest cost of a point that is not where a marker was expected: five standard deviations. A marker that moves in a way that
+/// nobody could expect costs no more.
 const UNEXPECTED: f64 = 12.5;
 
 /// Worth of a ray that a marker explains: the cost of one that passes it at half of the largest gap.
 pub(super) const RAY_WORTH: f64 = 0.125 / (NOISE * NOISE);
 
-/// Difference of cost, that of three standard deviations, below which two ways to match the same rays cannot be told apart.
+/// Difference of cost, three standard deviations, below which two ways to match the same rays cannot be told apart.
 const MARGIN: f64 = 4.5;
 
 /// Standard deviations within which a marker is looked for where it is expected.
@@ -64,11 +64,11 @@ pub struct MatchedMarker<'a> {
     pub label: Option<&'a str>,
     /// The point that is nearest to its rays.
     pub point: DVec3,
-    /// `true` if its rays may as well be those of other markers, and it is not where one was expected.
+    /// `true` if its rays fit other markers as well, and it is not where one was expected.
     pub is_ambiguous: bool,
 }
 
-/// Rays that are taken for those of one marker.
+/// Rays that are matched to one marker.
 #[derive(Clone, Debug)]
 pub(super) struct Group<'a> {
     pub label: Option<&'a str>,
@@ -153,7 +153,7 @@ impl<'a> Matching<'a> {
         used.filter_map(move |(index, is_used)| (!is_used).then_some((camera, index)))
     }
 
-    /// Returns whether there are so many rays that not all are compared with each other.
+    /// Returns whether there are too many rays to compare all of them.
     fn is_crowd(&self, groups: &[Group]) -> bool {
         let cameras = self.cameras.len();
         let free: usize = (0..cameras).map(|camera| self.free(camera).count()).sum();

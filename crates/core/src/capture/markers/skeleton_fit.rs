@@ -21,7 +21,7 @@ pub struct Bone {
 
 /// Moves points so that every bone has its length and the sum of the squared distances from where they were is least.
 ///
-/// The bones are those of trees: no way along them ends where it began. A bone whose ends coincide goes along X. Points that
+/// The bones form trees: no way along them ends where it began. A bone whose ends coincide goes along X. Points that
 /// are not finite are left as they are, and so are all points that bones connect with them.
 pub fn fit_bones(points: &mut [DVec3], bones: &[Bone]) {
     let finite: Vec<Bone> = connected_to_finite(points, bones);

@@ -142,7 +142,7 @@ impl MarkerTracker {
         self.metre * (NEAR_DEVIATION + speed * time + 0.5 * ACCELERATION * time * time)
     }
 
-    /// Returns the index of the track of each marker: that of its name, or the one that leads to its place.
+    /// Returns the index of the track of each marker: the track with its name, or the one that leads to its place.
     fn tracks_of(&self, markers: &[MatchedMarker]) -> Vec<Option<usize>> {
         let named = |marker: &MatchedMarker| {
             let label = marker.label?;

@@ -11,7 +11,7 @@ use crate::hand::{Joint, JointPositions, Side};
 pub(super) enum MarkerSite {
     /// Over a joint.
     Joint(Joint),
-    /// On one of the two sides of the wrist: 0 for that of the thumb, 1 for that of the little finger.
+    /// A side of the wrist: 0 beside the thumb, 1 beside the little finger.
     WristSide(usize),
 }
 
