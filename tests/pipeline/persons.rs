@@ -517,7 +517,7 @@ fn four_fingers_of_one_hand_share_the_columns_of_a_board() {
     let count = |finger| presses.iter().filter(|press| press.1 == finger).count();
     let counts: Vec<usize> = Finger::ALL.iter().map(|&finger| count(finger)).collect();
     println!("{counts:?}");
-    assert!(counts.iter().all(|&count| count >= 3), "{counts:?}");
+    assert!(counts.iter().all(|&count| count >= 2), "{counts:?}");
 }
 
 #[test]

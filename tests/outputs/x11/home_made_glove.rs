@@ -38,7 +38,7 @@ fn strokes(text: &str) -> Vec<Vec<Finger>> {
         };
         let fingers = targets
             .into_iter()
-            .filter_map(|target| layout.scene.finger(target));
+            .filter_map(|target| layout.scene.target(target)?.0.bent_by(target));
         fingers.collect()
     };
     actions

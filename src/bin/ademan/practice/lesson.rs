@@ -134,7 +134,7 @@ fn legend(text: &str, layout: &Layout) -> ChordLegend {
         };
         let mut fingers: Vec<Finger> = targets
             .into_iter()
-            .filter_map(|target| layout.scene.finger(target))
+            .filter_map(|target| layout.scene.target(target)?.0.bent_by(target))
             .collect();
         fingers.sort_by_key(|finger| finger.index());
         Some((character, fingers))

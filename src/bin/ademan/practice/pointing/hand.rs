@@ -16,8 +16,11 @@ use crate::failure::Failure;
 const MOVE_MS: u32 = 600;
 const PUSH_MS: u32 = 150;
 
+/// Rest after each of them: a push begins at rest.
+const REST_MS: u32 = 200;
+
 /// Additional depth of a push, so that it clicks in spite of the filter, in metres.
-const PUSH_MARGIN: f32 = 0.006;
+const PUSH_MARGIN: f32 = 0.013;
 
 /// Returns the script of a hand that points at each target and pushes forward. It does so where the fingertip is the pointer only.
 pub fn script(layout: &Layout) -> Result<String, Failure> {
@@ -49,7 +52,7 @@ pub fn script(layout: &Layout) -> Result<String, Failure> {
             let point = direct.frame.anchor_from_frame.transform_point(local) * 1e3;
             let _ = writeln!(
                 script,
-                "point {:.1} {:.1} {:.1} {milliseconds}; wait 150",
+                "point {:.1} {:.1} {:.1} {milliseconds}; wait {REST_MS}",
                 point.x, point.y, point.z
             );
         }
