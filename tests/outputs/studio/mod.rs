@@ -140,9 +140,12 @@ fn the_first_start_shows_its_pages_before_a_session_and_ends_with_a_signal() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let mut program = Program::from_command(studio(&server, &[]));
-    let background = |colors: &HashSet<[u8; 3]>| colors.len() > 16;
-    let is_shown = wait_for(|| background(&colors(server.display())));
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = studio(&server, &[]);
+    // Without settings of an earlier start.
+    command.env("XDG_CONFIG_HOME", folder.path());
+    let mut program = Program::from_command(command);
+    let is_shown = wait_for(|| colors(server.display()).len() > 16);
     assert!(is_shown, "{:?}", program.stderr_lines());
     program.signal(&["TERM"]);
     assert!(program.wait_for_exit().success());
