@@ -121,3 +121,24 @@ fn every_shipped_layout_has_a_png_that_is_not_blank() {
         assert!(pixels.iter().all(|pixel| pixel.alpha() == 255), "{name}");
     }
 }
+
+#[test]
+fn a_layout_is_written_as_json_with_its_measures() {
+    let shown = run(["layout", "show", "qwerty-flat", "--json", "-"]).done();
+    let layout: serde_json::Value = serde_json::from_str(&shown.out).unwrap();
+    let board = &layout["boards"][0];
+    assert_eq!(board["anchor"], "elbow");
+    let targets = board["targets"].as_array().unwrap();
+    let target = |name: &str| {
+        targets
+            .iter()
+            .find(|target| target["name"] == name)
+            .unwrap()
+    };
+    // As the file states them: a pitch of 19 mm, F in the fourth place from −90.25 mm, keys of 17 mm.
+    assert_eq!(target("F")["center_m"], serde_json::json!([-0.03325, 0.0]));
+    assert_eq!(target("F")["size_m"], serde_json::json!([0.017, 0.017]));
+    assert_eq!(target("F")["key"], "F");
+    assert_eq!(target("F")["radius_m"], serde_json::Value::Null);
+    assert_eq!(target("Space")["size_m"], serde_json::json!([0.112, 0.017]));
+}
