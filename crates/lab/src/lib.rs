@@ -5,6 +5,7 @@
 //! - [`phrases`] are what they type.
 //! - [`trials`] let people type and do tasks through the whole pipeline.
 //! - [`measures`] are what came of it, with intervals over people.
+//! - [`report`] writes them as HTML and CSV.
 //! - [`batch`] computes forward kinematics and contact of many hands at once.
 
 use ademan_core::{
@@ -16,5 +17,6 @@ pub mod batch;
 pub mod measures;
 pub mod people;
 pub mod phrases;
+pub mod report;
 pub mod sim;
 pub mod trials;

@@ -45,7 +45,7 @@ pub enum ScoreError {
 }
 
 /// What one person did on a layout.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PersonScore {
     /// The number of the person.
     pub number: u32,
