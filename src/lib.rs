@@ -50,6 +50,7 @@
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
+//! - [`people`], [`phrases`], [`trials`], [`measures`] and [`report`] are the lab: simulated people score layouts.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window.
 //!
@@ -82,7 +83,7 @@ pub use ademan_core::{
     message, names, pipeline, snapshot, time,
 };
 
-pub use ademan_lab::batch;
+pub use ademan_lab::{batch, measures, people, phrases, report, trials};
 
 // Types shared by every part.
 pub mod files;

@@ -31,6 +31,7 @@ mod holistic;
 mod home_made_gloves;
 #[cfg(target_os = "linux")]
 mod idle;
+mod lab;
 mod language_models;
 #[cfg(unix)]
 mod learning;

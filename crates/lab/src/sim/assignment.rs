@@ -1,6 +1,7 @@
 //! The finger of a person for each target of a board.
 
-use super::Planner;
+use super::motor::TypingKeys;
+use super::typing_hand::TypingHand;
 use crate::contact::TargetId;
 use crate::contact::surface::{Surface, Target};
 use crate::hand::{Finger, FingerSet};
@@ -8,23 +9,32 @@ use crate::hand::{Finger, FingerSet};
 /// Half the breadth of a column of keys, in metres.
 const HALF_COLUMN: f32 = 0.0095;
 
-impl Planner<'_> {
+/// The division of boards between the fingers of a hand.
+pub(super) struct FingerAssignment<'a> {
+    /// The hand.
+    pub(super) hand: &'a TypingHand,
+    /// The fingers that press.
+    pub(super) fingers: FingerSet,
+    /// The keys by which the fingers find theirs.
+    pub(super) keys: &'a TypingKeys,
+}
+
+impl FingerAssignment<'_> {
     /// Returns the fingers of the person for a target on a board that the hand moves to, best first; empty if the layout decides.
     ///
     /// The columns of the board are divided between the fingers: on a board of this hand with F or J those below a hand whose index
     /// finger is above that key, as for touch typing, and otherwise those below a hand above the middle of the board, in proportion
     /// on a wider board. The thumb presses the space bar.
-    pub(super) fn assigned_fingers(&self, surface: &Surface, target: TargetId) -> Vec<Finger> {
-        let motor = &self.state.motor;
+    pub(super) fn fingers_for(&self, surface: &Surface, target: TargetId) -> Vec<Finger> {
         let used = Finger::ALL.iter().copied();
         let used: Vec<Finger> = used
-            .filter(|finger| motor.fingers.contains(*finger))
+            .filter(|finger| self.fingers.contains(*finger))
             .collect();
-        if motor.fingers.contains(Finger::Thumb) && motor.keys.space.contains(&target) {
+        if self.fingers.contains(Finger::Thumb) && self.keys.space.contains(&target) {
             let others = used.into_iter().filter(|finger| *finger != Finger::Thumb);
             return std::iter::once(Finger::Thumb).chain(others).collect();
         }
-        let column = self.column(surface, target, motor.fingers).unwrap_or(0.0);
+        let column = self.column(surface, target, self.fingers).unwrap_or(0.0);
         let mut fingers: Vec<(Finger, f32)> = used
             .into_iter()
             .map(|finger| {
@@ -45,7 +55,7 @@ impl Planner<'_> {
     fn column(&self, surface: &Surface, target: TargetId, fingers: FingerSet) -> Option<f32> {
         let x_of = |target: &Target| target.surface_from_target.translation.x;
         let own = x_of(surface.target(target)?);
-        let mut home = self.state.motor.keys.home.iter();
+        let mut home = self.keys.home.iter();
         if surface.side().is_some()
             && let Some(home) = home.find_map(|home| surface.target(*home))
         {
@@ -69,7 +79,7 @@ impl Planner<'_> {
 
     /// Returns the X of a half bent finger on the board relative to the middle finger, in metres.
     fn finger_x(&self, surface: &Surface, finger: Finger) -> Option<f32> {
-        let pose = self.state.hand.half_bent_pose();
+        let pose = self.hand.half_bent_pose();
         let world_from_surface = surface.world_from_surface(&pose)?;
         let x_of = |finger| {
             let tip = pose.fingertip(finger)?;
