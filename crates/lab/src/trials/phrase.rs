@@ -7,9 +7,9 @@ use parry3d::math::{Vec2, Vec3};
 use super::observed::{Observed, Stroke, StrokeKind};
 use super::station::Station;
 use crate::capture::Reading;
+use crate::contact::surface::{Shape, Target};
 use crate::contact::{Phase, TargetId};
 use crate::device::{EventKind, Events};
-use crate::contact::surface::{Shape, Target};
 use crate::hand::Finger;
 use crate::layout::Layout;
 use crate::people::Draw;
@@ -48,7 +48,9 @@ pub struct Strokes {
 impl Strokes {
     /// Returns whether some text can be typed: at least one letter or digit.
     pub fn can_type(&self) -> bool {
-        self.known.keys().any(|character| character.is_alphanumeric())
+        self.known
+            .keys()
+            .any(|character| character.is_alphanumeric())
     }
 }
 
@@ -321,7 +323,9 @@ impl Session {
                 let place = meant.surface_from_target.inverse_transform_point(place);
                 place.truncate()
             });
-            stroke.presses.push((target, from_center.unwrap_or_default()));
+            stroke
+                .presses
+                .push((target, from_center.unwrap_or_default()));
         }
     }
 }

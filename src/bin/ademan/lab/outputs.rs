@@ -41,7 +41,8 @@ pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
             [one] => one.clone(),
             _ => format!("[\n{}]\n", texts.join(",\n")),
         };
-        files::replace_private_text(path, &text).map_err(|error| cannot(path, error.to_string()))?;
+        files::replace_private_text(path, &text)
+            .map_err(|error| cannot(path, error.to_string()))?;
     }
     if let Some(path) = &args.csv {
         let text = to_csv(results);

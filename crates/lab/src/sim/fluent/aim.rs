@@ -3,11 +3,11 @@
 use parry3d::math::{Pose, Vec3};
 
 use super::hand::FluentHand;
+use crate::capture::Reading;
 use crate::contact::TargetId;
 use crate::contact::surface::{Anchor, Scene};
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;
-use crate::capture::Reading;
 use crate::sim::effector::{Effector, Limb};
 use crate::time::Timestamp;
 

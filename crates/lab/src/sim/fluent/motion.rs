@@ -175,7 +175,9 @@ impl FluentHand {
 
     fn bear(&mut self, angles: &JointAngles, step: f64) {
         if let Some(last) = &self.last_angles {
-            let known = Dof::ALL.iter().filter(|dof| **dof != Dof::ForearmSecondBone);
+            let known = Dof::ALL
+                .iter()
+                .filter(|dof| **dof != Dof::ForearmSecondBone);
             let turns = known.map(|&dof| (angles.get(dof) - last.get(dof)).abs());
             self.load.travel += turns.sum::<f64>();
         }
@@ -265,8 +267,7 @@ impl FluentHand {
             return;
         }
         let slipped = point + Vec2::from_angle(direction) * length as f32;
-        let Some((posture, _)) =
-            self.posture_at(scene, tap.target, aim, slipped.extend(depth))
+        let Some((posture, _)) = self.posture_at(scene, tap.target, aim, slipped.extend(depth))
         else {
             return;
         };
