@@ -22,6 +22,8 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod firmware;
 mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
