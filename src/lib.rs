@@ -51,6 +51,7 @@
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
+//! - `layout_link`, with the feature `cli`, puts a layout into a link and reads it from one.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window.
@@ -99,6 +100,8 @@ pub mod network;
 pub mod capture;
 #[cfg(feature = "cli")]
 pub mod cameras;
+#[cfg(feature = "cli")]
+pub mod layout_link;
 #[cfg(not(target_family = "wasm"))]
 pub mod output;
 

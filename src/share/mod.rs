@@ -30,6 +30,7 @@ mod kinds;
 mod lines;
 mod listener;
 mod outbox;
+mod page_server;
 mod request;
 mod request_lines;
 mod rounds;
@@ -41,7 +42,9 @@ mod web;
 pub use answer::{ShareAnswer, answer};
 pub use hub::ShareHub;
 pub use kinds::ShareKind;
+pub use page_server::PageServer;
 pub use target::{ShareFormat, ShareLink, ShareTarget};
+pub use web::{PageFolder, PageFolderError};
 
 use std::io;
 use std::net::SocketAddr;

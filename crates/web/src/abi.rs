@@ -22,7 +22,7 @@ use serde_json::json;
 
 use crate::plan::PlanEdit;
 use crate::pointer::Pointed;
-use crate::session::{PageSession, shipped};
+use crate::session::{PageSession, preview, shipped};
 
 /// The largest text that a page passes, in bytes.
 const MAX_INPUT_BYTES: usize = 16 << 20;
@@ -98,6 +98,15 @@ pub extern "C" fn page_shipped_text(length: usize) -> usize {
     PAGE.with_borrow_mut(|page| {
         let document = Document::shipped(page.text(length));
         page.put(document.map(|it| it.text).unwrap_or_default())
+    })
+}
+
+/// Returns what the gallery shows of a layout that comes with the page: `{"title":"…","description":"…","plan":[…]}`.
+#[unsafe(no_mangle)]
+pub extern "C" fn page_preview(length: usize) -> usize {
+    PAGE.with_borrow_mut(|page| {
+        let preview = preview(page.text(length));
+        page.put(preview.unwrap_or_default())
     })
 }
 

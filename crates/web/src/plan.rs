@@ -4,6 +4,7 @@ use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::Shape;
 use ademan_core::document::read_tree;
 use ademan_core::editing::{Edit, EditError, Part, edit, part_of, targets};
+use ademan_core::hand::Side;
 use ademan_core::layout::{Board, Face, Layout};
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +13,8 @@ const MM_PER_METRE: f32 = 1e3;
 /// A board with its faces, in row coordinates.
 #[derive(Serialize)]
 pub struct PlanBoard<'a> {
+    /// The hand that it is for; `None` if both may touch it.
+    side: Option<Side>,
     faces: Vec<PlanFace<'a>>,
 }
 
@@ -46,9 +49,10 @@ const COPY_OFFSET_MM: [f64; 2] = [0.0, -21.0];
 
 /// Returns the boards of a layout.
 pub fn plan(layout: &Layout) -> Vec<PlanBoard<'_>> {
-    let boards = layout.boards.iter();
+    let boards = layout.boards.iter().zip(layout.scene.surfaces());
     boards
-        .map(|board| PlanBoard {
+        .map(|(board, surface)| PlanBoard {
+            side: surface.side(),
             faces: layout.faces(board).map(|it| plan_face(board, it)).collect(),
         })
         .collect()

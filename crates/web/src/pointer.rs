@@ -36,6 +36,8 @@ pub struct PointerHand {
     pointed: Option<Pointed>,
     /// Where the pad of the fingertip is: at which point, and how high above it.
     pad: Option<(Vec3, f32)>,
+    /// A press that has not reached its bottom: a click may be shorter than the way there.
+    is_pressing: bool,
 }
 
 impl PointerHand {
@@ -48,6 +50,7 @@ impl PointerHand {
             hand,
             pointed: None,
             pad: None,
+            is_pressing: false,
         }
     }
 
@@ -58,7 +61,15 @@ impl PointerHand {
 
     /// Points at something.
     pub fn point(&mut self, pointed: Pointed) {
-        self.pointed = Some(pointed);
+        self.is_pressing |= pointed.is_down;
+        self.pointed = Some(match self.pointed {
+            // The press is for the key on which it began.
+            Some(before) if self.is_pressing && !pointed.is_down => Pointed {
+                is_down: false,
+                ..before
+            },
+            _ => pointed,
+        });
     }
 
     /// Moves the hand and returns what a sensor of its joints measures then.
@@ -80,18 +91,25 @@ impl PointerHand {
         };
         let (point, height) = self.pad.unwrap_or_else(start);
         let [across, towards] = SPEED_M_S.map(|speed| speed * seconds);
+        let is_down = pointed.is_down || self.is_pressing;
         let way = pointed.point - point;
         let is_there = way.length() <= across;
-        let point = match is_there {
-            true => pointed.point,
-            false => point + way.normalize_or_zero() * across,
+        let is_up = height > HOVER_M / 2.0;
+        let point = match (is_there, is_up || is_down) {
+            (true, _) => pointed.point,
+            (false, true) => point + way.normalize_or_zero() * across,
+            // It rises before it leaves a key.
+            (false, false) => point,
         };
         // Down only where it points, so that it presses nothing on its way.
-        let wanted = match pointed.is_down && (is_there || height < HOVER_M / 2.0) {
+        let wanted = match is_down && (is_there || !is_up) {
             true => -(pointed.travel + BOTTOM_M),
             false => HOVER_M,
         };
         let height = height + (wanted - height).clamp(-towards, towards);
+        if height <= -pointed.travel {
+            self.is_pressing = false;
+        }
         self.pad = Some((point, height));
         let tip = point + pointed.normal * (height + radius);
         self.hand.reach(tip, &mut self.values, &[]);

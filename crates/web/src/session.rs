@@ -38,8 +38,8 @@ const START: Timestamp = Timestamp(1_000_000);
 
 /// The session of a page: a layout, hands, and what they type.
 pub struct PageSession {
-    /// The right one and the left one.
-    arms: [ArmModel; Side::COUNT],
+    right: ArmModel,
+    left: ArmModel,
     fit: Fit,
     layout: Arc<Layout>,
     person: Person,
@@ -80,8 +80,8 @@ impl PageSession {
     /// Creates a session with a layout, whose hands rest. Fails if the layout or what comes with the program is invalid.
     pub fn new(layout: &str) -> Result<Self, DocumentError> {
         let arm = ArmModel::parse(&Document::shipped("unam")?)?;
-        let arms = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
-        let fit = Fit::new(&arms[0], Some(&arms[1]))?;
+        let [right, left] = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
+        let fit = Fit::new(&right, Some(&left))?;
         let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
         let estimator = || {
             Estimator::new(EstimatorSettings {
@@ -90,11 +90,16 @@ impl PageSession {
             })
         };
         let instance = layout_instance(&layout);
-        let settings = PipelineSettings::default();
-        let pipeline = Pipeline::new(estimator(), arms[0].clone(), instance, settings);
+        // The hands of a page appear above the keys, and what they type stays in it.
+        let settings = PipelineSettings {
+            arm_delay: Duration::ZERO,
+            ..PipelineSettings::default()
+        };
+        let pipeline = Pipeline::new(estimator(), right.clone(), instance, settings);
         Ok(Self {
-            pipeline: pipeline.with_second_hand(estimator(), arms[1].clone()),
-            arms,
+            pipeline: pipeline.with_second_hand(estimator(), left.clone()),
+            right,
+            left,
             fit,
             layout,
             person: Person::default(),
@@ -202,12 +207,11 @@ impl PageSession {
 
     fn simulate(&mut self, task: HandTask) -> Vec<Fault> {
         self.release();
-        let count = match self.layout.has_board_for(Side::Left) {
-            true => 2,
-            false => 1,
-        };
-        let arms = &self.arms[..count];
-        match SimulatedPerson::new(task, &self.layout, arms, &self.person) {
+        let mut arms = vec![self.right.clone()];
+        if self.layout.has_board_for(Side::Left) {
+            arms.push(self.left.clone());
+        }
+        match SimulatedPerson::new(task, &self.layout, &arms, &self.person) {
             Ok(person) => {
                 self.hand = Hand::Simulated(Box::new(person));
                 self.typed_before = self.field.text().chars().count();
@@ -224,7 +228,10 @@ impl PageSession {
     pub fn point(&mut self, side: Side, pointed: Pointed) {
         if !matches!(&self.hand, Hand::Pointing(hand) if hand.side() == side) {
             self.release();
-            let hand = PointerHand::new(&self.arms[side.index()]);
+            let hand = PointerHand::new(match side {
+                Side::Right => &self.right,
+                Side::Left => &self.left,
+            });
             self.hand = Hand::Pointing(Box::new(hand));
         }
         if let Hand::Pointing(hand) = &mut self.hand {
@@ -370,6 +377,25 @@ impl PageSession {
 #[derive(Serialize)]
 struct Notice<'a> {
     text: &'a str,
+}
+
+/// What the gallery shows of a layout.
+#[derive(Serialize)]
+struct Preview<'a> {
+    title: &'a str,
+    description: &'a str,
+    plan: Vec<PlanBoard<'a>>,
+}
+
+/// Returns the name, the description and the boards in the plane of a layout that comes with the program, as JSON.
+pub fn preview(name: &str) -> Result<String, DocumentError> {
+    let layout = Layout::from_document(Document::shipped(name)?)?;
+    let preview = Preview {
+        title: &layout.name,
+        description: &layout.description,
+        plan: plan(&layout),
+    };
+    Ok(serde_json::to_string(&preview).expect("texts and numbers"))
 }
 
 /// Returns the layouts that come with the program, as a JSON list of names.

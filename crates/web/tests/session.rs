@@ -116,7 +116,8 @@ fn a_person_who_types_goes_on_with_the_rest_on_another_layout() {
     while session.text().len() < 4 {
         objects_so_far.extend(objects(&session.advance(FRAME)));
     }
-    session.set_layout(&shipped("dvorak-flat"));
+    let lines = session.set_layout(&shipped("dvorak-flat"));
+    objects_so_far.extend(objects(&lines));
     objects_so_far.extend(run(&mut session));
     assert_eq!(session.text(), "hello world");
     let events = events(&objects_so_far);
@@ -174,6 +175,23 @@ fn a_pointer_presses_the_key_that_it_points_at() {
         point(&mut session, name, false);
     }
     assert_eq!(session.text(), "qp m", "{:?}", events(&seen));
+    // A click is shorter than the way of the finger.
+    let (at, normal, travel) = key(&session, "X", &scene);
+    for is_down in [true, false] {
+        session.point(
+            Side::Right,
+            Pointed {
+                point: at,
+                normal,
+                travel,
+                is_down,
+            },
+        );
+    }
+    for _ in 0..40 {
+        session.advance(FRAME);
+    }
+    assert_eq!(session.text(), "qp mx");
     session.release();
     assert_eq!(session.hand_state(), HandState::Resting);
 }
@@ -216,7 +234,7 @@ fn lines_of_a_headset_type() {
 
 #[test]
 fn a_dragged_key_changes_its_numbers_only() {
-    let text = "// mine\nLayout(name: \"a\", boards: [(rows: [(at_mm: (0, 0), keys: \"A B C\")], keys: [(code: \"D\", at_mm: (0, -19))])])\n";
+    let text = "// mine\nLayout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), rows: [(at_mm: (0, 0), keys: \"A B C\")], keys: [(code: \"D\", at_mm: (0, -19))])])\n";
     let session = PageSession::new(text).expect("a valid layout");
     let id = |name: &str| session.layout().key(name).expect("a key").face.target;
     let moved = PlanEdit::Move { by_mm: [2.0, 1.0] };

@@ -52,6 +52,7 @@ mod key_list;
 mod layout;
 mod layout_check;
 mod layouts;
+mod link;
 mod list;
 mod man;
 mod messages;
@@ -70,6 +71,7 @@ mod replay;
 mod root_args;
 mod run;
 mod script;
+mod serve;
 mod session;
 mod setup;
 mod setup_args;
@@ -118,6 +120,7 @@ subcommands! {
     Run(run),
     Webcam(webcam),
     Share(share),
+    Serve(serve),
     Studio(studio),
     Watch(watch),
     Ctl(ctl),
