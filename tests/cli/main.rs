@@ -6,6 +6,7 @@ mod support;
 mod arm;
 mod body;
 mod body_landmarks;
+mod browser;
 mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
@@ -72,6 +73,7 @@ mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;
+mod web;
 #[cfg(unix)]
 mod webcam;
 mod writes;

@@ -23,7 +23,7 @@ pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan
 pub struct Args {
     /// A layout file, or the name of a layout that comes with the program
     #[arg(add = complete::layout())]
-    file: String,
+    pub file: String,
     /// Write a picture for documents and browsers; - is standard output
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,

@@ -10,7 +10,7 @@ use crate::device::KeyCode;
 use crate::document::{Node, quote};
 
 /// Returns the name of a part, as the loader gives it.
-pub(super) fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
+pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
     let node = part.node(text, tree)?;
     let string = |field: &str| node.field(text, field)?.string(text);
     match part {

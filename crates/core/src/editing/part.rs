@@ -163,7 +163,7 @@ impl Part {
     }
 
     /// Returns what contains it: the board of a control, the row of a key in it.
-    pub(super) fn parent(self) -> Option<Self> {
+    pub fn parent(self) -> Option<Self> {
         match self {
             Self::Layout => None,
             Self::Row { board, .. } | Self::Control { board, .. } => Some(Self::Board(board)),
@@ -201,7 +201,7 @@ impl Part {
     }
 
     /// Returns its value in the tree of a layout. That of a key of a row is the row.
-    pub(super) fn node<'t>(self, text: &str, tree: &'t Node) -> Option<&'t Node> {
+    pub fn node<'t>(self, text: &str, tree: &'t Node) -> Option<&'t Node> {
         match self {
             Self::Layout => return Some(tree.in_some(text)),
             Self::Pointer => return tree.in_some(text).field(text, "pointer"),
@@ -215,7 +215,7 @@ impl Part {
 }
 
 /// Returns the parts that are targets, in the order of their ids.
-pub(super) fn targets(text: &str, tree: &Node) -> Vec<Part> {
+pub fn targets(text: &str, tree: &Node) -> Vec<Part> {
     let root = tree.in_some(text);
     let list = |node: &Node, name| node.field(text, name).map_or(0, |list| list.items().len());
     let mut targets = Vec::new();
@@ -260,7 +260,7 @@ pub(super) fn targets(text: &str, tree: &Node) -> Vec<Part> {
 }
 
 /// Returns the innermost part at an offset of the text.
-pub(super) fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
+pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
     let root = tree.in_some(text);
     let index_in = |node: &Node, name: &str| {
         let list = node.field(text, name)?;
@@ -338,7 +338,7 @@ pub(super) fn words(text: &str, quoted: &Node) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Returns the part that is a target.
-pub(super) fn part_of(targets: &[Part], target: TargetId) -> Option<Part> {
+pub fn part_of(targets: &[Part], target: TargetId) -> Option<Part> {
     targets.get(target.0 as usize).copied()
 }
 

@@ -8,7 +8,7 @@ use crate::contact::surface::{Shape, Surface};
 use crate::layout::{Board, Layout};
 
 /// Returns the object of a layout, with the line end.
-pub(super) fn layout_object(layout: &Layout) -> Vec<u8> {
+pub fn layout_object(layout: &Layout) -> Vec<u8> {
     let boards = layout.boards.iter().zip(layout.scene.surfaces());
     let object = LayoutObject {
         kind: "layout",

@@ -4,10 +4,10 @@ use arrayvec::ArrayVec;
 use parry3d::math::Pose;
 use serde::Serialize;
 
-use super::layout_object::numbers;
+use super::layout::numbers;
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
-use crate::device::{EventKind, KeyCode};
+use crate::device::{EventKind, KeyCode, OutputEvent};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::pipeline::{Pipeline, PipelineState};
 use crate::snapshot::StepView;
@@ -18,7 +18,7 @@ const MAX_BOARDS: usize = 16;
 
 /// The state of a session after a step.
 #[derive(Clone, Debug)]
-pub(super) struct SceneState {
+pub struct SceneState {
     time: Timestamp,
     state: PipelineState,
     /// The poses of the boards in the world; `None` for one that follows a hand that was not seen.
@@ -43,12 +43,17 @@ impl Default for SceneState {
 impl SceneState {
     /// Follows the keys of a step. Every step has to pass, also while there is no client.
     pub fn follow_keys(&mut self, step: &StepView) {
-        for event in step.events {
-            match event.kind {
-                EventKind::KeyDown(key) => _ = self.keys.press(key),
-                EventKind::KeyUp(key) => _ = self.keys.release(key),
-                _ => {}
-            }
+        step.events
+            .iter()
+            .for_each(|event| self.follow_event(event));
+    }
+
+    /// Follows the key of an event.
+    pub fn follow_event(&mut self, event: &OutputEvent) {
+        match event.kind {
+            EventKind::KeyDown(key) => _ = self.keys.press(key),
+            EventKind::KeyUp(key) => _ = self.keys.release(key),
+            _ => {}
         }
     }
 

@@ -1,6 +1,5 @@
 //! New parts with default settings.
 
-use super::LayoutEditor;
 use super::bind::{Binding, free_code};
 use super::draft::{Draft, written};
 use super::error::EditError;
@@ -67,38 +66,6 @@ const TARGET_DISTANCE_MM: f64 = 120.0;
 pub fn beside(targets: &[[f64; 3]]) -> [f64; 3] {
     let last = targets.iter().max_by(|a, b| a[0].total_cmp(&b[0]));
     last.map_or([0.0; 3], |[x, y, z]| [x + TARGET_DISTANCE_MM, *y, *z])
-}
-
-impl LayoutEditor {
-    /// Returns the names of the selected keys.
-    pub fn selected_keys(&self) -> Vec<String> {
-        let is_key = |part: &&Part| {
-            matches!(
-                part,
-                Part::RowKey { .. }
-                    | Part::Control {
-                        kind: ControlKind::Key,
-                        ..
-                    }
-            )
-        };
-        let keys = self.selection().iter().filter(is_key);
-        keys.filter_map(|key| self.part_name(*key)).collect()
-    }
-
-    /// Returns the centers of the targets of a space, in millimetres.
-    pub fn targets_in(&self, space: usize) -> Vec<[f64; 3]> {
-        let center = |index| {
-            let node = self.node(Part::SpaceTarget { space, index })?;
-            let at = node
-                .field(self.text(), "at_mm")
-                .map_or(&[][..], |at| at.items());
-            let number = |axis: usize| at.get(axis)?.value.number(self.text());
-            let axes = [0, 1, 2];
-            Some(axes.map(|axis| number(axis).unwrap_or_default()))
-        };
-        (0..).map_while(center).collect()
-    }
 }
 
 /// Adds a part. Returns it.

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::kinematics::HandPose;
 
 /// Replaces `out` by the object of a pose.
-pub(super) fn write(pose: &HandPose, out: &mut Vec<u8>) {
+pub fn write_pose(pose: &HandPose, out: &mut Vec<u8>) {
     out.clear();
     out.extend_from_slice(b"{\"time_us\":");
     write_number(&pose.time, out);
