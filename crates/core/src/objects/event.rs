@@ -36,6 +36,7 @@ enum EventKindObject<'a> {
     Axis { axis: Axis, value: f32 },
     Depth { target: TargetName<'a>, depth: f32 },
     Value { target: TargetName<'a>, value: f32 },
+    Velocity { target: TargetName<'a>, velocity: f32 },
     Select { target: TargetName<'a> },
     Unselect { target: TargetName<'a> },
 }
@@ -57,6 +58,10 @@ impl<'a> EventKindObject<'a> {
             EventKind::Value(target, value) => Self::Value {
                 target: names.get(target),
                 value,
+            },
+            EventKind::Velocity(target, velocity) => Self::Velocity {
+                target: names.get(target),
+                velocity,
             },
             EventKind::Select(target) => Self::Select {
                 target: names.get(target),
