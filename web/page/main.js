@@ -93,6 +93,12 @@ element("scripting").addEventListener("submit", (event) => {
   event.preventDefault();
   sayFaults(stages.play(element("script").value));
 });
+element("recording").addEventListener("change", (event) => play(event.target.files[0]));
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  play(event.dataTransfer.files[0]);
+});
 element("stop").addEventListener("click", () => stages.release());
 element("clear").addEventListener("click", () => {
   stages.clearText();
@@ -103,6 +109,34 @@ element("person").addEventListener("change", (event) => {
   const name = event.target.value;
   sayFaults(stages.setPerson(name && stages.fileText(`persons/${name}`)));
 });
+
+const MAX_RECORDING_BYTES = 15e6;
+
+/** Plays a file with lines of JSON, whose protocol the first line shows; a layout is opened. */
+async function play(file) {
+  if (!file) return;
+  if (file.size > MAX_RECORDING_BYTES) return notify("the file is larger than 15 MB; cut it");
+  const text = await file.text();
+  if (file.name.endsWith(".ron")) return openLayout(text);
+  const protocol = protocolOf(text);
+  if (!protocol) return notify("the file has no lines with hands of a headset or webcam; a layout ends with .ron");
+  const { readings, error } = stages.push(protocol, text);
+  notify(error ?? `${readings} readings of ${protocol}`);
+}
+
+/** Returns the protocol of lines of JSON; undefined if they have no hands. */
+function protocolOf(text) {
+  for (const line of text.split("\n", 200)) {
+    try {
+      const [hand] = JSON.parse(line).hands ?? [];
+      if (hand?.image || hand?.world) return "hand-landmarks";
+      if (hand?.joints) return hand.joints.length === 26 ? "openxr" : "webxr";
+    } catch {
+      return undefined;
+    }
+  }
+  return undefined;
+}
 
 let hand = "resting";
 followPointer(

@@ -17,14 +17,16 @@ export function onChange(changed) {
 /** Draws boards, and keeps the focus. */
 export function showPlan(boards) {
   shown = boards;
-  const focused = document.activeElement?.dataset?.id;
+  const focused = document.activeElement?.dataset?.name;
   keys = new Map();
   const svg = planPicture(boards, (group, face) => {
     keys.set(face.id, group);
     prepare(group, face);
   });
   plan.replaceChildren(svg);
-  if (focused !== undefined) keys.get(Number(focused))?.focus({ preventScroll: true });
+  // An edit may give a key another id.
+  const again = [...keys.values()].find((group) => group.dataset.name === focused);
+  again?.focus({ preventScroll: true });
 }
 
 /** Shows which targets are pressed. */
@@ -81,7 +83,6 @@ const round = (number) => Math.round(number * 100) / 100;
 
 /** Makes a key movable by pointer and keys. */
 function prepare(group, face) {
-  group.dataset.id = face.id;
   group.dataset.name = face.name;
   group.setAttribute("tabindex", "0");
   group.setAttribute("role", "button");

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use ademan_core::capture::protocol::{Decoder, PROTOCOLS};
+use ademan_core::capture::protocol::{Decoder, Protocol, hand_landmarks, joint_sets};
 use ademan_core::capture::{Reading, Sample, StreamFormat};
 use ademan_core::hand::Side;
 use ademan_core::kinematics::ArmModel;
@@ -20,6 +20,13 @@ use crate::pointer::PointerHand;
 
 /// Time between two readings of a simulated hand and of a pointer.
 pub const PERIOD: Duration = Duration::from_millis(10);
+
+/// The protocols of headsets and webcams, which a browser reads. The others would double the size of the module.
+const PROTOCOLS: [&Protocol; 3] = [
+    &joint_sets::WEBXR,
+    &joint_sets::OPENXR,
+    &hand_landmarks::PROTOCOL,
+];
 
 /// Most readings of a recording that wait.
 const MAX_WAITING: usize = 200_000;
@@ -152,11 +159,9 @@ impl SimulatedPerson {
 impl FollowedHand {
     /// Creates the hand of a sensor that speaks a protocol.
     pub fn new(protocol: &str) -> Result<Self, String> {
-        let known = PROTOCOLS.iter().find(|it| it.name == protocol);
-        let known = known.ok_or("this page has no such protocol")?;
-        if known.sample.needs_glove() {
-            return Err("the protocol needs a glove file, which this page does not have".into());
-        }
+        let mut protocols = PROTOCOLS.into_iter();
+        let known = protocols.find(|it| it.name == protocol);
+        let known = known.ok_or("this page reads `webxr`, `openxr` and `hand-landmarks` only")?;
         Ok(Self {
             protocol: known.name,
             decoder: StreamFormat::new(known).decoder(),

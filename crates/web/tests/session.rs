@@ -217,7 +217,10 @@ fn a_release_in_the_middle_of_a_press_brings_the_key_up() {
 #[test]
 fn lines_of_a_headset_type() {
     let mut session = session("qwerty-flat");
-    assert!(session.push("hc11", b"x").is_err(), "it needs a glove file");
+    assert!(
+        session.push("hc11", b"x").is_err(),
+        "a browser reads no glove"
+    );
     let line = |time: u64| {
         let joints = vec!["[0.1,1.0,-0.4]"; 25].join(",");
         format!(

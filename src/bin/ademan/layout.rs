@@ -104,10 +104,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Action::List(args) => list(&args),
         Action::Keys(args) => key_list::print(&args),
         Action::Fields(args) => field_list::print(&args),
-        Action::Show(args) => picture::show(&picture::Args {
-            file: link::looked_at(args.file)?,
-            ..args
-        }),
+        Action::Show(mut args) => {
+            args.file = link::looked_at(args.file)?;
+            picture::show(&args)
+        }
     }
 }
 

@@ -89,14 +89,12 @@ fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
         look["faults"] == "" && look["wrong"] == json!([])
     });
 
-    // A key is dragged by 20 pixels, and only its row changes.
-    let key = "document.querySelector('#plan [data-name=\"G\"]')";
-    let at = point(
-        &mut browser,
-        &format!(
-            "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
-        ),
+    // A key is dragged by 20 pixels, and only its numbers change.
+    let key = "document.querySelector('#plan [data-name=\"Enter\"]')";
+    let center = format!(
+        "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
     );
+    let at = point(&mut browser, &center);
     mouse(&mut browser, "mousePressed", at);
     mouse(&mut browser, "mouseMoved", [at[0] + 10.0, at[1] + 5.0]);
     mouse(&mut browser, "mouseMoved", [at[0] + 20.0, at[1] + 5.0]);
@@ -104,15 +102,37 @@ fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
     let moved = browser.wait_for(LOOK, "a key is moved", |look| {
         look["text"] != before["text"]
     });
-    let text = moved["text"].as_str().expect("a text");
-    assert!(text.contains("code: \"G\""), "{text}");
-    assert_eq!(moved["keys"], before["keys"]);
+    let lines = |look: &Value| -> Vec<String> {
+        let text = look["text"].as_str().expect("a text");
+        text.lines().map(str::to_owned).collect()
+    };
+    let (old, new) = (lines(&before), lines(&moved));
+    let changed = old.iter().zip(&new).filter(|(old, new)| old != new);
+    let changed: Vec<_> = changed.collect();
+    assert_eq!((changed.len(), old.len()), (1, new.len()), "{changed:?}");
+    assert!(changed[0].1.contains("Enter"), "{changed:?}");
     assert_eq!(
-        text.lines().next(),
-        before["text"].as_str().and_then(|it| it.lines().next())
+        (&moved["faults"], &moved["keys"]),
+        (&json!(""), &before["keys"])
     );
     browser.evaluate("document.getElementById('undo').click()");
     browser.wait_for(LOOK, "undone", |look| look["text"] == before["text"]);
+
+    // A key of a row becomes a single one, and keeps the focus.
+    browser.evaluate("document.querySelector('#plan [data-name=\"G\"]').focus()");
+    let up = json!({"type": "keyDown", "key": "ArrowUp", "code": "ArrowUp"});
+    browser.call("Input.dispatchKeyEvent", up);
+    let moved = browser.wait_for(LOOK, "a key is moved by a key", |look| {
+        look["text"] != before["text"]
+    });
+    assert!(
+        moved["text"]
+            .as_str()
+            .is_some_and(|it| it.contains("code: \"G\"")),
+        "{moved}"
+    );
+    assert_eq!(moved["faults"], "");
+    assert_eq!(browser.evaluate("document.activeElement.dataset.name"), "G");
 
     // The mouse is a fingertip.
     browser.evaluate("document.getElementById('clear').click()");

@@ -78,7 +78,7 @@ mod tests {
         pose.set(Joint::ThumbTip, Pose::from_parts(Vec3::X, turned));
         pose.set(Joint::IndexTip, Pose::from_parts(Vec3::Y, minus_zero));
         let mut out = b"before".to_vec();
-        write(&pose, &mut out);
+        write_pose(&pose, &mut out);
         assert_eq!(
             String::from_utf8(out).unwrap(),
             "{\"time_us\":7,\"side\":\"left\",\"positions\":{\"wrist\":[1.0,0.0,0.0],\"thumb-tip\":[1.0,0.0,0.0],\
