@@ -1,6 +1,5 @@
 //! A setup with all files that it names.
 
-
 use super::{ArmSetup, DEFAULT_ARM, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
 use crate::command::ProfileName;

@@ -9,7 +9,7 @@ use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::Layout;
 use ademan_lab::people::{Draw, Participant};
 use ademan_lab::sim::TypingKeys;
-use ademan_lab::sim::fluent::{FluentHand, HandSetup, SourceKind, Tap};
+use ademan_lab::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture, Tap};
 use parry3d::math::Vec2;
 use serde_json::Value;
 use support::{shared, steady};
@@ -106,11 +106,12 @@ impl Parameters {
                 own.into_iter().map(move |it| it - center)
             });
             let variance = deviation(&own.collect::<Vec<_>>()).powi(2);
-            (variance - GLASS.1[axis] * KEY[axis].powi(2)).max(0.01).sqrt()
+            (variance - GLASS.1[axis] * KEY[axis].powi(2))
+                .max(0.01)
+                .sqrt()
         };
-        let logarithms = |person: &&Real| -> Vec<f64> {
-            person.times.iter().map(|time| time.ln()).collect()
-        };
+        let logarithms =
+            |person: &&Real| -> Vec<f64> { person.times.iter().map(|time| time.ln()).collect() };
         // The median, as pauses to think are not part of the model.
         let medians: Vec<f64> = people
             .iter()
@@ -144,7 +145,9 @@ impl Parameters {
         person.seed = number;
         person.scatter = self.scatter;
         person.scatter_parts = GLASS.1;
-        let [x, y] = self.offset.map(|(mean, deviation)| mean + deviation * draw.normal());
+        let [x, y] = self
+            .offset
+            .map(|(mean, deviation)| mean + deviation * draw.normal());
         person.offsets = [[x, y]; 5];
         let median = (self.median.0 + self.median.1 * draw.normal()).exp();
         person.pace_wpm = 12_000.0 / median;
@@ -166,7 +169,12 @@ impl Parameters {
                 map: None,
                 source: SourceKind::Ideal,
             };
-            let mut hand = FluentHand::new(setup, &person, &TypingKeys::new(&layout), false);
+            let mut hand = FluentHand::new(
+                setup,
+                &person,
+                &TypingKeys::new(&layout),
+                StartPosture::Relaxed,
+            );
             hand.restart(number);
             let mut draw = Draw::new(number, 78);
             for _ in 0..25 {
@@ -258,8 +266,14 @@ fn fitted_people_tap_where_and_when_other_real_people_do() {
     let after = measure("after", &Parameters::fit(&fitted));
     // Half of the people say little about the offsets of the other half: the fit may not help by much.
     assert!(after[0] < 0.2 && after[1] < 0.2, "{after:?}");
-    assert!(after[0] + after[1] < before[0] + before[1], "{before:?} {after:?}");
-    assert!(after[2] < 0.25 && after[2] < before[2], "{before:?} {after:?}");
+    assert!(
+        after[0] + after[1] < before[0] + before[1],
+        "{before:?} {after:?}"
+    );
+    assert!(
+        after[2] < 0.25 && after[2] < before[2],
+        "{before:?} {after:?}"
+    );
 }
 
 #[test]

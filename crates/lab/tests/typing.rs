@@ -12,14 +12,27 @@ use support::{Run, steady};
 
 #[test]
 fn a_person_without_errors_types_without_errors_on_every_keyboard() {
-    for layout in ["qwerty-flat", "qwerty-arc", "qwerty-two-flat", "chords-bend", "webcam-qwerty"] {
-        for fingers in [&["index"][..], &["thumb", "index", "middle", "ring", "little"]] {
+    for layout in [
+        "qwerty-flat",
+        "qwerty-arc",
+        "qwerty-two-flat",
+        "chords-bend",
+        "webcam-qwerty",
+    ] {
+        for fingers in [
+            &["index"][..],
+            &["thumb", "index", "middle", "ring", "little"],
+        ] {
             let people = [steady(fingers)];
             let scores = Run::new(layout).of(&people, SourceKind::Ideal);
             let score = &scores[0];
-            println!("{layout} {fingers:?}: {} {} {} {} of {} at {:.1} wpm, {:?}", score.substitutions, score.insertions, score.deletions, score.cer(), score.characters, score.wpm, score.wrong.first());
             assert!(score.characters > 100, "{layout} {fingers:?}: {score:?}");
-            assert!(score.cer() < 0.005, "{layout} {fingers:?}: {:?} {:?}", score.cer(), score.wrong);
+            assert!(
+                score.cer() < 0.005,
+                "{layout} {fingers:?}: {:?} {:?}",
+                score.cer(),
+                score.wrong
+            );
         }
     }
 }
@@ -43,7 +56,11 @@ fn the_number_of_threads_changes_nothing() {
     let people = population(&People::Drawn(5), None, 11);
     let scores = |jobs| {
         let jobs = NonZeroUsize::new(jobs).expect("more than 0");
-        Run { jobs, ..Run::new("qwerty-arc") }.of(&people, SourceKind::Camera)
+        Run {
+            jobs,
+            ..Run::new("qwerty-arc")
+        }
+        .of(&people, SourceKind::Camera)
     };
     let one: Vec<PersonScore> = scores(1);
     assert!(one.iter().any(|score| score.errors() > 0));
@@ -74,7 +91,12 @@ fn a_layout_that_does_not_type_is_scored_by_its_tasks() {
     }
     assert_eq!(summary.characters, 0);
     assert!(summary.tasks_done.value > 0.5, "{summary:?}");
-    assert!(scores.iter().flat_map(|it| &it.tasks).any(|task| task.error.is_some()));
+    assert!(
+        scores
+            .iter()
+            .flat_map(|it| &it.tasks)
+            .any(|task| task.error.is_some())
+    );
 }
 
 #[test]

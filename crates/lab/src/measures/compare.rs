@@ -98,7 +98,9 @@ pub struct Comparison {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotComparable {
     /// One types and the other does not.
-    #[error("{typing} types the phrases and {other} does not; compare it with a layout that is scored by tasks")]
+    #[error(
+        "{typing} types the phrases and {other} does not; compare it with a layout that is scored by tasks"
+    )]
     Kinds {
         /// The layout that types.
         typing: String,
@@ -122,7 +124,11 @@ pub fn compare(
         ],
         (false, false) => &[Measure::TaskPoints, Measure::TaskSeconds],
         (has_text, _) => {
-            let (typing, other) = if has_text { (first, second) } else { (second, first) };
+            let (typing, other) = if has_text {
+                (first, second)
+            } else {
+                (second, first)
+            };
             return Err(NotComparable::Kinds {
                 typing: typing.to_owned(),
                 other: other.to_owned(),
@@ -155,10 +161,7 @@ pub fn compare(
     })
 }
 
-fn differences(
-    measures: &[Measure],
-    pairs: &[(&PersonScore, &PersonScore)],
-) -> Vec<Difference> {
+fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> Vec<Difference> {
     let difference = |&measure: &Measure| Difference {
         measure,
         interval: bootstrap(pairs, |pairs| {
@@ -221,11 +224,19 @@ fn words(difference: &Difference) -> String {
         }
         (Measure::WordsPerMinute, false) => "is not clearly faster or slower".into(),
         (Measure::ErrorPoints, true) => {
-            format!("makes {} points {} errors", range(1), choose("more", "fewer"))
+            format!(
+                "makes {} points {} errors",
+                range(1),
+                choose("more", "fewer")
+            )
         }
         (Measure::ErrorPoints, false) => "makes not clearly more or fewer errors".into(),
         (Measure::TaskPoints, true) => {
-            format!("has {} points {} tasks done", range(1), choose("more", "fewer"))
+            format!(
+                "has {} points {} tasks done",
+                range(1),
+                choose("more", "fewer")
+            )
         }
         (Measure::TaskPoints, false) => "has not clearly more or fewer tasks done".into(),
         (Measure::TaskSeconds, true) => {

@@ -80,13 +80,17 @@ pub enum ReadError {
     #[error("this is no result of the lab: {0}")]
     NoResult(String),
     /// It has another version of the format.
-    #[error("the result has version {found} of the format, and this program reads version {VERSION}; run the lab again")]
+    #[error(
+        "the result has version {found} of the format, and this program reads version {VERSION}; run the lab again"
+    )]
     OtherFormat {
         /// Its version.
         found: u32,
     },
     /// Another version of the program wrote it.
-    #[error("version {found} of the program wrote the result, and this is {own}, which may give other figures; run the lab again")]
+    #[error(
+        "version {found} of the program wrote the result, and this is {own}, which may give other figures; run the lab again"
+    )]
     OtherProgram {
         /// Its version.
         found: String,
@@ -136,9 +140,7 @@ impl LabResult {
         let no_result = |error: serde_json::Error| ReadError::NoResult(error.to_string());
         let header: Header = serde_json::from_str(text).map_err(no_result)?;
         if header.format != FORMAT {
-            return Err(ReadError::NoResult(format!(
-                "its format is not `{FORMAT}`"
-            )));
+            return Err(ReadError::NoResult(format!("its format is not `{FORMAT}`")));
         }
         if header.format_version != VERSION {
             return Err(ReadError::OtherFormat {

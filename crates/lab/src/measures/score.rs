@@ -12,7 +12,9 @@ use crate::layout::Layout;
 use crate::people::Participant;
 use crate::phrases::Corpus;
 use crate::sim::fluent::SourceKind;
-use crate::trials::{Cancelled, KeyTally, Observed, Station, TaskKind, TrialError, for_each, speed};
+use crate::trials::{
+    Cancelled, KeyTally, Observed, Station, TaskKind, TrialError, for_each, speed,
+};
 
 /// What is scored, by whom and how.
 #[derive(Clone, Debug)]
@@ -202,11 +204,14 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
     let names = layout.target_names();
     let name = |target: &TargetId| names.get(*target).to_string();
     let keys = observed.keys.iter();
-    let wrong = observed.confusions.iter().map(|((meant, pressed), count)| Wrong {
-        meant: name(meant),
-        pressed: name(pressed),
-        count: *count,
-    });
+    let wrong = observed
+        .confusions
+        .iter()
+        .map(|((meant, pressed), count)| Wrong {
+            meant: name(meant),
+            pressed: name(pressed),
+            count: *count,
+        });
     let pairs = observed.pairs;
     let strokes: u64 = observed.keys.values().map(|key| key.meant).sum();
     PersonScore {
@@ -221,11 +226,18 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         deletions: observed.edits.deletions as u64,
         keystrokes: observed.keystrokes as u64,
         wpm: speed(observed.edits.correct, observed.phrases, observed.seconds),
-        fitts_wpm: speed(observed.characters, observed.phrases, observed.predicted_seconds),
+        fitts_wpm: speed(
+            observed.characters,
+            observed.phrases,
+            observed.predicted_seconds,
+        ),
         strokes,
         hits: observed.keys.values().map(|key| key.hit).sum(),
         neighbor_slips: observed.neighbor_slips,
-        joint_travel_deg: ratio(observed.load.travel.to_degrees(), observed.characters as f64),
+        joint_travel_deg: ratio(
+            observed.load.travel.to_degrees(),
+            observed.characters as f64,
+        ),
         uncomfortable: ratio(observed.load.uncomfortable, observed.load.seconds),
         pairs: [
             pairs.all,
@@ -237,7 +249,9 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         fingers: observed.fingers,
         simulated_seconds: observed.simulated_seconds,
         readings: observed.readings,
-        keys: keys.map(|(target, tally)| key_score(name(target), tally)).collect(),
+        keys: keys
+            .map(|(target, tally)| key_score(name(target), tally))
+            .collect(),
         wrong: wrong.collect(),
         tasks: Vec::new(),
         unreached: Vec::new(),

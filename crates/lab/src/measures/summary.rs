@@ -88,7 +88,9 @@ impl PersonScore {
             let error = task.error?;
             Some([error * task.done as f64, task.done as f64])
         });
-        values.fold([0.0; 2], |sum, value| [sum[0] + value[0], sum[1] + value[1]])
+        values.fold([0.0; 2], |sum, value| {
+            [sum[0] + value[0], sum[1] + value[1]]
+        })
     }
 }
 
@@ -126,7 +128,10 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         deletions: rate(|it| it.deletions as f64, characters),
         substitutions: rate(|it| it.substitutions as f64, characters),
         wpm: mean(|it| it.wpm),
-        pace_wpm: ratio(people.iter().map(|it| it.pace_wpm).sum(), people.len() as f64),
+        pace_wpm: ratio(
+            people.iter().map(|it| it.pace_wpm).sum(),
+            people.len() as f64,
+        ),
         fitts_wpm: mean(|it| it.fitts_wpm),
         kspc: rate(|it| it.keystrokes as f64, characters),
         hits: rate(|it| it.hits as f64, strokes),

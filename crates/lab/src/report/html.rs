@@ -133,7 +133,15 @@ fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
         )?;
         for group in &comparison.groups {
             let own = group.differences.get(index);
-            write!(page, "{}", cell(&own.map_or_else(Interval::default, |it| it.interval), 1.0, 2))?;
+            write!(
+                page,
+                "{}",
+                cell(
+                    &own.map_or_else(Interval::default, |it| it.interval),
+                    1.0,
+                    2
+                )
+            )?;
         }
         writeln!(page, "</tr>")?;
     }
@@ -142,7 +150,10 @@ fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
 
 fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> fmt::Result {
     let summary = &result.summary;
-    writeln!(page, "<div class=\"columns\"><section>\n<h2>Figures</h2>\n<table>")?;
+    writeln!(
+        page,
+        "<div class=\"columns\"><section>\n<h2>Figures</h2>\n<table>"
+    )?;
     for (name, interval, factor, digits) in rows(summary) {
         writeln!(
             page,
@@ -173,9 +184,19 @@ fn rows(summary: &Summary) -> Vec<(&'static str, Interval, f64, usize)> {
     if summary.characters == 0 {
         return vec![
             ("tasks done, %", summary.tasks_done, 100.0, 1),
-            ("presses of others, % of tries", summary.tasks_wrong, 100.0, 1),
+            (
+                "presses of others, % of tries",
+                summary.tasks_wrong,
+                100.0,
+                1,
+            ),
             ("time of a task, s", summary.task_seconds, 1.0, 2),
-            ("error of a value, % of the range", summary.task_error, 100.0, 1),
+            (
+                "error of a value, % of the range",
+                summary.task_error,
+                100.0,
+                1,
+            ),
         ];
     }
     vec![
@@ -186,10 +207,30 @@ fn rows(summary: &Summary) -> Vec<(&'static str, Interval, f64, usize)> {
         ("substitutions, %", summary.substitutions, 100.0, 1),
         ("keystrokes per character", summary.kspc, 1.0, 2),
         ("strokes that hit, %", summary.hits, 100.0, 1),
-        ("slips to a neighbor, % of strokes", summary.neighbor_slips, 100.0, 1),
-        ("fastest movements (Fitts), words/min", summary.fitts_wpm, 1.0, 1),
-        ("joint travel, °/character", summary.joint_travel_deg, 1.0, 0),
-        ("outside the comfortable range, % of time", summary.uncomfortable, 100.0, 1),
+        (
+            "slips to a neighbor, % of strokes",
+            summary.neighbor_slips,
+            100.0,
+            1,
+        ),
+        (
+            "fastest movements (Fitts), words/min",
+            summary.fitts_wpm,
+            1.0,
+            1,
+        ),
+        (
+            "joint travel, °/character",
+            summary.joint_travel_deg,
+            1.0,
+            0,
+        ),
+        (
+            "outside the comfortable range, % of time",
+            summary.uncomfortable,
+            100.0,
+            1,
+        ),
     ]
 }
 
@@ -291,7 +332,10 @@ fn write_fingers(summary: &Summary, page: &mut String) -> fmt::Result {
     ];
     let fingers = ["thumb", "index", "middle", "ring", "little"];
     let fingers = fingers.map(|finger| format!("{finger}, % of strokes"));
-    let pairs = pairs.iter().map(|name| (*name).to_owned()).zip(summary.pairs);
+    let pairs = pairs
+        .iter()
+        .map(|name| (*name).to_owned())
+        .zip(summary.pairs);
     for (name, part) in pairs.chain(fingers.into_iter().zip(summary.fingers)) {
         writeln!(
             page,

@@ -49,7 +49,10 @@ pub fn wrong_of_all(people: &[PersonScore]) -> Vec<(&str, &str, u64)> {
     for wrong in people.iter().flat_map(|person| &person.wrong) {
         *all.entry((&wrong.meant, &wrong.pressed)).or_default() += wrong.count;
     }
-    let mut all: Vec<_> = all.into_iter().map(|((a, b), count)| (a, b, count)).collect();
+    let mut all: Vec<_> = all
+        .into_iter()
+        .map(|((a, b), count)| (a, b, count))
+        .collect();
     all.sort_by_key(|&(_, _, count)| std::cmp::Reverse(count));
     all
 }

@@ -57,7 +57,13 @@ mod tests {
             let jobs = NonZeroUsize::new(jobs).expect("more than 0");
             let mut seen = Vec::new();
             let never = AtomicBool::new(false);
-            let squares = for_each(50, jobs, &never, |index| index * index, |done| seen.push(done));
+            let squares = for_each(
+                50,
+                jobs,
+                &never,
+                |index| index * index,
+                |done| seen.push(done),
+            );
             let expected: Vec<usize> = (0..50).map(|index| index * index).collect();
             assert_eq!(squares, Ok(expected));
             assert_eq!(seen, (1..=50).collect::<Vec<_>>());
@@ -69,11 +75,17 @@ mod tests {
         let cancel = AtomicBool::new(false);
         let one = NonZeroUsize::MIN;
         let stop_after = |done| cancel.store(done == 3, Ordering::Relaxed);
-        let result = for_each(1_000_000, one, &cancel, |index| index, |done| {
-            if done == 3 {
-                stop_after(done);
-            }
-        });
+        let result = for_each(
+            1_000_000,
+            one,
+            &cancel,
+            |index| index,
+            |done| {
+                if done == 3 {
+                    stop_after(done);
+                }
+            },
+        );
         assert_eq!(result, Err(Cancelled));
     }
 }

@@ -15,7 +15,7 @@ mod tasks;
 
 pub use jobs::{Cancelled, for_each};
 pub use observed::{KeyTally, Observed, Stroke, StrokeKind};
-pub(crate) use phrase::speed;
 pub use phrase::Strokes;
+pub(crate) use phrase::speed;
 pub use station::{Station, TrialError};
 pub use tasks::{TaskKind, TaskResult};

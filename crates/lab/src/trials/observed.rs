@@ -6,8 +6,8 @@ use parry3d::math::Vec2;
 
 use crate::contact::TargetId;
 use crate::hand::Finger;
-use crate::sim::fluent::Load;
 use crate::sim::EditCounts;
+use crate::sim::fluent::Load;
 
 /// The reason for a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

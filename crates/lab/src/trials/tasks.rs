@@ -13,7 +13,9 @@ use crate::layout::{ControlKind, Motion, Person, Scatter, Tremor};
 use crate::people::Draw;
 use crate::sim::fluent::SourceKind;
 use crate::sim::script::Script;
-use crate::sim::{JointSensor, Sensor, SimulatedTypist, TourStop, TypingKeys, TypistSettings, tour};
+use crate::sim::{
+    JointSensor, Sensor, SimulatedTypist, TourStop, TypingKeys, TypistSettings, tour,
+};
 use crate::time::Timestamp;
 
 /// The values to which each slider and knob is moved.
@@ -207,16 +209,13 @@ impl Station {
                 // The planner moves as a person of 60 ms + 85 ms a bit.
                 speed: 85.0 / person.fitts_b_ms,
                 scatter: Scatter {
-                    deviation: Vec2::new(metres(x), metres(y))
-                        .extend(metres(person.depth_scatter)),
+                    deviation: Vec2::new(metres(x), metres(y)).extend(metres(person.depth_scatter)),
                     parts: Vec2::new(
                         person.scatter_parts[0] as f32,
                         person.scatter_parts[1] as f32,
                     ),
                 },
-                offsets: person
-                    .offsets
-                    .map(|[x, y]| Vec2::new(metres(x), metres(y))),
+                offsets: person.offsets.map(|[x, y]| Vec2::new(metres(x), metres(y))),
                 tremor: Tremor {
                     amplitude: person.tremor * 1e-3,
                     frequency_hz: person.tremor_hz,
@@ -244,15 +243,22 @@ fn value_result(
 ) -> TaskResult {
     let last = |played: &Played| {
         let mut values = played.values.iter().rev();
-        values.find(|(own, _)| *own == target).map(|(_, value)| *value)
+        values
+            .find(|(own, _)| *own == target)
+            .map(|(_, value)| *value)
     };
     let is_other = |pressed: &&TargetId| **pressed != target;
-    let values = wanted.as_ref().and_then(last).zip(done.as_ref().and_then(last));
+    let values = wanted
+        .as_ref()
+        .and_then(last)
+        .zip(done.as_ref().and_then(last));
     TaskResult {
         name: name.to_owned(),
         kind: TaskKind::Value,
         is_done: values.is_some(),
-        wrong: done.as_ref().map_or(0, |it| it.pressed.iter().filter(is_other).count()),
+        wrong: done
+            .as_ref()
+            .map_or(0, |it| it.pressed.iter().filter(is_other).count()),
         seconds: done.as_ref().map_or(0.0, |it| it.seconds),
         error: values.map(|(wanted, done)| f64::from((wanted - done).abs())),
     }

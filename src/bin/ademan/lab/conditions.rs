@@ -2,8 +2,8 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use ademan::document::Document;
@@ -114,7 +114,14 @@ impl Prepared {
             }
         };
         let count = usize::from(args.count);
-        Self::with(people, args.tier, args.source, corpus, (count, args.seed), args.jobs)
+        Self::with(
+            people,
+            args.tier,
+            args.source,
+            corpus,
+            (count, args.seed),
+            args.jobs,
+        )
     }
 
     /// Prepares the run of a result again.
@@ -173,7 +180,7 @@ impl Prepared {
             format: FORMAT.to_owned(),
             format_version: LabResult::format_version(),
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            layout_file: document.file.clone(),
+            layout_file: layout.to_owned(),
             layout: document.text,
             people: self.people.clone(),
             tier: self.tier.map(|tier| tier.name().to_owned()),
@@ -230,17 +237,26 @@ impl Prepared {
             return Ok(());
         };
         if first.characters > 0 && !first.untypable.is_empty() {
-            let characters: Vec<String> =
-                first.untypable.chars().map(|it| escape(&it.to_string()).to_string()).collect();
+            let characters: Vec<String> = first
+                .untypable
+                .chars()
+                .map(|it| escape(&it.to_string()).to_string())
+                .collect();
             complain!(
                 "{file} cannot type these characters, which are left out of the phrases: {}",
                 characters.join(" ")
             );
         }
         if !first.unreached.is_empty() {
-            let names: Vec<String> =
-                first.unreached.iter().map(|it| escape(it).to_string()).collect();
-            complain!("out of reach of some people on {file}: {}", names.join(", "));
+            let names: Vec<String> = first
+                .unreached
+                .iter()
+                .map(|it| escape(it).to_string())
+                .collect();
+            complain!(
+                "out of reach of some people on {file}: {}",
+                names.join(", ")
+            );
         }
         Ok(())
     }

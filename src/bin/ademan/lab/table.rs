@@ -39,16 +39,40 @@ fn print_typing(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
         "  {:<34} {:>7.1}  (an input: the mean of the people)",
         "intended pace, words/min", summary.pace_wpm
     )?;
-    row(out, "fastest movements, words/min", &summary.fitts_wpm, 1.0, 1)?;
+    row(
+        out,
+        "fastest movements, words/min",
+        &summary.fitts_wpm,
+        1.0,
+        1,
+    )?;
     row(out, "wrong characters (CER), %", &summary.cer, 100.0, 1)?;
     row(out, "  insertions, %", &summary.insertions, 100.0, 1)?;
     row(out, "  deletions, %", &summary.deletions, 100.0, 1)?;
     row(out, "  substitutions, %", &summary.substitutions, 100.0, 1)?;
     row(out, "keystrokes per character", &summary.kspc, 1.0, 2)?;
     row(out, "strokes that hit, %", &summary.hits, 100.0, 1)?;
-    row(out, "slips to a neighbor, %", &summary.neighbor_slips, 100.0, 1)?;
-    row(out, "joint travel, °/character", &summary.joint_travel_deg, 1.0, 0)?;
-    row(out, "outside comfortable range, %", &summary.uncomfortable, 100.0, 1)?;
+    row(
+        out,
+        "slips to a neighbor, %",
+        &summary.neighbor_slips,
+        100.0,
+        1,
+    )?;
+    row(
+        out,
+        "joint travel, °/character",
+        &summary.joint_travel_deg,
+        1.0,
+        0,
+    )?;
+    row(
+        out,
+        "outside comfortable range, %",
+        &summary.uncomfortable,
+        100.0,
+        1,
+    )?;
     writeln!(
         out,
         "  worst tenth of the people: {:.1} % wrong characters; slowest tenth: {:.1} words/min",
@@ -63,7 +87,11 @@ fn print_typing(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
         let name = escape(&key.name);
         format!("{name} {:.0} %", rate(key.hit, key.meant))
     });
-    writeln!(out, "  keys hit worst: {}", worst.collect::<Vec<_>>().join(", "))?;
+    writeln!(
+        out,
+        "  keys hit worst: {}",
+        worst.collect::<Vec<_>>().join(", ")
+    )?;
     let wrong = wrong_of_all(&result.scores);
     let wrong = wrong.iter().take(NAMED).map(|(meant, pressed, count)| {
         format!("{} for {} ({count})", escape(pressed), escape(meant))
@@ -91,10 +119,22 @@ fn print_fingers(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
 fn print_tasks(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     let summary = &result.summary;
     row(out, "tasks done, %", &summary.tasks_done, 100.0, 1)?;
-    row(out, "presses of others, % of tries", &summary.tasks_wrong, 100.0, 1)?;
+    row(
+        out,
+        "presses of others, % of tries",
+        &summary.tasks_wrong,
+        100.0,
+        1,
+    )?;
     row(out, "time of a task, s", &summary.task_seconds, 1.0, 2)?;
     if summary.task_error != Interval::default() {
-        row(out, "error of a value, % of the range", &summary.task_error, 100.0, 1)?;
+        row(
+            out,
+            "error of a value, % of the range",
+            &summary.task_error,
+            100.0,
+            1,
+        )?;
     }
     let mut failed: Vec<(&str, u64, u64)> = Vec::new();
     for task in result.scores.iter().flat_map(|person| &person.tasks) {
@@ -127,7 +167,10 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
         for group in &comparison.groups {
             let name = match group.is_long {
                 true => format!("  {} people, longer hands", group.people),
-                false => format!("  {} people, hands up to {:.0} mm", group.people, comparison.median_hand_mm),
+                false => format!(
+                    "  {} people, hands up to {:.0} mm",
+                    group.people, comparison.median_hand_mm
+                ),
             };
             if let Some(own) = group.differences.get(index) {
                 row(out, &name, &own.interval, 1.0, 2)?;
