@@ -9,7 +9,7 @@ use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::Layout;
 use ademan_lab::people::{Draw, Participant};
 use ademan_lab::sim::TypingKeys;
-use ademan_lab::sim::fluent::{FluentHand, HandSetup, SourceKind, Tap};
+use ademan_lab::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture, Tap};
 use parry3d::math::Vec2;
 use serde_json::Value;
 use support::{shared, steady};
@@ -169,7 +169,12 @@ impl Parameters {
                 map: None,
                 source: SourceKind::Ideal,
             };
-            let mut hand = FluentHand::new(setup, &person, &TypingKeys::new(&layout), false);
+            let mut hand = FluentHand::new(
+                setup,
+                &person,
+                &TypingKeys::new(&layout),
+                StartPosture::Relaxed,
+            );
             hand.restart(number);
             let mut draw = Draw::new(number, 78);
             for _ in 0..25 {

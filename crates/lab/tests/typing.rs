@@ -26,16 +26,6 @@ fn a_person_without_errors_types_without_errors_on_every_keyboard() {
             let people = [steady(fingers)];
             let scores = Run::new(layout).of(&people, SourceKind::Ideal);
             let score = &scores[0];
-            println!(
-                "{layout} {fingers:?}: {} {} {} {} of {} at {:.1} wpm, {:?}",
-                score.substitutions,
-                score.insertions,
-                score.deletions,
-                score.cer(),
-                score.characters,
-                score.wpm,
-                score.wrong.first()
-            );
             assert!(score.characters > 100, "{layout} {fingers:?}: {score:?}");
             assert!(
                 score.cer() < 0.005,

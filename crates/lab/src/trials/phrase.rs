@@ -146,6 +146,9 @@ impl Station {
             hand.restart(seed);
         }
         let starts_at_hand = self.layout.scene.starts_at_hand();
+        if !starts_at_hand {
+            self.start_clear(&steps, strokes);
+        }
         let clear = if starts_at_hand { START } else { CLEAR };
         let mut session = Session {
             pipeline: self.pipeline(),
@@ -196,6 +199,19 @@ impl Station {
         (presented, typed)
     }
 
+    /// Starts with each hand above its first key, or above any of its keys if it has none to press.
+    fn start_clear(&mut self, steps: &[&Step], strokes: &Strokes) {
+        for index in 0..self.hands.len() {
+            let all = strokes.known.values().flatten();
+            let mut own = steps.iter().copied().chain(all);
+            let first = own.find(|step| step.hand == index && !step.is_bent);
+            if let Some(step) = first {
+                let scene = &self.layout.scene;
+                self.hands[index].start_above(scene, step.targets[0], step.finger);
+            }
+        }
+    }
+
     /// Passes what the sensors show at a time through the pipeline.
     fn read(&mut self, session: &mut Session, seconds: f64, period: f64, observed: &mut Observed) {
         let time = Timestamp((seconds * 1e6).round() as u64);
@@ -216,8 +232,10 @@ impl Station {
                     let at = touch.time.0 as f64 * 1e-6;
                     session.presses.push((at, touch.target, place));
                 }
-                if self.layout.scene.starts_at_hand() && output.pose.start != hand.start() {
-                    hand.set_start(output.pose.start);
+                let start = output.pose.start;
+                let is_placed = start.own.is_some() && self.layout.scene.starts_at_hand();
+                if is_placed && start != hand.start() {
+                    hand.set_start(start);
                 }
             }
             for event in &session.events {

@@ -9,7 +9,7 @@ use crate::layout::{Fit, Glove, Layout};
 use crate::people::Participant;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use crate::sim::TypingKeys;
-use crate::sim::fluent::{FluentHand, HandSetup, SourceKind};
+use crate::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture};
 
 /// The gloves of the program, right and left.
 const GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
@@ -61,7 +61,15 @@ impl Station {
             Ok(Some(Glove::parse(&Document::shipped(name)?)?.map))
         };
         let maps = sides.iter().map(map).collect::<Result<Vec<_>, _>>()?;
-        let (keys, is_bent) = (TypingKeys::new(&layout), layout.scene.has_bend_targets());
+        let keys = TypingKeys::new(&layout);
+        let posture = match (
+            layout.scene.has_bend_targets(),
+            layout.scene.starts_at_hand(),
+        ) {
+            (true, _) => StartPosture::Straight,
+            (_, true) => StartPosture::Open,
+            _ => StartPosture::Relaxed,
+        };
         let all = assumed.iter().zip(&own).zip(&maps);
         let hands = all.map(|((assumed, own), map)| {
             let setup = HandSetup {
@@ -70,7 +78,7 @@ impl Station {
                 map: map.as_ref(),
                 source,
             };
-            FluentHand::new(setup, person, &keys, is_bent)
+            FluentHand::new(setup, person, &keys, posture)
         });
         Ok(Self {
             hands: hands.collect(),

@@ -180,7 +180,7 @@ impl Prepared {
             format: FORMAT.to_owned(),
             format_version: LabResult::format_version(),
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            layout_file: document.file.clone(),
+            layout_file: layout.to_owned(),
             layout: document.text,
             people: self.people.clone(),
             tier: self.tier.map(|tier| tier.name().to_owned()),

@@ -1,10 +1,10 @@
 //! Files of results.
 
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use ademan::document::Document;
-use ademan::files;
+use ademan::files::{self, FileError};
 use ademan::layout::Layout;
 use ademan::measures::LabResult;
 use ademan::message::escape_path;
@@ -32,21 +32,17 @@ pub fn read_text(path: &Path) -> Result<String, String> {
 
 /// Writes the files that the arguments name. The result file holds what was typed, so only its owner can read it.
 pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
-    let cannot = |path: &Path, error: String| {
-        Failure::job(format!("cannot write {}: {error}", escape_path(path)))
-    };
     if let Some(path) = &args.json {
         let texts: Vec<String> = results.iter().map(LabResult::to_json).collect();
         let text = match texts.as_slice() {
             [one] => one.clone(),
             _ => format!("[\n{}]\n", texts.join(",\n")),
         };
-        files::replace_private_text(path, &text)
-            .map_err(|error| cannot(path, error.to_string()))?;
+        files::replace_private_text(path, &text).map_err(|error| cannot_write(path, &error))?;
     }
     if let Some(path) = &args.csv {
         let text = to_csv(results);
-        files::replace_text(path, &text).map_err(|error| cannot(path, error.to_string()))?;
+        write_text(path, &text)?;
     }
     if let Some(path) = &args.html {
         let layouts = results.iter().map(|result| {
@@ -55,7 +51,17 @@ pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
         });
         let layouts = layouts.collect::<Result<Vec<_>, _>>()?;
         let text = to_html(results, &layouts).map_err(|error| Failure::job(error.to_string()))?;
-        files::replace_text(path, &text).map_err(|error| cannot(path, error.to_string()))?;
+        write_text(path, &text)?;
     }
     Ok(())
+}
+
+/// Writes a file that others may read.
+fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    let written = files::replace(path).and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+    written.map_err(|error| cannot_write(path, &error))
+}
+
+fn cannot_write(path: &Path, error: &FileError) -> Failure {
+    Failure::job(format!("cannot write {}: {error}", escape_path(path)))
 }

@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Vec3};
 use super::hand::FluentHand;
 use crate::capture::Reading;
 use crate::contact::TargetId;
-use crate::contact::surface::{Anchor, Scene};
+use crate::contact::surface::{Anchor, Scene, Surface};
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;
 use crate::sim::effector::{Effector, Limb};
@@ -13,6 +13,10 @@ use crate::time::Timestamp;
 
 /// Looks at the shown hand while a person learns to touch a target.
 const LOOKS: usize = 8;
+/// The height above the keys at which another finger presses nothing while one is at the end of its travel, in metres: strokes go deeper.
+const CLEARANCE: f32 = 0.015;
+/// The distance from the centers of all keys at which another finger is beside the board, in metres.
+const BESIDE: f32 = 0.03;
 
 /// What a person has learned about a target and a finger.
 #[derive(Clone, Debug)]
@@ -27,6 +31,8 @@ pub(super) struct Aim {
     tip_radius: f32,
     /// The remaining distance of the shown fingertip, in metres.
     pub(super) miss: f32,
+    /// No other finger is at a key of the board.
+    pub(super) is_clear: bool,
 }
 
 impl Aim {
@@ -34,6 +40,27 @@ impl Aim {
     pub(super) fn is_reached(&self) -> bool {
         f64::from(self.miss) <= self.effector.limb.tolerance()
     }
+}
+
+/// Returns whether all fingers but one are above the keys of a board or beside it.
+fn is_clear(
+    surface: &Surface,
+    world_from_surface: &Pose,
+    pose: &HandPose,
+    presser: Finger,
+) -> bool {
+    let [_, highest] = surface.front_heights();
+    let others = Finger::ALL.iter().filter(|finger| **finger != presser);
+    let mut tips = others.filter_map(|finger| pose.fingertip(*finger));
+    tips.all(|tip| {
+        let tip = world_from_surface.inverse_transform_point(tip);
+        let is_above = tip.z - pose.tip_radius > highest + CLEARANCE;
+        let is_beside = surface.targets().all(|(_, target)| {
+            let center = target.surface_from_target.translation;
+            (tip - center).truncate().length() > BESIDE
+        });
+        is_above || is_beside
+    })
 }
 
 impl FluentHand {
@@ -67,6 +94,7 @@ impl FluentHand {
                     correction: own - shown,
                     tip_radius: pose.tip_radius,
                     miss,
+                    is_clear: is_clear(surface, &world_from_surface, &pose, finger),
                 });
             }
             hand.reach_with(effector, own + (goal - shown), &mut values, &[]);

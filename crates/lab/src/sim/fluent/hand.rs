@@ -72,13 +72,15 @@ pub struct FluentHand {
     pub(super) start: StartPlace,
     pub(super) timeline: Timeline,
     /// The posture at the start.
-    initial: Vec<f64>,
+    pub(super) initial: Vec<f64>,
     pub(super) values: Vec<f64>,
     pub(super) unsteadiness: [Unsteadiness; 2],
     pub(super) drift: Vec2,
     pub(super) draw: Draw,
     /// The place of the hand above the last target: where its index fingertip would be (world, metres).
     pub(super) last_place: Option<Vec3>,
+    /// The finger of the last tap.
+    pub(super) last_finger: Option<Finger>,
     /// The time from which the hand is free for the next target.
     pub(super) free_at: f64,
     pub(super) last_angles: Option<JointAngles>,
@@ -86,6 +88,17 @@ pub struct FluentHand {
     pub(super) half_bent: HandPose,
     /// The load so far.
     pub load: Load,
+}
+
+/// The posture of a hand at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StartPosture {
+    /// Above the keys.
+    Relaxed,
+    /// With straight fingers, to press by bending them.
+    Straight,
+    /// Open and still, where a board is placed below it.
+    Open,
 }
 
 /// What makes a hand.
@@ -103,7 +116,12 @@ pub struct HandSetup<'a> {
 
 impl FluentHand {
     /// Creates a hand of a person in front of a scene. `seed` is that of the run.
-    pub fn new(setup: HandSetup, person: &Participant, keys: &TypingKeys, is_bent: bool) -> Self {
+    pub fn new(
+        setup: HandSetup,
+        person: &Participant,
+        keys: &TypingKeys,
+        posture: StartPosture,
+    ) -> Self {
         let side = setup.assumed.side();
         let map = setup.map.filter(|_| setup.source == SourceKind::Glove);
         let hand = match map {
@@ -120,8 +138,11 @@ impl FluentHand {
             None => estimator,
         };
         let index = &fingers[Finger::Index.index()];
-        let mut values = index.rest_values();
-        if is_bent {
+        let mut values = match posture {
+            StartPosture::Open => index.open_values(),
+            _ => index.rest_values(),
+        };
+        if posture == StartPosture::Straight {
             for &finger in Finger::ALL {
                 for (index, value) in index.values_at_bend(finger, STRAIGHT) {
                     values[index] = value;
@@ -138,6 +159,7 @@ impl FluentHand {
             };
             Unsteadiness::new(&motion, setup.own, person.seed ^ salt)
         };
+        let place = index.pose(&index.open_values()).fingertip(Finger::Index);
         Self {
             side,
             half_bent: index.half_bent_pose(),
@@ -149,7 +171,10 @@ impl FluentHand {
             keys: keys.clone(),
             aims: BTreeMap::new(),
             references: [None; Finger::COUNT],
-            start: StartPlace::default(),
+            start: StartPlace {
+                own: place,
+                shared: place,
+            },
             timeline: Timeline::new(values.clone()),
             initial: values.clone(),
             values,
@@ -161,6 +186,7 @@ impl FluentHand {
             draw: Draw::new(person.seed, 0x4a1d + side.index() as u64),
             person: person.clone(),
             last_place: None,
+            last_finger: None,
             free_at: 0.0,
             last_angles: None,
             load: Load::default(),
@@ -174,6 +200,7 @@ impl FluentHand {
         self.sensors.restart(seed ^ self.side.index() as u64);
         self.drift = Vec2::ZERO;
         self.last_place = None;
+        self.last_finger = None;
         self.free_at = 0.0;
         self.last_angles = None;
     }
@@ -211,11 +238,17 @@ impl FluentHand {
         if let Some(finger) = surface.bent_by(target) {
             return Some(finger);
         }
-        let mut candidates = self.candidates(scene, target)?.into_iter();
-        candidates.find(|&finger| {
+        let mut reached = None;
+        for finger in self.candidates(scene, target)? {
             let aim = self.learn(scene, target, finger);
-            aim.is_some_and(|aim| aim.is_reached())
-        })
+            match aim.filter(Aim::is_reached) {
+                Some(aim) if aim.is_clear => return Some(finger),
+                // With other fingers on keys, if there is no better one.
+                Some(_) => _ = reached.get_or_insert(finger),
+                None => {}
+            }
+        }
+        reached
     }
 
     fn candidates(&self, scene: &Scene, target: TargetId) -> Option<Vec<Finger>> {

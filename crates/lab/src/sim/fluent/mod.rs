@@ -11,6 +11,6 @@ mod motion;
 mod sensors;
 mod timeline;
 
-pub use hand::{FluentHand, HandSetup, Load, StrokePlan};
+pub use hand::{FluentHand, HandSetup, Load, StartPosture, StrokePlan};
 pub use motion::Tap;
 pub use sensors::{SourceKind, SourceModel};

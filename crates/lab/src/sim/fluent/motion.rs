@@ -3,7 +3,7 @@
 use parry3d::math::{Vec2, Vec3};
 
 use super::hand::{FluentHand, STRAIGHT, StrokePlan};
-use super::timeline::Bump;
+use super::timeline::{Bump, Timeline};
 use crate::capture::Sample;
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Shape};
@@ -13,6 +13,8 @@ use crate::sim::unsteadiness::SHARES;
 
 /// The height of a fingertip above the keys between two strokes, in metres.
 const HOVER: f32 = 0.014;
+/// The height of a fingertip above the keys at the start, in metres.
+const START_HEIGHT: f32 = 0.03;
 /// The delay with which neighbors follow a pressing finger, in seconds: 10 to 25 ms ?.
 const ENSLAVING_DELAY: f64 = 0.015;
 /// The part of the way down that is left when a finger arrives above its key.
@@ -23,6 +25,9 @@ const DEPARTURE: f64 = 0.5;
 const BENT: f64 = 0.85;
 /// The deviation of a bend for each millimetre of depth scatter: 60 mm of travel are a whole bend ?.
 const BEND_PER_MM: f64 = 1.0 / 60.0;
+/// The fastest flexion of a finger, in rad/s; the highest speed of a minimum-jerk movement is 1.875 times its mean.
+const FASTEST: f64 = 18.0;
+const PEAK: f64 = 1.875;
 /// The deviation of the times of the fingers of a chord, in seconds ?.
 const CHORD_SPREAD: f64 = 0.02;
 /// The depth of a tap that is too shallow, as a part of the way to the front.
@@ -84,7 +89,7 @@ impl FluentHand {
         let bottom = tap.wanted.max(depart + shortest);
         let arrival = (bottom - EARLY * press).max(depart + 0.5 * shortest);
         let release = bottom + dwell;
-        self.timeline.go_to(above.clone(), depart, arrival - depart);
+        self.travel(tap.finger, above.clone(), depart, arrival);
         let change: Vec<f64> = below.iter().zip(&above).map(|(b, a)| b - a).collect();
         let bump = Bump {
             change,
@@ -107,6 +112,57 @@ impl FluentHand {
         })
     }
 
+    /// Returns the shortest time in which a finger bends to press, in seconds.
+    fn bend_time(&self) -> f64 {
+        let hand = self.typing_hand(Finger::Index);
+        let straight = hand.angles(&self.initial);
+        let turns = Finger::ALL.iter().flat_map(|&finger| {
+            let mut values = self.initial.clone();
+            for (index, value) in hand.values_at_bend(finger, BENT) {
+                values[index] = value;
+            }
+            let bent = hand.angles(&values);
+            let joints = Finger::FLEXIONS[finger.index()].into_iter();
+            joints.map(move |dof| (bent.get(dof) - straight.get(dof)).abs())
+        });
+        PEAK * turns.fold(0.0, f64::max) / FASTEST
+    }
+
+    /// Goes to a posture of a finger. With another finger than the last one, the hand goes by a posture in which both are raised, so that
+    /// neither touches a key on the way.
+    fn travel(&mut self, finger: Finger, above: Vec<f64>, depart: f64, arrival: f64) {
+        let half = (arrival - depart) / 2.0;
+        if let Some(last) = self
+            .last_finger
+            .replace(finger)
+            .filter(|last| *last != finger)
+        {
+            let (old, new) = (self.typing_hand(last), self.typing_hand(finger));
+            let ends = self.timeline.settled().iter().zip(&above).enumerate();
+            let via = ends.map(|(index, (from, to))| match old.finger_of(index) {
+                Some(own) if own == last => new.rest_of(index),
+                Some(own) if own == finger => old.rest_of(index),
+                _ => from.midpoint(*to),
+            });
+            let via = via.collect();
+            self.timeline.go_to(via, depart, half);
+            self.timeline.go_to(above, depart + half, half);
+        } else {
+            self.timeline.go_to(above, depart, arrival - depart);
+        }
+    }
+
+    /// Starts above a target, clear of all keys, if nothing has moved yet.
+    pub fn start_above(&mut self, scene: &Scene, target: TargetId, finger: Finger) {
+        let aim = self.learn(scene, target, finger);
+        let posture =
+            aim.and_then(|aim| self.posture_at(scene, target, &aim, Vec3::Z * START_HEIGHT));
+        if let Some((posture, _)) = posture {
+            self.timeline = Timeline::new(posture);
+            self.last_finger = Some(finger);
+        }
+    }
+
     /// Plans a bend of fingers, and their return; `None` if a target is not pressed by bending.
     pub fn chord(
         &mut self,
@@ -116,7 +172,7 @@ impl FluentHand {
         now: f64,
         is_shallow: bool,
     ) -> Option<StrokePlan> {
-        let press = self.person.press_ms * 1e-3;
+        let press = (self.person.press_ms * 1e-3).max(self.bend_time());
         let dwell = self.draw.log_normal(self.person.dwell_ms.max(60.0), 0.25) * 1e-3;
         let depart = self.free_at.max(now);
         let bottom = wanted.max(depart + press + 2.0 * CHORD_SPREAD);
@@ -164,6 +220,11 @@ impl FluentHand {
     pub fn sample(&mut self, seconds: f64, step: f64) -> Option<Sample> {
         let mut values = std::mem::take(&mut self.values);
         self.timeline.posture(seconds, &mut values);
+        // Movements that add up end at the limits of the joints.
+        let variables = &self.typing_hand(Finger::Index).variables;
+        for (value, variable) in values.iter_mut().zip(variables) {
+            *value = value.clamp(variable.range.0, variable.range.1);
+        }
         let mut angles = self.typing_hand(Finger::Index).angles(&values);
         self.values = values;
         for unsteadiness in &mut self.unsteadiness {

@@ -72,6 +72,11 @@ impl Timeline {
         last.map_or(0.0, |way| way.start + way.duration)
     }
 
+    /// Returns the posture after the last way, without bumps.
+    pub(super) fn settled(&self) -> &[f64] {
+        self.ways.back().map_or(&self.from, |way| &way.goal)
+    }
+
     pub(super) fn add(&mut self, bump: Bump) {
         self.bumps.push(bump);
     }
