@@ -490,7 +490,7 @@ fn each_of_eight_fingers_presses_its_columns_in_a_pangram() {
         (Side::Right, Finger::Ring, "OL"),
         (Side::Right, Finger::Little, "P"),
     ];
-    for (side, finger, letters) in columns {
+    for (side, finger, _) in columns {
         let is_own = |press: &&(Side, Finger, String)| (press.0, press.1) == (side, finger);
         let own: Vec<&str> = presses
             .iter()

@@ -5,6 +5,7 @@ use eframe::egui::{self, Key, Modifiers, RichText};
 use crate::capture::SourceUri;
 use crate::capture::recognition::Recognition;
 use crate::hand::Side;
+use crate::message::{escape, escape_path};
 use crate::studio::first_start::{Answers, FirstStart, LAYOUTS, Page, Port};
 use crate::studio::texts::{text, text_with};
 
@@ -85,7 +86,7 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
     }
     if let Some(camera) = search.camera() {
         let values = [
-            ("camera", camera.display().to_string().into()),
+            ("camera", escape_path(camera).into()),
             ("command", WEBCAM.into()),
         ];
         ui.label(large(&text_with("first-camera", &values)));
@@ -103,7 +104,7 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
 
 /// Returns what was heard on a port.
 fn words_of(port: &Port) -> String {
-    let name = ("port", port.name.as_str().into());
+    let name = ("port", escape(&port.name).into_owned().into());
     match &port.heard {
         None => text_with("first-listening", &[name]),
         Some(Ok(Recognition::Sources(_))) => text_with("first-recognized", &[name]),
@@ -111,14 +112,18 @@ fn words_of(port: &Port) -> String {
             text_with("first-unknown", &[name, ("bytes", (*bytes).into())])
         }
         Some(Ok(Recognition::Silent)) => text_with("first-silent", &[name]),
-        Some(Err(reason)) => text_with("first-closed", &[name, ("reason", reason.as_str().into())]),
+        Some(Err(reason)) => text_with(
+            "first-closed",
+            &[name, ("reason", escape(reason).into_owned().into())],
+        ),
     }
 }
 
 /// Returns the protocol of a source and its address.
 fn name_of(source: &SourceUri) -> String {
     let title = source.protocol().map(|protocol| protocol.title());
-    format!("{} ({source})", title.unwrap_or_default())
+    let source = source.to_string();
+    format!("{} ({})", title.unwrap_or_default(), escape(&source))
 }
 
 fn show_hands(ui: &mut egui::Ui, first: &mut FirstStart) {

@@ -31,14 +31,13 @@ struct CurlGlove {
 
 impl CurlGlove {
     fn plug_in() -> Self {
-        let (mut master, mut slave) = TTYPort::pair().expect("a pseudo-terminal");
-        slave.set_exclusive(false).expect("a shared terminal");
+        let (mut master, slave) = TTYPort::pair().expect("a pseudo-terminal");
         let port = slave.name().expect("a name");
+        // An open end of its own would lock the terminal.
+        drop(slave);
         let is_on = Arc::new(AtomicBool::new(true));
         let sends = Arc::clone(&is_on);
         let send = move || {
-            // Without an open end of its own, the terminal would end with its first reader.
-            let _slave = slave;
             let mut count = 0;
             while sends.load(Ordering::Relaxed) {
                 count = (count + 7) % 900;

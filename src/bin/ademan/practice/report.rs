@@ -56,10 +56,9 @@ impl Report {
 
     /// Returns the result for the history.
     pub fn session(&self) -> SessionResult {
-        let now = humantime::format_rfc3339_seconds(SystemTime::now());
         let edits = self.score.edits;
         SessionResult {
-            time: now.to_string(),
+            time: now(),
             lesson: self.lesson.to_owned(),
             layout: self.layout.name.clone(),
             is_simulated: self.is_simulated,
@@ -176,6 +175,11 @@ impl Report {
             None => Ok(()),
         }
     }
+}
+
+/// Returns the time of a result, in UTC.
+pub fn now() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
 
 /// Returns the correct and all attempts of a chord.

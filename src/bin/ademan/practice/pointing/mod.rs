@@ -5,7 +5,6 @@ mod score;
 mod task;
 
 use std::io::{self, Write};
-use std::time::SystemTime;
 
 use ademan::capture::Hc11Format;
 use ademan::layout::Layout;
@@ -16,6 +15,7 @@ use serde_json::json;
 pub use self::score::PointingResult;
 use self::task::PointingTask;
 use super::history::{History, Progress, SessionResult, rounded};
+use super::report::now;
 use super::{Args, PracticeTask, is_drawn, run_task};
 use crate::failure::Failure;
 use crate::signals;
@@ -69,7 +69,7 @@ pub fn run(
 fn session(layout: &Layout, is_simulated: bool, task: &PointingTask) -> SessionResult {
     let result = task.result();
     SessionResult {
-        time: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+        time: now(),
         lesson: LESSON.to_owned(),
         layout: layout.name.clone(),
         is_simulated,
