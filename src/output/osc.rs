@@ -35,7 +35,8 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
         return Err(OutputError::open(request.name, reason));
     };
     let osc = Osc::open(receiver).map_err(|error| {
-        let reason = format!("{error}; write the address and the port of the receiver: osc:127.0.0.1:9000");
+        let reason =
+            format!("{error}; write the address and the port of the receiver: osc:127.0.0.1:9000");
         OutputError::open(request.name, reason)
     })?;
     Ok(Box::new(osc))
@@ -122,7 +123,9 @@ impl Osc {
         if self.has_due {
             let mut is_sent = true;
             for message in self.messages.iter_mut().flat_map(SignalMessages::all) {
-                is_sent &= message.due.is_none_or(|due| message.send(&self.socket, due));
+                is_sent &= message
+                    .due
+                    .is_none_or(|due| message.send(&self.socket, due));
             }
             self.has_due = !is_sent;
         }
@@ -215,7 +218,10 @@ impl Sink for Osc {
     fn set_signals(&mut self, signals: &Signals) {
         self.release_all();
         self.send_due();
-        self.messages = signals.iter().map(|(_, signal)| SignalMessages::new(signal)).collect();
+        self.messages = signals
+            .iter()
+            .map(|(_, signal)| SignalMessages::new(signal))
+            .collect();
         self.signals = signals.clone();
         self.has_due = false;
     }
@@ -239,7 +245,10 @@ impl Sink for Osc {
         }
         match self.send_due() {
             true => Ok(()),
-            false => Err(OutputError::send(BACKEND.name, "the last releases cannot be sent")),
+            false => Err(OutputError::send(
+                BACKEND.name,
+                "the last releases cannot be sent",
+            )),
         }
     }
 
@@ -318,7 +327,12 @@ mod tests {
             EventKind::Velocity(key, 0.0),
         ];
         sink.send(&events.map(|kind| event(1, kind))).unwrap();
-        let expected = [("/key", 0.75), ("/key/depth", 0.5), ("/mixer/1", -30.0), ("/key", 0.0)];
+        let expected = [
+            ("/key", 0.75),
+            ("/key/depth", 0.5),
+            ("/mixer/1", -30.0),
+            ("/key", 0.0),
+        ];
         let expected = expected.map(|(address, number)| (address.to_owned(), number));
         assert_eq!(received(&receiver), expected);
     }
@@ -351,7 +365,8 @@ mod tests {
         message.is_held = true;
         sink.has_due = true;
         sink.void_presses();
-        sink.send(&[event(2, EventKind::Velocity(TargetId(0), 0.0))]).unwrap();
+        sink.send(&[event(2, EventKind::Velocity(TargetId(0), 0.0))])
+            .unwrap();
         assert_eq!(received(&receiver), [("/key".to_owned(), 0.0)]);
         assert_eq!(sink.dropped_presses(), 1);
     }
@@ -361,10 +376,12 @@ mod tests {
         let (mut sink, receiver) = sink();
         let address = receiver.local_addr().unwrap();
         drop(receiver);
-        sink.send(&[event(1, EventKind::Value(TargetId(1), 0.1))]).unwrap();
+        sink.send(&[event(1, EventKind::Value(TargetId(1), 0.1))])
+            .unwrap();
         let receiver = UdpSocket::bind(address).unwrap();
         receiver.set_nonblocking(true).unwrap();
-        sink.send(&[event(1, EventKind::Value(TargetId(1), 1.0))]).unwrap();
+        sink.send(&[event(1, EventKind::Value(TargetId(1), 1.0))])
+            .unwrap();
         assert_eq!(received(&receiver), [("/mixer/1".to_owned(), 0.0)]);
     }
 }

@@ -18,7 +18,9 @@ fn compile(macros: &[&str], folder: &Path) -> Result<PathBuf, String> {
     let program = folder.join("sketch");
     let mut compiler = Command::new("g++");
     // The language of the compiler for AVR boards.
-    compiler.args("-std=c++11 -O1 -Wall -Wextra -Werror -I".split(' ')).arg(&test);
+    compiler
+        .args("-std=c++11 -O1 -Wall -Wextra -Werror -I".split(' '))
+        .arg(&test);
     compiler.args(macros.iter().map(|name| format!("-D{name}")));
     compiler.arg(test.join("fake.cpp")).arg("-o").arg(&program);
     let output = compiler.output().map_err(|error| format!("g++: {error}"))?;
@@ -37,13 +39,18 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
             return None;
         }
     };
-    let uri: SourceUri = format!("serial:/dev/null?protocol={protocol}").parse().expect("a source");
+    let uri: SourceUri = format!("serial:/dev/null?protocol={protocol}")
+        .parse()
+        .expect("a source");
     let mut line = {
         let _alone = lock_spawning();
-        open_loopback(uri.format().expect("a protocol")).expect("a line")
+        open_loopback(uri.format().expect("a protocol").clone()).expect("a line")
     };
     let mut trace = ademan(["trace", "readings", "--source", &line.uri.to_string()]);
-    trace.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+    trace
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
     let mut trace = Process::start(&mut trace).expect("the program starts");
     let mut sketch = Command::new(sketch);
     sketch.arg("100000000").stdout(Stdio::piped());
@@ -60,8 +67,9 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
     });
     let received = BufReader::new(trace.0.stdout.take().expect("stdout is piped"));
     let received = received.lines().map_while(Result::ok).take(count);
-    let readings: Vec<Value> =
-        received.map(|line| serde_json::from_str(&line).expect("an object")).collect();
+    let readings: Vec<Value> = received
+        .map(|line| serde_json::from_str(&line).expect("an object"))
+        .collect();
     drop((sketch, trace));
     sender.join().expect("the bytes are sent");
     assert_eq!(readings.len(), count);
@@ -78,7 +86,9 @@ fn counts(reading: &Value) -> Vec<u64> {
 fn packets_of_64_counts_arrive_in_wire_order_from_both_boards() {
     for (board, channels) in [(None, 32), (Some("ESP32"), 48)] {
         let macros: Vec<&str> = ["FORMAT=FORMAT_HC11"].into_iter().chain(board).collect();
-        let Some(readings) = readings(&macros, "hc11", 20) else { return };
+        let Some(readings) = readings(&macros, "hc11", 20) else {
+            return;
+        };
         // The stand-in has the count of its index on each channel; the rest of the packet is not wired.
         let wired = (0..64).map(|channel| if channel < channels { channel } else { 0 });
         let expected: Vec<u64> = wired.collect();
@@ -91,7 +101,9 @@ fn packets_of_64_counts_arrive_in_wire_order_from_both_boards() {
 #[test]
 fn curls_of_five_fingers_arrive_as_lines_of_lucidgloves() {
     let macros = ["FORMAT=FORMAT_LUCIDGLOVES"];
-    let Some(readings) = readings(&macros, "lucidgloves&max=1023", 20) else { return };
+    let Some(readings) = readings(&macros, "lucidgloves&max=1023", 20) else {
+        return;
+    };
     let first = counts(&readings[0]);
     assert!(readings.iter().all(|reading| counts(reading) == first));
     // The curls of 3, 7, 11, 15 and 19 of 1023, on the scale of the glove file.
@@ -106,7 +118,9 @@ fn curls_of_five_fingers_arrive_as_lines_of_lucidgloves() {
 
 #[test]
 fn quaternions_of_the_inertial_sensor_turn_the_wrist_about_the_vertical() {
-    let Some(readings) = readings(&["FORMAT=FORMAT_IMU"], "imu", 50) else { return };
+    let Some(readings) = readings(&["FORMAT=FORMAT_IMU"], "imu", 50) else {
+        return;
+    };
     let mut latest = -1.0_f64;
     for reading in readings {
         let displacement = &reading["displacement"];

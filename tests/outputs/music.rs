@@ -68,8 +68,14 @@ while True:
 fn play(layout: &str, output: &str, folder: &Path) -> String {
     let transcript = folder.join("transcript");
     let outputs = format!("transcript:{},{output}", transcript.display());
+    let script =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/scripts/{layout}.txt"));
     let mut demo = ademan(["demo", "--fast", "--layout", layout, "--output", &outputs]);
-    let played = demo.stdin(Stdio::null()).output().expect("the program starts");
+    demo.arg("--script").arg(script);
+    let played = demo
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
     let message = String::from_utf8_lossy(&played.stderr);
     assert!(played.status.success(), "{message}");
     fs::read_to_string(transcript).expect("a transcript")
@@ -94,7 +100,8 @@ fn received_osc(layout: &str) -> Option<(Vec<String>, String)> {
     let transcript = play(layout, &format!("osc:127.0.0.1:{port}"), folder.path());
     let end = UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let message = osc::encode("/end", None, &[], &[0.0]);
-    end.send_to(&message, format!("127.0.0.1:{port}")).expect("it is sent");
+    end.send_to(&message, format!("127.0.0.1:{port}"))
+        .expect("it is sent");
     Some((lines.collect(), transcript))
 }
 
@@ -109,7 +116,9 @@ fn numbers<'a>(transcript: &'a str, event: &str) -> Vec<(&'a str, &'a str)> {
 
 #[test]
 fn python_osc_receives_the_notes_of_a_piano_with_velocity_depth_and_end() {
-    let Some((lines, transcript)) = received_osc("piano") else { return };
+    let Some((lines, transcript)) = received_osc("piano") else {
+        return;
+    };
     println!("{}", lines.join("\n"));
     let notes = lines.iter().filter(|line| !line.contains("/depth"));
     let expected = numbers(&transcript, "velocity ").into_iter();
@@ -119,15 +128,25 @@ fn python_osc_receives_the_notes_of_a_piano_with_velocity_depth_and_end() {
     assert!(notes.eq(&expected), "{expected:#?}");
     let ends = expected.iter().filter(|line| line.ends_with(" 0.000"));
     assert_eq!((ends.count(), expected.len()), (6, 12));
-    let last_depth = lines.iter().rfind(|line| line.starts_with("/piano/G4/depth"));
-    assert_eq!(last_depth.map(String::as_str), Some("/piano/G4/depth 0.000"));
+    let last_depth = lines
+        .iter()
+        .rfind(|line| line.starts_with("/piano/G4/depth"));
+    assert_eq!(
+        last_depth.map(String::as_str),
+        Some("/piano/G4/depth 0.000")
+    );
 }
 
 #[test]
 fn python_osc_receives_the_values_of_a_mixer_in_their_ranges() {
-    let Some((lines, transcript)) = received_osc("mixer") else { return };
+    let Some((lines, transcript)) = received_osc("mixer") else {
+        return;
+    };
     let values = numbers(&transcript, "value ");
-    assert!(values.len() > 10 && values.len() == lines.len(), "{transcript}");
+    assert!(
+        values.len() > 10 && values.len() == lines.len(),
+        "{transcript}"
+    );
     for (line, (name, value)) in lines.iter().zip(values) {
         let value: f32 = value.parse().expect("a number");
         let (control, channel) = name.split_once(' ').expect("a number of a channel");
@@ -137,7 +156,10 @@ fn python_osc_receives_the_values_of_a_mixer_in_their_ranges() {
             _ => value,
         };
         let (address, received) = line.split_once(' ').expect("a number");
-        assert_eq!(address, format!("/mixer/{channel}/{}", control.to_lowercase()));
+        assert_eq!(
+            address,
+            format!("/mixer/{channel}/{}", control.to_lowercase())
+        );
         let received: f32 = received.parse().expect("a number");
         assert!((received - number).abs() < 0.04, "{line}: {number}");
     }
@@ -177,11 +199,19 @@ impl Pipe {
     fn hold_a_note(&mut self) -> Process {
         let output = format!("midi:{}", self.folder.path().join("midi").display());
         let script = "press C4; wait 30000; lift";
-        let mut demo = ademan(["demo", "--layout", "piano", "--script", script, "--output", &output]);
-        demo.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut demo = ademan([
+            "demo", "--layout", "piano", "--script", script, "--output", &output,
+        ]);
+        demo.stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
         let mut demo = Process::start(&mut demo).expect("the program starts");
         while !self.bytes.ends_with(&[ACTIVE_SENSING]) {
-            assert!(demo.0.try_wait().expect("a child").is_none(), "it ended: {:x?}", self.bytes);
+            assert!(
+                demo.0.try_wait().expect("a child").is_none(),
+                "it ended: {:x?}",
+                self.bytes
+            );
             thread::sleep(Duration::from_millis(10));
             self.read();
         }
@@ -214,9 +244,17 @@ fn a_program_that_is_killed_stops_active_sensing_so_that_a_synthesizer_ends_its_
     signal("KILL", demo.0.id());
     demo.0.wait().expect("it exits");
     pipe.read();
-    let after = pipe.bytes.iter().position(|byte| *byte == ACTIVE_SENSING).expect("it was sent");
+    let after = pipe
+        .bytes
+        .iter()
+        .position(|byte| *byte == ACTIVE_SENSING)
+        .expect("it was sent");
     let is_alive = |byte: &u8| *byte == ACTIVE_SENSING || *byte < 0x80 || *byte == 0xa0;
-    assert!(pipe.bytes[after..].iter().all(is_alive), "{:x?}", pipe.bytes);
+    assert!(
+        pipe.bytes[after..].iter().all(is_alive),
+        "{:x?}",
+        pipe.bytes
+    );
 }
 
 #[test]
@@ -233,7 +271,10 @@ fn mido_reads_the_notes_of_drums_and_pianos_from_a_raw_device() {
         make_pipe(folder.path());
         let device = folder.path().join("midi");
         let mut receiver = Command::new(&python);
-        receiver.args(["-c", MIDI_RECEIVER]).arg(&device).stdout(Stdio::piped());
+        receiver
+            .args(["-c", MIDI_RECEIVER])
+            .arg(&device)
+            .stdout(Stdio::piped());
         let mut receiver = Process::start(&mut receiver).expect("Python starts");
         let stdout = receiver.0.stdout.take().expect("stdout is piped");
         let mut lines = BufReader::new(stdout).lines().map_while(Result::ok);
@@ -285,11 +326,15 @@ fn aseqdump_receives_the_notes_of_a_virtual_port() {
         return;
     }
     let mut demo = ademan(["demo", "--layout", "piano", "--repeat", "--output", "midi"]);
-    demo.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    demo.stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let _demo = Process::start(&mut demo).expect("the program starts");
     let has_note = || {
         let mut dump = Command::new("aseqdump");
-        dump.args(["-p", "Ademan"]).stdout(Stdio::piped()).stderr(Stdio::null());
+        dump.args(["-p", "Ademan"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
         let mut dump = Process::start(&mut dump).expect("aseqdump is installed");
         let stdout = dump.0.stdout.take().expect("stdout is piped");
         let mut lines = BufReader::new(stdout).lines().map_while(Result::ok);

@@ -170,7 +170,13 @@ fn an_inertial_sensor_on_the_hand_lowers_the_fingertip_on_a_key_and_raises_it() 
         };
         let time = Timestamp(10_000 * (index as u64 + 1));
         events.clear();
-        receive(&mut decoder, line.as_bytes(), time, &mut pipeline, &mut events);
+        receive(
+            &mut decoder,
+            line.as_bytes(),
+            time,
+            &mut pipeline,
+            &mut events,
+        );
         transcript.extend(events.iter().filter_map(|event| match event.kind {
             EventKind::KeyDown(key) => Some(format!("down {key}")),
             EventKind::KeyUp(key) => Some(format!("up {key}")),

@@ -119,7 +119,9 @@ impl Sink for Midi {
         for event in events {
             // In the order of the events: a key may be released and pressed in one step.
             if let Some((index, message)) = self.notes.update(event.kind) {
-                result = result.and(self.send_due(MOTION_LIMIT)).and(self.begin(index, message));
+                result = result
+                    .and(self.send_due(MOTION_LIMIT))
+                    .and(self.begin(index, message));
             }
         }
         result.and(self.send_due(MOTION_LIMIT))
@@ -172,7 +174,9 @@ fn put(messages: &Sender<Message>, message: Message) -> Result<(), OutputError> 
     match messages.try_send(message) {
         Ok(()) => Ok(()),
         Err(TrySendError::Full(_)) => Err(error("its queue is full")),
-        Err(TrySendError::Disconnected(_)) => Err(error("the device does not accept messages any more")),
+        Err(TrySendError::Disconnected(_)) => {
+            Err(error("the device does not accept messages any more"))
+        }
     }
 }
 

@@ -154,7 +154,12 @@ fn a_loop_that_hangs_leaves_no_note() {
     while written.lock().unwrap().last() != Some(&end) {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    let sensing = written.lock().unwrap().iter().filter(|it| **it == [0xfe]).count();
+    let sensing = written
+        .lock()
+        .unwrap()
+        .iter()
+        .filter(|it| **it == [0xfe])
+        .count();
     assert!(sensing <= 1, "{sensing}");
 }
 
@@ -172,12 +177,18 @@ fn a_device_that_does_not_read_delays_no_step_and_loses_no_end_of_a_note() {
     sink.set_signals(&signals());
     sink.send(&[event(1, Velocity(C4, 1.0))]).unwrap();
     for step in 0..1000 {
-        sink.send(&[event(2, Value(FADER, (step % 100) as f32 / 100.0))]).unwrap();
+        sink.send(&[event(2, Value(FADER, (step % 100) as f32 / 100.0))])
+            .unwrap();
     }
-    assert!(sink.coalesced_motions() > 500, "{}", sink.coalesced_motions());
+    assert!(
+        sink.coalesced_motions() > 500,
+        "{}",
+        sink.coalesced_motions()
+    );
     sink.send(&[event(3, Velocity(DRUM, 1.0))]).unwrap();
     assert_eq!((sink.dropped_presses(), sink.has_stalled()), (1, true));
-    sink.send(&[event(4, Velocity(DRUM, 0.0)), event(4, Velocity(C4, 0.0))]).unwrap();
+    sink.send(&[event(4, Velocity(DRUM, 0.0)), event(4, Velocity(C4, 0.0))])
+        .unwrap();
     sink.void_presses();
     drop(gate);
     sink.close().unwrap();
@@ -209,7 +220,10 @@ fn what_is_no_device_is_refused_with_the_remedy() {
         opened.err().unwrap().to_string()
     };
     let error = refused("midi:/dev/snd/no-such-device");
-    assert!(error.contains("No such file") && error.contains("`amidi -l`"), "{error}");
+    assert!(
+        error.contains("No such file") && error.contains("`amidi -l`"),
+        "{error}"
+    );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("notes");
     std::fs::write(&file, "").unwrap();

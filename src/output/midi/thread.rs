@@ -47,7 +47,9 @@ impl MidiThread {
             let _end = end;
             port.run(&queue, &seen);
         };
-        let handle = thread::Builder::new().name("midi output".into()).spawn(run)?;
+        let handle = thread::Builder::new()
+            .name("midi output".into())
+            .spawn(run)?;
         Ok(Self {
             handle: Some(handle),
             ended,

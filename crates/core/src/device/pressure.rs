@@ -27,9 +27,7 @@ impl Pressures {
             let emitter = ValueEmitter::new(target, output, 0.0);
             (
                 output,
-                emitter
-                    .with_rest(Some(0.0))
-                    .with_axis_at_rest_for_zero(),
+                emitter.with_rest(Some(0.0)).with_axis_at_rest_for_zero(),
             )
         };
         Self {
@@ -64,7 +62,8 @@ impl VirtualDevice for Pressures {
 
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
         for touch in input.touches {
-            let finger = &mut self.fingers[touch.side.index() * Finger::COUNT + touch.finger.index()];
+            let finger =
+                &mut self.fingers[touch.side.index() * Finger::COUNT + touch.finger.index()];
             let index = self.index.get(touch.target);
             match (touch.phase, index) {
                 (Phase::Touched | Phase::Pressed, _) => {

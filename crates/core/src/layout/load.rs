@@ -10,12 +10,12 @@ use super::controls::with_control_kinds;
 use super::fit::Fit;
 use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
 use super::model::Layout;
-use super::signals::SignalSchema;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{
     AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
     PoseSchema,
 };
+use super::signals::SignalSchema;
 use crate::document::{
     self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
 };

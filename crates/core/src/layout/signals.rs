@@ -78,7 +78,9 @@ impl<'a> SignalSchema<'a> {
         if let Some(number) = numbers.find(|number| number.fract() != 0.0) {
             return error(format!("{number} is not a whole number"));
         }
-        let (low, high) = self.range.map_or((0.0, 1.0), |(low, high)| (low.get(), high.get()));
+        let (low, high) = self
+            .range
+            .map_or((0.0, 1.0), |(low, high)| (low.get(), high.get()));
         let signal = Signal {
             address: self.osc.map(|address| address.text.to_owned()),
             range: (low as f32, high as f32),

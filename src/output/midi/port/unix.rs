@@ -19,7 +19,11 @@ pub fn open() -> Result<Writer, String> {
         )
     };
     let output = MidiOutput::new(NAME).map_err(|error| cannot(&error))?;
-    let mut port = output.create_virtual(NAME).map_err(|error| cannot(&error))?;
+    let mut port = output
+        .create_virtual(NAME)
+        .map_err(|error| cannot(&error))?;
     tracing::info!("the port of MIDI is {NAME}: `aconnect -l` lists it");
-    Ok(Box::new(move |message| port.send(message).map_err(io::Error::other)))
+    Ok(Box::new(move |message| {
+        port.send(message).map_err(io::Error::other)
+    }))
 }

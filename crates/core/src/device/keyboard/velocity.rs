@@ -69,9 +69,9 @@ impl VelocityReporter {
     pub(super) fn emit_releases(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let held = &self.held;
         self.down.retain(|down| {
-            let is_held = held.iter().any(
-                |source| matches!(source, PressSource::Touch(_, _, target) if target == down),
-            );
+            let is_held = held
+                .iter()
+                .any(|source| matches!(source, PressSource::Touch(_, _, target) if target == down));
             is_held || !out.emit(time, EventKind::Velocity(*down, 0.0))
         });
     }

@@ -6,9 +6,9 @@ use super::activation::{
     ActivationFields, ActivationSchema, HoldSchema, check_action, check_unlocks,
 };
 use crate::contact::TargetId;
-use crate::device::value_output::ValueOutput;
 use crate::device::KeyAction;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
+use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;

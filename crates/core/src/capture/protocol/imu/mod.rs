@@ -74,7 +74,9 @@ const BEARING: ProtocolOption = ProtocolOption {
     summary: "direction of the forearm in the neutral pose: 0 is straight forward, 90 to the right",
     check: |value| match value.parse::<f64>() {
         Ok(bearing) if (-180.0..=180.0).contains(&bearing) => Ok(()),
-        _ => Err(format!("`{value}` is not a bearing from -180 to 180 degrees")),
+        _ => Err(format!(
+            "`{value}` is not a bearing from -180 to 180 degrees"
+        )),
     },
 };
 

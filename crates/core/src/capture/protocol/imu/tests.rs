@@ -42,7 +42,11 @@ fn the_first_line_is_the_pose_at_rest_and_later_ones_turn_about_the_axes_of_the_
     let mut decoder = decoder(&options(&[(&JOINT, "elbow")]));
     let found = decode(&mut decoder, &lines);
     assert_eq!(found.len(), 5);
-    assert!(found.iter().all(|it| it.joint == Joint::Elbow && it.translation() == Vec3::ZERO));
+    assert!(
+        found
+            .iter()
+            .all(|it| it.joint == Joint::Elbow && it.translation() == Vec3::ZERO)
+    );
     let [rest, roll, pitch, yaw, all]: [Quat; 5] = std::array::from_fn(|it| rotation(&found[it]));
     let (forward, left, up) = (Vec3::NEG_Z, Vec3::NEG_X, Vec3::Y);
     let (sin, cos) = 30_f32.to_radians().sin_cos();
@@ -73,11 +77,16 @@ fn the_bearing_turns_the_axes_and_not_the_pose_at_rest() {
 #[test]
 fn lines_of_both_orders_separators_and_times_are_read() {
     let mut by_order = decoder(&options(&[(&ORDER, "xyzw")]));
-    let found = decode(&mut by_order, "0.3254486 0.2166729 0.8627483 0.3206267\r\n\n");
+    let found = decode(
+        &mut by_order,
+        "0.3254486 0.2166729 0.8627483 0.3206267\r\n\n",
+    );
     assert_eq!(found.len(), 1);
     let mut decoder = decoder(&ProtocolOptions::default());
     let mut times = Vec::new();
-    let lines = format!("{NEUTRAL}\n{NEUTRAL} time_us=5\n{NEUTRAL}, time_us=5\n0.32\t0.325 0.217 0.863 time_us=9\n");
+    let lines = format!(
+        "{NEUTRAL}\n{NEUTRAL} time_us=5\n{NEUTRAL}, time_us=5\n0.32\t0.325 0.217 0.863 time_us=9\n"
+    );
     decoder.push(lines.as_bytes(), &mut |packet| times.push(packet.sent_at));
     assert_eq!(times, [None, Some(Timestamp(5)), Some(Timestamp(9))]);
     assert_eq!(decoder.stats().invalid.get(InvalidPacket::OutOfOrder), 1);
