@@ -22,7 +22,8 @@ use serde::{Deserialize, Serialize};
 use crate::decoder::{Candidate, Decoder, MAX_TAPS};
 use crate::keyboard::Tap;
 pub use restored::Restored;
-use tail::{Difference, difference, ends_word};
+pub(crate) use tail::ends_word;
+use tail::{Difference, difference};
 
 /// How presses become text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -12,7 +12,7 @@ use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
-pub const ANY_CHARACTER: f32 = -2.5;
+pub const ANY_CHARACTER: f32 = -3.2;
 /// More punctuation or a letter right behind punctuation.
 const RARE: f32 = -3.0;
 /// A second space.
@@ -82,7 +82,7 @@ impl Expansion<'_, '_> {
             emission: Emission::NOTHING,
         };
         let mut nothing = partial;
-        nothing.token.score += self.options.insertion + self.touches.anywhere();
+        nothing.token.score += self.options.insertion + self.touches.stray();
         self.push(nothing);
         match token.place {
             Place::Word(_) => self.word(&partial),
@@ -138,7 +138,7 @@ impl Expansion<'_, '_> {
         for child in self.model.lexicon.children(node) {
             let contents = self.model.lexicon.node(child);
             let score = base + self.language(contents.best());
-            if !self.is_open(score) {
+            if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
                 continue;
             }
             let Some((touch, key)) = self
@@ -212,7 +212,7 @@ impl Expansion<'_, '_> {
                 next.token.place = Place::Word(ROOT);
                 next.token.row = match node {
                     ROOT => NO_ROW,
-                    node => self.model.row(node),
+                    node => self.model.next_row(ended.token.row, node),
                 };
                 next.token.drift = self.drift(touch, space, &ended.token.drift);
                 next.emission = next.emission.with(' ', From::This, case);
@@ -378,7 +378,7 @@ impl Expansion<'_, '_> {
         ended.token.score += self.options.missing_space + self.best(ROOT);
         if self.is_open(ended.token.score) {
             ended.token.place = Place::Word(ROOT);
-            ended.token.row = self.model.row(node);
+            ended.token.row = self.model.next_row(partial.token.row, node);
             let case = self.model.lexicon.node(node).case();
             ended.emission = ended.emission.with(' ', From::None, case);
             self.letters(&ended);
