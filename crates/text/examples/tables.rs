@@ -1,7 +1,7 @@
 //! Prints the measured tables of `docs/typing.md` as Markdown: simulated taps of phrases that the models have not seen.
 //!
 //! `cargo run --release -p ademan-text --example tables -- [--phrases 500] [--people 20] [--tuning]`; with `--tuning`, phrases and
-//! people are those on which costs may be tuned.
+//! people are those on which costs may be tuned. `--show T1` prints what was read wrong in a tier.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -9,7 +9,7 @@ mod support;
 use ademan_text::{Keyboard, Model, Prior};
 use support::baselines::{Flat, Spelling};
 use support::phrases::{phrases, unknown_phrases, words};
-use support::session::{Errors, Phrase, correct, decode, nearest, read};
+use support::session::{Errors, Phrase, correct, decode, nearest, normal, read};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 use support::statistics::{ByPhrase, Kinds};
 
@@ -23,6 +23,8 @@ struct Bench<'m> {
     phrases: Vec<String>,
     seeds: std::ops::Range<u64>,
     is_tuning: bool,
+    /// The tier of which wrong texts are printed.
+    shown: Option<String>,
 }
 
 /// The errors of the ways to read the same taps.
@@ -56,6 +58,10 @@ fn main() {
         phrases,
         seeds: first..first + people,
         is_tuning,
+        shown: arguments
+            .iter()
+            .position(|argument| argument == "--show")
+            .and_then(|index| arguments.get(index + 1).cloned()),
     };
     bench.vocabulary();
     let measured: Vec<Measured> = TIERS.iter().map(|&tier| bench.measure(tier)).collect();
@@ -113,13 +119,17 @@ impl Bench<'_> {
             for (index, (phrase, text)) in typed.iter().zip(&texts).enumerate() {
                 let naive = nearest(&self.keyboard, &phrase.taps);
                 let meant = &phrase.meant;
+                if self.shown.as_deref() == Some(tier.name)
+                    && (normal(meant) != normal(&text.shown)
+                        || normal(meant) != normal(&fields[index]))
+                {
+                    println!("{meant}\n  {naive}\n  {}\n  {}", text.shown, fields[index]);
+                }
                 measured.nearest.0[index].add(meant, &naive);
                 measured.shown.0[index].add(meant, &text.shown);
                 measured.best.0[index].add(meant, &text.best);
                 measured.corrected.0[index].add(meant, &fields[index]);
-                measured
-                    .kinds
-                    .add(&self.model, meant, &naive, &text.shown);
+                measured.kinds.add(&self.model, meant, &naive, &text.shown);
                 if let Some(spelling) = &spelling {
                     measured.spelling.0[index].add(meant, &spelling.read(&naive));
                     // Slow, and as bad for one person as for many.
@@ -182,7 +192,7 @@ impl Bench<'_> {
     fn unknown(&self) {
         println!("| scatter | nearest key | decoded |");
         println!("|---|---|---|");
-        let seed = if self.is_tuning { 177 } else { 77 };
+        let seed = if self.is_tuning { 177 } else { 277 };
         let phrases = unknown_phrases(&self.model, self.phrases.len().min(200), seed);
         for scatter in [1.0, 3.0, 5.0] {
             let tier = Tier {

@@ -156,9 +156,11 @@ impl Counts {
 
     /// Returns three words in a row and their counts, sorted.
     pub fn triples(&self) -> impl Iterator<Item = ([&str; 3], u32)> + Clone {
-        self.triples.iter().map(|((earlier, before, word), &count)| {
-            ([earlier.as_str(), before.as_str(), word.as_str()], count)
-        })
+        self.triples
+            .iter()
+            .map(|((earlier, before, word), &count)| {
+                ([earlier.as_str(), before.as_str(), word.as_str()], count)
+            })
     }
 }
 

@@ -147,36 +147,34 @@ impl<'m> Corrector<'m> {
             ..tap
         });
         if ends_word(character) {
-            self.end_word(character);
+            self.end_word();
         }
         &self.edits
     }
 
-    fn end_word(&mut self, character: char) {
+    fn end_word(&mut self) {
         if std::mem::take(&mut self.is_partial) {
             self.shown.clear();
             return self.decoder.commit_typed();
         }
         if self.mode == Mode::Auto {
-            self.correct(character);
+            self.correct();
         }
-        if self.decoder.taps() >= SETTLED_TAPS {
-            if self.decoder.best() == self.shown {
-                self.decoder.commit();
-            } else {
-                self.decoder.commit_typed();
-            }
+        let taps = self.decoder.taps();
+        let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
+        if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
+            // What is shown is final; the person is learned from what was most probably meant.
+            self.decoder.commit();
             self.shown.clear();
         }
     }
 
-    fn correct(&mut self, character: char) {
+    fn correct(&mut self) {
         self.target.clear();
         self.target.push_str(self.decoder.reading());
-        // A space that may mean nothing is kept until it is clear where the word ends.
-        if !self.target.ends_with(character) {
-            self.target.clear();
-            self.target.push_str(self.decoder.typed());
+        // A space that may mean nothing, or a letter, is kept until it is clear where the word ends.
+        if !self.target.ends_with(ends_word) {
+            return;
         }
         if self.replace() {
             return;

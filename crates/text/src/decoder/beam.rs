@@ -5,10 +5,9 @@
 
 use super::token::Next;
 
-/// The hypotheses that fit; further ones of a tap are dropped. Of a beam of 200, some 400 are collected.
-const CAPACITY: usize = 8_000;
-/// The slots of the index, a power of two.
-const SLOTS: usize = 1 << 14;
+/// The hypotheses that fit, for each that is kept and at least; further ones of a tap are dropped.
+const CAPACITY: usize = 4;
+const LEAST_CAPACITY: usize = 4_000;
 /// The bins of the histogram.
 const BINS: usize = 1_024;
 /// The bins of a nat.
@@ -42,10 +41,11 @@ pub struct Beam {
 
 impl Beam {
     pub fn new(width: f32, count: usize) -> Self {
+        let capacity = (CAPACITY * count).max(LEAST_CAPACITY);
         Self {
-            next: Vec::with_capacity(CAPACITY),
-            order: Vec::with_capacity(CAPACITY),
-            slots: vec![Slot::default(); SLOTS],
+            next: Vec::with_capacity(capacity),
+            order: Vec::with_capacity(capacity),
+            slots: vec![Slot::default(); (2 * capacity).next_power_of_two()],
             round: 0,
             width,
             count,
@@ -116,11 +116,12 @@ impl Beam {
         }
         self.limit = self.limit.max(score - self.width);
         let key = next.token.key();
-        let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 50) as usize;
+        let last = self.slots.len() - 1;
+        let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & last;
         loop {
             let found = &mut self.slots[slot];
             if found.round != self.round {
-                if self.next.len() < CAPACITY {
+                if self.next.len() < self.next.capacity() {
                     *found = Slot {
                         key,
                         round: self.round,
@@ -141,7 +142,7 @@ impl Beam {
                 }
                 return;
             }
-            slot = (slot + 1) % SLOTS;
+            slot = (slot + 1) & last;
         }
     }
 

@@ -1,9 +1,10 @@
 //! The hypotheses that one hypothesis becomes with a tap.
 
-use super::Options;
 use super::beam::Beam;
 use super::token::{Emission, From, Next, Place, Token};
-use super::touches::Touches;
+use super::{GAIN, Options};
+
+use super::touches::{SLACK, Touches};
 use crate::keyboard::Millimetres;
 use crate::model::Model;
 use crate::model::alphabet::Symbol;
@@ -17,6 +18,8 @@ pub const ANY_CHARACTER: f32 = -3.2;
 const RARE: f32 = -3.0;
 /// A second space.
 const SECOND_SPACE: f32 = -7.0;
+/// A spurious tap that hits the space bar: `earth quakes` is not one word, however rare it is.
+const SPURIOUS_SPACE: f32 = -4.0;
 /// Punctuation other than a period or a comma.
 const RARE_PUNCTUATION: f32 = -2.0;
 
@@ -83,6 +86,9 @@ impl Expansion<'_, '_> {
         };
         let mut nothing = partial;
         nothing.token.score += self.options.insertion + self.touches.stray();
+        if self.typed.1 == ' ' {
+            nothing.token.score += SPURIOUS_SPACE;
+        }
         self.push(nothing);
         match token.place {
             Place::Word(_) => self.word(&partial),
@@ -102,7 +108,7 @@ impl Expansion<'_, '_> {
 
     /// Returns `true` if a hypothesis can still be kept with a likely tap.
     fn is_open(&self, score: f32) -> bool {
-        score + self.touches.likeliest() + 2.0 > self.beam.limit()
+        score + self.touches.likeliest() + SLACK > self.beam.limit()
     }
 
     fn language(&self, nats: f32) -> f32 {
@@ -119,7 +125,11 @@ impl Expansion<'_, '_> {
             return;
         }
         self.letters(partial);
-        self.end(partial);
+        if let Some(ended) = self.end(partial)
+            && self.is_open(ended.token.score + self.options.missing_space)
+        {
+            self.missing_space(&ended, node);
+        }
         if node == ROOT {
             self.unknown(partial);
             if self.is_sign {
@@ -168,8 +178,8 @@ impl Expansion<'_, '_> {
         self.touches.drifted(key, drift)
     }
 
-    /// Uses the tap as the end of a word.
-    fn end(&mut self, partial: &Partial) {
+    /// Uses the tap as the end of a word. Returns the hypothesis with its word complete, if it can still be kept.
+    fn end(&mut self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         if node == ROOT {
             let space = self.touches.space();
@@ -179,20 +189,28 @@ impl Expansion<'_, '_> {
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
-            return;
+            return None;
         }
-        let Some(ended) = self.ended(partial) else {
-            return;
-        };
+        let ended = self.ended(partial)?;
         let case = self.model.lexicon.node(node).case();
         self.separators(&ended, node, case);
+        Some(ended)
     }
 
-    /// Returns the hypothesis with its word complete, or `None` if it is none.
+    /// Returns the hypothesis with its word complete, or `None` if it is none, or too unlikely for the tap.
     fn ended(&self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         let contents = self.model.lexicon.node(node);
         let alone = contents.word()?;
+        // Before the look-up of the pair: how likely it can be at most.
+        let most = partial.token.score + self.language((alone + GAIN).min(0.0) - contents.best());
+        let behind = self
+            .touches
+            .separator()
+            .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT));
+        if most + behind + SLACK <= self.beam.limit() {
+            return None;
+        }
         let word = self.model.bigrams.after(partial.token.row, node, alone);
         let mut ended = *partial;
         ended.token.score += self.language(word) - self.language(contents.best());
@@ -201,7 +219,7 @@ impl Expansion<'_, '_> {
 
     /// Uses the tap as a space or punctuation behind a complete word.
     fn separators(&mut self, ended: &Partial, node: u32, case: Case) {
-        if !self.is_open(ended.token.score) {
+        if ended.token.score + self.touches.separator() + SLACK <= self.beam.limit() {
             return;
         }
         if let Some(space) = self.touches.space() {
@@ -339,9 +357,6 @@ impl Expansion<'_, '_> {
     fn skips(&mut self, partial: &Partial) {
         let node = partial.node();
         let options = *self.options;
-        if node != ROOT && self.is_open(partial.token.score + options.missing_space) {
-            self.missing_space(partial);
-        }
         let silent = self.apostrophe;
         if !self.is_open(partial.token.score + options.omission.max(options.silent)) {
             return;
@@ -370,15 +385,12 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the first letter of a word behind a complete one.
-    fn missing_space(&mut self, partial: &Partial) {
-        let node = partial.node();
-        let Some(mut ended) = self.ended(partial) else {
-            return;
-        };
+    fn missing_space(&mut self, ended: &Partial, node: u32) {
+        let mut ended = *ended;
         ended.token.score += self.options.missing_space + self.best(ROOT);
         if self.is_open(ended.token.score) {
             ended.token.place = Place::Word(ROOT);
-            ended.token.row = self.model.next_row(partial.token.row, node);
+            ended.token.row = self.model.next_row(ended.token.row, node);
             let case = self.model.lexicon.node(node).case();
             ended.emission = ended.emission.with(' ', From::None, case);
             self.letters(&ended);

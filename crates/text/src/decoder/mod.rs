@@ -10,7 +10,8 @@
 //! ```
 //!
 //! and inside a word, ln P of the likeliest word that it can become. Hypotheses at the same place after the same word are one. After
-//! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015).
+//! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015). A
+//! hypothesis is made only if its bound reaches the limit, which rises while better ones are found.
 //!
 //! What was typed is a hypothesis of its own, which is never dropped.
 
@@ -52,9 +53,9 @@ pub const MAX_TAPS: usize = 512;
 /// The candidates beside what was typed.
 pub const CANDIDATES: usize = 3;
 /// The complete hypotheses of which the candidates are chosen.
-const FINISHED: usize = 24;
+const FINISHED: usize = 16;
 /// What the score of a hypothesis gains at most with a word that is likelier after the one before than alone.
-const GAIN: f32 = 10.0;
+const GAIN: f32 = 8.0;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
 
@@ -423,7 +424,10 @@ impl<'m> Decoder<'m> {
     fn finish(&mut self) {
         self.finished.clear();
         for (index, token) in self.tokens.iter().enumerate() {
-            finish(&self.model, &self.costs, index, token, |found| {
+            let full = self.finished.len() == FINISHED;
+            let worst = self.finished.last().filter(|_| full);
+            let worst = worst.map_or(f32::NEG_INFINITY, |worst| worst.score);
+            finish(&self.model, &self.costs, index, token, worst, |found| {
                 let better = |other: &Finished| other.score >= found.score;
                 let place = self.finished.partition_point(better);
                 if place < FINISHED {

@@ -1,5 +1,6 @@
 //! The likelihood of a tap for each key, and the drift of the hands.
 
+use super::expand::is_punctuation;
 use crate::keyboard::{Keyboard, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
 use crate::touch::{Spread, TouchModel};
@@ -67,12 +68,14 @@ pub struct Touches {
     likeliest: f32,
     /// What the tap is worth if it means nothing, without its cost.
     stray: f32,
+    /// The largest log-likelihood of a key that ends a word.
+    separator: f32,
     /// For each letter, more than the log-likelihood of the tap for any hypothesis that counts.
     bounds: Vec<f32>,
 }
 
 /// How much more likely a hypothesis of the drift makes a tap than the best one does, at most.
-const SLACK: f32 = 2.0;
+pub const SLACK: f32 = 1.0;
 /// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
 const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
@@ -112,6 +115,7 @@ impl Touches {
                 last: None,
             },
             stray: 0.0,
+            separator: 0.0,
             bounds: vec![0.0; alphabet.len()],
             area: keyboard.area(),
             first_variance: touch.prior.first_drift.powi(2),
@@ -187,6 +191,12 @@ impl Touches {
                 letter.map_or(f32::NEG_INFINITY, |(likelihood, _)| likelihood + SLACK);
         }
         self.stray = self.stray_density();
+        self.separator = (0..self.keys.len())
+            .filter(|&key| {
+                matches!(self.characters[key], ' ') || is_punctuation(self.characters[key])
+            })
+            .map(|key| self.of_key(key, drift))
+            .fold(f32::NEG_INFINITY, f32::max);
         self.carried.last = Some((tap, self.keys[nearest].size));
         self.near.clear();
         for key in 0..self.keys.len() {
@@ -224,6 +234,11 @@ impl Touches {
         let variance = size * size;
         let near = (-0.5 * (x * x + y * y) / variance).exp() / (std::f32::consts::TAU * variance);
         (STRAY_NEAR * near + (1.0 - STRAY_NEAR) * anywhere).ln()
+    }
+
+    /// Returns the largest log-likelihood of a key that ends a word.
+    pub fn separator(&self) -> f32 {
+        self.separator
     }
 
     /// Returns the log-likelihood of the tap if it means nothing, without its cost.

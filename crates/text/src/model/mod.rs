@@ -117,7 +117,16 @@ impl<'a> Model<'a> {
             rest = behind;
             section
         });
-        let [letters, nodes, rows, entries, contexts, triples, states, arcs] = sections;
+        let [
+            letters,
+            nodes,
+            rows,
+            entries,
+            contexts,
+            triples,
+            states,
+            arcs,
+        ] = sections;
         let alphabet = Alphabet::read(letters)?;
         let symbols = alphabet.len();
         Ok(Self {

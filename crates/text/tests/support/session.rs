@@ -10,6 +10,8 @@ use ademan_text::{
 pub struct Phrase {
     pub meant: String,
     pub taps: Vec<Tap>,
+    /// The space behind it.
+    pub space: Option<Tap>,
 }
 
 /// Errors of characters and words.
@@ -155,7 +157,7 @@ pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phras
 }
 
 /// Returns the texts that stay in a text field behind a corrector, when the phrases are typed one after another, each followed by a
-/// space that is hit.
+/// space.
 pub fn correct(
     model: &Model,
     keyboard: &Keyboard,
@@ -166,19 +168,22 @@ pub fn correct(
     let decoder = Decoder::new(model.clone(), keyboard.clone(), touch, options());
     let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
     let mut field: Vec<char> = Vec::new();
-    let space = keyboard.index(' ').map(|space| keyboard.keys()[space].center);
+    let space = keyboard
+        .index(' ')
+        .map(|space| keyboard.keys()[space].center);
     let mut texts = Vec::new();
     for phrase in phrases {
         let mut start = field.len();
         let [x, y] = space.expect("a space bar");
-        for tap in phrase.taps.iter().chain(&[Tap::at(x, y)]) {
+        for tap in phrase.taps.iter().chain(&[phrase.space.unwrap_or(Tap::at(x, y))]) {
             for edit in corrector.press(*tap) {
                 match edit {
                     Edit::Backspace => assert!(field.pop().is_some(), "a Backspace at the start"),
                     Edit::Type(character) => field.push(*character),
                 }
-                start = start.min(field.len());
             }
+            // A correction that reaches into the phrase before leaves it about as long.
+            start = start.min(field.len());
         }
         texts.push(field[start..].iter().collect());
     }

@@ -95,6 +95,7 @@ fn heavy(random: &mut Rng) -> f32 {
 }
 
 /// A simulated person.
+#[derive(Clone)]
 pub struct Person {
     random: Rng,
     tier: Tier,
@@ -144,6 +145,8 @@ impl Person {
         Phrase {
             meant: text.to_owned(),
             taps,
+            // Of a person whose random numbers go on as if there were no such tap.
+            space: Some(self.clone().tap(' ')),
         }
     }
 
