@@ -38,7 +38,7 @@
 //!   (1991). So an unknown word stays as it was typed unless a known one is much likelier.
 //! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`]. How often this person misses a
 //!   tap or makes one that means nothing is learned from committed text, as is how many of the last words were unknown. A tap that
-//!   means nothing lands near the one before (80 %, normal, 0.9 keys), or anywhere.
+//!   means nothing lands near the one before (95 %, normal, 0.9 keys), or anywhere.
 //!
 //! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis
 //! is judged by the likeliest word that it can become.

@@ -48,6 +48,9 @@ fn measure(
     measured
 }
 
+/// The phrases for which limits were measured.
+const SMALL: usize = 60;
+
 /// How many phrases of a person, and how many people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
 fn amount(name: &str, default: usize) -> usize {
     let text = std::env::var(name);
@@ -60,7 +63,7 @@ fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {
     let Some(mut phrases) = phrases(!tuning) else {
         return;
     };
-    phrases.truncate(amount("ADEMAN_TEXT_PHRASES", 60));
+    phrases.truncate(amount("ADEMAN_TEXT_PHRASES", SMALL));
     let people = amount("ADEMAN_TEXT_PEOPLE", 1) as u64;
     let seeds = if tuning {
         1_000..1_000 + people
@@ -88,8 +91,10 @@ fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {
             nearest.wer(),
             decoded.wer(),
         );
+        let is_small = phrases.len() == SMALL && people == 1 && !tuning;
+        let limit = if is_small { tier.limit } else { nearest.cer() };
         assert!(
-            decoded.cer() <= nearest.cer(),
+            decoded.cer() <= limit,
             "{}: {nearest:?} {decoded:?}",
             tier.name
         );

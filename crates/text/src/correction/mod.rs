@@ -50,7 +50,7 @@ pub enum Edit {
 /// The longest tail that is replaced, in characters.
 pub const MAX_TAIL: usize = 64;
 /// At the end of a word, after this many taps, the text before is final.
-const SETTLED_TAPS: usize = 96;
+const SETTLED_TAPS: usize = 60;
 
 /// A correction that one Backspace takes back.
 #[derive(Clone, Debug, Default)]
@@ -193,6 +193,9 @@ impl<'m> Corrector<'m> {
             return false;
         }
         if removed > MAX_TAIL {
+            // Out of reach: what follows starts anew, so that it can be corrected.
+            self.decoder.commit();
+            self.shown.clear();
             return true;
         }
         let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);

@@ -18,8 +18,6 @@ pub const ANY_CHARACTER: f32 = -3.2;
 const RARE: f32 = -3.0;
 /// A second space.
 const SECOND_SPACE: f32 = -7.0;
-/// A spurious tap that hits the space bar: `earth quakes` is not one word, however rare it is.
-const SPURIOUS_SPACE: f32 = -4.0;
 /// Punctuation other than a period or a comma.
 const RARE_PUNCTUATION: f32 = -2.0;
 
@@ -33,6 +31,8 @@ pub struct Expansion<'a, 'm> {
     /// The key that was typed, its character, and whether it is neither letter, space nor punctuation.
     pub typed: (usize, char),
     pub is_sign: bool,
+    /// What a spurious tap costs more if it hits the space bar.
+    pub spurious_space: f32,
 }
 
 /// Returns `true` if the character ends a word as a space does.
@@ -87,7 +87,7 @@ impl Expansion<'_, '_> {
         let mut nothing = partial;
         nothing.token.score += self.options.insertion + self.touches.stray();
         if self.typed.1 == ' ' {
-            nothing.token.score += SPURIOUS_SPACE;
+            nothing.token.score += self.spurious_space;
         }
         self.push(nothing);
         match token.place {
@@ -189,12 +189,27 @@ impl Expansion<'_, '_> {
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
+            self.opening_quote(partial);
             return None;
         }
         let ended = self.ended(partial)?;
         let case = self.model.lexicon.node(node).case();
         self.separators(&ended, node, case);
         Some(ended)
+    }
+
+    /// Uses the tap as a quotation mark before a word.
+    fn opening_quote(&mut self, partial: &Partial) {
+        for near in 0..self.touches.near().len() {
+            let near = self.touches.near()[near];
+            if near.character == '\'' {
+                let touch = self.touches.of_key(near.key, &partial.token.drift);
+                let mut next = *partial;
+                next.token.score += touch + punctuation(self.options, '\'');
+                next.emission = next.emission.with('\'', From::This, Case::Lower);
+                self.push(next);
+            }
+        }
     }
 
     /// Returns the hypothesis with its word complete, or `None` if it is none, or too unlikely for the tap.
@@ -239,7 +254,7 @@ impl Expansion<'_, '_> {
         }
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
-            if !is_punctuation(near.character) {
+            if !is_punctuation(near.character) && near.character != '\'' {
                 continue;
             }
             let touch = self.touches.of_key(near.key, &ended.token.drift);

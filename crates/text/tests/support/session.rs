@@ -157,7 +157,7 @@ pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phras
 }
 
 /// Returns the texts that stay in a text field behind a corrector, when the phrases are typed one after another, each followed by a
-/// space.
+/// space that is hit.
 pub fn correct(
     model: &Model,
     keyboard: &Keyboard,
@@ -175,7 +175,10 @@ pub fn correct(
     for phrase in phrases {
         let mut start = field.len();
         let [x, y] = space.expect("a space bar");
-        for tap in phrase.taps.iter().chain(&[phrase.space.unwrap_or(Tap::at(x, y))]) {
+        for tap in phrase.taps.iter().chain(&[Tap {
+            typed: Some(' '),
+            ..phrase.space.unwrap_or(Tap::at(x, y))
+        }]) {
             for edit in corrector.press(*tap) {
                 match edit {
                     Edit::Backspace => assert!(field.pop().is_some(), "a Backspace at the start"),
