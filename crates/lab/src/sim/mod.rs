@@ -7,11 +7,13 @@
 
 mod action;
 mod action_error;
+mod assignment;
 mod body;
 mod effector;
 mod glove_sensor;
 mod motor;
 mod unsteadiness;
+pub mod fluent;
 pub mod script;
 mod text_plan;
 mod reach;

@@ -176,6 +176,11 @@ impl TypingHand {
             .collect()
     }
 
+    /// Returns the rest value of a channel.
+    pub(super) fn rest_of(&self, index: usize) -> f64 {
+        self.variables[index].rest
+    }
+
     /// Sets the rest value of a channel, to which it returns where the fingertip leaves it free.
     pub(super) fn set_rest(&mut self, index: usize, value: f64) {
         self.variables[index].rest = value;

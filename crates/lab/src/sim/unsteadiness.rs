@@ -12,7 +12,7 @@ const TURNS_HZ: f64 = 0.3;
 
 /// The part of the flexion of each finger that the others follow, thumb first: inside the band of maximal presses of Zatsiorsky,
 /// Li & Latash 1998 ?.
-const SHARES: [[f64; Finger::COUNT]; Finger::COUNT] = [
+pub(super) const SHARES: [[f64; Finger::COUNT]; Finger::COUNT] = [
     [0.0, 0.05, 0.05, 0.05, 0.05],
     [0.05, 0.0, 0.20, 0.10, 0.07],
     [0.05, 0.15, 0.0, 0.30, 0.12],

@@ -11,6 +11,7 @@ use crate::contact::surface::Anchor;
 use crate::hand::{Finger, Joint};
 use crate::sim::action::TargetPoint;
 use crate::sim::action_error::ActionErrorKind;
+use crate::sim::assignment::FingerAssignment;
 use crate::sim::effector::{Effector, Limb};
 use crate::sim::movement::TipPath;
 use crate::sim::reach_target::ReachTarget;
@@ -48,10 +49,15 @@ impl Planner<'_> {
                 finger,
                 limb: Limb::Arm,
             };
+            let assignment = FingerAssignment {
+                hand: &self.state.hand,
+                fingers: used,
+                keys: &self.state.motor.keys,
+            };
             let fingers = match named {
                 Some(finger) => vec![finger],
                 None if used.is_empty() => vec![Finger::Index, Finger::Thumb],
-                None => self.assigned_fingers(surface, target),
+                None => assignment.fingers_for(surface, target),
             };
             return fingers.into_iter().map(arm).collect();
         }

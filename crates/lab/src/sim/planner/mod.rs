@@ -1,7 +1,6 @@
 //! Translation of actions to movements.
 
 mod aim;
-mod assignment;
 mod bends;
 mod joints;
 mod route;
