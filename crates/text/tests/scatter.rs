@@ -5,7 +5,7 @@ mod support;
 use ademan_text::{Model, Prior};
 use support::baselines::{Flat, Spelling};
 use support::phrases::{phrases, unknown_phrases};
-use support::session::{Errors, Phrase, decode, nearest};
+use support::session::{Errors, Phrase, correct, decode, nearest};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 
 /// The errors of the four ways to read the same taps.
@@ -134,5 +134,34 @@ fn unknown_words_passwords_and_identifiers_are_not_made_worse() {
             decoded.cer() <= plain.cer() + allowed,
             "{plain:?} {decoded:?}"
         );
+    }
+}
+
+#[test]
+fn what_stays_in_a_text_field_is_about_what_is_read_from_whole_phrases() {
+    let Some(mut phrases) = phrases(false) else {
+        return;
+    };
+    phrases.truncate(30);
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let keyboard = keyboard();
+    for tier in [TIERS[1], TIERS[3], TIERS[5]] {
+        let mut person = Person::new(tier, 1_007);
+        let typed: Vec<Phrase> = phrases.iter().map(|phrase| person.types(phrase)).collect();
+        let prior = Prior::default();
+        let texts = decode(&model, &keyboard, prior, &typed);
+        let fields = correct(&model, &keyboard, prior, &typed);
+        let (mut read, mut field) = (Errors::default(), Errors::default());
+        for ((phrase, text), shown) in typed.iter().zip(&texts).zip(&fields) {
+            read.add(&phrase.meant, text);
+            field.add(&phrase.meant, shown);
+        }
+        println!(
+            "{}: read {:.2} %, in the text field {:.2} %",
+            tier.name,
+            read.cer(),
+            field.cer()
+        );
+        assert!(field.cer() <= 1.3 * read.cer() + 1.0, "{read:?} {field:?}");
     }
 }

@@ -18,6 +18,8 @@ pub const ANY_CHARACTER: f32 = -3.2;
 const RARE: f32 = -3.0;
 /// A second space.
 const SECOND_SPACE: f32 = -7.0;
+/// A spurious tap that hits the space bar, which a thumb rests on.
+const SPURIOUS_SPACE: f32 = -7.0;
 /// Punctuation other than a period or a comma.
 const RARE_PUNCTUATION: f32 = -2.0;
 
@@ -31,8 +33,6 @@ pub struct Expansion<'a, 'm> {
     /// The key that was typed, its character, and whether it is neither letter, space nor punctuation.
     pub typed: (usize, char),
     pub is_sign: bool,
-    /// What a spurious tap costs more if it hits the space bar.
-    pub spurious_space: f32,
 }
 
 /// Returns `true` if the character ends a word as a space does.
@@ -87,7 +87,7 @@ impl Expansion<'_, '_> {
         let mut nothing = partial;
         nothing.token.score += self.options.insertion + self.touches.stray();
         if self.typed.1 == ' ' {
-            nothing.token.score += self.spurious_space;
+            nothing.token.score += SPURIOUS_SPACE;
         }
         self.push(nothing);
         match token.place {

@@ -16,10 +16,6 @@ const WORD_MEMORY: f32 = 0.95;
 const PRIOR_WORDS: f32 = 12.0;
 /// The most that a cost is changed by what was learned, in nats.
 const MAX_CHANGE: f32 = 2.5;
-/// What a spurious tap on the space bar costs more while the taps of a person are clean, so that `earth quakes` stays two words, however
-/// rare they are; and the change of the cost of spurious taps with which it costs nothing more.
-const SPURIOUS_SPACE: f32 = -10.0;
-const SPURIOUS_CHANGE: f32 = 2.0;
 
 /// How many of the last words the lexicon lacks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -138,8 +134,6 @@ impl Decoder<'_> {
         let errors = &self.touch.errors;
         let spurious = limited(errors.spurious_change(options.insertion));
         let missed = limited(errors.missed_change(options.omission));
-        let clean = 1.0 - (spurious / SPURIOUS_CHANGE).clamp(0.0, 1.0);
-        self.spurious_space = SPURIOUS_SPACE * clean;
         self.costs = *options;
         self.costs.insertion = (options.insertion + spurious).min(0.0);
         self.costs.omission = (options.omission + missed).min(0.0);

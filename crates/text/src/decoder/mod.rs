@@ -90,7 +90,6 @@ pub struct Decoder<'m> {
     options: Options,
     /// The options with what was learned.
     costs: Options,
-    spurious_space: f32,
     touches: Touches,
     apostrophe: Option<Symbol>,
     beam: Beam,
@@ -136,7 +135,6 @@ impl<'m> Decoder<'m> {
             touch,
             options,
             costs: options,
-            spurious_space: 0.0,
             before: touches.carried(),
             words: WordRates::default(),
             touches,
@@ -271,7 +269,6 @@ impl<'m> Decoder<'m> {
             touches: &self.touches,
             beam: &mut self.beam,
             apostrophe: self.apostrophe,
-            spurious_space: self.spurious_space,
             typed,
             is_sign: !is_letter && character != ' ' && !expand::is_punctuation(character),
         };

@@ -50,7 +50,7 @@ impl Default for Options {
             language: 1.0,
             omission: -6.0,
             insertion: -6.0,
-            substitution: -5.5,
+            substitution: -9.0,
             transposition: -6.5,
             missing_space: -6.0,
             silent: -0.7,

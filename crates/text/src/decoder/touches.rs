@@ -77,7 +77,7 @@ pub struct Touches {
 /// How much more likely a hypothesis of the drift makes a tap than the best one does, at most.
 pub const SLACK: f32 = 1.0;
 /// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
-const STRAY_NEAR: f32 = 0.95;
+const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
 
 /// A key whose likelihood is this much worse than that of the likeliest is not near.
