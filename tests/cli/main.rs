@@ -6,6 +6,7 @@ mod support;
 mod arm;
 mod body;
 mod body_landmarks;
+mod browser;
 mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
@@ -22,6 +23,8 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod firmware;
 mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
@@ -70,6 +73,7 @@ mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;
+mod web;
 #[cfg(unix)]
 mod webcam;
 mod writes;

@@ -53,6 +53,7 @@ mod lab;
 mod layout;
 mod layout_check;
 mod layouts;
+mod link;
 mod list;
 mod man;
 mod messages;
@@ -71,6 +72,7 @@ mod replay;
 mod root_args;
 mod run;
 mod script;
+mod serve;
 mod session;
 mod setup;
 mod setup_args;
@@ -119,6 +121,7 @@ subcommands! {
     Run(run),
     Webcam(webcam),
     Share(share),
+    Serve(serve),
     Studio(studio),
     Watch(watch),
     Ctl(ctl),

@@ -31,6 +31,7 @@ mod placement;
 pub mod quantity;
 mod render;
 mod schema;
+mod signals;
 
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;

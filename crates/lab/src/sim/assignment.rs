@@ -4,10 +4,16 @@ use super::motor::TypingKeys;
 use super::typing_hand::TypingHand;
 use crate::contact::TargetId;
 use crate::contact::surface::{Surface, Target};
-use crate::hand::{Finger, FingerSet};
+use crate::hand::{Finger, FingerSet, Side};
 
 /// Half the breadth of a column of keys, in metres.
 const HALF_COLUMN: f32 = 0.0095;
+
+/// Largest distance of two keys of one row across the row, and of two columns that are one, in metres.
+const SAME_ROW: f32 = 0.002;
+
+/// Rounding of a key that is exactly between two columns, in columns.
+const BETWEEN_COLUMNS: f32 = 1e-3;
 
 /// The division of boards between the fingers of a hand.
 pub(super) struct FingerAssignment<'a> {
@@ -22,9 +28,8 @@ pub(super) struct FingerAssignment<'a> {
 impl FingerAssignment<'_> {
     /// Returns the fingers of the person for a target on a board that the hand moves to, best first; empty if the layout decides.
     ///
-    /// The columns of the board are divided between the fingers: on a board of this hand with F or J those below a hand whose index
-    /// finger is above that key, as for touch typing, and otherwise those below a hand above the middle of the board, in proportion
-    /// on a wider board. The thumb presses the space bar.
+    /// The columns of the board are divided between the fingers: on a board of this hand with F or J as touch typing is taught, and
+    /// otherwise those below a hand above the middle of the board, in proportion on a wider board. The thumb presses the space bar.
     pub(super) fn fingers_for(&self, surface: &Surface, target: TargetId) -> Vec<Finger> {
         let used = Finger::ALL.iter().copied();
         let used: Vec<Finger> = used
@@ -34,33 +39,52 @@ impl FingerAssignment<'_> {
             let others = used.into_iter().filter(|finger| *finger != Finger::Thumb);
             return std::iter::once(Finger::Thumb).chain(others).collect();
         }
+        let taught = self.taught_finger(surface, target);
         let column = self.column(surface, target, self.fingers).unwrap_or(0.0);
+        let distance = |finger: Finger| match (finger, taught) {
+            // The thumb is below the others, and presses keys only if no other finger can.
+            (Finger::Thumb, _) => f32::INFINITY,
+            (_, Some(taught)) => finger.index().abs_diff(taught.index()) as f32,
+            (_, None) => {
+                let x = self.finger_x(surface, finger).unwrap_or(f32::INFINITY);
+                (x - column).abs()
+            }
+        };
         let mut fingers: Vec<(Finger, f32)> = used
             .into_iter()
-            .map(|finger| {
-                let x = self.finger_x(surface, finger).unwrap_or(f32::INFINITY);
-                let distance = match finger {
-                    // The thumb is below the others, and presses keys only if no other finger can.
-                    Finger::Thumb => f32::INFINITY,
-                    _ => (x - column).abs(),
-                };
-                (finger, distance)
-            })
+            .map(|finger| (finger, distance(finger)))
             .collect();
         fingers.sort_by(|a, b| a.1.total_cmp(&b.1));
         fingers.into_iter().map(|(finger, _)| finger).collect()
+    }
+
+    /// Returns the finger that touch typists use for a target: the index finger for the column of F or J and those towards the other
+    /// hand, and one finger for each column away from it. A key between two columns belongs to the left one, as rows are staggered.
+    fn taught_finger(&self, surface: &Surface, target: TargetId) -> Option<Finger> {
+        let side = surface.side()?;
+        let mut home = self.keys.home.iter();
+        let home = home.find_map(|home| surface.target(*home))?;
+        let position = |target: &Target| target.surface_from_target.translation;
+        let home = position(home);
+        let beside = surface.targets().filter_map(|(_, target)| {
+            let offset = position(target) - home;
+            (offset.y.abs() < SAME_ROW && offset.x.abs() > SAME_ROW).then_some(offset.x.abs())
+        });
+        let pitch = beside.fold(f32::INFINITY, f32::min);
+        let columns = (position(surface.target(target)?).x - home.x) / pitch;
+        let to_the_right = (columns - 0.5 - BETWEEN_COLUMNS).ceil();
+        let outward = match side {
+            Side::Right => to_the_right,
+            Side::Left => -to_the_right,
+        };
+        let fingers = [Finger::Index, Finger::Middle, Finger::Ring, Finger::Little];
+        Some(fingers[outward.clamp(0.0, 3.0) as usize])
     }
 
     /// Returns the X of a target relative to the middle finger, in metres, as far as the fingers span the board.
     fn column(&self, surface: &Surface, target: TargetId, fingers: FingerSet) -> Option<f32> {
         let x_of = |target: &Target| target.surface_from_target.translation.x;
         let own = x_of(surface.target(target)?);
-        let mut home = self.keys.home.iter();
-        if surface.side().is_some()
-            && let Some(home) = home.find_map(|home| surface.target(*home))
-        {
-            return Some(own - x_of(home) + self.finger_x(surface, Finger::Index)?);
-        }
         let xs = surface.targets().map(|(_, target)| x_of(target));
         let (min, max) = xs.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| {
             (min.min(x), max.max(x))

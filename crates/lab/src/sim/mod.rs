@@ -22,6 +22,7 @@ mod typing_hand;
 mod movement;
 mod noise;
 mod planner;
+mod pointing_posture;
 mod sensor;
 mod task;
 mod tour;
