@@ -59,6 +59,15 @@ impl LayoutInstance {
         }
     }
 
+    /// Creates the run-time instance of a layout.
+    pub fn from_layout(layout: &Layout) -> Self {
+        let (scene, names) = (layout.scene.clone(), layout.target_names());
+        Self::new(scene, names, layout.devices())
+            .with_texts(layout.texts.clone())
+            .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
+            .with_layout(Arc::new(layout.clone()))
+    }
+
     /// Sets the layout that it was made from, for displays.
     #[must_use]
     pub fn with_layout(self, layout: Arc<Layout>) -> Self {
