@@ -520,3 +520,56 @@ fn a_damaged_file_is_read_or_rejected_at_a_position_within_it() {
     }
     assert!(refused > 500, "{refused}");
 }
+
+#[test]
+fn an_error_in_a_signal_is_at_its_control_or_its_address() {
+    let layout = |signals: &str| {
+        let controls = "keys: [(action: NoOp, name: \"C4\", at_mm: (0, 0)), (code: \"A\", at_mm: (30, 0))], \
+                        sliders: [(name: \"Volume\", at_mm: (80, 0), length_mm: 30)]";
+        format!(
+            "Layout(name: \"t\", boards: [(\n{POSE},\n{controls}\n)], signals: {{\"C4\": (note: 1),\n{signals}}})"
+        )
+    };
+    let address = "an address of OSC is a path such as `/mixer/1`";
+    for (signals, expected) in [
+        ("\"A\": ()", "sends nothing, set `osc`, `note` or `control`"),
+        (
+            "\"A\": (note: 1, control: 2)",
+            "has both a `note` and a `control`",
+        ),
+        (
+            "\"Volume\": (note: 1)",
+            "a slider plays no note, set a `control` for `Volume`",
+        ),
+        ("\"Volumen\": (note: 1)", "no such control"),
+        ("\"Volumen\": (control: 1)", "did you mean `Volume`?"),
+        ("\"C4\": (control: 1)", "duplicate signal of `C4`"),
+        ("\"A\": (note: 1.5)", "1.5 is not a whole number"),
+        (
+            "\"A\": (note: 128)",
+            "128 is out of range: a note is 0 to 127",
+        ),
+        (
+            "\"A\": (note: 1, channel: 0)",
+            "0 is out of range: a channel is 1 to 16",
+        ),
+        ("\"A\": (osc: \"mixer\")", address),
+        ("\"A\": (osc: \"/\")", address),
+        ("\"A\": (osc: \"/a//b\")", address),
+        ("\"A\": (osc: \"/a b\")", address),
+        ("\"A\": (osc: \"/ñ\")", address),
+        ("\"A\": (osc: \"/*\")", address),
+    ] {
+        let error = error_of(&layout(signals));
+        assert!(error.message().contains(expected), "{signals}: {error}");
+        assert_eq!(error.line(), Some(5), "{signals}: {error}");
+    }
+    let valid = layout("\"KeyA\": (control: 1), \"Volume\": (osc: \"/mixer/1\", range: (-60, 6))");
+    let layout = Layout::parse(&valid, "t.ron").expect("a valid layout");
+    assert_eq!(layout.signals.iter().len(), 3);
+    let reports = layout
+        .keys
+        .iter()
+        .map(|key| (key.reports_velocity, key.reports_depth));
+    assert_eq!(reports.collect::<Vec<_>>(), [(true, false), (false, true)]);
+}

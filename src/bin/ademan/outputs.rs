@@ -25,9 +25,14 @@ fn row(backend: &Backend) -> Row {
             true => format!(":{argument}"),
             false => format!("[:{argument}]"),
         });
+    let name = format!("{}{}", backend.name, argument.unwrap_or_default());
+    let shortest = match backend.is_argument_required {
+        true => &name,
+        false => backend.name,
+    };
     Row {
-        name: format!("{}{}", backend.name, argument.unwrap_or_default()),
+        example: Some(format!("ademan run my-setup.ron --output {shortest}")),
+        name,
         summary: backend.summary.into(),
-        example: Some(format!("ademan run my-setup.ron --output {}", backend.name)),
     }
 }
