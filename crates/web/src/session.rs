@@ -42,6 +42,8 @@ pub struct PageSession {
     left: ArmModel,
     /// What a sensor measures of the hands at rest.
     idle: [(Side, Sample); Side::COUNT],
+    /// No hand was seen on this layout yet, so that its boards have no places in the world.
+    is_unseen: bool,
     fit: Fit,
     layout: Arc<Layout>,
     person: Person,
@@ -86,6 +88,7 @@ impl PageSession {
         Ok(Self {
             pipeline: new_pipeline(&right, &left, &layout),
             idle,
+            is_unseen: true,
             right,
             left,
             fit,
@@ -141,6 +144,7 @@ impl PageSession {
         let mut instance = layout_instance(&layout);
         self.pipeline.replace_profile(0, &mut instance, &mut events);
         self.layout = layout;
+        self.is_unseen = true;
         self.write_events(&events);
         if let Hand::Simulated(person) = &self.hand {
             let task = self.rest_of(&person.task);
@@ -282,19 +286,26 @@ impl PageSession {
             }
             if is_done {
                 self.hand = Hand::Resting;
-                let has_left = self.layout.has_board_for(Side::Left);
-                let shown = self.idle.iter().take(1 + usize::from(has_left));
-                let time = self.time;
-                let reading = |(side, sample): &(Side, Sample)| {
-                    Reading::new(time, Some(*side), sample.clone())
-                };
-                readings.extend(shown.map(reading));
+                // Once only: a hand that went back there would sweep over keys.
+                if self.is_unseen {
+                    self.push_idle(&mut readings);
+                }
             }
+            self.is_unseen &= readings.is_empty();
             for reading in &readings {
                 self.step(reading);
             }
         }
         self.write_news()
+    }
+
+    /// Appends what a sensor measures of the hands at rest.
+    fn push_idle(&self, readings: &mut Vec<Reading>) {
+        let has_left = self.layout.has_board_for(Side::Left);
+        let shown = self.idle.iter().take(1 + usize::from(has_left));
+        let reading =
+            |(side, sample): &(Side, Sample)| Reading::new(self.time, Some(*side), sample.clone());
+        readings.extend(shown.map(reading));
     }
 
     fn step(&mut self, reading: &Reading) {
