@@ -53,6 +53,7 @@
 //! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
 //! - `layout_link`, with the feature `cli`, puts a layout into a link and reads it from one.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
+//! - [`people`], [`phrases`], [`trials`], [`measures`] and [`report`] are the lab: simulated people score layouts.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window.
 //!
@@ -85,7 +86,7 @@ pub use ademan_core::{
     layout, message, names, objects, pipeline, snapshot, time,
 };
 
-pub use ademan_lab::batch;
+pub use ademan_lab::{batch, measures, people, phrases, report, trials};
 
 // Types shared by every part.
 pub mod files;

@@ -23,6 +23,8 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod firmware;
 mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
@@ -32,6 +34,7 @@ mod holistic;
 mod home_made_gloves;
 #[cfg(target_os = "linux")]
 mod idle;
+mod lab;
 mod language_models;
 #[cfg(unix)]
 mod learning;

@@ -49,6 +49,7 @@ mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
+mod lab;
 mod layout;
 mod layout_check;
 mod layouts;
@@ -134,6 +135,7 @@ subcommands! {
     Trace(trace),
     Delay(delay),
     Layout(layout),
+    Lab(lab),
     Bridge(bridge),
     Sources(sources),
     Outputs(outputs),

@@ -6,15 +6,12 @@ use ademan::capture::SourceUri;
 use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
-use ademan::setup::{ReplaySettings, Setup};
+use ademan::setup::{OWN_SETUP, ReplaySettings, Setup};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::source_value::{self, SourceValue};
 use crate::{complete, link};
-
-/// The setup in the configuration folder that is used if none is named.
-const OWN_SETUP: &str = "setup.ron";
 
 /// Flags that override a setup file.
 #[derive(Clone, Default, clap::Args)]
@@ -69,6 +66,11 @@ impl SetupArgs {
             layout: Some(layout),
             ..Self::default()
         }
+    }
+
+    /// Returns whether a layout is named.
+    pub fn names_layout(&self) -> bool {
+        self.layout.is_some()
     }
 
     /// Sets a source on standard input, and a layout, if none is named.

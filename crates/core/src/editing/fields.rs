@@ -247,7 +247,7 @@ fn control_fields(kind: ControlKind) -> Vec<FieldSpec> {
 }
 
 fn key_fields() -> Vec<FieldSpec> {
-    use FieldType::{Action, Bool, Choice, Outline, Point, Ron, Text};
+    use FieldType::{Action, Bool, Choice, Outline, Output, Point, Ron, Text};
     vec![
         field("at_mm", Point { count: 2 }),
         field("code", Text),
@@ -262,6 +262,7 @@ fn key_fields() -> Vec<FieldSpec> {
         number!("release_at", ReleaseAt),
         number!("debounce_ms", Debounce),
         field("reports_depth", Bool),
+        field("output", Output),
         field("latch", Choice(LATCHES)),
         field("activate_on", Choice(&["Press", "Release"])),
         field("hold", Ron),

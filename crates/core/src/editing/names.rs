@@ -78,7 +78,7 @@ pub(super) fn unique(taken: &mut BTreeSet<String>, name: &str) -> String {
 
 /// A mention of a key in another part of the layout.
 pub(super) enum Mention {
-    /// The key of an entry in a map: its labels, or a layer.
+    /// The key of an entry in a map: its labels, its signals, or a layer.
     Entry {
         /// The map.
         map: Node,
@@ -113,7 +113,8 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     let layers = layers.iter().map(|item| item.value.in_some(text));
     let maps = layers
         .filter_map(|layer| layer.field(text, "keys"))
-        .chain(draft.field(Part::Layout, "labels"));
+        .chain(draft.field(Part::Layout, "labels"))
+        .chain(draft.field(Part::Layout, "signals"));
     for map in maps {
         for (index, item) in map.items().iter().enumerate() {
             let Some(key) = &item.key else { continue };

@@ -27,17 +27,49 @@ impl<'a> EventObject<'a> {
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum EventKindObject<'a> {
-    KeyDown { key: KeyCode },
-    KeyUp { key: KeyCode },
-    Character { character: char },
-    MoveBy { x: i32, y: i32 },
-    MoveTo { x: f32, y: f32 },
-    Scroll { x: i32, y: i32 },
-    Axis { axis: Axis, value: f32 },
-    Depth { target: TargetName<'a>, depth: f32 },
-    Value { target: TargetName<'a>, value: f32 },
-    Select { target: TargetName<'a> },
-    Unselect { target: TargetName<'a> },
+    KeyDown {
+        key: KeyCode,
+    },
+    KeyUp {
+        key: KeyCode,
+    },
+    Character {
+        character: char,
+    },
+    MoveBy {
+        x: i32,
+        y: i32,
+    },
+    MoveTo {
+        x: f32,
+        y: f32,
+    },
+    Scroll {
+        x: i32,
+        y: i32,
+    },
+    Axis {
+        axis: Axis,
+        value: f32,
+    },
+    Depth {
+        target: TargetName<'a>,
+        depth: f32,
+    },
+    Value {
+        target: TargetName<'a>,
+        value: f32,
+    },
+    Velocity {
+        target: TargetName<'a>,
+        velocity: f32,
+    },
+    Select {
+        target: TargetName<'a>,
+    },
+    Unselect {
+        target: TargetName<'a>,
+    },
 }
 
 impl<'a> EventKindObject<'a> {
@@ -57,6 +89,10 @@ impl<'a> EventKindObject<'a> {
             EventKind::Value(target, value) => Self::Value {
                 target: names.get(target),
                 value,
+            },
+            EventKind::Velocity(target, velocity) => Self::Velocity {
+                target: names.get(target),
+                velocity,
             },
             EventKind::Select(target) => Self::Select {
                 target: names.get(target),

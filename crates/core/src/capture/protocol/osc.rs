@@ -143,7 +143,7 @@ fn push_string(bytes: &mut Vec<u8>, text: &str) {
 }
 
 /// Returns a message without arguments but floats and, before them, a string or whole numbers.
-pub(super) fn encode(address: &str, string: Option<&str>, ints: &[i32], floats: &[f32]) -> Vec<u8> {
+pub fn encode(address: &str, string: Option<&str>, ints: &[i32], floats: &[f32]) -> Vec<u8> {
     let mut bytes = Vec::new();
     push_string(&mut bytes, address);
     let types = [
