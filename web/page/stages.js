@@ -32,6 +32,8 @@ export async function loadStages() {
     point: (isLeft, [x, y, z], [i, j, k], travel, isDown) => exports.page_point(isLeft, x, y, z, i, j, k, travel, isDown),
     release: () => exports.page_release(),
     clearText: () => exports.page_clear_text(),
+    prepareRehearsal: () => exports.page_prepare_rehearsal(),
+    rehearse: () => exports.page_rehearse(),
     advance: (ms) => lines(exports.page_advance(ms)),
   };
 }

@@ -5,10 +5,7 @@
 //! returns its length in the output buffer, at [`page_output`]. No call panics: an input that is not UTF-8 is an empty text.
 
 // The names of exports: nothing here touches a pointer, and the page writes to a vector that it was given.
-#![allow(
-    unsafe_code,
-    reason = "a name that is not mangled is an unsafe attribute"
-)]
+#![allow(unsafe_code, reason = "a name that is not mangled is unsafe")]
 
 use std::cell::RefCell;
 use std::time::Duration;
@@ -22,7 +19,7 @@ use serde_json::json;
 
 use crate::plan::PlanEdit;
 use crate::pointer::Pointed;
-use crate::session::{PageSession, preview, shipped};
+use crate::session::{PageSession, Rehearsal, preview, shipped};
 
 /// The largest text that a page passes, in bytes.
 const MAX_INPUT_BYTES: usize = 16 << 20;
@@ -30,6 +27,7 @@ const MAX_INPUT_BYTES: usize = 16 << 20;
 #[derive(Default)]
 struct Page {
     session: Option<PageSession>,
+    rehearsal: Option<Rehearsal>,
     input: Vec<u8>,
     output: Vec<u8>,
 }
@@ -128,9 +126,7 @@ pub extern "C" fn page_set_layout(length: usize) -> usize {
         match session {
             Ok(mut session) => {
                 let mut lines = session.layout_lines();
-                if session.layout().text != text {
-                    lines.push_str(&session.set_layout(&text));
-                }
+                lines.push_str(&session.set_layout(&text));
                 page.session = Some(session);
                 page.put(lines)
             }
@@ -238,6 +234,20 @@ pub extern "C" fn page_clear_text() {
         session.clear_text();
         String::new()
     });
+}
+
+/// Prepares steps whose time the page measures with [`page_rehearse`].
+#[unsafe(no_mangle)]
+pub extern "C" fn page_prepare_rehearsal() {
+    PAGE.with_borrow_mut(|page| {
+        page.rehearsal = page.session.as_ref().map(PageSession::rehearsal);
+    });
+}
+
+/// Makes the steps that are prepared. Returns their number.
+#[unsafe(no_mangle)]
+pub extern "C" fn page_rehearse() -> usize {
+    PAGE.with_borrow_mut(|page| page.rehearsal.as_mut().map_or(0, Rehearsal::run))
 }
 
 /// Moves the hands on by a time in milliseconds. Returns lines.

@@ -22,4 +22,4 @@ pub use faults::Fault;
 pub use hand::HandState;
 pub use plan::PlanEdit;
 pub use pointer::Pointed;
-pub use session::PageSession;
+pub use session::{PageSession, Rehearsal};

@@ -38,6 +38,8 @@ pub struct PointerHand {
     pad: Option<(Vec3, f32)>,
     /// A press that has not reached its bottom: a click may be shorter than the way there.
     is_pressing: bool,
+    /// The finger rises before a new press: it would slide into a key from the side.
+    is_rising: bool,
 }
 
 impl PointerHand {
@@ -51,6 +53,7 @@ impl PointerHand {
             pointed: None,
             pad: None,
             is_pressing: false,
+            is_rising: false,
         }
     }
 
@@ -61,6 +64,8 @@ impl PointerHand {
 
     /// Points at something.
     pub fn point(&mut self, pointed: Pointed) {
+        let was_down = self.pointed.is_some_and(|before| before.is_down);
+        self.is_rising |= pointed.is_down && !was_down;
         self.is_pressing |= pointed.is_down;
         self.pointed = Some(match self.pointed {
             // The press is for the key on which it began.
@@ -95,19 +100,21 @@ impl PointerHand {
         let way = pointed.point - point;
         let is_there = way.length() <= across;
         let is_up = height > HOVER_M / 2.0;
-        let point = match (is_there, is_up || is_down) {
+        self.is_rising &= !is_up;
+        let may_press = is_down && !self.is_rising;
+        let point = match (is_there, is_up || may_press) {
             (true, _) => pointed.point,
             (false, true) => point + way.normalize_or_zero() * across,
             // It rises before it leaves a key.
             (false, false) => point,
         };
         // Down only where it points, so that it presses nothing on its way.
-        let wanted = match is_down && (is_there || !is_up) {
+        let wanted = match may_press && (is_there || !is_up) {
             true => -(pointed.travel + BOTTOM_M),
             false => HOVER_M,
         };
         let height = height + (wanted - height).clamp(-towards, towards);
-        if height <= -pointed.travel {
+        if may_press && height <= -pointed.travel {
             self.is_pressing = false;
         }
         self.pad = Some((point, height));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use ademan_core::capture::Reading;
+use ademan_core::capture::{Reading, Sample};
 use ademan_core::contact::{Phase, TargetId};
 use ademan_core::device::Events;
 use ademan_core::document::{Document, DocumentError, shipped_layouts};
@@ -40,6 +40,10 @@ const START: Timestamp = Timestamp(1_000_000);
 pub struct PageSession {
     right: ArmModel,
     left: ArmModel,
+    /// What a sensor measures of the hands at rest.
+    idle: [(Side, Sample); Side::COUNT],
+    /// No hand was seen on this layout yet, so that its boards have no places in the world.
+    is_unseen: bool,
     fit: Fit,
     layout: Arc<Layout>,
     person: Person,
@@ -54,8 +58,6 @@ pub struct PageSession {
     poses: [Option<HandPose>; Side::COUNT],
     /// Length of the typed text, in characters, when the task of the simulated person began.
     typed_before: usize,
-    /// Number of readings so far.
-    steps: u64,
     lines: Lines,
     buffer: Vec<u8>,
 }
@@ -73,7 +75,6 @@ struct LayoutNews<'a> {
 struct SessionNews<'a> {
     hand: HandState,
     text: &'a str,
-    steps: u64,
 }
 
 impl PageSession {
@@ -83,21 +84,11 @@ impl PageSession {
         let [right, left] = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
         let fit = Fit::new(&right, Some(&left))?;
         let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
-        let estimator = || {
-            Estimator::new(EstimatorSettings {
-                rest_pose: half_bent_fingers(),
-                ..EstimatorSettings::default()
-            })
-        };
-        let instance = layout_instance(&layout);
-        // The hands of a page appear above the keys, and what they type stays in it.
-        let settings = PipelineSettings {
-            arm_delay: Duration::ZERO,
-            ..PipelineSettings::default()
-        };
-        let pipeline = Pipeline::new(estimator(), right.clone(), instance, settings);
+        let idle = [&right, &left].map(|arm| (arm.side(), PointerHand::new(arm).advance(0.0)));
         Ok(Self {
-            pipeline: pipeline.with_second_hand(estimator(), left.clone()),
+            pipeline: new_pipeline(&right, &left, &layout),
+            idle,
+            is_unseen: true,
             right,
             left,
             fit,
@@ -110,7 +101,6 @@ impl PageSession {
             rest: Duration::ZERO,
             poses: [None; Side::COUNT],
             typed_before: 0,
-            steps: 0,
             lines: Lines::default(),
             buffer: Vec::new(),
         })
@@ -122,7 +112,8 @@ impl PageSession {
         match Layout::for_hands(Document::new(NAME, text), self.fit) {
             Ok(layout) => {
                 self.adopt(Arc::new(layout));
-                self.layout_lines()
+                // The boards have their places in the world once a hand is seen.
+                self.layout_lines() + &self.advance(PERIOD)
             }
             Err(error) => {
                 let news = LayoutNews {
@@ -153,6 +144,7 @@ impl PageSession {
         let mut instance = layout_instance(&layout);
         self.pipeline.replace_profile(0, &mut instance, &mut events);
         self.layout = layout;
+        self.is_unseen = true;
         self.write_events(&events);
         if let Hand::Simulated(person) = &self.hand {
             let task = self.rest_of(&person.task);
@@ -294,7 +286,12 @@ impl PageSession {
             }
             if is_done {
                 self.hand = Hand::Resting;
+                // Once only: a hand that went back there would sweep over keys.
+                if self.is_unseen {
+                    self.push_idle(&mut readings);
+                }
             }
+            self.is_unseen &= readings.is_empty();
             for reading in &readings {
                 self.step(reading);
             }
@@ -302,9 +299,17 @@ impl PageSession {
         self.write_news()
     }
 
+    /// Appends what a sensor measures of the hands at rest.
+    fn push_idle(&self, readings: &mut Vec<Reading>) {
+        let has_left = self.layout.has_board_for(Side::Left);
+        let shown = self.idle.iter().take(1 + usize::from(has_left));
+        let reading =
+            |(side, sample): &(Side, Sample)| Reading::new(self.time, Some(*side), sample.clone());
+        readings.extend(shown.map(reading));
+    }
+
     fn step(&mut self, reading: &Reading) {
         let mut events = Events::new();
-        self.steps += 1;
         let is_accepted = self.pipeline.step(reading, &mut events).is_ok();
         let output = self.pipeline.output_for(reading);
         let names = self.pipeline.target_names();
@@ -361,7 +366,6 @@ impl PageSession {
         let news = SessionNews {
             hand: self.hand.state(),
             text: self.field.text(),
-            steps: self.steps,
         };
         self.lines.add("session", news);
         self.lines.take()
@@ -371,6 +375,57 @@ impl PageSession {
         for side in [Side::Right, Side::Left] {
             self.pipeline.lose(Some(side), None, events);
         }
+    }
+}
+
+/// The steps of a person who types, to measure their speed: nothing of them is shown.
+pub struct Rehearsal {
+    pipeline: Pipeline,
+    readings: Vec<Reading>,
+    time: Timestamp,
+}
+
+/// What the rehearsed person types: keys that every keyboard for one hand or both has.
+const REHEARSED: &str = "asdf jkl";
+
+/// Most readings of a rehearsal.
+const MAX_REHEARSED: usize = 400;
+
+impl PageSession {
+    /// Prepares a rehearsal on the layout in use.
+    pub fn rehearsal(&self) -> Rehearsal {
+        let task = HandTask::Text(REHEARSED.to_owned());
+        let arms = [self.right.clone()];
+        let person = SimulatedPerson::new(task, &self.layout, &arms, &Person::default());
+        let mut readings = Vec::new();
+        if let Ok(person) = person {
+            let mut hand = Hand::Simulated(Box::new(person));
+            while readings.len() < MAX_REHEARSED && !hand.advance(START, &mut readings) {}
+        }
+        if readings.is_empty() {
+            let (side, sample) = &self.idle[0];
+            readings.push(Reading::new(START, Some(*side), sample.clone()));
+        }
+        Rehearsal {
+            pipeline: new_pipeline(&self.right, &self.left, &self.layout),
+            readings,
+            time: START,
+        }
+    }
+}
+
+impl Rehearsal {
+    /// Makes all steps once. Returns their number.
+    pub fn run(&mut self) -> usize {
+        let mut events = Events::new();
+        for reading in &mut self.readings {
+            self.time = self.time + PERIOD;
+            reading.time = self.time;
+            events.clear();
+            // A reading that is rejected is a step, too.
+            let _ = self.pipeline.step(reading, &mut events);
+        }
+        self.readings.len()
     }
 }
 
@@ -402,6 +457,23 @@ pub fn preview(name: &str) -> Result<String, DocumentError> {
 pub fn shipped() -> String {
     let names: Vec<&str> = shipped_layouts().collect();
     serde_json::to_string(&names).expect("names are texts")
+}
+
+fn new_pipeline(right: &ArmModel, left: &ArmModel, layout: &Arc<Layout>) -> Pipeline {
+    let estimator = || {
+        Estimator::new(EstimatorSettings {
+            rest_pose: half_bent_fingers(),
+            ..EstimatorSettings::default()
+        })
+    };
+    // The hands of a page appear above the keys, and what they type stays in it.
+    let settings = PipelineSettings {
+        arm_delay: Duration::ZERO,
+        ..PipelineSettings::default()
+    };
+    let instance = layout_instance(layout);
+    Pipeline::new(estimator(), right.clone(), instance, settings)
+        .with_second_hand(estimator(), left.clone())
 }
 
 fn layout_instance(layout: &Arc<Layout>) -> LayoutInstance {

@@ -82,6 +82,27 @@ fn every_shipped_layout_opens_and_is_toured() {
 }
 
 #[test]
+fn a_hand_at_rest_is_shown_and_places_the_boards() {
+    let mut session = session("qwerty-two-flat");
+    let seen = objects(&session.advance(FRAME));
+    let scene = seen
+        .iter()
+        .find(|it| it["kind"] == "scene")
+        .expect("a scene");
+    assert!(
+        scene["boards"]
+            .as_array()
+            .is_some_and(|it| it.iter().all(Value::is_array)),
+        "{scene}"
+    );
+    assert_eq!(seen.iter().filter(|it| it["kind"] == "pose").count(), 2);
+    assert_eq!(session.text(), "");
+    let mut rehearsal = session.rehearsal();
+    assert!(rehearsal.run() > 100);
+    assert_eq!(session.text(), "", "a rehearsal is not shown");
+}
+
+#[test]
 fn a_script_with_a_fault_names_its_line() {
     let mut session = session("qwerty-flat");
     let faults = session.play("tap Q\ntapp W");
@@ -192,6 +213,34 @@ fn a_pointer_presses_the_key_that_it_points_at() {
         session.advance(FRAME);
     }
     assert_eq!(session.text(), "qp mx");
+    // A press may follow while the finger is still in the key before it.
+    for name in ["A", "L"] {
+        let (at, normal, travel) = key(&session, name, &scene);
+        session.point(
+            Side::Right,
+            Pointed {
+                point: at,
+                normal,
+                travel,
+                is_down: true,
+            },
+        );
+        let is_typed = |_| {
+            session.advance(FRAME);
+            session.text().ends_with(&name.to_lowercase())
+        };
+        assert!((0..100).any(is_typed), "{name} is typed");
+        session.point(
+            Side::Right,
+            Pointed {
+                point: at,
+                normal,
+                travel,
+                is_down: false,
+            },
+        );
+    }
+    assert_eq!(session.text(), "qp mxal");
     session.release();
     assert_eq!(session.hand_state(), HandState::Resting);
 }

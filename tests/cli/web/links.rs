@@ -46,7 +46,7 @@ fn a_shared_layout_is_checked_shown_and_played_but_types_only_if_it_is_trusted()
     assert_eq!(refused.out, "");
     let trusted = run_in(home.path(), &[&typed[..], &["--trust"]].concat());
     assert!(
-        trusted.out.contains("key-down"),
+        trusted.out.contains("down H"),
         "{}\n{}",
         trusted.out,
         trusted.err
