@@ -14,6 +14,7 @@ mod board_shape;
 mod builder;
 mod controls;
 mod devices;
+mod draft;
 mod edit;
 mod fields;
 mod fit;
@@ -34,6 +35,7 @@ mod schema;
 
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
+pub use draft::{LayoutDraft, LayoutFault};
 pub use edit::{move_boards, scale_boards};
 pub use fields::field_tables;
 pub use fit::Fit;

@@ -21,6 +21,7 @@ use self::canvas::{Canvas, Number, Placement};
 use self::page::Section;
 use super::wearer::Wearer;
 use super::words::{self, List};
+use crate::layout::draft::LayoutFault;
 use crate::layout::model::Layout;
 
 pub(super) use self::style::{coloured, sheet};
@@ -132,6 +133,7 @@ pub(super) fn parts(layout: &Layout, wearer: &Wearer) -> Result<Vec<Part>, TooMa
         });
     }
     let lists = listed.into_iter().chain(words::lists(layout));
+    let lists = faults(wearer).into_iter().chain(lists);
     parts.extend(lists.map(|list| Part::List {
         heading: list.heading,
         rows: list.rows,
@@ -157,13 +159,28 @@ fn sections(layout: &Layout, wearer: &Wearer) -> Vec<Section> {
     for (layer, chords) in chords {
         add((layer == 0).then_some("Chords"), chords);
     }
-    for list in listed.into_iter().chain(words::lists(layout)) {
+    let lists = listed.into_iter().chain(words::lists(layout));
+    for list in faults(wearer).into_iter().chain(lists) {
         add(Some(list.heading), page::draw_list(&list.rows, width));
     }
     if let Some(space) = space::draw(layout, wearer, width) {
         add(Some("In space"), space);
     }
     sections
+}
+
+/// Returns the faults of a layout that cannot be used, by line.
+fn faults(wearer: &Wearer) -> Option<List> {
+    let row = |fault: &LayoutFault| {
+        let line = fault.fault.line();
+        let line = line.map_or(String::new(), |line| format!("line {line}"));
+        (line, fault.fault.message().to_owned())
+    };
+    let rows: Vec<_> = wearer.faults.iter().map(row).collect();
+    (!rows.is_empty()).then_some(List {
+        heading: "Problems: the layout cannot be used",
+        rows,
+    })
 }
 
 /// Returns the chords of each layer that has some on small boards, or as a list if they have too many keys to tell apart.
