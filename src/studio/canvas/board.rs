@@ -13,9 +13,9 @@ const MAX_HEIGHT_MM: f32 = 120.0;
 /// A board as the canvas shows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardItems {
-    /// Its keys and controls.
+    /// Its keys and controls, and then those that are not in the layout because of an error.
     pub items: Vec<Item>,
-    /// Their targets, in the same order.
+    /// The targets of the items of the layout, in the same order.
     pub targets: Vec<TargetId>,
     /// Radius of an arc or cylinder in the file, in millimetres.
     pub radius: Option<f32>,
@@ -61,6 +61,12 @@ impl BoardItems {
             shape: Some(board.shape),
             mm_per_metre,
         }
+    }
+
+    /// Drops all items, and keeps the shape of the board.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.targets.clear();
     }
 
     /// Returns a fingertip at a point in the frame of the board, or `None` far above it.

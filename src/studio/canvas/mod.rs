@@ -7,6 +7,7 @@ pub mod bend;
 pub mod board;
 pub mod choices;
 pub mod draw;
+pub mod free;
 pub mod gesture;
 pub mod handles;
 pub mod selection;
@@ -14,6 +15,8 @@ pub mod snap;
 pub mod viewport;
 
 use parry3d::math::Vec2;
+
+use super::editor::Place;
 
 /// The outline of a key or control in row coordinates, in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +40,23 @@ pub struct Item {
     pub label: String,
     /// The file gives it a rotation.
     pub can_turn: bool,
+}
+
+impl Item {
+    /// Creates the item of a control whose place is only known as it is written.
+    pub fn written(place: &Place, label: String, can_turn: bool) -> Self {
+        let point = |[x, y]: [f64; 2]| Vec2::new(x as f32, y as f32);
+        Self {
+            shape: ItemShape {
+                center: point(place.center_mm),
+                half: point(place.size_mm) / 2.0,
+                rotation_deg: place.rotation_deg as f32,
+                is_disc: place.is_round,
+            },
+            label,
+            can_turn,
+        }
+    }
 }
 
 /// An axis-aligned rectangle, in millimetres.

@@ -133,7 +133,7 @@ fn random_edit(editor: &LayoutEditor, random: &mut Rng) -> Edit {
             binding: None,
         }),
         15 => Edit::Add(match random.usize(..6) {
-            0 => NewPart::Board,
+            0 => NewPart::Board { right_mm: 0.0 },
             1 => NewPart::Layer,
             2 => NewPart::Trigger,
             3 => NewPart::Space,
@@ -351,7 +351,7 @@ fn every_kind_of_part_is_added_and_is_valid() {
         assert_ne!(editor.selection(), [part]);
     }
     for new in [
-        NewPart::Board,
+        NewPart::Board { right_mm: 0.0 },
         NewPart::Trigger,
         NewPart::Pointer,
         NewPart::Space,

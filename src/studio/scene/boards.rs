@@ -32,6 +32,9 @@ const MIN_LABEL_PT: f32 = 5.0;
 /// Size of a key on the screen below which it is a flat rectangle, in points.
 const MIN_DETAIL_PT: f32 = 9.0;
 
+/// Sides of a quarter of a disc, which look round at any size.
+const DISC_STEPS: usize = 16;
+
 /// Signs of the corners of a box, in the order of its outline.
 const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
 
@@ -158,6 +161,7 @@ fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Colo
 
 /// Adds the label of a front, which lies on it and is upright for the eye.
 fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, front: &Pose) {
+    let text = &with_known_signs(text);
     let half = half_extents(target);
     let origin = front.translation;
     let direction = |axis: Vec3| {
@@ -195,7 +199,7 @@ fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, fro
             right: right * size,
             down: down * size,
             color,
-            text: with_known_signs(text),
+            text: text.clone(),
         });
     }
 }
@@ -225,7 +229,7 @@ fn half_extents(target: &Target) -> Vec2 {
 fn outline(target: &Target) -> Vec<Vec2> {
     let (half, radius, steps) = match target.shape {
         Shape::Box(half) => (half, 0.22 * half.min_element(), 3),
-        Shape::Disc(radius) => (Vec2::splat(radius), radius, 8),
+        Shape::Disc(radius) => (Vec2::splat(radius), radius, DISC_STEPS),
     };
     let mut points = Vec::with_capacity(CORNERS.len() * (steps + 1));
     for (corner, (x, y)) in CORNERS.into_iter().enumerate() {

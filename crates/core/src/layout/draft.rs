@@ -199,7 +199,7 @@ mod tests {
                     vec![2]
                 ),
                 (
-                    "the key `idle` has no action and takes part in no chord, remove it or give it one",
+                    "the key `idle` has no action and takes part in no chord, remove it",
                     vec![3]
                 ),
                 (

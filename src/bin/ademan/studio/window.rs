@@ -5,6 +5,9 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::document::Document;
+use ademan::files::OpenDocument;
+use ademan::layout::Layout;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
@@ -34,7 +37,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
-    let setup = load(args, &mut options)?;
+    let (setup, refused) = load_or_edit(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     options.watchdog = Some(watchdog::program(Command::Pause)?);
@@ -45,7 +48,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
-        false => show_window(&session, player),
+        false => show_window(&session, player, refused.as_deref()),
     });
     match shown {
         Some(Ok(())) => _ = session.commands().send(Command::Stop),
@@ -60,7 +63,12 @@ pub fn open(args: Args) -> Result<(), Failure> {
     stats::report(session.join()?)
 }
 
-fn show_window(session: &SessionHandle, player: Option<Player>) -> Result<(), StudioError> {
+/// Shows the window. `refused` is a layout that the session cannot use: it is opened in the editor.
+fn show_window(
+    session: &SessionHandle,
+    player: Option<Player>,
+    refused: Option<&str>,
+) -> Result<(), StudioError> {
     let app = StudioApp::new(session)?;
     let mut app = match player {
         Some(player) => app.with_player(player),
@@ -68,6 +76,9 @@ fn show_window(session: &SessionHandle, player: Option<Player>) -> Result<(), St
     };
     if let Some(path) = SettingsFile::default_path() {
         app = app.with_settings(path);
+    }
+    if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
+        complain!("{error}");
     }
     open_window(app, signals::is_stop_requested)
 }
@@ -99,6 +110,37 @@ fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
         OpenError::Setup(error) => error.into(),
         OpenError::Thread(_) => Failure::wrong_use(error.to_string()),
     })
+}
+
+/// Loads the setup. If its layout is a file with faults, the session has the default layout, and the name of the file is returned.
+fn load_or_edit(
+    args: Args,
+    options: &mut SessionOptions,
+) -> Result<(LoadedSetup, Option<String>), Failure> {
+    let is_edited = args.recording.is_none() && !args.overlay;
+    let layout = args.layout.clone();
+    let retry = Args {
+        layout: Some(Setup::default().layout),
+        ..args.clone()
+    };
+    let error = match load(args, options) {
+        Ok(setup) => return Ok((setup, None)),
+        Err(error) => error,
+    };
+    let layout = match (layout, &retry.setup) {
+        (Some(layout), _) => layout,
+        (None, Some(path)) => Setup::load(path)?.layout,
+        (None, None) => return Err(error),
+    };
+    let is_refused = Document::open(&layout)
+        .is_ok_and(|document| document.path.is_some() && Layout::from_document(document).is_err());
+    if !is_edited || !is_refused {
+        return Err(error);
+    }
+    complain!(
+        "{error}\nthe window opens it in the editor; the session has another layout until it can be used"
+    );
+    Ok((load(retry, options)?, Some(layout)))
 }
 
 /// Loads the setup, with a simulated hand as the source where it has none.

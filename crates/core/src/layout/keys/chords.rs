@@ -190,7 +190,7 @@ pub(in crate::layout) fn report_idle_keys(builder: &mut LayoutBuilder) {
     let idle = builder.keys().iter().filter(is_idle);
     let error = |key: &Key| {
         let message = format!(
-            "the key `{}` has no action and takes part in no chord, remove it or give it one",
+            "the key `{}` has no action and takes part in no chord, remove it",
             key.face.name
         );
         let error = builder.error(builder.key_source(key), message);
