@@ -34,6 +34,7 @@ pub mod guide;
 pub mod history;
 mod joint_names;
 pub mod latency;
+pub mod marks;
 pub mod model;
 pub mod notices;
 pub mod overlay;

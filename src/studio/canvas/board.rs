@@ -45,7 +45,14 @@ impl BoardItems {
             let can_turn = matches!(control.kind, ControlKind::Slider(_));
             control.faces.iter().map(move |face| (face, can_turn))
         });
-        let controls = faces.map(|(face, can_turn)| (face.target, item(face, can_turn)));
+        let controls = faces.map(|(face, can_turn)| {
+            let marks = layout.front_marks(face.target, None);
+            let item = Item {
+                marks: marks.unwrap_or_default(),
+                ..item(face, can_turn)
+            };
+            (face.target, item)
+        });
         let (targets, items) = keys.chain(controls).unzip();
         // The radius of a board does not scale with what is on it.
         let radius = match board.shape {
@@ -93,6 +100,7 @@ fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
             is_disc: matches!(outline.shape, Shape::Disc(_)),
         },
         label: face.label.clone(),
+        marks: Vec::new(),
         can_turn,
     }
 }

@@ -8,6 +8,8 @@ use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, bend};
+use crate::layout::{FrontMark, MarkRole, MarkShape};
+use crate::studio::marks::{FrontView, add_marks};
 use crate::studio::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::studio::scene::SceneColors;
 
@@ -217,7 +219,41 @@ impl Pen<'_> {
         let inner = self.outline(shape, edge);
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
-        self.add_label(item, shape, look);
+        match item.marks.is_empty() {
+            true => self.add_label(item, shape, look),
+            false => self.add_marks(item, shape, look),
+        }
+    }
+
+    /// Adds handle, scale and label of a control. While it is resized, they are stretched.
+    fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+        let viewport = *self.viewport;
+        let size = self.size;
+        let well = item.marks.iter().find_map(|mark| match mark.shape {
+            MarkShape::Box { half, .. } if mark.role == MarkRole::Well => Some(half),
+            MarkShape::Disc { radius, .. } if mark.role == MarkRole::Well => {
+                Some(Vec2::splat(radius))
+            }
+            _ => None,
+        });
+        let stretch = well.map_or(Vec2::ONE, |well| shape.half / well);
+        let to_screen = |point: Vec2| {
+            let on_board = shape.center + shape.rotated(point * stretch);
+            Some(viewport.to_screen(on_board, size))
+        };
+        let view = FrontView {
+            to_screen: &to_screen,
+            scale: viewport.scale * stretch.min_element(),
+            colors: self.colors,
+            is_lit: look == Look::Pressed,
+        };
+        // The selection is seen in the front, which the well would hide.
+        let marks = item.marks.iter();
+        let marks: Vec<FrontMark> = marks
+            .filter(|mark| mark.role != MarkRole::Well || look == Look::Plain)
+            .cloned()
+            .collect();
+        add_marks(&mut self.picture, &marks, &view);
     }
 
     /// Adds the outline of an item with an error, above all items.

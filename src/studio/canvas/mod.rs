@@ -17,6 +17,7 @@ pub mod viewport;
 use parry3d::math::Vec2;
 
 use super::editor::Place;
+use crate::layout::FrontMark;
 
 /// The outline of a key or control in row coordinates, in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,8 @@ pub struct Item {
     pub shape: ItemShape,
     /// The text on it.
     pub label: String,
+    /// Handle, scale and label of a control that is not a key, for its size in the file; empty for a key.
+    pub marks: Vec<FrontMark>,
     /// The file gives it a rotation.
     pub can_turn: bool,
 }
@@ -54,6 +57,7 @@ impl Item {
                 is_disc: place.is_round,
             },
             label,
+            marks: Vec::new(),
             can_turn,
         }
     }
@@ -177,6 +181,7 @@ pub(crate) mod tests {
                 is_disc: false,
             },
             label: "A".to_owned(),
+            marks: Vec::new(),
             can_turn: true,
         }
     }

@@ -158,6 +158,11 @@ impl LayoutEditor {
         self.file.path()
     }
 
+    /// The hands that the layout fits.
+    pub fn fit(&self) -> Fit {
+        self.fit
+    }
+
     /// The layout of the last text that could be read, to be drawn: it may have faults. `None` if there has been none.
     pub fn layout(&self) -> Option<&Arc<Layout>> {
         self.layout.as_ref()

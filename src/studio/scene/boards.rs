@@ -5,6 +5,8 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use super::Canvas;
 use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Surface, Target};
+use crate::layout::FrontMark;
+use crate::studio::marks::{FrontView, add_marks};
 use crate::studio::model::StudioModel;
 use crate::studio::picture::{Color, Label, convex_hull, with_known_signs};
 
@@ -136,7 +138,11 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
+    let value = model.values.get(&id).copied();
+    if let Some(marks) = model.view.layout.front_marks(id, value) {
+        let pose = Pose::from_parts(center, pose.rotation);
+        add_front(canvas, &marks, &pose, projected.scale, is_lit);
+    } else if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
         add_label(
             canvas,
             text,
@@ -145,6 +151,22 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
             &Pose::from_parts(center, pose.rotation),
         );
     }
+}
+
+/// Adds the marks on the front of a control.
+fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32, is_lit: bool) {
+    let projection = canvas.projection;
+    let to_screen = |point: Vec2| {
+        let projected = projection.project(*front * (point * 1e-3).extend(0.0))?;
+        Some(projected.position)
+    };
+    let view = FrontView {
+        to_screen: &to_screen,
+        scale: scale * 1e-3,
+        colors: canvas.colors,
+        is_lit,
+    };
+    add_marks(&mut canvas.picture, marks, &view);
 }
 
 /// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them.

@@ -67,7 +67,11 @@ fn an_overlap_locks_nothing_and_is_saved_on_request() {
     press(&mut window, egui::Modifiers::NONE, egui::Key::Escape);
     let middle = canvas(&window).center();
     // The board is zoomed to both keys: the right edge is of `B` alone.
-    drag(&mut window, middle + egui::vec2(12.0 * SCALE, 0.0), egui::vec2(20.0 * SCALE, 0.0));
+    drag(
+        &mut window,
+        middle + egui::vec2(12.0 * SCALE, 0.0),
+        egui::vec2(20.0 * SCALE, 0.0),
+    );
     assert!(window.has(text("editor-no-problems")));
 }
 
@@ -113,7 +117,10 @@ fn the_form_follows_a_drag_and_shows_what_differs() {
         let way = egui::vec2(0.0, -f32::from(step) * 5.0 * SCALE);
         event(egui::Event::PointerMoved(key + way));
     }
-    assert!((number(&window, "Y") - 30.0).abs() < 0.01, "during the drag");
+    assert!(
+        (number(&window, "Y") - 30.0).abs() < 0.01,
+        "during the drag"
+    );
     window.harness.event(egui::Event::PointerButton {
         pos: key - egui::vec2(0.0, 30.0 * SCALE),
         button: egui::PointerButton::Primary,
@@ -144,7 +151,9 @@ fn new_copied_and_pasted_controls_go_to_free_room() {
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::K);
     assert!(window.has(text("editor-palette-hint")) || window.has(text("editor-palette")));
     picture::draw(&mut window, "editor-palette");
-    window.harness.event(egui::Event::Text(text("editor-kind-slider").to_owned()));
+    window
+        .harness
+        .event(egui::Event::Text(text("editor-kind-slider").to_owned()));
     window.draw(3);
     window.press_key(egui::Key::Enter);
     window.click(text("editor-fit"));

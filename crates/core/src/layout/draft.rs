@@ -160,6 +160,7 @@ fn control_around(text: &str, tree: &Node, offset: usize) -> Option<Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Wearer;
 
     fn draft(boards: &str) -> LayoutDraft {
         let text = format!("Layout(name: \"a\", boards: [{boards}])");
@@ -246,6 +247,26 @@ mod tests {
         assert!(faults[0].0.contains("board 1 has no keys"), "{faults:?}");
         assert!(faults[1].0.contains("beyond the ends"), "{faults:?}");
         assert!(draft.layout().keys[0].face.outline.center.is_finite());
+    }
+
+    #[test]
+    fn a_picture_has_the_outlines_and_the_list_of_the_faults() {
+        let draft = draft(
+            "(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0)),\n\
+             (code: \"B\", at_mm: (10, 0)), (code: \"C\", at_mm: (60, 0))])",
+        );
+        let wearer = Wearer {
+            faults: draft.faults().to_vec(),
+            ..Wearer::default()
+        };
+        let svg = draft.layout().to_svg(&wearer).unwrap();
+        assert_eq!(svg.matches("class=\"fault\"").count(), 2, "{svg}");
+        assert!(
+            svg.contains("overlaps the key `A` of line 1 by 7 mm"),
+            "{svg}"
+        );
+        let clean = draft.layout().to_svg(&Wearer::default()).unwrap();
+        assert!(!clean.contains("class=\"fault\"") && !clean.contains("Problems"));
     }
 
     #[test]

@@ -49,4 +49,6 @@ pub use model::{
 };
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
-pub use render::{Cell, Grid, KeySize, ReachArea, TooManyShapes, Wearer};
+pub use render::{
+    Cell, FrontMark, Grid, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
+};

@@ -44,6 +44,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 fn show_file(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.strong(panel.marked_name());
+    if button(ui, text("editor-open"), text("editor-open-hint"), true) {
+        panel.ask_for_layout();
+    }
     if button(ui, text("editor-save"), text("editor-save-hint"), true) {
         panel.save();
     }

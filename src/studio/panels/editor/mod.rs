@@ -9,6 +9,7 @@ mod icons;
 mod key_press;
 mod lists;
 mod new_parts;
+mod open;
 mod outside;
 mod palette;
 mod problems;
@@ -16,7 +17,7 @@ mod several;
 mod shortcuts;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use eframe::egui;
@@ -40,6 +41,7 @@ use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
 use self::new_parts::Repeat;
+use self::open::OpenQuestion;
 pub(super) use self::outside::guard_close;
 use self::outside::{SaveAs, SaveQuestion};
 use self::palette::Palette;
@@ -76,6 +78,10 @@ pub struct EditorPanel {
     form: FormState,
     /// A save of a layout that no session can use waits for an answer.
     save_question: Option<SaveQuestion>,
+    /// Another layout is chosen.
+    open_question: Option<OpenQuestion>,
+    /// Folder with unsaved work.
+    work: Option<PathBuf>,
     /// Name that is written to save a copy.
     save_as: Option<SaveAs>,
     /// Unsaved work of an earlier run, to restore or discard.
@@ -103,6 +109,7 @@ impl EditorPanel {
         let mut editor = LayoutEditor::open(name, fit)?;
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);
+        panel.work = work.map(Path::to_owned);
         match recovery {
             Some(Ok(found)) => panel.found_work = found,
             Some(Err(error)) => panel.message = Some(Err(error.to_string())),
@@ -132,6 +139,8 @@ impl EditorPanel {
             binding: BindingState::default(),
             form: FormState::default(),
             save_question: None,
+            open_question: None,
+            work: None,
             save_as: None,
             found_work: None,
             trial: None,
@@ -366,6 +375,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
     panel.update_items();
     egui::Panel::top("editor-bar").show(ui, |ui| bar::show(ui, panel));
     outside::show(ui, panel);
+    open::show(ui, panel);
     egui::Panel::bottom("editor-problems")
         .resizable(true)
         .default_size(96.0)

@@ -71,16 +71,14 @@ fn common(mut values: impl Iterator<Item = f32>) -> Option<f32> {
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let parts = panel.selected_parts();
-    egui::Grid::new("editor-several")
-        .num_columns(4)
-        .show(ui, |ui| {
-            for (index, number) in numbers().iter().enumerate() {
-                show_number(ui, panel, &parts, number);
-                if index % 2 == 1 {
-                    ui.end_row();
-                }
+    egui::Grid::new("several").num_columns(4).show(ui, |ui| {
+        for (index, number) in numbers().iter().enumerate() {
+            show_number(ui, panel, &parts, number);
+            if index % 2 == 1 {
+                ui.end_row();
             }
-        });
+        }
+    });
 }
 
 fn show_number(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], number: &Number) {

@@ -14,6 +14,9 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::COMMAND, Key::S) {
         panel.save();
     }
+    if pressed(Modifiers::COMMAND, Key::O) {
+        panel.ask_for_layout();
+    }
     if ui.ctx().text_edit_focused() {
         return;
     }

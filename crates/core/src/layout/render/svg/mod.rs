@@ -22,7 +22,8 @@ use self::page::Section;
 use super::wearer::Wearer;
 use super::words::{self, List};
 use crate::layout::draft::LayoutFault;
-use crate::layout::model::Layout;
+use crate::layout::model::{ControlKind, Face, Layout};
+use crate::layout::render::front::FrontMark;
 
 pub(super) use self::style::{coloured, sheet};
 pub(super) use self::text::escape;
@@ -81,6 +82,19 @@ impl Layout {
             false => Ok(()),
         }
     }
+}
+
+/// Returns the marks on a front of a control; `index` is that of the front.
+pub(super) fn front_marks(
+    layout: &Layout,
+    kind: &ControlKind,
+    index: usize,
+    is_on: bool,
+    face: &Face,
+) -> Vec<FrontMark> {
+    let mut front = Canvas::default();
+    controls::draw_front(layout, kind, index, is_on, face, &mut front);
+    front.into_marks()
 }
 
 /// Returns the width of texts on a page: that of the widest board.
