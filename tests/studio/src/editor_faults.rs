@@ -174,3 +174,25 @@ fn a_file_with_an_overlap_opens_in_the_editor_of_another_layout() {
     assert!(window.has_words("overlaps the key"));
     assert_eq!(fs::read_to_string(&file.0).expect("the file"), overlapping);
 }
+
+#[test]
+fn another_layout_is_opened_in_the_window_with_its_handles() {
+    let file = EditedFile::new("first.ron", TWO_KEYS);
+    let mut window = file.open();
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
+    assert!(window.has(text("editor-open-title")));
+    window.enter(text("editor-open-name"), "media");
+    picture::draw(&mut window, "editor-open");
+    window.click("panels/media");
+    window.draw(3);
+    assert!(!window.has(text("editor-open-title")));
+    let canvas = window
+        .harness
+        .get_by_role_and_label(Role::Canvas, text("editor-canvas"));
+    assert!(canvas.rect().width() > 100.0);
+    picture::draw(&mut window, "editor-media");
+    window.wait_for("the opened layout in the session", |model| {
+        model.view.layout.text.contains("volume knob")
+    });
+    assert_eq!(file.text(), TWO_KEYS, "the first file is as it was");
+}

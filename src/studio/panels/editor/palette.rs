@@ -159,6 +159,8 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                 .hint_text(text("editor-palette-hint"))
                 .desired_width(f32::INFINITY);
             let field = ui.add(field);
+            let name = text("editor-palette-hint");
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
             field.request_focus();
             if field.changed() {
                 palette.chosen = 0;
