@@ -181,8 +181,10 @@ impl EditorPanel {
 
     /// Reads the items of the board anew after a change of the text.
     fn update_items(&mut self) {
-        let boards = self.editor.count("boards");
-        self.board = self.board.min(boards.saturating_sub(1));
+        if self.editor.is_editable() {
+            let boards = self.editor.count("boards");
+            self.board = self.board.min(boards.saturating_sub(1));
+        }
         let shown = (self.editor.revision(), self.board);
         if self.shown == Some(shown) {
             return;
