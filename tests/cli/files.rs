@@ -351,7 +351,10 @@ fn a_layout_with_errors_is_drawn_with_all_of_them_and_refused() {
     let faulty = "Layout(name: \"two\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
                   keys: [(code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: (10, 0)), (code: \"B\", at_mm: (60, 0))])])";
     let path = file(&folder, "two.ron", faulty);
-    let messages = ["overlaps the key `A` of line 2 by 7 mm", "duplicate name `B`"];
+    let messages = [
+        "overlaps the key `A` of line 2 by 7 mm",
+        "duplicate name `B`",
+    ];
     for arguments in [
         vec!["layout", "check", &path],
         vec!["layout", "show", &path],
