@@ -21,12 +21,15 @@ pub(super) struct Palette {
     chosen: usize,
 }
 
+/// What a command does.
+type Run = Box<dyn Fn(&mut EditorPanel, &egui::Context)>;
+
 /// A command of the editor.
 struct Command {
     name: String,
     /// Keys that do the same; may be empty.
     shortcut: &'static str,
-    run: Box<dyn Fn(&mut EditorPanel, &egui::Context)>,
+    run: Run,
 }
 
 impl Palette {
