@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::part::{Part, part_at, part_of};
 use crate::document::{DocumentError, DocumentFault, Node};
+use crate::editing::{Part, part_at, part_of};
 use crate::layout::LayoutDraft;
 
 /// A problem of a layout text.

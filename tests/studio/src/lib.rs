@@ -10,6 +10,7 @@ mod accessibility;
 mod calibration;
 mod editor;
 mod editor_faults;
+mod first_start;
 mod keyboard;
 mod layouts;
 mod picture;

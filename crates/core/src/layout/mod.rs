@@ -32,6 +32,7 @@ mod placement;
 pub mod quantity;
 mod render;
 mod schema;
+mod signals;
 
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
@@ -50,5 +51,6 @@ pub use model::{
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
 pub use render::{
-    Cell, FrontMark, Grid, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
+    Cell, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
+    heat_style,
 };

@@ -51,7 +51,7 @@ pub(super) fn kept_output<'a>(
 }
 
 /// Returns the checked output.
-pub(super) fn value_output<'a>(
+pub(in crate::layout) fn value_output<'a>(
     builder: &mut LayoutBuilder<'a>,
     output: Option<ValueOutputSchema<'a>>,
 ) -> Result<ValueOutput, DocumentError> {

@@ -8,6 +8,7 @@ use super::activation::{
 use crate::contact::TargetId;
 use crate::device::KeyAction;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
+use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;
@@ -185,6 +186,10 @@ pub(in crate::layout) fn report_idle_keys(builder: &mut LayoutBuilder) {
     let is_idle = |key: &&Key| {
         let mut chords = builder.chords().iter();
         key.actions.iter().all(Option::is_none)
+            && key.output == ValueOutput::ValueOnly
+            && builder
+                .signals()
+                .all(|(other, _)| *other != key.face.target)
             && !chords.any(|chord| chord.keys.contains(&key.face.target))
     };
     let idle = builder.keys().iter().filter(is_idle);

@@ -8,6 +8,6 @@ mod wearer;
 mod words;
 
 pub use front::{FrontMark, MarkRole, MarkShape};
-pub use svg::TooManyShapes;
+pub use svg::{Heat, TooManyShapes, heat_style};
 pub use terminal::{Cell, Grid, KeySize};
 pub use wearer::{ReachArea, Wearer};

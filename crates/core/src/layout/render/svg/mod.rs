@@ -9,6 +9,7 @@ mod board;
 mod canvas;
 mod chords;
 mod controls;
+mod heat;
 mod page;
 mod scale_bar;
 mod space;
@@ -25,6 +26,7 @@ use crate::layout::draft::LayoutFault;
 use crate::layout::model::{ControlKind, Face, Layout};
 use crate::layout::render::front::FrontMark;
 
+pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
 pub(super) use self::text::escape;
 

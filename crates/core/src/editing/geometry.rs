@@ -1,0 +1,492 @@
+//! Positions and sizes of parts: move, resize, turn, tilt.
+
+use super::draft::{Draft, written};
+use super::error::EditError;
+use super::part::{ControlKind, Part};
+use super::rows::{SourceRow, take_out};
+use crate::layout::quantity::Size;
+
+/// The outline of a part in row coordinates of its board, in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    /// Center.
+    pub center: [f64; 2],
+    /// Half extents of the rectangle around it.
+    pub half: [f64; 2],
+}
+
+/// The place of a control as written in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Center in row coordinates of its board.
+    pub center_mm: [f64; 2],
+    /// Width and depth before the rotation; a round control has its diameter in both.
+    pub size_mm: [f64; 2],
+    /// Rotation about the center, counter-clockwise.
+    pub rotation_deg: f64,
+    /// The outline is a disc.
+    pub is_round: bool,
+}
+
+/// The fields with the size of a part.
+enum SizeFields {
+    /// `size_mm`, which defaults to that of the board.
+    Outline,
+    /// A length and a width.
+    Track,
+    /// A diameter.
+    Diameter,
+    /// The `shape` of a target in space.
+    Volume,
+}
+
+/// Moves parts.
+pub(super) fn shift(
+    draft: &mut Draft,
+    parts: &[Part],
+    by_mm: [f64; 3],
+) -> Result<Vec<Part>, EditError> {
+    let parts = take_out(draft, &without_children(parts), true)?;
+    for part in &parts {
+        shift_one(draft, *part, by_mm)?;
+    }
+    draft.commit()?;
+    Ok(parts)
+}
+
+pub(super) fn shift_one(draft: &mut Draft, part: Part, by: [f64; 3]) -> Result<(), EditError> {
+    let [right, forward, up] = by;
+    match part {
+        Part::Board(_) | Part::Space(_) => shift_pose(draft, part, by),
+        Part::SpaceTarget { .. } => {
+            let [x, y, z] = required(draft.numbers(part, "at_mm")?)?;
+            draft.set_numbers(part, "at_mm", [x + right, y + up, z - forward])
+        }
+        Part::Control {
+            board,
+            kind: ControlKind::Radio,
+            index,
+        } => {
+            let options = draft
+                .field(part, "options")
+                .map_or(0, |it| it.items().len());
+            (0..options).try_for_each(|option| {
+                let radio = index;
+                let option = Part::RadioOption {
+                    board,
+                    radio,
+                    option,
+                };
+                shift_one(draft, option, by)
+            })
+        }
+        Part::Control {
+            kind: ControlKind::Key,
+            ..
+        } => {
+            shift_face(draft, part, right, forward)?;
+            let lift = draft.number(part, "lift_mm", 0.0)?;
+            draft.set_number(part, "lift_mm", lift + up, 0.0)
+        }
+        Part::Row { .. } | Part::Control { .. } | Part::RadioOption { .. } if up == 0.0 => {
+            shift_face(draft, part, right, forward)
+        }
+        _ => Err(unsupported(
+            part,
+            "moved",
+            match up {
+                0.0 => "",
+                _ => " off its board; move the board",
+            },
+        )),
+    }
+}
+
+fn shift_face(draft: &mut Draft, part: Part, x: f64, y: f64) -> Result<(), EditError> {
+    let at: [f64; 2] = required(draft.numbers(part, "at_mm")?)?;
+    draft.set_numbers(part, "at_mm", [at[0] + x, at[1] + y])
+}
+
+/// Moves a board along its bearing, as the fields of its pose are defined.
+fn shift_pose(
+    draft: &mut Draft,
+    part: Part,
+    [right, forward, up]: [f64; 3],
+) -> Result<(), EditError> {
+    if right != 0.0 {
+        if matches!(part, Part::Space(_)) {
+            return Err(unsupported(
+                part,
+                "moved to the side",
+                "; turn it about its anchor",
+            ));
+        }
+        let old = draft.number(part, "pose.right_mm", 0.0)?;
+        draft.set_number(part, "pose.right_mm", old + right, 0.0)?;
+    }
+    if forward != 0.0 {
+        let is_arc = draft
+            .field(part, "shape")
+            .is_some_and(|shape| shape.name(draft.text()) == Some("Arc"));
+        // The default of a board on arcs.
+        let default = match is_arc {
+            true => draft.number(part, "shape.radius_mm", 0.0)?,
+            false => 0.0,
+        };
+        let old = draft.number(part, "pose.forward_mm", default)?;
+        draft.set_number(part, "pose.forward_mm", old + forward, default)?;
+    }
+    let old = draft.number(part, "pose.height_mm", 0.0)?;
+    draft.set_number(part, "pose.height_mm", old + up, 0.0)
+}
+
+/// Changes sizes around a fixed point.
+pub(super) fn resize(
+    draft: &mut Draft,
+    parts: &[Part],
+    by_mm: [f64; 2],
+    fixed: [f64; 2],
+) -> Result<Vec<Part>, EditError> {
+    let parts = take_out(draft, &without_children(parts), true)?;
+    for &part in &parts {
+        let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
+        let limit = |value: f64| value.clamp(*Size::RANGE.start(), *Size::RANGE.end());
+        let new = match is_round(draft, part) {
+            true => [limit(old[0] + by_mm[0]); 2],
+            false => [limit(old[0] + by_mm[0]), limit(old[1] + by_mm[1])],
+        };
+        set_size(draft, part, new)?;
+        let (sin, cos) = rotation(draft, part)?.to_radians().sin_cos();
+        let x = -fixed[0] * (new[0] - old[0]) / 2.0;
+        let y = -fixed[1] * (new[1] - old[1]) / 2.0;
+        shift_one(draft, part, [x * cos - y * sin, x * sin + y * cos, 0.0])?;
+    }
+    draft.commit()?;
+    Ok(parts)
+}
+
+/// Sets width and depth of a part about its center, each if it is given.
+pub(super) fn set_size_one(
+    draft: &mut Draft,
+    part: Part,
+    new_mm: [Option<f64>; 2],
+) -> Result<(), EditError> {
+    let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
+    let limit = |value: f64| value.clamp(*Size::RANGE.start(), *Size::RANGE.end());
+    let new = [0, 1].map(|axis| limit(new_mm[axis].unwrap_or(old[axis])));
+    let new = match is_round(draft, part) {
+        true => [new_mm[0].or(new_mm[1]).map_or(old[0], limit); 2],
+        false => new,
+    };
+    set_size(draft, part, new)
+}
+
+/// Turns parts counter-clockwise.
+pub(super) fn turn(
+    draft: &mut Draft,
+    parts: &[Part],
+    degrees: f64,
+) -> Result<Vec<Part>, EditError> {
+    let parts = take_out(draft, &without_children(parts), false)?;
+    for &part in &parts {
+        match part {
+            Part::Board(_) | Part::Space(_) => {
+                let old = draft.number(part, "pose.bearing_deg", 0.0)?;
+                draft.set_number(part, "pose.bearing_deg", wrapped(old - degrees), 0.0)?;
+            }
+            Part::Control {
+                kind: ControlKind::Key,
+                ..
+            } => {
+                let [x, y, z] = draft.numbers(part, "rotation_deg")?.unwrap_or_default();
+                draft.set_numbers(part, "rotation_deg", [x, y, wrapped(z + degrees)])?;
+            }
+            Part::Control {
+                kind: ControlKind::Slider | ControlKind::Lever,
+                ..
+            } => {
+                let old = draft.number(part, "rotation_deg", 0.0)?;
+                draft.set_number(part, "rotation_deg", wrapped(old + degrees), 0.0)?;
+            }
+            _ => {
+                return Err(unsupported(
+                    part,
+                    "turned",
+                    "; turn its board, or use another control",
+                ));
+            }
+        }
+    }
+    draft.commit()?;
+    Ok(parts)
+}
+
+/// Lifts the far sides of parts.
+pub(super) fn tilt(
+    draft: &mut Draft,
+    parts: &[Part],
+    degrees: f64,
+) -> Result<Vec<Part>, EditError> {
+    let parts = take_out(draft, &without_children(parts), false)?;
+    for &part in &parts {
+        match part {
+            Part::Board(_) | Part::Space(_) => {
+                let tilt = draft.number(part, "pose.tilt_deg", 0.0)? + degrees;
+                draft.set_number(part, "pose.tilt_deg", tilt.clamp(-90.0, 90.0), 0.0)?;
+            }
+            Part::Control {
+                kind: ControlKind::Key,
+                ..
+            } => {
+                let [x, y, z] = draft.numbers(part, "rotation_deg")?.unwrap_or_default();
+                draft.set_numbers(part, "rotation_deg", [wrapped(x + degrees), y, z])?;
+            }
+            _ => return Err(unsupported(part, "tilted", "; tilt its board")),
+        }
+    }
+    draft.commit()?;
+    Ok(parts)
+}
+
+/// Returns the rectangle around a part of a board.
+pub(super) fn extent(draft: &Draft, part: Part) -> Result<Extent, EditError> {
+    if let Part::Control {
+        board,
+        kind: ControlKind::Radio,
+        index: radio,
+    } = part
+    {
+        let options = draft
+            .field(part, "options")
+            .map_or(0, |it| it.items().len());
+        let options = (0..options).map(|option| Part::RadioOption {
+            board,
+            radio,
+            option,
+        });
+        let extents: Result<Vec<Extent>, EditError> =
+            options.map(|option| extent(draft, option)).collect();
+        return Extent::around(&extents?).ok_or(EditError::NoPart("radio option"));
+    }
+    let size = size(draft, part)?.ok_or_else(|| unsupported(part, "arranged", ""))?;
+    let at: [f64; 2] = required(draft.numbers(part, "at_mm")?)?;
+    if let Part::Row { board, row } = part {
+        let row = SourceRow::read(draft, board, row)?;
+        let last = row.center(row.len().saturating_sub(1));
+        return Ok(Extent {
+            center: [(at[0] + last[0]) / 2.0, at[1]],
+            half: [(last[0] - at[0] + size[0]) / 2.0, size[1] / 2.0],
+        });
+    }
+    let (sin, cos) = match is_round(draft, part) {
+        true => (0.0, 1.0),
+        false => rotation(draft, part)?.to_radians().sin_cos(),
+    };
+    let [width, depth] = size;
+    Ok(Extent {
+        center: at,
+        half: [
+            (width * cos.abs() + depth * sin.abs()) / 2.0,
+            (width * sin.abs() + depth * cos.abs()) / 2.0,
+        ],
+    })
+}
+
+/// Returns the places of controls of a text as written, without those that have none.
+pub fn places(text: &str, parts: Vec<Part>) -> Vec<(Part, Place)> {
+    let Ok(draft) = Draft::new(text) else {
+        return Vec::new();
+    };
+    let place = |part| Some((part, place(&draft, part).ok()?));
+    parts.into_iter().filter_map(place).collect()
+}
+
+fn place(draft: &Draft, part: Part) -> Result<Place, EditError> {
+    let (own, center) = match part {
+        Part::RowKey { board, row, column } => {
+            let source = SourceRow::read(draft, board, row)?;
+            (Part::Row { board, row }, source.center(column))
+        }
+        _ => (part, required(draft.numbers(part, "at_mm")?)?),
+    };
+    let size = size(draft, own)?.ok_or_else(|| unsupported(part, "drawn", ""))?;
+    Ok(Place {
+        center_mm: center,
+        size_mm: size,
+        rotation_deg: rotation(draft, own)?,
+        is_round: is_round(draft, own),
+    })
+}
+
+impl Extent {
+    /// Returns the rectangle around several.
+    pub fn around(extents: &[Self]) -> Option<Self> {
+        let corner = |axis: usize, sign: f64| {
+            let edges = extents
+                .iter()
+                .map(|it| sign * it.center[axis] + it.half[axis]);
+            Some(sign * edges.reduce(f64::max)?)
+        };
+        let [low, high] = [-1.0, 1.0].map(|sign| Some([corner(0, sign)?, corner(1, sign)?]));
+        let (low, high) = (low?, high?);
+        let axes = [0, 1];
+        Some(Self {
+            center: axes.map(|axis| (low[axis] + high[axis]) / 2.0),
+            half: axes.map(|axis| (high[axis] - low[axis]) / 2.0),
+        })
+    }
+}
+
+/// Leaves out parts whose row, radio group or board is among the parts, too.
+pub(super) fn without_children(parts: &[Part]) -> Vec<Part> {
+    let all: std::collections::BTreeSet<Part> = parts.iter().copied().collect();
+    let ancestors = |part: &Part| std::iter::successors(part.parent(), |part| part.parent());
+    let mut kept: Vec<Part> = Vec::new();
+    let mut seen = std::collections::BTreeSet::new();
+    for part in parts {
+        if !ancestors(part).any(|part| all.contains(&part)) && seen.insert(*part) {
+            kept.push(*part);
+        }
+    }
+    kept
+}
+
+fn size_fields(part: Part) -> Option<SizeFields> {
+    use ControlKind::{Joystick, Key, Knob, Lever, Slider, Toggle, TouchSurface, Valve};
+    match part {
+        Part::Row { .. } | Part::RadioOption { .. } => Some(SizeFields::Outline),
+        Part::SpaceTarget { .. } => Some(SizeFields::Volume),
+        Part::Control { kind, .. } => match kind {
+            Key | Toggle | TouchSurface => Some(SizeFields::Outline),
+            Slider | Lever => Some(SizeFields::Track),
+            Knob | Valve | Joystick => Some(SizeFields::Diameter),
+            ControlKind::Radio => None,
+        },
+        _ => None,
+    }
+}
+
+/// Returns the value with the outline: the part's own, or that of its board.
+fn outline(draft: &Draft, part: Part) -> Option<&crate::document::Node> {
+    let own = draft.field(part, "size_mm");
+    own.or_else(|| draft.field(Part::Board(part.board()?), "size_mm"))
+}
+
+fn is_round(draft: &Draft, part: Part) -> bool {
+    match size_fields(part) {
+        Some(SizeFields::Diameter) => true,
+        Some(SizeFields::Outline) => {
+            outline(draft, part).is_some_and(|outline| outline.name(draft.text()) == Some("Disc"))
+        }
+        Some(SizeFields::Volume) => draft
+            .field(part, "shape")
+            .is_some_and(|shape| shape.name(draft.text()) == Some("Ball")),
+        _ => false,
+    }
+}
+
+/// Returns width and depth before the rotation.
+fn size(draft: &Draft, part: Part) -> Result<Option<[f64; 2]>, EditError> {
+    let default = Size::default().get();
+    let Some(fields) = size_fields(part) else {
+        return Ok(None);
+    };
+    let of_items = |node: &crate::document::Node, field: &str| {
+        let items = node.items().iter();
+        let numbers: Option<Vec<f64>> = items.map(|item| item.value.number(draft.text())).collect();
+        match numbers.as_deref() {
+            Some([diameter]) => Ok([*diameter; 2]),
+            Some([width, depth]) => Ok([*width, *depth]),
+            Some([width, _, depth]) => Ok([*width, *depth]),
+            _ => Err(EditError::Field(field.to_owned())),
+        }
+    };
+    Ok(Some(match fields {
+        SizeFields::Outline => match outline(draft, part) {
+            Some(outline) => of_items(outline, "size_mm")?,
+            None => [default; 2],
+        },
+        SizeFields::Volume => {
+            let shape = draft.field(part, "shape");
+            of_items(
+                shape.ok_or_else(|| EditError::Field("shape".into()))?,
+                "shape",
+            )?
+        }
+        SizeFields::Track => [
+            draft.number(part, "length_mm", default)?,
+            draft.number(part, "width_mm", default)?,
+        ],
+        SizeFields::Diameter => [draft.number(part, "diameter_mm", default)?; 2],
+    }))
+}
+
+fn set_size(draft: &mut Draft, part: Part, [width, depth]: [f64; 2]) -> Result<(), EditError> {
+    let default = Size::default().get();
+    match size_fields(part) {
+        Some(SizeFields::Track) => {
+            draft.set_number(part, "length_mm", width, default)?;
+            draft.set_number(part, "width_mm", depth, default)
+        }
+        Some(SizeFields::Diameter) => draft.set_number(part, "diameter_mm", width, default),
+        Some(SizeFields::Volume) => {
+            draft.set_number(part, "shape.0", width, default)?;
+            match is_round(draft, part) {
+                true => Ok(()),
+                false => draft.set_number(part, "shape.2", depth, default),
+            }
+        }
+        _ if draft.field(part, "size_mm").is_some() => {
+            draft.set_number(part, "size_mm.0", width, default)?;
+            match is_round(draft, part) {
+                true => Ok(()),
+                false => draft.set_number(part, "size_mm.1", depth, default),
+            }
+        }
+        _ => {
+            let value = match is_round(draft, part) {
+                true => format!("Disc({})", written(width)),
+                false => format!("Box({}, {})", written(width), written(depth)),
+            };
+            draft.set(part, "size_mm", &value)
+        }
+    }
+}
+
+/// Returns the rotation in the plane of the board, in degrees.
+fn rotation(draft: &Draft, part: Part) -> Result<f64, EditError> {
+    match part {
+        Part::Control {
+            kind: ControlKind::Key,
+            ..
+        } => {
+            let [_, _, z] = draft.numbers(part, "rotation_deg")?.unwrap_or_default();
+            Ok(z)
+        }
+        Part::Control {
+            kind: ControlKind::Slider | ControlKind::Lever,
+            ..
+        } => draft.number(part, "rotation_deg", 0.0),
+        _ => Ok(0.0),
+    }
+}
+
+/// Returns an angle from −180° to 180°.
+fn wrapped(degrees: f64) -> f64 {
+    match (-180.0..=180.0).contains(&degrees) {
+        true => degrees,
+        false => (degrees + 180.0).rem_euclid(360.0) - 180.0,
+    }
+}
+
+fn required<const N: usize>(numbers: Option<[f64; N]>) -> Result<[f64; N], EditError> {
+    numbers.ok_or_else(|| EditError::Field("at_mm".into()))
+}
+
+pub(super) fn unsupported(part: Part, verb: &'static str, remedy: &'static str) -> EditError {
+    EditError::Unsupported {
+        kind: part.kind_name(),
+        verb,
+        remedy,
+    }
+}
