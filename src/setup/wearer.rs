@@ -59,6 +59,7 @@ impl LoadedSetup {
             out_of_reach: out_of_reach
                 .map(|(name, metres)| (name.to_owned(), metres))
                 .collect(),
+            faults: Vec::new(),
             hands: poses(&hands),
         }
     }

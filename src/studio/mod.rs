@@ -35,6 +35,7 @@ pub mod guide;
 pub mod history;
 mod joint_names;
 pub mod latency;
+pub mod marks;
 pub mod model;
 pub mod notices;
 pub mod overlay;

@@ -1,5 +1,8 @@
 //! The state that the panels show: the latest of everything, and the last seconds.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use parry3d::math::{Pose, Vec3};
 
 use super::history::{History, Moment, SentEvent};
@@ -9,8 +12,10 @@ use super::trails::Trail;
 use crate::capture::Sample;
 use crate::contact::surface::Anchor;
 use crate::contact::{Phase, TargetId};
+use crate::device::EventKind;
 use crate::hand::{Dof, Finger, FingerSet, JointAngles, Side};
 use crate::kinematics::HandPose;
+use crate::layout::Layout;
 use crate::pipeline::PipelineState;
 use crate::session::view::View;
 use crate::snapshot::{Snapshot, Stats};
@@ -45,6 +50,10 @@ pub struct StudioModel {
     pub sensors: SensorTable,
     /// Latency of the session.
     pub latency: LatencyLog,
+    /// The latest values of controls of the layout: positions of sliders and knobs, 1 for what is on.
+    pub values: BTreeMap<TargetId, f32>,
+    /// The layout of `values`.
+    valued: Option<Arc<Layout>>,
     /// The last seconds.
     pub history: History,
     /// The session has ended.
@@ -63,6 +72,8 @@ impl StudioModel {
             stats: Stats::default(),
             sensors,
             latency: LatencyLog::default(),
+            values: BTreeMap::new(),
+            valued: None,
             history: History::default(),
             has_ended: false,
         }
@@ -104,7 +115,22 @@ impl StudioModel {
                 }),
             };
         }
+        self.keep_values(snapshot);
         self.remember(snapshot);
+    }
+
+    /// Keeps the values of controls, until another layout is used.
+    fn keep_values(&mut self, snapshot: &Snapshot) {
+        let used = &self.view.layout;
+        if !self.valued.as_ref().is_some_and(|it| Arc::ptr_eq(it, used)) {
+            self.valued = Some(Arc::clone(used));
+            self.values.clear();
+        }
+        for event in &snapshot.events {
+            if let EventKind::Value(target, value) = event.kind {
+                self.values.insert(target, value);
+            }
+        }
     }
 
     fn set_pose(&mut self, pose: &HandPose) {

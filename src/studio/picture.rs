@@ -254,6 +254,9 @@ fn remove_inner_points(points: &mut Vec<Vec2>) {
 
 /// Replaces the signs that the font of the window lacks.
 pub fn with_known_signs(label: &str) -> String {
+    if label == "␣" {
+        return "Space".to_owned();
+    }
     let known = |sign| match sign {
         '⏎' => '↵',
         '⌫' => '⟵',

@@ -346,6 +346,34 @@ fn keys_out_of_reach_of_the_default_hand_are_listed() {
 }
 
 #[test]
+fn a_layout_with_errors_is_drawn_with_all_of_them_and_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let faulty = "Layout(name: \"two\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
+                  keys: [(code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: (10, 0)), (code: \"B\", at_mm: (60, 0))])])";
+    let path = file(&folder, "two.ron", faulty);
+    let messages = [
+        "overlaps the key `A` of line 2 by 7 mm",
+        "duplicate name `B`",
+    ];
+    for arguments in [
+        vec!["layout", "check", &path],
+        vec!["layout", "show", &path],
+        vec!["layout", "show", &path, "--svg", "-"],
+    ] {
+        let ended = run(&arguments);
+        assert_eq!(ended.code, Some(2), "{arguments:?}");
+        for message in messages {
+            assert!(ended.err.contains(message), "{arguments:?}: {}", ended.err);
+        }
+        match arguments[..] {
+            ["layout", "check", ..] => assert!(ended.out.is_empty(), "{}", ended.out),
+            [_, _, _, "--svg", _] => assert_eq!(ended.out.matches("class=\"fault\"").count(), 3),
+            _ => assert!(ended.out.contains('A'), "{}", ended.out),
+        }
+    }
+}
+
+#[test]
 fn one_cause_gives_one_warning_for_all_keys_out_of_reach() {
     let folder = tempfile::tempdir().unwrap();
     let key = |n: usize| {

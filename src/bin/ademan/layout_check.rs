@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use ademan::document::{DocumentError, DocumentFault};
 use ademan::files::Load;
-use ademan::layout::Layout;
+use ademan::layout::{BoardOverlap, Layout};
 use ademan::message::{escape, escape_json};
 use ademan::session::counted;
 use ademan::setup::{ArmSetup, Setup, SetupError};
@@ -121,16 +121,7 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let report = setup.reach_report(&setup.layout);
     let out_of_reach = report.map(|report| report.to_string());
     let overlaps = setup.layout.board_overlaps();
-    let overlaps = overlaps.iter().map(|overlap| {
-        let (first, second) = overlap.boards;
-        let names = (escape(overlap.names.0), escape(overlap.names.1));
-        format!(
-            "boards {first} and {second} overlap by {:.1} mm at `{}` and `{}`, so that one touch presses both; move one of them",
-            overlap.depth * 1e3,
-            names.0,
-            names.1
-        )
-    });
+    let overlaps = overlaps.iter().map(BoardOverlap::message);
     Ok(out_of_reach.into_iter().chain(overlaps).collect())
 }
 

@@ -13,9 +13,9 @@ const MAX_HEIGHT_MM: f32 = 120.0;
 /// A board as the canvas shows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardItems {
-    /// Its keys and controls.
+    /// Its keys and controls, and then those that are not in the layout because of an error.
     pub items: Vec<Item>,
-    /// Their targets, in the same order.
+    /// The targets of the items of the layout, in the same order.
     pub targets: Vec<TargetId>,
     /// Radius of an arc or cylinder in the file, in millimetres.
     pub radius: Option<f32>,
@@ -45,7 +45,14 @@ impl BoardItems {
             let can_turn = matches!(control.kind, ControlKind::Slider(_));
             control.faces.iter().map(move |face| (face, can_turn))
         });
-        let controls = faces.map(|(face, can_turn)| (face.target, item(face, can_turn)));
+        let controls = faces.map(|(face, can_turn)| {
+            let marks = layout.front_marks(face.target, None);
+            let item = Item {
+                marks: marks.unwrap_or_default(),
+                ..item(face, can_turn)
+            };
+            (face.target, item)
+        });
         let (targets, items) = keys.chain(controls).unzip();
         // The radius of a board does not scale with what is on it.
         let radius = match board.shape {
@@ -61,6 +68,12 @@ impl BoardItems {
             shape: Some(board.shape),
             mm_per_metre,
         }
+    }
+
+    /// Drops all items, and keeps the shape of the board.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.targets.clear();
     }
 
     /// Returns a fingertip at a point in the frame of the board, or `None` far above it.
@@ -87,6 +100,7 @@ fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
             is_disc: matches!(outline.shape, Shape::Disc(_)),
         },
         label: face.label.clone(),
+        marks: Vec::new(),
         can_turn,
     }
 }

@@ -8,6 +8,8 @@ use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, bend};
+use crate::layout::{FrontMark, MarkRole, MarkShape};
+use crate::studio::marks::{FrontView, add_marks};
 use crate::studio::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::studio::scene::SceneColors;
 
@@ -26,8 +28,12 @@ const LETTER_WIDTH: f32 = 0.78;
 /// Side of an item on the screen below which it is drawn without an edge, in points.
 const SMALL: f32 = 7.0;
 
-/// Corners of a disc.
-const DISC_STEPS: usize = 24;
+/// The longest side of a disc on the screen, in points, and the range of the number of its sides.
+const DISC_SIDE: f32 = 3.0;
+const DISC_SIDES: (usize, usize) = (24, 128);
+
+/// Width of the outline of an item with an error, in points.
+const FAULT: f32 = 3.0;
 
 /// Half the side of a square handle, in points.
 const HANDLE: f32 = 4.0;
@@ -38,6 +44,8 @@ pub struct CanvasScene<'a> {
     pub items: &'a [Item],
     /// The selected ones.
     pub selected: &'a Selection,
+    /// Items with an error.
+    pub faulty: &'a [usize],
     /// Items that are pressed at present.
     pub pressed: &'a [usize],
     /// Fingertips over the board.
@@ -79,7 +87,17 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             *own = shape;
         }
     }
-    for (index, (item, shape)) in scene.items.iter().zip(&shapes).enumerate() {
+    // What is dragged is above everything, and what is selected above the rest.
+    let is_dragged = |index: usize| scene.preview.shapes.iter().any(|(own, _)| *own == index);
+    let layer = |index: usize| match scene.selected.contains(index) {
+        true if is_dragged(index) => 2,
+        true => 1,
+        false => 0,
+    };
+    let mut order: Vec<usize> = (0..shapes.len()).collect();
+    order.sort_by_key(|&index| layer(index));
+    for index in order {
+        let (item, shape) = (&scene.items[index], &shapes[index]);
         if shape.bounds().touches(visible) {
             let look = match (
                 scene.pressed.contains(&index),
@@ -90,6 +108,11 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
                 (false, false) => Look::Plain,
             };
             pen.add_item(item, shape, look);
+        }
+    }
+    for &index in scene.faulty {
+        if let Some(shape) = shapes.get(index) {
+            pen.add_fault(shape);
         }
     }
     if let Some(item) = scene.selected.single().and_then(|it| scene.items.get(it)) {
@@ -196,7 +219,58 @@ impl Pen<'_> {
         let inner = self.outline(shape, edge);
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
-        self.add_label(item, shape, look);
+        match item.marks.is_empty() {
+            true => self.add_label(item, shape, look),
+            false => self.add_marks(item, shape, look),
+        }
+    }
+
+    /// Adds handle, scale and label of a control. While it is resized, they are stretched.
+    fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+        let viewport = *self.viewport;
+        let size = self.size;
+        let well = item.marks.iter().find_map(|mark| match mark.shape {
+            MarkShape::Box { half, .. } if mark.role == MarkRole::Well => Some(half),
+            MarkShape::Disc { radius, .. } if mark.role == MarkRole::Well => {
+                Some(Vec2::splat(radius))
+            }
+            _ => None,
+        });
+        let stretch = well.map_or(Vec2::ONE, |well| shape.half / well);
+        let to_screen = |point: Vec2| {
+            let on_board = shape.center + shape.rotated(point * stretch);
+            Some(viewport.to_screen(on_board, size))
+        };
+        let view = FrontView {
+            to_screen: &to_screen,
+            scale: viewport.scale * stretch.min_element(),
+            colors: self.colors,
+            is_lit: look == Look::Pressed,
+        };
+        // The selection is seen in the front, which the well would hide.
+        let marks = item.marks.iter();
+        let marks: Vec<FrontMark> = marks
+            .filter(|mark| mark.role != MarkRole::Well || look == Look::Plain)
+            .cloned()
+            .collect();
+        add_marks(&mut self.picture, &marks, &view);
+    }
+
+    /// Adds the outline of an item with an error, above all items.
+    fn add_fault(&mut self, shape: &ItemShape) {
+        let color = self.colors.fault;
+        if shape.is_disc {
+            let radius = shape.half.x * self.viewport.scale;
+            let center = self.to_screen(shape.center);
+            self.picture.above.add_ring(center, radius, FAULT, color);
+            return;
+        }
+        let corners = self.outline(shape, 0.0);
+        for (index, &from) in corners.iter().enumerate() {
+            let to = corners[(index + 1) % corners.len()];
+            let ends = [(from, color), (to, color)];
+            self.picture.above.add_line(ends, FAULT);
+        }
     }
 
     /// Returns the outline on the screen, without an edge of a width in points.
@@ -214,7 +288,8 @@ impl Pen<'_> {
     }
 
     fn add_label(&mut self, item: &Item, shape: &ItemShape, look: Look) {
-        let length = item.label.chars().count().max(1) as f32;
+        let text = with_known_signs(&item.label);
+        let length = text.chars().count().max(1) as f32;
         let extent = shape.bounds().size() * self.viewport.scale;
         let fitting = extent.x * 0.88 / (length * LETTER_WIDTH);
         let size = (extent.min_element() * LABEL_HEIGHT).min(fitting);
@@ -231,7 +306,7 @@ impl Pen<'_> {
             right: Vec2::X * size,
             down: Vec2::Y * size,
             color,
-            text: with_known_signs(&item.label),
+            text,
         });
     }
 
@@ -300,9 +375,10 @@ pub fn bend_half_width(items: &[Item]) -> f32 {
 }
 
 fn disc(center: Vec2, radius: f32) -> Vec<Vec2> {
-    let steps = 0..DISC_STEPS;
-    let angle = |step: usize| step as f32 / DISC_STEPS as f32 * std::f32::consts::TAU;
-    steps
+    let sides = (radius * std::f32::consts::TAU / DISC_SIDE) as usize;
+    let sides = sides.clamp(DISC_SIDES.0, DISC_SIDES.1);
+    let angle = |step: usize| step as f32 / sides as f32 * std::f32::consts::TAU;
+    (0..sides)
         .map(|step| center + Vec2::from_angle(angle(step)) * radius)
         .collect()
 }
@@ -329,6 +405,7 @@ mod tests {
         let scene = CanvasScene {
             items,
             selected: &Selection::default(),
+            faulty: &[],
             pressed: &[],
             fingertips: &[],
             preview: &Preview::default(),
@@ -369,6 +446,7 @@ mod tests {
         let scene = CanvasScene {
             items: &items,
             selected: &selected,
+            faulty: &[],
             pressed: &[],
             fingertips: &[],
             preview: &preview,

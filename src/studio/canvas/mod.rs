@@ -7,6 +7,7 @@ pub mod bend;
 pub mod board;
 pub mod choices;
 pub mod draw;
+pub mod free;
 pub mod gesture;
 pub mod handles;
 pub mod selection;
@@ -14,6 +15,9 @@ pub mod snap;
 pub mod viewport;
 
 use parry3d::math::Vec2;
+
+use super::editor::Place;
+use crate::layout::FrontMark;
 
 /// The outline of a key or control in row coordinates, in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +39,28 @@ pub struct Item {
     pub shape: ItemShape,
     /// The text on it.
     pub label: String,
+    /// Handle, scale and label of a control that is not a key, for its size in the file; empty for a key.
+    pub marks: Vec<FrontMark>,
     /// The file gives it a rotation.
     pub can_turn: bool,
+}
+
+impl Item {
+    /// Creates the item of a control whose place is only known as it is written.
+    pub fn written(place: &Place, label: String, can_turn: bool) -> Self {
+        let point = |[x, y]: [f64; 2]| Vec2::new(x as f32, y as f32);
+        Self {
+            shape: ItemShape {
+                center: point(place.center_mm),
+                half: point(place.size_mm) / 2.0,
+                rotation_deg: place.rotation_deg as f32,
+                is_disc: place.is_round,
+            },
+            label,
+            marks: Vec::new(),
+            can_turn,
+        }
+    }
 }
 
 /// An axis-aligned rectangle, in millimetres.
@@ -157,6 +181,7 @@ pub(crate) mod tests {
                 is_disc: false,
             },
             label: "A".to_owned(),
+            marks: Vec::new(),
             can_turn: true,
         }
     }

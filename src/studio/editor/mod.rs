@@ -1,11 +1,11 @@
 //! The layout editor without its view: a text, the edits of it, and what they lead to.
 //!
 //! The RON text is the truth. An [`Edit`] becomes replacements of parts of the text, so that comments, order and the spelling of
-//! numbers stay in everything that is not edited. The loader reads the text after each edit; [`LayoutEditor::layout`] is the
-//! last one that is valid.
+//! numbers stay in everything that is not edited. The loader reads the text after each edit, with its faults: controls may
+//! overlap, share a name or have no action while they are edited. Only brackets have to be balanced.
 //!
 //! ```text
-//!  Edit ──▶ edit(text) ──▶ Patch ──▶ text ──▶ loader ──▶ layout, problems
+//!  Edit ──▶ edit(text) ──▶ Patch ──▶ text ──▶ loader ──▶ layout with faults, problems
 //!                            └──▶ history: undo, redo
 //! ```
 //!
@@ -13,8 +13,8 @@
 //!
 //! - [`LayoutEditor::open`] opens a file; a layout that comes with the program is opened as an unsaved copy.
 //! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::targets_of`] is the
-//!   way back, and [`Part::board`] tells the board. While the text is invalid after an edit that added or removed parts,
-//!   `part_of` returns `None`.
+//!   way back, and [`Part::board`] tells the board. [`LayoutEditor::unplaced`] are the controls of the text that are not in
+//!   the layout because of an error, as far as their places are written.
 //! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
 //!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
 //!   Both select the parts that were edited or added.
@@ -34,6 +34,8 @@ mod reach;
 mod recovery;
 mod trial;
 #[cfg(test)]
+mod fault_tests;
+#[cfg(test)]
 mod file_tests;
 #[cfg(test)]
 mod tests;
@@ -45,9 +47,10 @@ pub use self::recovery::UnsavedWork;
 pub use self::trial::EditorTrial;
 pub use crate::editing::{
     AlignEdge, Binding, BoardAxis, ControlKind, Edit, EditError, Edited, FieldSpec, FieldType,
-    NewPart, Part, Patch, Replacement, Slot, beside, edit, fields_of,
+    NewPart, Part, Patch, Place, PlaceTo, Replacement, Slot, beside, edit, fields_of,
 };
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,7 +61,7 @@ use crate::contact::TargetId;
 use crate::document::{Document, DocumentError, Node, quote, read_tree};
 use crate::editing;
 use crate::files::OpenDocument;
-use crate::layout::{Fit, Layout};
+use crate::layout::{Fit, Layout, LayoutDraft};
 
 /// A layout that is being edited.
 pub struct LayoutEditor {
@@ -70,9 +73,11 @@ pub struct LayoutEditor {
     layout: Option<Arc<Layout>>,
     /// The targets of `layout` in its text.
     layout_targets: Vec<Part>,
-    /// The text has the same targets as `layout`.
-    has_layout_targets: bool,
+    /// `layout` is that of the present text.
+    is_read: bool,
     problems: Vec<Problem>,
+    /// The parts with an error.
+    faulty: BTreeSet<Part>,
     selection: Vec<Part>,
     history: History,
     /// Number of changes of the text.
@@ -106,8 +111,9 @@ impl LayoutEditor {
             tree: None,
             layout: None,
             layout_targets: Vec::new(),
-            has_layout_targets: false,
+            is_read: false,
             problems: Vec::new(),
+            faulty: BTreeSet::new(),
             selection: Vec::new(),
             history: History::default(),
             revision: 0,
@@ -132,12 +138,32 @@ impl LayoutEditor {
         self.file.path()
     }
 
-    /// The layout of the last valid text; `None` if there has been none.
+    /// The hands that the layout fits.
+    pub fn fit(&self) -> Fit {
+        self.fit
+    }
+
+    /// The layout of the last text that could be read, to be drawn: it may have faults. `None` if there has been none.
     pub fn layout(&self) -> Option<&Arc<Layout>> {
         self.layout.as_ref()
     }
 
     /// Returns `true` if [`layout`](Self::layout) is that of the present text.
+    pub fn is_read(&self) -> bool {
+        self.is_read
+    }
+
+    /// Returns `true` if the text can be read as far as its parts: it can be edited.
+    pub fn is_editable(&self) -> bool {
+        self.tree.is_some()
+    }
+
+    /// Returns `true` if a part has an error.
+    pub fn is_faulty(&self, part: Part) -> bool {
+        self.faulty.contains(&part)
+    }
+
+    /// Returns `true` if a session can use the layout: there is no error.
     pub fn is_valid(&self) -> bool {
         !self
             .problems
@@ -174,7 +200,21 @@ impl LayoutEditor {
     /// Returns the part of a target of [`layout`](Self::layout); `None` if the text has other parts by now.
     pub fn part_of(&self, target: TargetId) -> Option<Part> {
         let part = editing::part_of(&self.layout_targets, target)?;
-        self.has_layout_targets.then_some(part)
+        self.is_read.then_some(part)
+    }
+
+    /// Returns the controls of a board that [`layout`](Self::layout) does not have because of an error, with their places as written.
+    pub fn unplaced(&self, board: usize) -> Vec<(Part, Place)> {
+        let Some(tree) = &self.tree else {
+            return Vec::new();
+        };
+        let placed: BTreeSet<Part> = match self.is_read {
+            true => self.layout_targets.iter().copied().collect(),
+            false => BTreeSet::new(),
+        };
+        let mut missing = editing::targets(&self.text, tree);
+        missing.retain(|part| part.board() == Some(board) && !placed.contains(part));
+        editing::places(&self.text, missing)
     }
 
     /// Returns the targets of a part: one, those of a row, board or radio group, or none.
@@ -208,6 +248,11 @@ impl LayoutEditor {
     /// Returns the name of a part in layers, chords and messages, if it has one.
     pub fn part_name(&self, part: Part) -> Option<String> {
         editing::name_of(&self.text, self.tree.as_ref()?, part)
+    }
+
+    /// Returns the selected controls as text, for the clipboard and [`Edit::Paste`]; `None` if no control is selected.
+    pub fn copied(&self) -> Option<String> {
+        editing::copied(&self.text, &self.selection)
     }
 
     /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers` or `spaces`.
@@ -350,24 +395,32 @@ impl LayoutEditor {
         self.revision += 1;
         self.update_recovery();
         self.tree = read_tree(&self.text);
-        let targets = self
-            .tree
-            .as_ref()
-            .map(|tree| editing::targets(&self.text, tree));
-        let targets = targets.unwrap_or_default();
-        let document = Document::new(self.file.name(), self.text.as_str());
-        match Layout::for_hands(document, self.fit) {
-            Ok(layout) => {
+        let (text, tree) = (&self.text, self.tree.as_ref());
+        let document = Document::new(self.file.name(), text.as_str());
+        match LayoutDraft::read(&document, self.fit) {
+            Ok(draft) => {
+                let parts = tree.map(|tree| editing::parts_of(text, tree, draft.sources()));
+                let parts = parts.unwrap_or_default();
+                self.problems = problems::of_draft(&draft, &parts, text, tree);
+                let (layout, faulty) = draft.into_parts();
+                let faulty = faulty.iter();
+                self.faulty = faulty
+                    .filter_map(|target| editing::part_of(&parts, *target))
+                    .collect();
                 self.layout = Some(Arc::new(layout));
-                self.layout_targets = targets;
-                self.has_layout_targets = true;
-                self.problems = Vec::new();
+                self.layout_targets = parts;
+                self.is_read = true;
             }
             Err(error) => {
-                self.has_layout_targets = targets == self.layout_targets;
-                self.problems = problems::of_error(&error, &self.text, self.tree.as_ref());
+                self.problems = problems::of_error(&error, text, tree);
+                self.faulty = BTreeSet::new();
+                self.is_read = false;
             }
         }
+        let errors = self.problems.iter();
+        let errors = errors.filter(|problem| problem.severity == Severity::Error);
+        self.faulty
+            .extend(errors.filter_map(|problem| problem.part));
     }
 }
 

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use crate::document::{DocumentError, DocumentFault, Node};
-use crate::editing::{Part, part_at};
+use crate::editing::{Part, part_at, part_of};
+use crate::layout::LayoutDraft;
 
 /// A problem of a layout text.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,36 +32,56 @@ pub enum Severity {
     Warning,
 }
 
-/// Returns the errors of the loader.
+/// Returns the errors of a text that is no layout.
 pub(super) fn of_error(error: &DocumentError, text: &str, tree: Option<&Node>) -> Vec<Problem> {
-    let problem = |fault: &DocumentFault| {
-        let range = byte_range(text, fault);
-        Problem {
-            message: fault.message().to_owned(),
-            severity: Severity::Error,
-            line: fault.line(),
-            column: fault.column(),
-            part: fault
-                .line()
-                .and(tree)
-                .map(|tree| part_at(text, tree, range.start)),
-            range,
-        }
-    };
-    error.errors().iter().map(problem).collect()
+    let faults = error.errors().iter();
+    faults.map(|fault| of_fault(fault, text, tree)).collect()
 }
 
-fn byte_range(text: &str, fault: &DocumentFault) -> Range<usize> {
-    let (Some(line), Some(column)) = (fault.line(), fault.column()) else {
-        return 0..0;
-    };
-    let lines = text.split_inclusive('\n').take(line - 1);
-    let start: usize = lines.map(str::len).sum();
-    let rest = text.get(start..).unwrap_or_default();
-    let skip = |count: usize| {
-        rest.char_indices()
-            .nth(count)
-            .map_or(rest.len(), |(at, _)| at)
-    };
-    start + skip(column - 1)..start + skip(column - 1 + fault.width())
+/// Returns the faults of a layout, and a warning for each pair of boards in one place. `parts` are those of its targets.
+pub(super) fn of_draft(
+    draft: &LayoutDraft,
+    parts: &[Part],
+    text: &str,
+    tree: Option<&Node>,
+) -> Vec<Problem> {
+    let faults = draft.faults().iter();
+    let mut problems: Vec<Problem> = faults
+        .map(|it| {
+            let mut problem = of_fault(&it.fault, text, tree);
+            let own = it.targets.first();
+            problem.part = own.and_then(|own| part_of(parts, *own)).or(problem.part);
+            problem
+        })
+        .collect();
+    for overlap in draft.layout().board_overlaps() {
+        let (_, second) = overlap.targets;
+        let source = draft.sources().get(second.0 as usize).cloned();
+        let range = source.unwrap_or_default();
+        let before = text.get(..range.start).unwrap_or_default();
+        problems.push(Problem {
+            message: overlap.message(),
+            severity: Severity::Warning,
+            line: Some(before.matches('\n').count() + 1),
+            column: None,
+            range,
+            part: part_of(parts, second),
+        });
+    }
+    problems
+}
+
+fn of_fault(fault: &DocumentFault, text: &str, tree: Option<&Node>) -> Problem {
+    let range = fault.byte_range(text);
+    Problem {
+        message: fault.message().to_owned(),
+        severity: Severity::Error,
+        line: fault.line(),
+        column: fault.column(),
+        part: fault
+            .line()
+            .and(tree)
+            .map(|tree| part_at(text, tree, range.start)),
+        range,
+    }
 }

@@ -133,7 +133,7 @@ fn random_edit(editor: &LayoutEditor, random: &mut Rng) -> Edit {
             binding: None,
         }),
         15 => Edit::Add(match random.usize(..6) {
-            0 => NewPart::Board,
+            0 => NewPart::Board { right_mm: 0.0 },
             1 => NewPart::Layer,
             2 => NewPart::Trigger,
             3 => NewPart::Space,
@@ -351,7 +351,7 @@ fn every_kind_of_part_is_added_and_is_valid() {
         assert_ne!(editor.selection(), [part]);
     }
     for new in [
-        NewPart::Board,
+        NewPart::Board { right_mm: 0.0 },
         NewPart::Trigger,
         NewPart::Pointer,
         NewPart::Space,
@@ -397,7 +397,7 @@ fn a_target_in_space_is_added_beside_the_others() {
 }
 
 #[test]
-fn a_target_has_no_part_while_the_text_has_others() {
+fn a_control_that_is_added_onto_another_is_a_part_like_it() {
     let mut editor = editor("(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))])");
     let add = |at_mm| {
         Edit::Add(NewPart::Control {
@@ -409,9 +409,10 @@ fn a_target_has_no_part_while_the_text_has_others() {
     };
     editor.apply(&add([0.0, 1.0])).unwrap();
     assert!(!editor.is_valid());
-    assert_eq!(editor.part_of(TargetId(0)), None);
+    assert_eq!(editor.part_of(TargetId(1)), Some(key(1)));
+    assert_eq!(editor.selection(), [key(1)]);
     editor.undo();
-    assert_eq!(editor.part_of(TargetId(0)), Some(key(0)));
+    assert!(editor.is_valid() && editor.part_of(TargetId(1)).is_none());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::LayoutEditor;
+use crate::layout::Layout;
 use crate::session::{LayoutTrial, TrialOutcome};
 
 /// Shortest time between two texts that are tried: each releases everything.
@@ -21,12 +22,12 @@ pub struct EditorTrial {
 }
 
 impl EditorTrial {
-    /// Creates the trial of a layout that the session has as it is in the editor.
-    pub fn new(editor: &LayoutEditor, is_on: bool) -> Self {
+    /// Creates the trial in place of the layout that the session has, which may be another one than that of the editor.
+    pub fn new(used: &Layout, is_on: bool) -> Self {
         Self {
-            file: editor.name().to_owned(),
+            file: used.file.clone(),
             is_on,
-            tried: editor.text().to_owned(),
+            tried: used.text.clone(),
             outcome: None,
             due: Duration::ZERO,
         }
@@ -62,6 +63,10 @@ impl EditorTrial {
             true => editor.text(),
             false => editor.saved_text(),
         };
+        // A file with faults is opened while the session has another layout.
+        if !self.is_on && Layout::parse(text, editor.name()).is_err() {
+            return refusal;
+        }
         if text != self.tried && now >= self.due {
             self.outcome = session.start(&self.file, text);
             if self.outcome.is_some() {

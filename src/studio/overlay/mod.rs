@@ -149,6 +149,7 @@ fn draw_board(
     let scene = CanvasScene {
         items: &items.items,
         selected: &Selection::default(),
+        faulty: &[],
         pressed: &pressed,
         fingertips: &fingertips,
         preview: &Preview::default(),

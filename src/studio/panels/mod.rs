@@ -196,13 +196,14 @@ impl PanelState {
         sizes.insert(kind.key().to_owned(), size);
     }
 
-    /// Opens a layout in the editor, for the hands of a setup.
+    /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
     pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
         self.editor = Some(Ok(EditorPanel::open(
             name,
             fit,
             self.unsaved_work.as_deref(),
         )?));
+        self.workspace = Workspace::Layout;
         Ok(())
     }
 

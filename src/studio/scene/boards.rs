@@ -5,6 +5,8 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use super::Canvas;
 use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Surface, Target};
+use crate::layout::FrontMark;
+use crate::studio::marks::{FrontView, add_marks};
 use crate::studio::model::StudioModel;
 use crate::studio::picture::{Color, Label, convex_hull, with_known_signs};
 
@@ -31,6 +33,9 @@ const MIN_LABEL_PT: f32 = 5.0;
 
 /// Size of a key on the screen below which it is a flat rectangle, in points.
 const MIN_DETAIL_PT: f32 = 9.0;
+
+/// Sides of a quarter of a disc, which look round at any size.
+const DISC_STEPS: usize = 16;
 
 /// Signs of the corners of a box, in the order of its outline.
 const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -133,7 +138,11 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
+    let value = model.values.get(&id).copied();
+    if let Some(marks) = model.view.layout.front_marks(id, value) {
+        let pose = Pose::from_parts(center, pose.rotation);
+        add_front(canvas, &marks, &pose, projected.scale, is_lit);
+    } else if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
         add_label(
             canvas,
             text,
@@ -142,6 +151,22 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
             &Pose::from_parts(center, pose.rotation),
         );
     }
+}
+
+/// Adds the marks on the front of a control.
+fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32, is_lit: bool) {
+    let projection = canvas.projection;
+    let to_screen = |point: Vec2| {
+        let projected = projection.project(*front * (point * 1e-3).extend(0.0))?;
+        Some(projected.position)
+    };
+    let view = FrontView {
+        to_screen: &to_screen,
+        scale: scale * 1e-3,
+        colors: canvas.colors,
+        is_lit,
+    };
+    add_marks(&mut canvas.picture, marks, &view);
 }
 
 /// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them.
@@ -158,6 +183,7 @@ fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Colo
 
 /// Adds the label of a front, which lies on it and is upright for the eye.
 fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, front: &Pose) {
+    let text = &with_known_signs(text);
     let half = half_extents(target);
     let origin = front.translation;
     let direction = |axis: Vec3| {
@@ -195,7 +221,7 @@ fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, fro
             right: right * size,
             down: down * size,
             color,
-            text: with_known_signs(text),
+            text: text.clone(),
         });
     }
 }
@@ -225,7 +251,7 @@ fn half_extents(target: &Target) -> Vec2 {
 fn outline(target: &Target) -> Vec<Vec2> {
     let (half, radius, steps) = match target.shape {
         Shape::Box(half) => (half, 0.22 * half.min_element(), 3),
-        Shape::Disc(radius) => (Vec2::splat(radius), radius, 8),
+        Shape::Disc(radius) => (Vec2::splat(radius), radius, DISC_STEPS),
     };
     let mut points = Vec::with_capacity(CORNERS.len() * (steps + 1));
     for (corner, (x, y)) in CORNERS.into_iter().enumerate() {

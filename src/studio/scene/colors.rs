@@ -31,6 +31,8 @@ pub struct SceneColors {
     pub bone: Color,
     /// The ring below a fingertip.
     pub ring: Color,
+    /// The outline of a control with an error.
+    pub fault: Color,
 }
 
 impl SceneColors {
@@ -83,6 +85,7 @@ impl SceneColors {
         skin_edge: Color::rgb(0xb0, 0x7c, 0x5a),
         bone: Color::rgb(0x3a, 0x56, 0x8e),
         ring: Color::rgb(0x1f, 0x6f, 0xeb),
+        fault: Color::rgb(0xd0, 0x1c, 0x1c),
     };
 
     /// Colours for a dark window.
@@ -100,6 +103,7 @@ impl SceneColors {
         skin_edge: Color::rgb(0x8d, 0x60, 0x44),
         bone: Color::rgb(0x24, 0x3a, 0x66),
         ring: Color::rgb(0x6f, 0xb3, 0xff),
+        fault: Color::rgb(0xff, 0x5c, 0x52),
     };
 }
 

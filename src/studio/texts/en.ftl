@@ -359,7 +359,7 @@ editor-fit = Show all
 editor-fit-hint = Show the whole board
 editor-board = Board { $number }
 editor-no-problems = No problems
-editor-invalid-drag = The text has an error at present; correct it or undo before you drag keys
+editor-unbalanced = Brackets of the text are not balanced; correct the first problem in the text, or undo
 editor-layout = Layout
 editor-pointer = Pointer
 editor-boards = Boards
@@ -416,6 +416,34 @@ overlay-opacity = Opacity
 overlay-place = Move this window to the place of the overlay, then close it.
 overlay-opaque = the overlay is small and opaque, as no compositor runs on this desktop; start one, such as picom, for a transparent one
 overlay-window-only = the overlay is an ordinary window, as this desktop lets no window stay above the others: choose that in its window menu, or install Xwayland
+
+# Layout editor: problems, clipboard, repetition, palette
+editor-cannot-run = No session can use this layout before its errors are corrected.
+editor-save-anyway = Save anyway
+editor-saved-with-errors = Saved with errors: no session can use it yet
+editor-copied = Copied as text of a layout
+editor-copy = Copy
+editor-cut = Cut
+editor-select-all = Select all
+editor-zoom-selection = Show what is selected
+editor-snap-to-grid = Move what is selected to the grid
+editor-repeat = Repeat
+editor-repeat-now = Repeat along the grid
+editor-columns = Columns
+editor-rows = Rows
+editor-pitch-x = To the right
+editor-pitch-y = Away
+editor-palette = Commands
+editor-palette-hint = Part of a name
+editor-mixed = mixed
+editor-open = Open…
+editor-open-hint = Open a file, or a new layout like one that comes with the program (Ctrl-O)
+editor-open-title = Open a layout
+editor-open-name = File, or part of the name of a layout that comes with the program
+editor-open-unsaved = This layout has unsaved changes. They are kept, and offered when it is opened again.
+editor-export = Write a picture (SVG)
+editor-exported = The picture is written beside the layout
+editor-export-exists = the picture exists and is not overwritten; move it away
 
 ## First start
 

@@ -359,7 +359,7 @@ editor-fit = Ver todo
 editor-fit-hint = Mostrar todo el tablero
 editor-board = Tablero { $number }
 editor-no-problems = Sin problemas
-editor-invalid-drag = El texto tiene un error; corríjalo o deshaga antes de arrastrar teclas
+editor-unbalanced = Los paréntesis del texto no están equilibrados; corrija el primer problema en el texto, o deshaga el cambio
 editor-layout = Distribución
 editor-pointer = Puntero
 editor-boards = Tableros
@@ -416,6 +416,34 @@ overlay-opacity = Opacidad
 overlay-place = Lleve esta ventana al lugar de la superposición y ciérrela.
 overlay-opaque = la superposición es pequeña y opaca, porque en este escritorio no hay un compositor; inicie uno, por ejemplo picom, para que sea transparente
 overlay-window-only = la superposición es una ventana corriente, porque este escritorio no deja ninguna ventana por encima de las demás: elíjalo en el menú de la ventana, o instale Xwayland
+
+# Editor de distribuciones: problemas, portapapeles, repetición, paleta
+editor-cannot-run = Ninguna sesión puede usar esta distribución hasta que se corrijan sus errores.
+editor-save-anyway = Guardar de todos modos
+editor-saved-with-errors = Guardado con errores: ninguna sesión puede usarlo aún
+editor-copied = Copiado como texto de una distribución
+editor-copy = Copiar
+editor-cut = Cortar
+editor-select-all = Seleccionar todo
+editor-zoom-selection = Mostrar lo seleccionado
+editor-snap-to-grid = Mover lo seleccionado a la cuadrícula
+editor-repeat = Repetir
+editor-repeat-now = Repetir en cuadrícula
+editor-columns = Columnas
+editor-rows = Filas
+editor-pitch-x = A la derecha
+editor-pitch-y = Hacia delante
+editor-palette = Comandos
+editor-palette-hint = Parte de un nombre
+editor-mixed = varios
+editor-open = Abrir…
+editor-open-hint = Abrir un archivo, o una distribución nueva a partir de una que viene con el programa (Ctrl-O)
+editor-open-title = Abrir una distribución
+editor-open-name = Archivo, o parte del nombre de una distribución que viene con el programa
+editor-open-unsaved = Esta distribución tiene cambios sin guardar. Se conservan y se ofrecen cuando se abra de nuevo.
+editor-export = Escribir una imagen (SVG)
+editor-exported = La imagen está escrita junto a la distribución
+editor-export-exists = la imagen existe y no se sobrescribe; muévala a otro sitio
 
 ## First start
 

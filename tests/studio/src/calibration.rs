@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use ademan::files::Load;
 use ademan::calibrate::{self, CalibrationPose, Procedure, ProcedureState};
 use ademan::document::Document;
+use ademan::files::Load;
 use ademan::layout::{Glove, write_calibration};
 use ademan::studio::texts::text;
 use std::time::Duration;

@@ -14,10 +14,10 @@ use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
 /// A file with a layout of its own in a folder of the test.
-struct EditedFile(PathBuf);
+pub struct EditedFile(pub PathBuf);
 
 impl EditedFile {
-    fn new(name: &str, content: &str) -> Self {
+    pub fn new(name: &str, content: &str) -> Self {
         let folder = std::env::temp_dir().join(format!("ademan-editor-{}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder for the test");
         let path = folder.join(name);
@@ -25,14 +25,14 @@ impl EditedFile {
         Self(path)
     }
 
-    fn open(&self) -> StudioWindow {
+    pub fn open(&self) -> StudioWindow {
         let mut window = Opening::on_layout(self.0.to_str().expect("a readable path")).open();
         window.click(text("workspace-layout"));
         window.draw(3);
         window
     }
 
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         fs::read_to_string(&self.0).expect("the file can be read")
     }
 }
@@ -44,14 +44,14 @@ impl Drop for EditedFile {
 }
 
 /// Returns the middle of the canvas: the point that a layout with one key shows it at.
-fn canvas(window: &StudioWindow) -> egui::Rect {
+pub fn canvas(window: &StudioWindow) -> egui::Rect {
     window
         .harness
         .get_by_role(egui::accesskit::Role::Canvas)
         .rect()
 }
 
-fn drag(window: &mut StudioWindow, from: egui::Pos2, by: egui::Vec2) {
+pub fn drag(window: &mut StudioWindow, from: egui::Pos2, by: egui::Vec2) {
     let button = |pos, pressed| egui::Event::PointerButton {
         pos,
         button: egui::PointerButton::Primary,
@@ -71,7 +71,7 @@ fn drag(window: &mut StudioWindow, from: egui::Pos2, by: egui::Vec2) {
     event(button(from + by, false));
 }
 
-fn press(window: &mut StudioWindow, modifiers: egui::Modifiers, key: egui::Key) {
+pub fn press(window: &mut StudioWindow, modifiers: egui::Modifiers, key: egui::Key) {
     window.harness.key_press_modifiers(modifiers, key);
     window.draw(3);
 }

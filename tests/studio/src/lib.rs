@@ -9,6 +9,7 @@
 mod accessibility;
 mod calibration;
 mod editor;
+mod editor_faults;
 mod first_start;
 mod keyboard;
 mod layouts;

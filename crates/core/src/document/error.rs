@@ -169,6 +169,28 @@ impl DocumentFault {
         self.position.as_ref().map_or(0, |position| position.width)
     }
 
+    /// Returns the bytes of the text that is underlined; empty without a position.
+    pub fn byte_range(&self, text: &str) -> Range<usize> {
+        let Some(TextPosition {
+            line,
+            column,
+            width,
+            ..
+        }) = self.position
+        else {
+            return 0..0;
+        };
+        let lines = text.split_inclusive('\n').take(line - 1);
+        let start: usize = lines.map(str::len).sum();
+        let rest = text.get(start..).unwrap_or_default();
+        let skip = |count: usize| {
+            rest.char_indices()
+                .nth(count)
+                .map_or(rest.len(), |(at, _)| at)
+        };
+        start + skip(column - 1)..start + skip(column - 1 + width)
+    }
+
     fn add_line(&mut self, line: Option<usize>) {
         let is_listed = line == self.line() || line.is_some_and(|line| self.lines.contains(&line));
         match line.filter(|_| !is_listed) {

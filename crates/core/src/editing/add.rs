@@ -30,8 +30,11 @@ pub enum NewPart {
         /// Key codes, separated by blanks.
         keys: String,
     },
-    /// A board with one key.
-    Board,
+    /// A board with one key, at a distance to the right of the place where boards usually are.
+    Board {
+        /// Distance.
+        right_mm: f64,
+    },
     /// A pinch of the index finger.
     Trigger,
     /// A pointer that follows the index fingertip in a box.
@@ -86,9 +89,14 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             let text = format!("(at_mm: {}, keys: {})", point(at_mm), quote(keys));
             (Part::Board(*board), "rows", text)
         }
-        NewPart::Board => {
+        NewPart::Board { right_mm } => {
             let key = control(draft, ControlKind::Key, [0.0; 2], None)?;
-            let pose = "(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45)";
+            let right = match *right_mm == 0.0 {
+                true => String::new(),
+                false => format!(", right_mm: {}", written(*right_mm)),
+            };
+            let pose =
+                format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})");
             (
                 Part::Layout,
                 "boards",
@@ -157,7 +165,7 @@ fn added(new: &NewPart, index: usize) -> Part {
     match *new {
         NewPart::Control { board, kind, .. } => Part::Control { board, kind, index },
         NewPart::Row { board, .. } => Part::Row { board, row: index },
-        NewPart::Board => Part::Board(index),
+        NewPart::Board { .. } => Part::Board(index),
         NewPart::Trigger => Part::Trigger(index),
         NewPart::Pointer => Part::Pointer,
         NewPart::Space => Part::Space(index),

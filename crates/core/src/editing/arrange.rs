@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::error::EditError;
-use super::geometry::{Extent, extent, shift_one, without_children};
+use super::geometry::{Extent, extent, set_size_one, shift_one, without_children};
 use super::part::Part;
 use super::rows::take_out;
 
@@ -30,6 +30,15 @@ pub enum BoardAxis {
     X,
     /// Away from the wearer.
     Y,
+}
+
+/// Numbers that several controls get; `None` leaves those that they have. In millimetres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaceTo {
+    /// Center.
+    pub center_mm: [Option<f64>; 2],
+    /// Width and depth; a round control has its width as diameter.
+    pub size_mm: [Option<f64>; 2],
 }
 
 /// Aligns parts along their outlines.
@@ -106,6 +115,34 @@ pub(super) fn snap(
         shift_one(draft, part, [distance(x), distance(y), 0.0])?;
     }
     draft.commit()?;
+    Ok(parts)
+}
+
+/// Sets positions and sizes of controls.
+pub(super) fn place(
+    draft: &mut Draft,
+    parts: &[Part],
+    to: &PlaceTo,
+) -> Result<Vec<Part>, EditError> {
+    // A row stays one while its keys stay beside each other.
+    let keeps_rows = to.center_mm[0].is_none();
+    let parts = take_out(draft, &without_children(parts), keeps_rows)?;
+    if to.size_mm != [None; 2] {
+        for &part in &parts {
+            set_size_one(draft, part, to.size_mm)?;
+        }
+        draft.commit()?;
+    }
+    if to.center_mm != [None; 2] {
+        for &part in &parts {
+            let Some(old) = draft.numbers::<2>(part, "at_mm")? else {
+                return Err(super::geometry::unsupported(part, "placed", ""));
+            };
+            let by = [0, 1].map(|axis| to.center_mm[axis].map_or(0.0, |new| new - old[axis]));
+            shift_one(draft, part, [by[0], by[1], 0.0])?;
+        }
+        draft.commit()?;
+    }
     Ok(parts)
 }
 

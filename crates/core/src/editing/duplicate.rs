@@ -1,6 +1,6 @@
 //! Copies of parts under new names.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::draft::{Draft, written};
 use super::error::EditError;
@@ -10,6 +10,9 @@ use super::part::{ControlKind, Part};
 use super::patch::Patch;
 use super::rows::SourceRow;
 use crate::document::{Node, quote, read_tree};
+
+/// The largest number of copies of one repetition: each reads the text.
+const MAX_COPIES: usize = 400;
 
 /// Copies parts. Returns the copies.
 pub(super) fn duplicate(
@@ -69,6 +72,113 @@ pub(super) fn duplicate(
     }
     draft.commit()?;
     Ok(new_parts)
+}
+
+/// Copies parts in columns and rows. Returns the originals and the copies.
+pub(super) fn repeat(
+    draft: &mut Draft,
+    parts: &[Part],
+    [columns, rows]: [usize; 2],
+    pitch_mm: [f64; 2],
+) -> Result<Vec<Part>, EditError> {
+    let copies = (columns * rows).saturating_sub(1) * parts.len();
+    if copies == 0 || copies > MAX_COPIES {
+        let message =
+            "a repetition makes 1 to 400 copies; choose other numbers of columns and rows";
+        return Err(EditError::Selection(message));
+    }
+    let mut all = parts.to_vec();
+    for row in 0..rows {
+        for column in 0..columns {
+            if (column, row) == (0, 0) {
+                continue;
+            }
+            let by_mm = [column as f64 * pitch_mm[0], row as f64 * pitch_mm[1]];
+            all.extend(duplicate(draft, parts, by_mm)?);
+        }
+    }
+    Ok(all)
+}
+
+/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for [`paste`]. `None` without a control among the parts.
+pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
+    let draft = &Draft::new(text).ok()?;
+    let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
+    for part in without_children(parts) {
+        match part {
+            Part::RowKey { board, row, column } => {
+                let source = SourceRow::read(draft, board, row).ok()?;
+                let action = format!("code: {}", quote(source.code(column)?));
+                let key = source.key_with(column, &action, [0.0; 2]);
+                lists.entry(ControlKind::Key).or_default().push(key);
+            }
+            Part::Control { kind, .. } => {
+                let text = draft.node(part).ok()?.text(draft.text());
+                lists.entry(kind).or_default().push(text.to_owned());
+            }
+            Part::RadioOption { board, radio, .. } => {
+                let group = Part::Control {
+                    board,
+                    kind: ControlKind::Radio,
+                    index: radio,
+                };
+                let text = draft.node(group).ok()?.text(draft.text()).to_owned();
+                let groups = lists.entry(ControlKind::Radio).or_default();
+                if !groups.contains(&text) {
+                    groups.push(text);
+                }
+            }
+            _ => {}
+        }
+    }
+    let lists: Vec<String> = lists
+        .into_iter()
+        .map(|(kind, controls)| {
+            let controls = controls.join(",\n        ");
+            format!("    {}: [\n        {controls},\n    ],\n", kind.list())
+        })
+        .collect();
+    (!lists.is_empty()).then(|| format!("(\n{})", lists.concat()))
+}
+
+/// Adds the controls of a text to a board, under names that are free. Returns them.
+pub(super) fn paste(
+    draft: &mut Draft,
+    board: usize,
+    text: &str,
+    by_mm: [f64; 2],
+) -> Result<Vec<Part>, EditError> {
+    let message = "the clipboard has no controls of a layout; copy some first";
+    let nothing = || EditError::Selection(message);
+    if !text.trim_start().starts_with('(') {
+        return Err(nothing());
+    }
+    let source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
+    let mut names = taken(draft);
+    let mut new_parts = Vec::new();
+    for kind in ControlKind::ALL {
+        let count = |draft: &Draft, board| {
+            let list = draft.field(Part::Board(board), kind.list());
+            list.map_or(0, |list| list.items().len())
+        };
+        let first = count(draft, board);
+        let mut texts = Vec::new();
+        for index in 0..count(&source, 0) {
+            let own = Part::Control {
+                board: 0,
+                kind,
+                index,
+            };
+            texts.push(copy(&source, &mut names, own, by_mm)?);
+            let index = first + index;
+            new_parts.push(Part::Control { board, kind, index });
+        }
+        draft.push(Part::Board(board), kind.list(), &texts)?;
+    }
+    match new_parts.is_empty() {
+        true => Err(nothing()),
+        false => draft.commit().map(|()| new_parts),
+    }
 }
 
 /// Returns the part of the same kind at another index; a single key for a row or a key of one.
@@ -142,7 +252,11 @@ fn set_name(
     name: Option<&str>,
     names: &mut BTreeSet<String>,
 ) -> Option<String> {
-    let new = unique(names, name?);
+    let name = name?;
+    let new = unique(names, name);
+    if new == name {
+        return Some(new);
+    }
     match (node.field(text, "name"), node.items().first()) {
         (Some(name), _) => patch.replace(name.range.clone(), quote(&new)),
         (None, Some(first)) => {

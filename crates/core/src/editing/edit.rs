@@ -1,7 +1,7 @@
 //! The edits of a layout, as functions from a text to replacements in it.
 
 use super::add::NewPart;
-use super::arrange::{AlignEdge, BoardAxis};
+use super::arrange::{AlignEdge, BoardAxis, PlaceTo};
 use super::bind::{Binding, Slot, bind};
 use super::draft::{Draft, Edited};
 use super::error::EditError;
@@ -67,6 +67,31 @@ pub enum Edit {
         parts: Vec<Part>,
         /// Distance of its lines.
         grid_mm: f64,
+    },
+    /// Sets positions and sizes of several controls to the same value, each number that is given.
+    Place {
+        /// Keys, controls or rows.
+        parts: Vec<Part>,
+        /// Where and how large.
+        place: PlaceTo,
+    },
+    /// Copies parts in columns and rows at equal distances. The selected parts are the first of both.
+    Repeat {
+        /// Keys and other controls.
+        parts: Vec<Part>,
+        /// Columns and rows, with the first.
+        count: [usize; 2],
+        /// Distances to the right and away from the wearer.
+        pitch_mm: [f64; 2],
+    },
+    /// Adds copies of controls from a text that [`copied`](super::copied) has made.
+    Paste {
+        /// The board that gets them.
+        board: usize,
+        /// The text.
+        text: String,
+        /// Offset from their places in the text.
+        by_mm: [f64; 2],
     },
     /// Copies parts under new names. The keys of a row become single keys.
     Duplicate {
@@ -139,6 +164,13 @@ fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
         Edit::Align { parts, edge } => arrange::align(draft, parts, *edge),
         Edit::Distribute { parts, axis } => arrange::distribute(draft, parts, *axis),
         Edit::Snap { parts, grid_mm } => arrange::snap(draft, parts, *grid_mm),
+        Edit::Place { parts, place } => arrange::place(draft, parts, place),
+        Edit::Repeat {
+            parts,
+            count,
+            pitch_mm,
+        } => duplicate::repeat(draft, parts, *count, *pitch_mm),
+        Edit::Paste { board, text, by_mm } => duplicate::paste(draft, *board, text, *by_mm),
         Edit::Duplicate { parts, by_mm } => duplicate::duplicate(draft, parts, *by_mm),
         Edit::Delete { parts } => delete::delete(draft, parts),
         Edit::Bind {

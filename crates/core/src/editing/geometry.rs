@@ -15,6 +15,19 @@ pub(super) struct Extent {
     pub half: [f64; 2],
 }
 
+/// The place of a control as written in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Center in row coordinates of its board.
+    pub center_mm: [f64; 2],
+    /// Width and depth before the rotation; a round control has its diameter in both.
+    pub size_mm: [f64; 2],
+    /// Rotation about the center, counter-clockwise.
+    pub rotation_deg: f64,
+    /// The outline is a disc.
+    pub is_round: bool,
+}
+
 /// The fields with the size of a part.
 enum SizeFields {
     /// `size_mm`, which defaults to that of the board.
@@ -152,6 +165,22 @@ pub(super) fn resize(
     Ok(parts)
 }
 
+/// Sets width and depth of a part about its center, each if it is given.
+pub(super) fn set_size_one(
+    draft: &mut Draft,
+    part: Part,
+    new_mm: [Option<f64>; 2],
+) -> Result<(), EditError> {
+    let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
+    let limit = |value: f64| value.clamp(*Size::RANGE.start(), *Size::RANGE.end());
+    let new = [0, 1].map(|axis| limit(new_mm[axis].unwrap_or(old[axis])));
+    let new = match is_round(draft, part) {
+        true => [new_mm[0].or(new_mm[1]).map_or(old[0], limit); 2],
+        false => new,
+    };
+    set_size(draft, part, new)
+}
+
 /// Turns parts counter-clockwise.
 pub(super) fn turn(
     draft: &mut Draft,
@@ -260,6 +289,32 @@ pub(super) fn extent(draft: &Draft, part: Part) -> Result<Extent, EditError> {
             (width * cos.abs() + depth * sin.abs()) / 2.0,
             (width * sin.abs() + depth * cos.abs()) / 2.0,
         ],
+    })
+}
+
+/// Returns the places of controls of a text as written, without those that have none.
+pub fn places(text: &str, parts: Vec<Part>) -> Vec<(Part, Place)> {
+    let Ok(draft) = Draft::new(text) else {
+        return Vec::new();
+    };
+    let place = |part| Some((part, place(&draft, part).ok()?));
+    parts.into_iter().filter_map(place).collect()
+}
+
+fn place(draft: &Draft, part: Part) -> Result<Place, EditError> {
+    let (own, center) = match part {
+        Part::RowKey { board, row, column } => {
+            let source = SourceRow::read(draft, board, row)?;
+            (Part::Row { board, row }, source.center(column))
+        }
+        _ => (part, required(draft.numbers(part, "at_mm")?)?),
+    };
+    let size = size(draft, own)?.ok_or_else(|| unsupported(part, "drawn", ""))?;
+    Ok(Place {
+        center_mm: center,
+        size_mm: size,
+        rotation_deg: rotation(draft, own)?,
+        is_round: is_round(draft, own),
     })
 }
 

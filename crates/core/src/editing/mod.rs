@@ -21,12 +21,14 @@ mod rename;
 mod rows;
 
 pub use self::add::{NewPart, beside};
-pub use self::arrange::{AlignEdge, BoardAxis};
+pub use self::arrange::{AlignEdge, BoardAxis, PlaceTo};
 pub use self::bind::{Binding, Slot};
 pub use self::draft::Edited;
+pub use self::duplicate::copied;
 pub use self::edit::{Edit, edit};
 pub use self::error::EditError;
 pub use self::fields::{FieldSpec, FieldType, fields_of};
+pub use self::geometry::{Place, places};
 pub use self::names::name_of;
-pub use self::part::{ControlKind, Part, part_at, part_of, targets};
+pub use self::part::{ControlKind, Part, part_at, part_of, parts_of, targets};
 pub use self::patch::{Patch, Replacement};

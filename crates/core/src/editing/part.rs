@@ -259,6 +259,18 @@ pub fn targets(text: &str, tree: &Node) -> Vec<Part> {
     targets
 }
 
+/// Returns the parts of targets, by id. `sources` are their names in the text; a part that could not be built has no target.
+pub fn parts_of(text: &str, tree: &Node, sources: &[std::ops::Range<usize>]) -> Vec<Part> {
+    let all = targets(text, tree);
+    if all.len() == sources.len() {
+        return all;
+    }
+    let parts = sources
+        .iter()
+        .map(|source| part_at(text, tree, source.start));
+    parts.collect()
+}
+
 /// Returns the innermost part at an offset of the text.
 pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
     let root = tree.in_some(text);

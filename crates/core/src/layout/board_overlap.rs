@@ -3,7 +3,9 @@
 use parry3d::math::{Pose, Vec3};
 
 use super::model::{Board, Face, Layout};
+use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Surface};
+use crate::message::escape;
 
 /// The depth by which boards may overlap, in metres: far above rounding errors, far below what a person can see.
 const TOLERANCE: f32 = 1e-5;
@@ -15,6 +17,8 @@ pub struct BoardOverlap<'a> {
     pub boards: (usize, usize),
     /// The names of the controls that overlap most, one of each board.
     pub names: (&'a str, &'a str),
+    /// The targets of these controls.
+    pub targets: (TargetId, TargetId),
     /// The depth of that overlap, in metres.
     pub depth: f32,
 }
@@ -22,6 +26,7 @@ pub struct BoardOverlap<'a> {
 /// The space that the front of a control sweeps during a press.
 struct Block<'a> {
     name: &'a str,
+    target: TargetId,
     pose: Pose,
     half: Vec3,
     /// Corners of the box around it along the axes of the anchor.
@@ -59,11 +64,11 @@ impl Layout {
                 if surface.anchor() != other_surface.anchor() || !share_hand {
                     continue;
                 }
-                if let Some((depth, names)) = deepest(blocks, other_blocks) {
-                    let boards = (index + 1, other_index + 1);
+                if let Some((depth, one, other)) = deepest(blocks, other_blocks) {
                     overlaps.push(BoardOverlap {
-                        boards,
-                        names,
+                        boards: (index + 1, other_index + 1),
+                        names: (one.name, other.name),
+                        targets: (one.target, other.target),
                         depth,
                     });
                 }
@@ -90,6 +95,7 @@ impl Layout {
             rotated(Vec3::X) * half.x + rotated(Vec3::Y) * half.y + rotated(Vec3::Z) * half.z;
         Some(Block {
             name: &face.name,
+            target: face.target,
             pose,
             half,
             min: pose.translation - extent,
@@ -98,23 +104,40 @@ impl Layout {
     }
 }
 
-/// Returns the deepest overlap of two blocks, one of each board, with their names.
-fn deepest<'a>(one: &[Block<'a>], other: &[Block<'a>]) -> Option<(f32, (&'a str, &'a str))> {
+impl BoardOverlap<'_> {
+    /// Returns the warning about it: what overlaps, by how much, and what to do.
+    pub fn message(&self) -> String {
+        let (first, second) = self.boards;
+        let names = (escape(self.names.0), escape(self.names.1));
+        format!(
+            "boards {first} and {second} overlap by {:.1} mm at `{}` and `{}`, so that one touch presses both; move one of them",
+            self.depth * 1e3,
+            names.0,
+            names.1
+        )
+    }
+}
+
+/// Returns the deepest overlap of two blocks, one of each board.
+fn deepest<'b, 'a>(
+    one: &'b [Block<'a>],
+    other: &'b [Block<'a>],
+) -> Option<(f32, &'b Block<'a>, &'b Block<'a>)> {
     let bounds = |blocks: &[Block]| {
         let min = blocks.iter().map(|block| block.min).reduce(Vec3::min)?;
         let max = blocks.iter().map(|block| block.max).reduce(Vec3::max)?;
         Some((min, max))
     };
     let (min, max) = bounds(other)?;
-    let mut deepest: Option<(f32, (&str, &str))> = None;
+    let mut deepest: Option<(f32, &Block, &Block)> = None;
     for block in one.iter().filter(|block| is_touching(block, min, max)) {
         for found in other
             .iter()
             .filter(|found| is_touching(block, found.min, found.max))
         {
             let depth = depth(block, found);
-            if depth > deepest.map_or(TOLERANCE, |(depth, _)| depth) {
-                deepest = Some((depth, (block.name, found.name)));
+            if depth > deepest.map_or(TOLERANCE, |(depth, _, _)| depth) {
+                deepest = Some((depth, block, found));
             }
         }
     }

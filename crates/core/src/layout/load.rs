@@ -7,8 +7,9 @@ use super::controls::pointer::PointerSchema;
 use super::controls::space::SpaceSchema;
 use super::controls::trigger::TriggerSchema;
 use super::controls::with_control_kinds;
+use super::draft::LayoutDraft;
 use super::fit::Fit;
-use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
+use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, report_idle_keys};
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{
@@ -175,14 +176,7 @@ impl Layout {
 
     /// Parses and checks a document for the hands of a setup.
     pub fn for_hands(document: Document, fit: Fit) -> Result<Self, DocumentError> {
-        let schema: LayoutSchema = document.parse_as(&FORMAT)?;
-        let mut builder = LayoutBuilder::new(&document, schema.name, fit);
-        let built = schema.build(&mut builder);
-        builder.finish(
-            built,
-            schema.description,
-            duration(schema.chord_timeout_ms.get()),
-        )
+        LayoutDraft::read(&document, fit)?.into_layout()
     }
 
     /// Returns the layout of another text, with the same name of the file and for the same hands.
@@ -195,6 +189,18 @@ impl Layout {
         document::shipped_layouts()
             .map(|name| Ok((name, Self::from_document(Document::shipped(name)?)?)))
             .collect()
+    }
+}
+
+impl LayoutDraft {
+    /// Reads a document for the hands of a setup, with its faults. Fails only on a text that is no layout: its brackets, fields or
+    /// values are wrong.
+    pub fn read(document: &Document, fit: Fit) -> Result<Self, DocumentError> {
+        let schema: LayoutSchema = document.parse_as(&FORMAT)?;
+        let mut builder = LayoutBuilder::new(document, schema.name, fit);
+        let built = schema.build(&mut builder);
+        let chord_timeout = duration(schema.chord_timeout_ms.get());
+        Ok(builder.finish(built, schema.description, chord_timeout))
     }
 }
 
@@ -248,8 +254,7 @@ impl<'a> LayoutSchema<'a> {
         }
         // A key may have its action in a part that has failed.
         if builder.failed() == 0 {
-            let rejected = reject_idle_keys(builder);
-            builder.collect(rejected)?;
+            report_idle_keys(builder);
         }
         for trigger in &self.triggers {
             let built = trigger.build(builder);

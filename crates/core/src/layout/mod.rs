@@ -14,6 +14,7 @@ mod board_shape;
 mod builder;
 mod controls;
 mod devices;
+mod draft;
 mod edit;
 mod fields;
 mod fit;
@@ -35,6 +36,7 @@ mod signals;
 
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
+pub use draft::{LayoutDraft, LayoutFault};
 pub use edit::{move_boards, scale_boards};
 pub use fields::field_tables;
 pub use fit::Fit;
@@ -48,4 +50,7 @@ pub use model::{
 };
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
-pub use render::{Cell, Grid, Heat, KeySize, ReachArea, TooManyShapes, Wearer, heat_style};
+pub use render::{
+    Cell, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
+    heat_style,
+};

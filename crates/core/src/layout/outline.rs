@@ -105,11 +105,11 @@ fn depth_in_box(center: Vec2, half: Vec2, radius: f32) -> f32 {
     radius - beyond.length() + inside
 }
 
-/// Returns the indices of two overlapping outlines, the smaller index first, or `None` if there is no overlap.
+/// Returns pairs of indices of overlapping outlines, the smaller index first, at most `max`, in the order in which a reader of
+/// the file meets the second one.
 ///
-/// Of several pairs, returns the one whose larger index is the smallest: the first that a reader of the file meets.
 /// Sweeps along X, so that 10 000 keys take milliseconds.
-pub(super) fn first_overlap(outlines: &[Outline]) -> Option<(usize, usize)> {
+pub(super) fn overlapping_pairs(outlines: &[Outline], max: usize) -> Vec<(usize, usize)> {
     let aabbs: Vec<(Vec2, Vec2)> = outlines
         .iter()
         .map(|outline| {
@@ -119,23 +119,25 @@ pub(super) fn first_overlap(outlines: &[Outline]) -> Option<(usize, usize)> {
         .collect();
     let mut by_left_edge: Vec<usize> = (0..outlines.len()).collect();
     by_left_edge.sort_by(|&a, &b| aabbs[a].0.x.total_cmp(&aabbs[b].0.x));
-    let mut first: Option<(usize, usize)> = None;
-    for (rank, &a) in by_left_edge.iter().enumerate() {
-        let (min, max) = aabbs[a];
+    let mut pairs = Vec::new();
+    'sweep: for (rank, &a) in by_left_edge.iter().enumerate() {
+        let (min, max_corner) = aabbs[a];
         let candidates = by_left_edge[rank + 1..]
             .iter()
             .copied()
-            .take_while(|&b| aabbs[b].0.x < max.x)
-            .filter(|&b| aabbs[b].0.y < max.y && min.y < aabbs[b].1.y);
+            .take_while(|&b| aabbs[b].0.x < max_corner.x)
+            .filter(|&b| aabbs[b].0.y < max_corner.y && min.y < aabbs[b].1.y);
         for b in candidates {
-            let pair = (a.min(b), a.max(b));
-            let is_earlier = first.is_none_or(|(low, high)| (pair.1, pair.0) < (high, low));
-            if is_earlier && outlines[a].overlaps(&outlines[b]) {
-                first = Some(pair);
+            if outlines[a].overlaps(&outlines[b]) {
+                pairs.push((a.min(b), a.max(b)));
+                if pairs.len() == max {
+                    break 'sweep;
+                }
             }
         }
     }
-    first
+    pairs.sort_unstable_by_key(|&(first, second)| (second, first));
+    pairs
 }
 
 #[cfg(test)]
@@ -202,14 +204,15 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_several_overlaps_in_file_order_is_reported() {
+    fn overlaps_are_in_the_order_of_the_file() {
         let row = [
             square(0.30, 0.0, 0.0),
             square(0.10, 0.0, 0.0),
             square(0.305, 0.0, 0.0),
             square(0.105, 0.0, 0.0),
         ];
-        assert_eq!(first_overlap(&row), Some((0, 2)));
-        assert_eq!(first_overlap(&row[..2]), None);
+        assert_eq!(overlapping_pairs(&row, 10), [(0, 2), (1, 3)]);
+        assert_eq!(overlapping_pairs(&row, 1).len(), 1);
+        assert_eq!(overlapping_pairs(&row[..2], 10), []);
     }
 }

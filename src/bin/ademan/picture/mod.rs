@@ -7,8 +7,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::files::{self, FileError, Load};
-use ademan::layout::{Layout, Wearer};
+use ademan::document::Document;
+use ademan::files::{self, FileError, OpenDocument};
+use ademan::layout::{Layout, LayoutDraft, Wearer};
 use ademan::message::{escape_lines, escape_path};
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
@@ -55,15 +56,26 @@ type Picture = Vec<u8>;
 
 /// Draws a layout to standard output, or to each of the files.
 pub fn show(args: &Args) -> Result<(), Failure> {
-    let layout = Layout::load(&args.file)?;
+    let document = Document::open(&args.file)?;
+    let draft = LayoutDraft::from_document(&document)?;
+    // A layout that cannot be used is drawn, and refused then.
+    let refused = draft.error().cloned().map_or(Ok(()), Err);
     let targets = [&args.svg, &args.png, &args.html, &args.json];
     if targets.iter().all(|target| target.is_none()) {
-        io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
-        return Ok(());
+        let text = draft.layout().to_text();
+        io::stdout().write_all(escape_lines(&text).as_bytes())?;
+        return Ok(refused?);
     }
-    let setup = load(args)?;
+    let (setup, wearer) = match refused {
+        Ok(()) => {
+            let setup = load(args, &args.file)?;
+            let wearer = setup.wearer();
+            (setup, wearer)
+        }
+        Err(_) => load_faulty(args, &document)?,
+    };
     // As the setup fits it to the hand.
-    let (layout, wearer) = (&setup.layout, setup.wearer());
+    let layout = &setup.layout;
     let drawers: [&dyn Fn() -> Result<Picture, Failure>; 4] = [
         &|| Ok(svg(layout, &wearer)?.into_bytes()),
         &|| png::from_svg(&svg(layout, &wearer)?).map_err(Failure::job),
@@ -79,17 +91,29 @@ pub fn show(args: &Args) -> Result<(), Failure> {
             write(path, &draw()?, args.overwrite)?;
         }
     }
-    Ok(())
+    Ok(refused?)
 }
 
-/// Returns the setup whose hands are drawn, with the layout.
-fn load(args: &Args) -> Result<LoadedSetup, Failure> {
+/// Returns the setup whose hands are drawn and the hands, with a layout that has faults.
+fn load_faulty(args: &Args, document: &Document) -> Result<(LoadedSetup, Wearer), Failure> {
+    let mut setup = load(args, &Setup::default().layout)?;
+    let draft = LayoutDraft::read(document, setup.layout.fit)?;
+    setup.layout = draft.layout().clone();
+    let wearer = Wearer {
+        faults: draft.faults().to_vec(),
+        ..setup.wearer()
+    };
+    Ok((setup, wearer))
+}
+
+/// Returns the setup whose hands are drawn, with a layout.
+fn load(args: &Args, layout: &str) -> Result<LoadedSetup, Failure> {
     let setup = match &args.setup {
         Some(path) => Setup::load(path)?,
         None => Setup::default(),
     };
     let setup = Setup {
-        layout: args.file.clone(),
+        layout: layout.to_owned(),
         arm: args.hand.clone().unwrap_or_else(|| setup.arm.clone()),
         person: args.person.clone().or(setup.person),
         ..setup

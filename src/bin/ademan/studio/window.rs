@@ -5,6 +5,9 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::document::Document;
+use ademan::files::OpenDocument;
+use ademan::layout::Layout;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
@@ -32,14 +35,14 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
-    let setup = load(args, &mut options)?;
+    let (setup, refused) = load_or_edit(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     let session = start(setup, options)?;
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
-        false => show_window(&session, player),
+        false => show_window(&session, player, refused.as_deref()),
     });
     end(shown, Some(session))
 }
@@ -88,11 +91,19 @@ pub(super) fn end(
     session.map_or(Ok(()), |session| stats::report(session.join()?))
 }
 
-fn show_window(session: &SessionHandle, player: Option<Player>) -> Result<(), StudioError> {
-    let app = match player {
+/// Shows the window. `refused` is a layout that the session cannot use: it is opened in the editor.
+fn show_window(
+    session: &SessionHandle,
+    player: Option<Player>,
+    refused: Option<&str>,
+) -> Result<(), StudioError> {
+    let mut app = match player {
         Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
         None => live_app(session)?,
     };
+    if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
+        complain!("{error}");
+    }
     open_window(app.into(), signals::is_stop_requested)
 }
 
@@ -135,6 +146,37 @@ fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
         OpenError::Setup(error) => error.into(),
         OpenError::Thread(_) => Failure::wrong_use(error.to_string()),
     })
+}
+
+/// Loads the setup. If its layout is a file with faults, the session has the default layout, and the name of the file is returned.
+fn load_or_edit(
+    args: Args,
+    options: &mut SessionOptions,
+) -> Result<(LoadedSetup, Option<String>), Failure> {
+    let is_edited = args.recording.is_none() && !args.overlay;
+    let layout = args.layout.clone();
+    let retry = Args {
+        layout: Some(Setup::default().layout),
+        ..args.clone()
+    };
+    let error = match load(args, options) {
+        Ok(setup) => return Ok((setup, None)),
+        Err(error) => error,
+    };
+    let layout = match (layout, &retry.setup) {
+        (Some(layout), _) => layout,
+        (None, Some(path)) => Setup::load(path)?.layout,
+        (None, None) => return Err(error),
+    };
+    let is_refused = Document::open(&layout)
+        .is_ok_and(|document| document.path.is_some() && Layout::from_document(document).is_err());
+    if !is_edited || !is_refused {
+        return Err(error);
+    }
+    complain!(
+        "{error}\nthe window opens it in the editor; the session has another layout until it can be used"
+    );
+    Ok((load(retry, options)?, Some(layout)))
 }
 
 /// Loads the setup, with a simulated hand as the source where it has none.

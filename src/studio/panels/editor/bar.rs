@@ -10,7 +10,7 @@ use crate::studio::texts::{text, text_with};
 const GRIDS_MM: [f32; 5] = [0.5, 1.0, 2.0, 5.0, 9.5];
 
 /// Alignment of several parts: words, and edge.
-const ALIGNMENTS: [(&str, AlignEdge); 6] = [
+pub(super) const ALIGNMENTS: [(&str, AlignEdge); 6] = [
     ("editor-align-left", AlignEdge::Left),
     ("editor-align-center", AlignEdge::CenterX),
     ("editor-align-right", AlignEdge::Right),
@@ -20,7 +20,7 @@ const ALIGNMENTS: [(&str, AlignEdge); 6] = [
 ];
 
 /// Distribution of several parts.
-const DISTRIBUTIONS: [(&str, BoardAxis); 2] = [
+pub(super) const DISTRIBUTIONS: [(&str, BoardAxis); 2] = [
     ("editor-distribute-x", BoardAxis::X),
     ("editor-distribute-y", BoardAxis::Y),
 ];
@@ -44,6 +44,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 fn show_file(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.strong(panel.marked_name());
+    if button(ui, text("editor-open"), text("editor-open-hint"), true) {
+        panel.ask_for_layout();
+    }
     if button(ui, text("editor-save"), text("editor-save-hint"), true) {
         panel.save();
     }
@@ -60,11 +63,11 @@ fn show_file(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 fn show_history(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let can_undo = panel.editor.can_undo();
     if button(ui, text("editor-undo"), text("editor-undo-hint"), can_undo) {
-        panel.editor.undo();
+        panel.undo();
     }
     let can_redo = panel.editor.can_redo();
     if button(ui, text("editor-redo"), text("editor-redo-hint"), can_redo) {
-        panel.editor.redo();
+        panel.redo();
     }
 }
 
@@ -72,20 +75,12 @@ fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.menu_button(text("editor-add"), |ui| {
         for kind in ControlKind::ALL {
             if ui.button(text(kind_words(kind))).clicked() {
-                let center = panel.viewport.map_or([0.0; 2], |viewport| {
-                    viewport.center.to_array().map(|mm| f64::from(mm.round()))
-                });
-                panel.apply(&Edit::Add(NewPart::Control {
-                    board: panel.board,
-                    kind,
-                    at_mm: center,
-                    binding: None,
-                }));
+                panel.add_control(kind);
             }
         }
         ui.separator();
         let others = [
-            ("editor-new-board", NewPart::Board),
+            ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
             ("editor-new-layer", NewPart::Layer),
             ("editor-new-trigger", NewPart::Trigger),
             ("editor-new-pointer", NewPart::Pointer),
@@ -93,7 +88,7 @@ fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         ];
         for (name, part) in others {
             if ui.button(text(name)).clicked() {
-                panel.apply(&Edit::Add(part));
+                panel.add(part);
             }
         }
     });
@@ -146,6 +141,41 @@ fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             panel.apply(&Edit::Distribute { parts, axis });
         }
     }
+    ui.add_enabled_ui(count > 0, |ui| {
+        ui.menu_button(text("editor-repeat"), |ui| show_repeat(ui, panel));
+    });
+}
+
+/// Shows the numbers of a repetition, and a button that makes it.
+fn show_repeat(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let repeat = &mut panel.repeat;
+    egui::Grid::new("editor-repeat").show(ui, |ui| {
+        let counts = ["editor-columns", "editor-rows"];
+        for (name, count) in counts.into_iter().zip(&mut repeat.count) {
+            let label = ui.label(text(name));
+            let number = egui::DragValue::new(count).range(1..=40).speed(0.05);
+            ui.add(number).labelled_by(label.id);
+            ui.end_row();
+        }
+        let pitches = ["editor-pitch-x", "editor-pitch-y"];
+        for (name, pitch) in pitches.into_iter().zip(&mut repeat.pitch_mm) {
+            let label = ui.label(text(name));
+            let number = egui::DragValue::new(pitch).range(-500.0..=500.0);
+            ui.add(number.speed(0.1).suffix(" mm"))
+                .labelled_by(label.id);
+            ui.end_row();
+        }
+    });
+    if ui.button(text("editor-repeat-now")).clicked() {
+        let (count, pitch_mm) = (repeat.count, repeat.pitch_mm);
+        let parts = panel.selected_parts();
+        panel.apply(&Edit::Repeat {
+            parts,
+            count,
+            pitch_mm,
+        });
+        ui.close();
+    }
 }
 
 fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
@@ -189,11 +219,15 @@ fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             panel.show_board(board);
         }
     }
-    match &panel.message {
-        Some(Ok(message)) => _ = ui.weak(*message),
-        Some(Err(message)) => _ = ui.colored_label(ui.visuals().warn_fg_color, message),
-        None => {}
-    }
+    // One line, so that a message does not move the board.
+    let (message, color) = match &panel.message {
+        Some(Ok(message)) => (*message, ui.visuals().weak_text_color()),
+        Some(Err(message)) => (message.as_str(), ui.visuals().warn_fg_color),
+        None => return,
+    };
+    let words = egui::RichText::new(message).color(color);
+    ui.add(egui::Label::new(words).truncate())
+        .on_hover_text(message);
 }
 
 /// Shows a button with a hint. Returns `true` if it was clicked.

@@ -30,6 +30,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     if size.min_element() < 1.0 {
         return;
     }
+    panel.canvas_size = Some(size);
     name_for_readers(panel, &response);
     keep_arrow_keys(ui, &response);
     let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
@@ -108,6 +109,7 @@ fn handle_mouse(
         let items = &panel.items.items;
         let begun = gesture::begin(items, &mut panel.selected, point, scale, modifiers.shift);
         panel.gesture = Some(begun);
+        panel.message = None;
         panel.select_items_in_editor();
     }
     let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
@@ -148,10 +150,9 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
         panel.items.items.get(index).map(|item| item.shape),
         panel.parts.get(index).copied(),
     ) else {
-        panel.message = Some(Err(text("editor-invalid-drag").to_owned()));
+        panel.message = Some(Err(text("editor-unbalanced").to_owned()));
         return;
     };
-    let before = panel.editor.revision();
     match gesture {
         Gesture::Band { .. } => {}
         Gesture::Move { .. } => panel.move_selected(new.center - old.center),
@@ -173,12 +174,6 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
                 });
             }
         },
-    }
-    let after = panel.editor.revision();
-    if after != before && !panel.editor.is_valid() {
-        let board = panel.board;
-        let (before, after) = ((before, board), (after, board));
-        panel.invalid_drag.add(before, after, &preview.shapes);
     }
 }
 
@@ -238,6 +233,7 @@ fn paint(
         pressed: &pressed,
         fingertips: &fingertips,
         preview: &panel.preview,
+        faulty: &panel.faulty,
         radius: panel.dragged_radius.or(panel.items.radius),
         has_grid: true,
     };

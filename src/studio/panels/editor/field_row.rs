@@ -10,6 +10,9 @@ use crate::studio::texts::text;
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 3;
 
+/// The largest number of parts whose values are compared for each picture.
+const MAX_COMPARED: usize = 200;
+
 /// Width of a text, in points.
 const TEXT_WIDTH: f32 = 150.0;
 
@@ -19,6 +22,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     // The text of a key in a row is the row: the key has no fields of its own.
     let written = panel.editor.value(first, field.name).map(str::to_owned);
     let written = written.filter(|_| !is_row_key);
+    let is_mixed = is_mixed(panel, parts, field.name);
     let (name, unit) = name_and_unit(field.name);
     let label = ui.label(name).on_hover_text(field.name);
     match field.field_type {
@@ -26,7 +30,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             let value = written.as_deref().and_then(|value| value.parse().ok());
             let old: f64 = value.or(default).unwrap_or(min);
             let mut value = old;
-            let drag = DragValue::new(&mut value).range(min..=max).suffix(unit);
+            let drag = DragValue::new(&mut value).range(min..=max);
+            let drag = match is_mixed {
+                true => drag.custom_formatter(|_, _| text("editor-mixed").to_owned()),
+                false => drag.suffix(unit),
+            };
             let speed = ((max - min) / 500.0).clamp(0.005, 1.0);
             let drag = ui
                 .add(drag.speed(speed).max_decimals(DECIMALS))
@@ -35,28 +43,37 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
                 let value = (value * 1000.0).round() / 1000.0;
                 set_while_dragged(panel, parts, field.name, &value.to_string());
             }
-            if !drag.dragged() && is_dragged(panel, field.name) {
+            if !drag.dragged() && panel.is_field_dragged(field.name) {
                 panel.form.dragged = None;
             }
         }
         FieldType::Bool => {
             let mut is_on = written.as_deref() == Some("true");
-            if ui.checkbox(&mut is_on, "").labelled_by(label.id).changed() {
+            let checkbox = egui::Checkbox::new(&mut is_on, "").indeterminate(is_mixed);
+            if ui.add(checkbox).labelled_by(label.id).changed() {
                 set(panel, parts, field.name, Some(is_on.to_string()));
             }
         }
-        FieldType::Choice(choices) => show_choice(ui, panel, parts, field.name, &written, choices),
-        FieldType::Text => show_text(ui, panel, parts, field.name, unquoted(&written), true),
+        FieldType::Choice(choices) => {
+            let written = written.clone().filter(|_| !is_mixed);
+            show_choice(ui, panel, parts, field.name, &written, choices);
+        }
+        FieldType::Text => {
+            let value = unquoted(&written.clone().filter(|_| !is_mixed));
+            show_text(ui, panel, parts, field.name, value, true);
+        }
         FieldType::Point { .. }
         | FieldType::Outline
         | FieldType::Output
         | FieldType::Ron
         | FieldType::Action => {
-            let value = written.clone().unwrap_or_default();
+            let value = written.clone().filter(|_| !is_mixed).unwrap_or_default();
             show_text(ui, panel, parts, field.name, value, false);
         }
     }
-    if written.is_none() {
+    if is_mixed {
+        ui.weak(text("editor-mixed"));
+    } else if written.is_none() {
         ui.weak(text("editor-default"));
     } else if field.name != "name" {
         let remove = ui
@@ -138,20 +155,44 @@ fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<Strin
     });
 }
 
-fn is_dragged(panel: &EditorPanel, field: &str) -> bool {
-    let dragged = panel.form.dragged.as_ref();
-    dragged.is_some_and(|(name, _)| *name == field)
+impl EditorPanel {
+    /// Returns `true` while a number of this name is dragged.
+    pub(super) fn is_field_dragged(&self, field: &str) -> bool {
+        let dragged = self.form.dragged.as_ref();
+        dragged.is_some_and(|(name, _)| *name == field)
+    }
 }
 
-/// Sets a number; all values of one drag are one step of undo.
+/// Returns whether parts have different values in a field.
+fn is_mixed(panel: &EditorPanel, parts: &[Part], field: &str) -> bool {
+    let value = |part: &Part| match part {
+        // The text of a key in a row is the row.
+        Part::RowKey { .. } => None,
+        _ => panel.editor.value(*part, field),
+    };
+    let compared = &parts[..parts.len().min(MAX_COMPARED)];
+    compared
+        .windows(2)
+        .any(|pair| value(&pair[0]) != value(&pair[1]))
+}
+
 fn set_while_dragged(panel: &mut EditorPanel, parts: &[Part], field: &'static str, value: &str) {
-    let before = panel.form.dragged.clone();
-    let before = before.filter(|(name, _)| *name == field);
-    let edit = |parts: Vec<Part>| Edit::SetField {
+    edit_while_dragged(panel, parts, field, |parts| Edit::SetField {
         parts,
         field: field.to_owned(),
         value: Some(value.to_owned()),
-    };
+    });
+}
+
+/// Makes the edit of a number; all values of one drag are one step of undo.
+pub(super) fn edit_while_dragged(
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    field: &'static str,
+    edit: impl Fn(Vec<Part>) -> Edit,
+) {
+    let before = panel.form.dragged.clone();
+    let before = before.filter(|(name, _)| *name == field);
     let result = match before {
         Some((_, parts)) => panel.editor.amend(&edit(parts)),
         None => {

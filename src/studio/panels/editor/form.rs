@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, DragValue};
 
-use super::{EditorPanel, bar, binding, field_row, rounded};
+use super::{EditorPanel, bar, binding, field_row, rounded, several};
 use crate::studio::canvas::ItemShape;
 use crate::studio::editor::{Edit, FieldSpec, FieldType, Part, fields_of};
 use crate::studio::panels::is_other_number;
@@ -39,7 +39,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             &[("count", count.into())],
         )),
     };
-    show_geometry(ui, panel);
+    match panel.selected.len() > 1 {
+        true => several::show(ui, panel),
+        false => show_geometry(ui, panel),
+    }
     if parts.len() == 1 {
         binding::show(ui, panel, first);
     }
@@ -48,7 +51,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 fn title(panel: &EditorPanel, part: Part) -> String {
     let name = panel.editor.part_name(part).unwrap_or_default();
-    format!("{} {name}", text(words(part)))
+    title_of(text(words(part)), &name)
+}
+
+/// Returns the kind and the name of a part; the name alone if it begins with the kind, as those of new controls do.
+fn title_of(kind: &str, name: &str) -> String {
+    match name.to_lowercase().starts_with(&kind.to_lowercase()) {
+        true => name.to_owned(),
+        false => format!("{kind} {name}"),
+    }
 }
 
 /// Returns the key of the words for a part.
@@ -80,7 +91,10 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     };
     let (old, can_turn) = (item.shape, item.can_turn);
     let draft = panel.form.geometry.filter(|(own, _)| *own == index);
-    let mut shape = draft.map_or(old, |(_, shape)| shape);
+    // While the item is dragged, the numbers are those under the mouse.
+    let dragged = panel.preview.shapes.iter();
+    let dragged = dragged.copied().find(|(own, _)| *own == index);
+    let mut shape = draft.or(dragged).map_or(old, |(_, shape)| shape);
     let mut is_active = false;
     egui::Grid::new("editor-geometry")
         .num_columns(4)
@@ -170,10 +184,10 @@ fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &
 /// Shows the fields that all selected parts have: those that are written, then the others folded.
 fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
     let first = parts[0];
-    let has_shape = panel.selected.single().is_some();
+    let has_shapes = !panel.selected.is_empty();
     let mut fields = fields_of(first);
     fields.retain(|field| {
-        let is_shown_above = has_shape && GEOMETRY_FIELDS.contains(&field.name);
+        let is_shown_above = has_shapes && GEOMETRY_FIELDS.contains(&field.name);
         field.field_type != FieldType::Action && !is_shown_above
     });
     for part in &parts[1..parts.len().min(50)] {
@@ -209,4 +223,15 @@ fn field_rows(
             ui.end_row();
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kind_of_a_part_is_not_written_twice() {
+        assert_eq!(title_of("Knob", "Knob 2"), "Knob 2");
+        assert_eq!(title_of("Knob", "volume"), "Knob volume");
+    }
 }

@@ -18,7 +18,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(8.0);
     ui.separator();
     let lists: [List; 5] = [
-        ("editor-boards", "boards", Part::Board, Some(NewPart::Board)),
+        (
+            "editor-boards",
+            "boards",
+            Part::Board,
+            Some(NewPart::Board { right_mm: 0.0 }),
+        ),
         ("editor-layers", "layers", Part::Layer, Some(NewPart::Layer)),
         ("editor-chords", "chords", Part::Chord, None),
         (
@@ -50,7 +55,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                 match (list, new) {
                     ("chords", _) => add_chord(ui, panel),
                     (_, Some(new)) if ui.button(text("editor-add")).clicked() => {
-                        panel.apply(&Edit::Add(new));
+                        panel.add(new);
                     }
                     _ => {}
                 }

@@ -6,15 +6,18 @@ mod canvas;
 mod field_row;
 mod form;
 mod icons;
-mod invalid_drag;
 mod key_press;
 mod lists;
+mod new_parts;
+mod open;
 mod outside;
+mod palette;
 mod problems;
+mod several;
 mod shortcuts;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use eframe::egui;
@@ -27,6 +30,7 @@ use crate::studio::canvas::board::BoardItems;
 use crate::studio::canvas::gesture::{Gesture, Preview};
 use crate::studio::canvas::selection::Selection;
 use crate::studio::canvas::viewport::Viewport;
+use crate::studio::canvas::{Bounds, Item};
 use crate::studio::editor::{
     ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, UnsavedWork,
 };
@@ -36,9 +40,11 @@ use crate::studio::typing::Typing;
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
-use self::invalid_drag::InvalidDrag;
-use self::outside::SaveAs;
+use self::new_parts::Repeat;
+use self::open::OpenQuestion;
 pub(super) use self::outside::guard_close;
+use self::outside::{SaveAs, SaveQuestion};
+use self::palette::Palette;
 
 /// The editor between two pictures.
 pub struct EditorPanel {
@@ -46,24 +52,36 @@ pub struct EditorPanel {
     pub editor: LayoutEditor,
     /// Index of the board on the canvas.
     board: usize,
+    /// Size of the canvas in the last picture, in points.
+    canvas_size: Option<Vec2>,
     /// The part of the board that is shown; `None` until the first picture of a board.
     viewport: Option<Viewport>,
     items: BoardItems,
-    /// The parts of the items; `None` while the text and the last valid layout differ.
+    /// The parts of the items; `None` while the brackets of the text are not balanced.
     parts: Vec<Option<Part>>,
+    /// The items with an error.
+    faulty: Vec<usize>,
     /// Revision and board of `items`.
     shown: Option<(u64, usize)>,
     selected: Selection,
     gesture: Option<Gesture>,
     preview: Preview,
-    invalid_drag: InvalidDrag,
     /// Radius that a drag of the bend would give, in millimetres.
     dragged_radius: Option<f32>,
     /// Edges and centers of other items and the grid attract.
     snaps: bool,
     grid_mm: f32,
+    /// Numbers of the next repetition.
+    repeat: Repeat,
+    palette: Palette,
     binding: BindingState,
     form: FormState,
+    /// A save of a layout that no session can use waits for an answer.
+    save_question: Option<SaveQuestion>,
+    /// Another layout is chosen.
+    open_question: Option<OpenQuestion>,
+    /// Folder with unsaved work.
+    work: Option<PathBuf>,
     /// Name that is written to save a copy.
     save_as: Option<SaveAs>,
     /// Unsaved work of an earlier run, to restore or discard.
@@ -91,6 +109,7 @@ impl EditorPanel {
         let mut editor = LayoutEditor::open(name, fit)?;
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);
+        panel.work = work.map(Path::to_owned);
         match recovery {
             Some(Ok(found)) => panel.found_work = found,
             Some(Err(error)) => panel.message = Some(Err(error.to_string())),
@@ -103,19 +122,25 @@ impl EditorPanel {
         Self {
             editor,
             board: 0,
+            canvas_size: None,
             viewport: None,
             items: BoardItems::default(),
             parts: Vec::new(),
+            faulty: Vec::new(),
             shown: None,
             selected: Selection::default(),
             gesture: None,
             preview: Preview::default(),
-            invalid_drag: InvalidDrag::default(),
             dragged_radius: None,
             snaps: true,
             grid_mm: 1.0,
+            repeat: Repeat::default(),
+            palette: Palette::default(),
             binding: BindingState::default(),
             form: FormState::default(),
+            save_question: None,
+            open_question: None,
+            work: None,
             save_as: None,
             found_work: None,
             trial: None,
@@ -156,8 +181,10 @@ impl EditorPanel {
 
     /// Reads the items of the board anew after a change of the text.
     fn update_items(&mut self) {
-        let boards = self.editor.layout().map_or(0, |layout| layout.boards.len());
-        self.board = self.board.min(boards.saturating_sub(1));
+        if self.editor.is_editable() {
+            let boards = self.editor.count("boards");
+            self.board = self.board.min(boards.saturating_sub(1));
+        }
         let shown = (self.editor.revision(), self.board);
         if self.shown == Some(shown) {
             return;
@@ -165,27 +192,73 @@ impl EditorPanel {
         self.shown = Some(shown);
         self.gesture = None;
         self.preview = Preview::default();
-        let Some(layout) = self.editor.layout().cloned() else {
-            self.items = BoardItems::default();
-            self.parts.clear();
+        if !self.editor.is_editable() {
+            // What was shown stays, and cannot be edited until the brackets are corrected.
+            self.parts = vec![None; self.items.items.len()];
+            self.faulty.clear();
             return;
-        };
-        let Some(board) = layout.boards.get(self.board) else {
-            self.items = BoardItems::default();
-            self.parts.clear();
-            return;
-        };
-        self.items = BoardItems::new(&layout, board, self.board_scale());
-        self.invalid_drag.place(shown, &mut self.items);
+        }
+        let scale = self.board_scale();
+        let layout = self.editor.layout().filter(|_| self.editor.is_read());
+        let board = layout.and_then(|layout| Some((layout, layout.boards.get(self.board)?)));
+        match board {
+            Some((layout, board)) => self.items = BoardItems::new(layout, board, scale),
+            None => self.items.clear(),
+        }
         let targets = self.items.targets.iter();
         self.parts = targets.map(|target| self.editor.part_of(*target)).collect();
+        for (part, place) in self.editor.unplaced(self.board) {
+            let name = self.editor.part_name(part).unwrap_or_default();
+            self.items
+                .items
+                .push(Item::written(&place, name, can_turn(part)));
+            self.parts.push(Some(part));
+        }
+        let is_faulty = |part: &Option<Part>| part.is_some_and(|part| self.is_faulty(part));
+        let indices = self.parts.iter().enumerate();
+        let faulty = indices.filter(|(_, part)| is_faulty(part));
+        self.faulty = faulty.map(|(index, _)| index).collect();
         self.select_parts_of_editor();
+    }
+
+    /// Returns `true` if a part or its group has an error.
+    fn is_faulty(&self, part: Part) -> bool {
+        self.editor.is_faulty(part) || group(part).is_some_and(|it| self.editor.is_faulty(it))
     }
 
     /// Returns the scale of the board in the file.
     fn board_scale(&self) -> f32 {
         let written = self.editor.value(Part::Board(self.board), "pose.scale");
         written.and_then(|scale| scale.parse().ok()).unwrap_or(1.0)
+    }
+
+    /// Undoes the last edit, and forgets the message about it.
+    fn undo(&mut self) {
+        self.editor.undo();
+        self.message = None;
+    }
+
+    /// Makes the last undone edit again.
+    fn redo(&mut self) {
+        self.editor.redo();
+        self.message = None;
+    }
+
+    /// Selects everything on the board.
+    fn select_all(&mut self) {
+        let count = self.items.items.len();
+        self.selected.set(0..count);
+        self.select_items_in_editor();
+    }
+
+    /// Shows the selected items as large as they fit, or the whole board without any.
+    fn zoom_to_selection(&mut self) {
+        let shapes = self.selected.shapes(&self.items.items);
+        let bounds = Bounds::around(shapes.iter().map(|(_, shape)| shape));
+        self.viewport = match (bounds, self.canvas_size) {
+            (Some(bounds), Some(size)) => Some(Viewport::fit(bounds, size)),
+            _ => None,
+        };
     }
 
     /// Selects on the canvas what the editor has selected, as after an edit.
@@ -227,6 +300,9 @@ impl EditorPanel {
         if board != self.board {
             self.board = board;
             self.viewport = None;
+            // The form shows nothing of a board that is not on the canvas.
+            self.editor.select([]);
+            self.message = None;
             self.update_items();
         }
     }
@@ -250,7 +326,7 @@ pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &Pa
     let editor = &panel.editor;
     let trial = panel.trial.get_or_insert_with(|| {
         let is_on = Typing::new(context.model) == Typing::Nowhere;
-        EditorTrial::new(editor, is_on)
+        EditorTrial::new(&context.model.view.layout, is_on)
     });
     let now = Duration::from_secs_f64(ui.input(|input| input.time));
     if let Some(refusal) = trial.advance(now, editor, session) {
@@ -271,6 +347,19 @@ const fn group(part: Part) -> Option<Part> {
     }
 }
 
+/// Returns `true` if the file gives a part a rotation.
+const fn can_turn(part: Part) -> bool {
+    use ControlKind::{Key, Lever, Slider};
+    matches!(part, Part::RowKey { .. })
+        || matches!(
+            part,
+            Part::Control {
+                kind: Key | Slider | Lever,
+                ..
+            }
+        )
+}
+
 /// Rounds a distance of the canvas to hundredths, as files have them.
 fn rounded(value: f32) -> f64 {
     (f64::from(value) * 100.0).round() / 100.0
@@ -284,12 +373,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
     reach.advance(&panel.editor);
     panel.update_items();
     shortcuts::handle(ui, panel);
+    palette::show(ui, panel);
     panel.update_items();
     egui::Panel::top("editor-bar").show(ui, |ui| bar::show(ui, panel));
     outside::show(ui, panel);
+    open::show(ui, panel);
     egui::Panel::bottom("editor-problems")
         .resizable(true)
         .default_size(96.0)
+        .min_size(48.0)
         .show(ui, |ui| problems::show(ui, panel));
     egui::Panel::right("editor-form")
         .default_size(320.0)

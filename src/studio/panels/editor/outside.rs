@@ -6,7 +6,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key};
 
 use super::EditorPanel;
-use crate::studio::editor::{Change, FileState, Resolution, SaveError};
+use crate::studio::editor::{Change, FileState, Resolution, SaveError, Severity};
 use crate::studio::texts::text;
 
 /// Time between two looks at the file.
@@ -21,6 +21,16 @@ pub(super) struct SaveAs {
     /// The window closes after the copy is saved.
     then_close: bool,
 }
+
+/// A save of a layout with errors, until it is answered.
+#[derive(Default)]
+pub(super) struct SaveQuestion {
+    /// The window closes after the save.
+    then_close: bool,
+}
+
+/// The largest number of errors that the question about a save lists.
+const MAX_LISTED: usize = 4;
 
 /// Draws what needs an answer.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
@@ -37,6 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             }
         });
     }
+    show_save_question(ui, panel);
     if panel.save_as.is_some() {
         ask(ui, "editor-save-as", |ui| show_save_as(ui, panel));
     }
@@ -96,10 +107,14 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         save_as.may_replace = false;
     }
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-    let words = match save_as.may_replace {
-        true => text("editor-replace"),
-        false => text("editor-save"),
+    let words = match (save_as.may_replace, panel.editor.is_valid()) {
+        (true, _) => text("editor-replace"),
+        (false, true) => text("editor-save"),
+        (false, false) => text("editor-save-anyway"),
     };
+    if !panel.editor.is_valid() {
+        ui.colored_label(ui.visuals().warn_fg_color, text("editor-cannot-run"));
+    }
     let is_saved = ui.button(words).clicked() || is_entered;
     if ui.button(text("editor-cancel")).clicked() {
         return;
@@ -111,7 +126,7 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let path = PathBuf::from(save_as.path.trim());
     match panel.editor.save_as(&path, save_as.may_replace) {
         Ok(()) => {
-            panel.message = Some(Ok(text("editor-saved")));
+            panel.message = Some(Ok(panel.saved_message()));
             if save_as.then_close {
                 close(ui);
             }
@@ -122,6 +137,39 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             panel.save_as = Some(save_as);
         }
     }
+}
+
+/// Asks whether a layout is saved that no session can use.
+fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(question) = &panel.save_question else {
+        return;
+    };
+    let then_close = question.then_close;
+    let problems = panel.editor.problems().iter();
+    let errors = problems.filter(|problem| problem.severity == Severity::Error);
+    let errors: Vec<String> = errors.map(|problem| problem.message.clone()).collect();
+    let modal = egui::Modal::new(egui::Id::unique("save-question"));
+    modal.show(ui.ctx(), |ui| {
+        ui.strong(text("editor-cannot-run"));
+        for error in errors.iter().take(MAX_LISTED) {
+            ui.label(error);
+        }
+        if errors.len() > MAX_LISTED {
+            ui.label("…");
+        }
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button(text("editor-save-anyway")).clicked() {
+                panel.save_question = None;
+                if panel.save_as_it_is() && then_close {
+                    close(ui);
+                }
+            }
+            if ui.button(text("editor-close-cancel")).clicked() {
+                panel.save_question = None;
+            }
+        });
+    });
 }
 
 fn close(ui: &egui::Ui) {
@@ -148,6 +196,8 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
                 panel.is_close_asked = false;
                 if panel.save() {
                     close(ui);
+                } else if let Some(question) = &mut panel.save_question {
+                    question.then_close = true;
                 } else if let Some(save_as) = &mut panel.save_as {
                     save_as.then_close = true;
                 }
@@ -166,11 +216,28 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
 }
 
 impl EditorPanel {
-    /// Writes the file, or asks for one. Returns `false` if the text is not saved yet.
+    /// Writes the file, or asks for one, or whether a layout that cannot be used is saved. Returns `false` if the text is not saved
+    /// yet.
     pub(super) fn save(&mut self) -> bool {
+        if !self.editor.is_valid() && self.editor.path().is_some() {
+            self.save_question = Some(SaveQuestion::default());
+            return false;
+        }
+        self.save_as_it_is()
+    }
+
+    /// Returns the message after a save.
+    fn saved_message(&self) -> &'static str {
+        match self.editor.is_valid() {
+            true => text("editor-saved"),
+            false => text("editor-saved-with-errors"),
+        }
+    }
+
+    fn save_as_it_is(&mut self) -> bool {
         match self.editor.save() {
             Ok(()) => {
-                self.message = Some(Ok(text("editor-saved")));
+                self.message = Some(Ok(self.saved_message()));
                 true
             }
             Err(error) => {

@@ -15,13 +15,13 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if let Some(reach) = &panel.reach {
         problems.extend_from_slice(reach.warnings());
     }
-    if problems.is_empty() {
-        ui.weak(text("editor-no-problems"));
-        panel.shown_line = None;
-        return;
-    }
+    // The same area without problems, so that the board does not move when one comes.
     let area = egui::ScrollArea::vertical().auto_shrink(false);
     area.show(ui, |ui| {
+        if problems.is_empty() {
+            ui.weak(text("editor-no-problems"));
+            panel.shown_line = None;
+        }
         for problem in &problems {
             let color = match problem.severity {
                 Severity::Error => ui.visuals().error_fg_color,

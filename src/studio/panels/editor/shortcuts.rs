@@ -1,16 +1,12 @@
 //! The keys of the layout editor.
 
-use eframe::egui::{self, Key, Modifiers};
+use eframe::egui::{self, Event, Key, Modifiers};
 use parry3d::math::Vec2;
 
 use super::EditorPanel;
-use crate::studio::editor::Edit;
 
-/// Distance of an arrow key, in millimetres, and with Shift.
-const STEPS_MM: (f32, f32) = (1.0, 0.1);
-
-/// Offset of copies to the right and away from the wearer, in millimetres.
-const COPY_OFFSET_MM: [f64; 2] = [5.0, -5.0];
+/// Distance of an arrow key with Shift, in millimetres. Without, it is that of the grid.
+const FINE_STEP_MM: f32 = 0.1;
 
 /// Handles the keys pressed since the last picture, unless they are typed into a field.
 pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
@@ -18,24 +14,32 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::COMMAND, Key::S) {
         panel.save();
     }
+    if pressed(Modifiers::COMMAND, Key::O) {
+        panel.ask_for_layout();
+    }
     if ui.ctx().text_edit_focused() {
         return;
     }
     if pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) || pressed(Modifiers::COMMAND, Key::Y)
     {
-        panel.editor.redo();
+        panel.redo();
     }
     if pressed(Modifiers::COMMAND, Key::Z) {
-        panel.editor.undo();
+        panel.undo();
     }
     if pressed(Modifiers::COMMAND, Key::A) {
-        let count = panel.items.items.len();
-        panel.selected.set(0..count);
-        panel.select_items_in_editor();
+        panel.select_all();
     }
     if pressed(Modifiers::COMMAND, Key::D) {
         panel.duplicate();
     }
+    if pressed(Modifiers::COMMAND, Key::K) {
+        panel.palette.toggle();
+    }
+    if pressed(Modifiers::NONE, Key::F) {
+        panel.zoom_to_selection();
+    }
+    handle_clipboard(ui, panel);
     if panel.selected.is_empty() {
         return;
     }
@@ -52,32 +56,33 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         (Key::ArrowUp, Vec2::Y),
         (Key::ArrowDown, Vec2::NEG_Y),
     ];
+    // Several taps may come with one picture.
+    let count = |modifiers, key| {
+        let taps = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+        taps as f32
+    };
+    let mut way = Vec2::ZERO;
     for (key, direction) in arrows {
-        if pressed(Modifiers::SHIFT, key) {
-            panel.move_selected(direction * STEPS_MM.1);
-        } else if pressed(Modifiers::NONE, key) {
-            panel.move_selected(direction * STEPS_MM.0);
-        }
+        way += direction * (count(Modifiers::SHIFT, key) * FINE_STEP_MM);
+        way += direction * (count(Modifiers::NONE, key) * panel.grid_mm);
+    }
+    if way != Vec2::ZERO {
+        panel.move_selected(way);
     }
 }
 
-impl EditorPanel {
-    /// Copies what is selected; the copies are selected then.
-    pub(super) fn duplicate(&mut self) {
-        let parts = self.editor.selection().to_vec();
-        if !parts.is_empty() {
-            self.apply(&Edit::Duplicate {
-                parts,
-                by_mm: COPY_OFFSET_MM,
-            });
-        }
-    }
-
-    /// Deletes what is selected.
-    pub(super) fn delete(&mut self) {
-        let parts = self.editor.selection().to_vec();
-        if !parts.is_empty() {
-            self.apply(&Edit::Delete { parts });
+/// Copies, cuts and pastes controls as text, which another window or an editor of text takes, too.
+fn handle_clipboard(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let events = ui.input(|input| input.events.clone());
+    for event in events {
+        match event {
+            Event::Copy => panel.copy(ui.ctx()),
+            Event::Cut => {
+                panel.copy(ui.ctx());
+                panel.delete();
+            }
+            Event::Paste(text) => panel.paste(text),
+            _ => {}
         }
     }
 }

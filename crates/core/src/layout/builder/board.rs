@@ -12,7 +12,7 @@ use crate::layout::board_shape::BoardShape;
 use crate::layout::fit::PoseFit;
 use crate::layout::gaps::Neighborhood;
 use crate::layout::model::{Board, Face};
-use crate::layout::outline::{Outline, first_overlap};
+use crate::layout::outline::{Outline, overlapping_pairs};
 use crate::layout::placement::KeyPose;
 use crate::layout::quantity::{Offset, PressAt, ReleaseAt, Travel, metres, position};
 use crate::layout::schema::{ContactSchema, Label, OutlineSchema};
@@ -47,14 +47,17 @@ pub(in crate::layout) const SHARE_BESIDE_BOARDS: f32 = 1e-3;
 /// The margin of keys, in metres: a fingertip slides by 1 to 4 mm under pressure, and more at the end of a fast stroke.
 const SLIP_MARGIN: f32 = 0.006;
 
+/// The largest number of overlaps of one board that are reported: each searches the text for its line.
+const MAX_OVERLAPS: usize = 200;
+
 /// The board that is being built.
 pub(super) struct BoardDraft<'a> {
     settings: BoardSettings,
     targets: Vec<Target>,
     /// The fingers that press the targets by bending, in their order.
     bent_by: Vec<Finger>,
-    /// The faces in the plane of the board.
-    outlines: Vec<(Outline, Source<'a>)>,
+    /// The faces in the plane of the board, with the ids of their targets.
+    outlines: Vec<(Outline, TargetId, Source<'a>)>,
     /// The keys in the plane of the board: indices of their targets and outlines.
     keys_in_plane: Vec<(usize, usize)>,
     first_key: usize,
@@ -153,7 +156,8 @@ impl<'a> LayoutBuilder<'a> {
         self.board.settings
     }
 
-    /// Completes the board. Rejects a board without keys and controls, and faces that overlap.
+    /// Completes the board. Rejects a board without keys and controls, and reports faces that overlap. The board is added in any
+    /// case, so that boards have the indices of the file.
     pub fn end_board(
         &mut self,
         side: Option<Side>,
@@ -162,7 +166,7 @@ impl<'a> LayoutBuilder<'a> {
         pitch_mm: f64,
         auto_recenter: Option<AutoRecenter>,
     ) -> Result<(), DocumentError> {
-        self.reject_overlaps()?;
+        self.report_overlaps();
         self.board.share_gaps();
         let draft = std::mem::take(&mut self.board);
         let board = Board {
@@ -172,28 +176,35 @@ impl<'a> LayoutBuilder<'a> {
             shape: draft.settings.shape,
             auto_recenter,
         };
-        if board.keys.is_empty() && board.controls.is_empty() {
-            if self.failed() > draft.failed_before {
-                return Err(self.consequence());
-            }
-            let message = format!("board {} has no keys", self.boards.len() + 1);
-            return Err(self.error(self.name.text, message));
-        }
-        self.check_contact(side, &draft)?;
+        let is_empty = board.keys.is_empty() && board.controls.is_empty();
+        let checked = match is_empty {
+            true => self.empty_board(&draft),
+            false => self.check_contact(side, &draft),
+        };
+        // A board with faults has keys without a finger, which can be drawn all the same.
+        let all_bent = draft.bent_by.len() == draft.targets.len();
         match draft.settings.contact {
-            ContactSchema::Touch => {
-                let targets = draft.targets;
-                self.scene
-                    .add_surface_for(side, anchor, anchor_from_board, targets)
-            }
-            ContactSchema::Bend => {
+            ContactSchema::Bend if all_bent => {
                 let targets = draft.bent_by.into_iter().zip(draft.targets);
                 self.scene
                     .add_bend_surface(side, anchor, anchor_from_board, targets)
             }
+            _ => {
+                let targets = draft.targets;
+                self.scene
+                    .add_surface_for(side, anchor, anchor_from_board, targets)
+            }
         };
         self.boards.push(board);
-        Ok(())
+        checked
+    }
+
+    fn empty_board(&self, draft: &BoardDraft) -> Result<(), DocumentError> {
+        if self.failed() > draft.failed_before {
+            return Err(self.consequence());
+        }
+        let message = format!("board {} has no keys", self.boards.len() + 1);
+        Err(self.error(self.name.text, message))
     }
 
     /// Returns a face with the defaults of the board.
@@ -247,15 +258,24 @@ impl<'a> LayoutBuilder<'a> {
         spec: FaceSpec<'a>,
         pose: KeyPose,
     ) -> Result<Face, DocumentError> {
-        let target = self.register_target(spec.kind, spec.name, spec.source)?;
+        let target = self.add_target(spec.kind, spec.name, spec.source)?;
         let board = self.board();
         let row_position = position(spec.at_mm) + Vec2::X * spec.row_offset;
-        self.check_face(&spec, row_position)?;
+        // A face that does not fit is reported and drawn all the same.
+        if let Err(error) = self.check_face(&spec, row_position) {
+            self.report(error, &[target]);
+        }
         let shape = spec.size.shape(board.scale);
         let row_position = row_position * board.scale + spec.fit_offset;
-        let Some(mut outline) = board.shape.outline(row_position, shape) else {
-            return Err(self.error(spec.source, out_of_shape(&spec, board.shape)));
-        };
+        let mut outline = board.shape.outline(row_position, shape).unwrap_or_else(|| {
+            let error = self.error(spec.source, out_of_shape(&spec, board.shape));
+            self.report(error, &[target]);
+            Outline {
+                center: row_position,
+                rotation: 0.0,
+                shape,
+            }
+        });
         outline.rotation += spec.rotation + pose.rotation.z;
         let target_pose = board.shape.surface_from_tangent(&outline) * pose.tangent_from_target();
         if pose.is_in_plane() {
@@ -264,7 +284,7 @@ impl<'a> LayoutBuilder<'a> {
                 name: spec.name,
                 slice: spec.source,
             };
-            self.board.outlines.push((outline, source));
+            self.board.outlines.push((outline, target, source));
             if spec.is_key {
                 let target = self.board.targets.len();
                 let outline = self.board.outlines.len() - 1;
@@ -287,7 +307,7 @@ impl<'a> LayoutBuilder<'a> {
         Ok(Face {
             name: spec.name.to_owned(),
             label: spec.label,
-            target: TargetId(target as u32),
+            target,
             row_position,
             outline,
         })
@@ -347,20 +367,22 @@ impl<'a> LayoutBuilder<'a> {
         Ok(())
     }
 
-    fn reject_overlaps(&self) -> Result<(), DocumentError> {
-        let outlines: Vec<Outline> = self.board.outlines.iter().map(|(it, _)| *it).collect();
-        let Some((first, second)) = first_overlap(&outlines) else {
-            return Ok(());
-        };
-        let [(outline, first), (other, second)] =
-            [first, second].map(|index| self.board.outlines[index]);
-        let line = line_number(self.text(), first.slice);
-        let depth_mm = (f64::from(outline.overlap_depth(&other)) * 1e5).round() / 1e2;
-        let message = format!(
-            "the {} `{}` overlaps the {} `{}` of line {line} by {depth_mm} mm",
-            second.kind, second.name, first.kind, first.name
-        );
-        Err(self.error(second.slice, message))
+    fn report_overlaps(&mut self) {
+        let faces = std::mem::take(&mut self.board.outlines);
+        let outlines: Vec<Outline> = faces.iter().map(|(it, _, _)| *it).collect();
+        for (first, second) in overlapping_pairs(&outlines, MAX_OVERLAPS) {
+            let (outline, target, first) = faces[first];
+            let (other, other_target, second) = faces[second];
+            let line = line_number(self.text(), first.slice);
+            let depth_mm = (f64::from(outline.overlap_depth(&other)) * 1e5).round() / 1e2;
+            let message = format!(
+                "the {} `{}` overlaps the {} `{}` of line {line} by {depth_mm} mm",
+                second.kind, second.name, first.kind, first.name
+            );
+            let error = self.error(second.slice, message);
+            self.report(error, &[other_target, target]);
+        }
+        self.board.outlines = faces;
     }
 }
 
@@ -371,7 +393,7 @@ impl BoardDraft<'_> {
         if max <= 0.0 {
             return;
         }
-        let outlines: Vec<Outline> = self.outlines.iter().map(|(it, _)| *it).collect();
+        let outlines: Vec<Outline> = self.outlines.iter().map(|(it, _, _)| *it).collect();
         let neighbors = Neighborhood::new(&outlines);
         for &(target, outline) in &self.keys_in_plane {
             self.targets[target].share = neighbors.share(outline, max);

@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use self::board::BoardDraft;
+use super::draft::LayoutDraft;
 use super::fit::{Fit, PoseFit};
 use super::model::{
     BASE_LAYER, Board, Control, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
@@ -24,7 +25,7 @@ use crate::device::pointer::PointerSettings;
 use crate::device::signals::{MidiKind, Signal, Signals};
 use crate::device::trigger::Trigger;
 use crate::device::{Axis, KeyCode};
-use crate::document::{Document, DocumentError, Spanned, line_number};
+use crate::document::{Document, DocumentError, DocumentFault, Spanned, byte_offset, line_number};
 use crate::hand::{Finger, Side};
 use crate::names::UnknownName;
 
@@ -53,6 +54,10 @@ pub(super) struct LayoutBuilder<'a> {
     axes: Vec<(Axis, Spanned<'a>)>,
     /// Kind of the target with a name, and its position in the file.
     targets: BTreeMap<&'a str, NamedTarget<'a>>,
+    /// The positions of all targets in the file, by id: slices of the document.
+    sources: Vec<&'a str>,
+    /// The targets with errors that are reported, by the position of the error.
+    faulty: Vec<(DocumentFault, Vec<TargetId>)>,
     /// The errors so far.
     errors: DocumentError,
     /// Number of parts with an error.
@@ -96,6 +101,8 @@ impl<'a> LayoutBuilder<'a> {
             key_indices: BTreeMap::new(),
             axes: Vec::new(),
             targets: BTreeMap::new(),
+            sources: Vec::new(),
+            faulty: Vec::new(),
             errors: DocumentError::none(&document.file),
             failed: 0,
             failed_keys: BTreeSet::new(),
@@ -113,6 +120,25 @@ impl<'a> LayoutBuilder<'a> {
             true => Ok(()),
             false => Err(self.consequence()),
         }
+    }
+
+    /// Keeps the error of a value of a part that is built without it. Fails as [`collect`](Self::collect).
+    pub fn keep_error<T>(
+        &mut self,
+        value: Result<T, DocumentError>,
+    ) -> Result<Option<T>, DocumentError> {
+        match value {
+            Ok(value) => Ok(Some(value)),
+            Err(error) => self.collect(Err(error)).map(|()| None),
+        }
+    }
+
+    /// Adds an error of targets that are built all the same, so that they can be drawn and edited.
+    pub fn report(&mut self, error: DocumentError, targets: &[TargetId]) {
+        let faults = error.errors().iter().cloned();
+        self.faulty
+            .extend(faults.map(|fault| (fault, targets.to_vec())));
+        self.errors.add(error);
     }
 
     /// As [`collect`](Self::collect), for the key with this name, which layers and chords may name.
@@ -137,21 +163,22 @@ impl<'a> LayoutBuilder<'a> {
         DocumentError::none(&self.document.file)
     }
 
-    /// Completes the layout. `built` is the outcome of its last part.
+    /// Completes the layout with its errors. `built` is the outcome of its last part.
     pub fn finish(
         mut self,
         built: Result<(), DocumentError>,
         description: Option<Spanned>,
         chord_timeout: Duration,
-    ) -> Result<Layout, DocumentError> {
+    ) -> LayoutDraft {
         if let Err(error) = built {
             self.errors.add(error);
         }
-        if !self.errors.is_none() {
-            return Err(self.errors.in_order());
-        }
+        let offset = |source: &&str| byte_offset(&self.document.text, source).unwrap_or(0);
+        let range = |source: &&str| offset(source)..offset(source) + source.len();
+        let sources = self.sources.iter().map(range).collect();
+        let (errors, faulty) = (self.errors.in_order(), self.faulty);
         let one_line = |text: Spanned| text.text.split_whitespace().collect::<Vec<_>>().join(" ");
-        Ok(Layout {
+        let layout = Layout {
             name: one_line(self.name),
             description: description.map_or(String::new(), one_line),
             file: self.document.file.clone(),
@@ -170,7 +197,8 @@ impl<'a> LayoutBuilder<'a> {
             pointer: self.pointer,
             spaces: self.spaces,
             signals: Signals::new(self.signals),
-        })
+        };
+        LayoutDraft::new(layout, errors, faulty, sources)
     }
 
     /// Returns an error at `source`, a slice of the document.
@@ -213,16 +241,17 @@ impl<'a> LayoutBuilder<'a> {
         self.triggers.len()
     }
 
-    /// Records that a control sets an axis. Two controls would overwrite each other's position.
-    pub fn claim_axis(&mut self, axis: Axis, name: Spanned<'a>) -> Result<(), DocumentError> {
+    /// Records that a control sets an axis, and reports a second one. Two controls would overwrite each other's position.
+    pub fn claim_axis(&mut self, axis: Axis, name: Spanned<'a>) {
         if let Some((_, first)) = self.axes.iter().find(|(other, _)| *other == axis) {
             let line = line_number(self.text(), first.text);
             let message =
                 format!("the control in line {line} sets the axis `{axis}` too, name another axis");
-            return Err(self.error(name.text, message));
+            let error = self.error(name.text, message);
+            self.report(error, &[]);
+            return;
         }
         self.axes.push((axis, name));
-        Ok(())
     }
 
     /// Adds a layer, so that actions can name it.
@@ -245,7 +274,8 @@ impl<'a> LayoutBuilder<'a> {
 
     /// Adds a key to the current board. Its face was added under `name`.
     pub fn add_key(&mut self, name: &'a str, key: Key) {
-        self.key_indices.insert(name, self.keys.len());
+        // The first of several keys with this name, of which the others are reported.
+        self.key_indices.entry(name).or_insert(self.keys.len());
         self.keys.push(key);
     }
 
@@ -324,8 +354,8 @@ impl<'a> LayoutBuilder<'a> {
 
     /// Returns the position of a key in the file.
     pub fn key_source(&self, key: &Key) -> &'a str {
-        let target = self.targets.get(key.face.name.as_str());
-        target.map_or(self.name.text, |target| target.source)
+        let source = self.sources.get(key.face.target.0 as usize);
+        source.copied().unwrap_or(self.name.text)
     }
 
     /// Makes a target for a finger.
@@ -363,46 +393,38 @@ impl<'a> LayoutBuilder<'a> {
         self.spaces.push(space);
     }
 
-    /// Registers a target that is on no board, and returns its id. Rejects a name that is taken.
+    /// Registers a target, and returns its id. Reports a name that is taken.
     pub fn add_target(
         &mut self,
         kind: &'static str,
         name: &'a str,
         source: &'a str,
     ) -> Result<TargetId, DocumentError> {
-        let id = self.register_target(kind, name, source)?;
-        Ok(TargetId(id as u32))
-    }
-
-    /// Returns the index of a new target.
-    fn register_target(
-        &mut self,
-        kind: &'static str,
-        name: &'a str,
-        source: &'a str,
-    ) -> Result<usize, DocumentError> {
-        let index = self.targets.len();
+        let index = self.sources.len();
         if index == MAX_TARGETS {
             let message = format!("a layout has at most {MAX_TARGETS} keys and other controls");
             return Err(self.error(source, message));
         }
+        let id = TargetId(index as u32);
+        self.sources.push(source);
         if let Some(other) = self.targets.get(name) {
             let line = line_number(self.text(), other.source);
             let message = format!(
                 "duplicate name `{name}`: there is a {} with this name in line {line}, set another `name`",
                 other.kind
             );
-            return Err(self.error(source, message));
+            let error = self.error(source, message);
+            self.report(error, &[id]);
+            return Ok(id);
         }
-        let target = TargetId(index as u32);
         self.targets.insert(
             name,
             NamedTarget {
                 kind,
                 source,
-                target,
+                target: id,
             },
         );
-        Ok(index)
+        Ok(id)
     }
 }

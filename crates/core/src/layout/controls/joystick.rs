@@ -164,7 +164,7 @@ impl<'a> JoystickSchema<'a> {
             );
         }
         for (source, axis) in [x, y].into_iter().zip(axes) {
-            builder.claim_axis(axis, source)?;
+            builder.claim_axis(axis, source);
         }
         Ok(Some(axes))
     }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::value_output::{ValueOutputSchema, value_output};
+use super::value_output::{ValueOutputSchema, kept_output};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::knob::{self, Knob};
@@ -59,7 +59,7 @@ pub(super) struct DialSpec<'s, 'a> {
 impl<'a> KnobSchema<'a> {
     /// Adds the knob to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
-        let output = value_output(builder, self.output)?;
+        let output = kept_output(builder, self.output)?;
         let range = match self.endless {
             true => {
                 self.reject_range(builder, output)?;

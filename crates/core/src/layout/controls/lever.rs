@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::slider::{TrackSpec, add_track};
-use super::value_output::{ValueOutputSchema, value_output};
+use super::value_output::{ValueOutputSchema, kept_output};
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
@@ -53,7 +53,7 @@ schema! {
 impl<'a> LeverSchema<'a> {
     /// Adds the lever to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
-        let output = value_output(builder, self.output)?;
+        let output = kept_output(builder, self.output)?;
         let detents = self.detents.map(|detents| detents.get() as u16);
         let rest = self.rest.map_or(0.5, |rest| rest.get() as f32);
         if self.springs_back

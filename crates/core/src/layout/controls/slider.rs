@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::value_output::{ValueOutputSchema, value_output};
+use super::value_output::{ValueOutputSchema, kept_output};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{GrabMode, Slider, Track};
@@ -76,7 +76,7 @@ pub(super) struct TrackSpec<'s, 'a> {
 impl<'a> SliderSchema<'a> {
     /// Adds the slider to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
-        let output = value_output(builder, self.output)?;
+        let output = kept_output(builder, self.output)?;
         let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
         let track = TrackSpec {
             kind: "slider",

@@ -54,7 +54,7 @@ impl<'a> ToggleSchema<'a> {
     }
 }
 
-/// Returns the output of a control that is on or off. `kind` names it in messages.
+/// Returns the output of a control that is on or off, which is built without one if it is wrong. `kind` names it in messages.
 pub(super) fn toggle_output<'a>(
     builder: &mut LayoutBuilder<'a>,
     kind: &str,
@@ -62,16 +62,18 @@ pub(super) fn toggle_output<'a>(
     hold: Option<Action<'a>>,
     tap: Option<Action<'a>>,
 ) -> Result<ToggleOutput, DocumentError> {
-    Ok(match (hold, tap) {
-        (None, None) => ToggleOutput::ValueOnly,
-        (Some(action), None) => ToggleOutput::Hold(builder.action(action, None)?),
-        (None, Some(action)) => ToggleOutput::Tap(builder.action(action, None)?),
+    let output = match (hold, tap) {
+        (None, None) => Ok(ToggleOutput::ValueOnly),
+        (Some(action), None) => builder.action(action, None).map(ToggleOutput::Hold),
+        (None, Some(action)) => builder.action(action, None).map(ToggleOutput::Tap),
         (Some(_), Some(_)) => {
             let message = format!(
                 "the {kind} `{}` has both `hold` and `tap`, remove one of them",
                 name.text
             );
-            return Err(builder.error(name.text, message));
+            Err(builder.error(name.text, message))
         }
-    })
+    };
+    let output = builder.keep_error(output)?;
+    Ok(output.unwrap_or(ToggleOutput::ValueOnly))
 }

@@ -40,6 +40,16 @@ schema! {
     }
 }
 
+/// As [`value_output`], but a control with a wrong output is built without one, and its error is kept.
+pub(super) fn kept_output<'a>(
+    builder: &mut LayoutBuilder<'a>,
+    output: Option<ValueOutputSchema<'a>>,
+) -> Result<ValueOutput, DocumentError> {
+    let output = value_output(builder, output);
+    let output = builder.keep_error(output)?;
+    Ok(output.unwrap_or(ValueOutput::ValueOnly))
+}
+
 /// Returns the checked output.
 pub(in crate::layout) fn value_output<'a>(
     builder: &mut LayoutBuilder<'a>,
@@ -51,7 +61,7 @@ pub(in crate::layout) fn value_output<'a>(
     Ok(match output {
         ValueOutputSchema::Axis(name) => {
             let axis = axis(builder, name)?;
-            builder.claim_axis(axis, name)?;
+            builder.claim_axis(axis, name);
             ValueOutput::Axis(axis)
         }
         ValueOutputSchema::ScrollX(detents) => ValueOutput::ScrollX(detents.get() as f32),

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::Deserialize;
 
 use super::knob::{DialSpec, add_dial};
-use super::value_output::{ValueOutputSchema, value_output};
+use super::value_output::{ValueOutputSchema, kept_output};
 use crate::device::knob::{Knob, KnobRange};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
@@ -45,7 +45,7 @@ schema! {
 impl<'a> ValveSchema<'a> {
     /// Adds the valve to the current board.
     pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
-        let output = value_output(builder, self.output)?;
+        let output = kept_output(builder, self.output)?;
         let dial = DialSpec {
             kind: "valve",
             name: self.name,

@@ -12,8 +12,12 @@ use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;
+use crate::layout::model::Key;
 use crate::layout::quantity::HoldAfter;
 use crate::layout::schema::{Action, LatchSchema};
+
+/// The largest number of keys without an action that are reported: each searches the text for its line.
+const MAX_IDLE: usize = 200;
 
 /// The maximum number of chords of a layout. Each press compares all of them.
 const MAX_CHORDS: usize = 512;
@@ -177,24 +181,28 @@ fn chord_keys(builder: &LayoutBuilder) -> usize {
     keys.len()
 }
 
-/// Rejects keys that have no action in any layer and take part in no chord.
-pub(in crate::layout) fn reject_idle_keys(builder: &LayoutBuilder) -> Result<(), DocumentError> {
-    for key in builder.keys() {
-        let target = key.face.target;
-        let is_idle = key.actions.iter().all(Option::is_none)
+/// Reports keys that have no action in any layer and take part in no chord.
+pub(in crate::layout) fn report_idle_keys(builder: &mut LayoutBuilder) {
+    let is_idle = |key: &&Key| {
+        let mut chords = builder.chords().iter();
+        key.actions.iter().all(Option::is_none)
             && key.output == ValueOutput::ValueOnly
-            && builder.signals().all(|(other, _)| *other != target)
-            && !builder
-                .chords()
-                .iter()
-                .any(|chord| chord.keys.contains(&target));
-        if is_idle {
-            let message = format!(
-                "the key `{}` has no action and takes part in no chord, remove it",
-                key.face.name
-            );
-            return Err(builder.error(builder.key_source(key), message));
-        }
+            && builder
+                .signals()
+                .all(|(other, _)| *other != key.face.target)
+            && !chords.any(|chord| chord.keys.contains(&key.face.target))
+    };
+    let idle = builder.keys().iter().filter(is_idle);
+    let error = |key: &Key| {
+        let message = format!(
+            "the key `{}` has no action and takes part in no chord, remove it",
+            key.face.name
+        );
+        let error = builder.error(builder.key_source(key), message);
+        (error, key.face.target)
+    };
+    let errors: Vec<_> = idle.take(MAX_IDLE).map(error).collect();
+    for (error, target) in errors {
+        builder.report(error, &[target]);
     }
-    Ok(())
 }

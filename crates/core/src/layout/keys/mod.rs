@@ -4,7 +4,7 @@ mod activation;
 mod chords;
 mod layers;
 
-pub(super) use chords::{ChordSchema, reject_idle_keys};
+pub(super) use chords::{ChordSchema, report_idle_keys};
 pub(super) use layers::LayerSchema;
 
 use parry3d::math::Vec3;
@@ -194,8 +194,10 @@ impl<'a> RowSchema<'a> {
         code: &'a str,
     ) -> Result<(), DocumentError> {
         let code = Spanned { text: code };
-        let name = builder.key_code(code)?.name();
-        let action = Some(builder.key_action(code, None)?);
+        let known = builder.key_code(code).map(|key| key.name());
+        let name = known.as_ref().map_or(code.text, |name| *name);
+        let action = known.and_then(|_| builder.key_action(code, None));
+        let action = builder.keep_error(action)?;
         let pitch = metres(self.pitch_mm.unwrap_or(defaults.pitch).get());
         let face = FaceSpec {
             name,
@@ -241,10 +243,17 @@ impl<'a> KeySchema<'a> {
         let name = self.name();
         let action = match (self.action, fields.latch) {
             (Action::NoOp, None) => None,
-            (action, latch) => Some(builder.action(action, latch)?),
+            (action, latch) => {
+                let action = builder.action(action, latch);
+                builder.keep_error(action)?
+            }
         };
-        let activation = self.activation(builder, action)?;
-        let fit_offset = self.fit_offset(builder)?;
+        let activation = self.activation(builder, action);
+        let activation = builder
+            .keep_error(activation)?
+            .unwrap_or(Activation::OnPress);
+        let fit_offset = self.fit_offset(builder);
+        let fit_offset = builder.keep_error(fit_offset)?.unwrap_or_default();
         let face = FaceSpec {
             fit_offset: fit_offset.truncate(),
             ..self.face_spec(builder, name, action)
@@ -254,7 +263,10 @@ impl<'a> KeySchema<'a> {
         let face = builder.add_posed_face(face, pose)?;
         if let Some(finger) = fields.finger {
             match builder.board().contact {
-                ContactSchema::Bend => builder.add_bent_finger(self.name.text, finger)?,
+                ContactSchema::Bend => {
+                    let added = builder.add_bent_finger(self.name.text, finger);
+                    builder.keep_error(added)?;
+                }
                 _ => builder.set_finger(face.target, finger),
             }
         }

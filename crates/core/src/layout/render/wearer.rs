@@ -2,9 +2,11 @@
 
 use parry3d::math::{Pose, Vec2, Vec3};
 
+use crate::contact::TargetId;
 use crate::contact::surface::{Anchor, Surface};
 use crate::device::pointer::AnchoredFrame;
 use crate::kinematics::HandPose;
+use crate::layout::draft::LayoutFault;
 
 /// The hands that use a layout, at rest, and what they reach.
 ///
@@ -17,6 +19,8 @@ pub struct Wearer {
     pub areas: Vec<ReachArea>,
     /// The names of the targets out of reach, with the distance in metres; infinity without a position.
     pub out_of_reach: Vec<(String, f64)>,
+    /// The faults of the layout, whose controls are outlined.
+    pub faults: Vec<LayoutFault>,
 }
 
 /// The part of a board that a hand reaches.
@@ -52,6 +56,12 @@ impl Wearer {
     /// Returns `true` if a target is out of reach.
     pub(super) fn is_out_of_reach(&self, name: &str) -> bool {
         self.out_of_reach.iter().any(|(other, _)| other == name)
+    }
+
+    /// Returns `true` if a target has a fault.
+    pub(super) fn is_faulty(&self, target: TargetId) -> bool {
+        let mut faults = self.faults.iter();
+        faults.any(|fault| fault.targets.contains(&target))
     }
 
     /// Returns `true` if the position of an anchor is drawn.

@@ -57,7 +57,7 @@ pub(super) fn arm_axes<'a>(
     for schema in axes {
         let name = schema.axis;
         let axis = axis(builder, name)?;
-        builder.claim_axis(axis, name)?;
+        builder.claim_axis(axis, name);
         let (direction, full) = schema.motion.check();
         let full = full.map_err(|message| builder.error(name.text, message))?;
         checked.push(ArmAxis {

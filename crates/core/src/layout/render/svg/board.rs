@@ -6,6 +6,7 @@ use super::canvas::{Align, Canvas, Placement};
 use super::controls::{self, draw_cap, on_page, placement};
 use super::page::{CAPTION_SIZE, draw_paragraph};
 use super::scale_bar;
+use crate::contact::surface::Shape;
 use crate::layout::model::{Board, Face, Key, Layout};
 use crate::layout::render::wearer::{ReachArea, Wearer};
 use crate::layout::render::words;
@@ -40,7 +41,10 @@ pub fn draw(layout: &Layout, index: usize, wearer: &Wearer) -> Canvas {
     }
     for face in layout.faces(board) {
         if wearer.is_out_of_reach(&face.name) {
-            draw_out_of_reach(face, &mut view);
+            draw_frame("out", face, &mut view);
+        }
+        if wearer.is_faulty(face.target) {
+            draw_frame("fault", face, &mut view);
         }
     }
     draw_caption(layout, index, wearer, &mut view);
@@ -93,10 +97,13 @@ fn draw_reach(class: &str, area: &ReachArea, view: &mut Canvas) {
     view.outlines(class, outlines.iter().map(Vec::as_slice));
 }
 
-fn draw_out_of_reach(face: &Face, view: &mut Canvas) {
+fn draw_frame(class: &str, face: &Face, view: &mut Canvas) {
     let half = face.outline.half_extents() * 1e3;
     let mut frame = Canvas::default();
-    frame.rect("out", Vec2::ZERO, half, 1.8);
+    match face.outline.shape {
+        Shape::Disc(_) => frame.circle(class, Vec2::ZERO, half.x),
+        Shape::Box(_) => frame.rect(class, Vec2::ZERO, half, 1.8),
+    }
     view.group(placement(&face.outline), None, &frame);
 }
 

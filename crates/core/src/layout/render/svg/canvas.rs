@@ -5,6 +5,7 @@ use std::fmt::{self, Write};
 use parry3d::math::Vec2;
 
 use super::text::{HALF_CAPITAL_HEIGHT, escape, width_em};
+use crate::layout::render::front::{FrontMark, MarkRole, MarkShape};
 
 /// The distance of a stroke beyond the outline that it is drawn along, in millimetres.
 const STROKE_PADDING: f32 = 0.4;
@@ -17,6 +18,8 @@ pub struct Canvas {
     elements: String,
     bounds: Option<(Vec2, Vec2)>,
     shapes: usize,
+    /// What is drawn on a front, y down.
+    marks: Vec<FrontMark>,
 }
 
 /// A position in millimetres, a clockwise rotation in degrees, and a scale.
@@ -56,6 +59,43 @@ impl Canvas {
         &self.elements
     }
 
+    /// Returns what was drawn as marks, y up.
+    pub fn into_marks(mut self) -> Vec<FrontMark> {
+        let up = |point: Vec2| Vec2::new(point.x, -point.y);
+        self.map_marks(&up, -1.0, 0.0);
+        self.marks
+    }
+
+    /// Maps the points of all marks, mirrors their rotations if `sign` is −1, and turns them.
+    fn map_marks(&mut self, map: &dyn Fn(Vec2) -> Vec2, sign: f32, turn: f32) {
+        for mark in &mut self.marks {
+            match &mut mark.shape {
+                MarkShape::Disc { center, .. } => *center = map(*center),
+                MarkShape::Box {
+                    center, rotation, ..
+                }
+                | MarkShape::Text {
+                    center, rotation, ..
+                } => {
+                    *center = map(*center);
+                    *rotation = sign * *rotation + turn;
+                }
+                MarkShape::Polygon(points) | MarkShape::Line(points, _) => {
+                    for point in points {
+                        *point = map(*point);
+                    }
+                }
+            }
+        }
+    }
+
+    fn mark(&mut self, class: &str, shape: MarkShape) {
+        // Everything else is not on a front.
+        if let Some(role) = role(class) {
+            self.marks.push(FrontMark { role, shape });
+        }
+    }
+
     /// Returns the number of shapes and texts.
     pub fn shapes(&self) -> usize {
         self.shapes
@@ -87,6 +127,13 @@ impl Canvas {
     /// Draws a rectangle with rounded corners.
     pub fn rect(&mut self, class: &str, center: Vec2, half: Vec2, radius: f32) {
         self.cover(center, half + STROKE_PADDING);
+        let shape = MarkShape::Box {
+            center,
+            half,
+            radius: radius.min(half.min_element()),
+            rotation: 0.0,
+        };
+        self.mark(class, shape);
         let corner = center - half;
         self.shape(format_args!(
             r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}" rx="{}"/>"#,
@@ -101,6 +148,12 @@ impl Canvas {
     /// Draws a circle.
     pub fn circle(&mut self, class: &str, center: Vec2, radius: f32) {
         self.cover(center, Vec2::splat(radius + STROKE_PADDING));
+        let shape = MarkShape::Disc {
+            center,
+            radius,
+            is_hollow: stroke_width(class).is_some(),
+        };
+        self.mark(class, shape);
         self.shape(format_args!(
             r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
             Number(center.x),
@@ -114,6 +167,8 @@ impl Canvas {
         for end in [from, to] {
             self.cover(end, Vec2::splat(STROKE_PADDING));
         }
+        let width = stroke_width(class).unwrap_or(STROKE_PADDING);
+        self.mark(class, MarkShape::Line(vec![from, to], width));
         self.shape(format_args!(
             r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
             Number(from.x),
@@ -137,6 +192,11 @@ impl Canvas {
         for point in points {
             self.cover(*point, Vec2::splat(STROKE_PADDING));
         }
+        let shape = match stroke_width(class) {
+            Some(width) => MarkShape::Line(points.to_vec(), width),
+            None => MarkShape::Polygon(points.to_vec()),
+        };
+        self.mark(class, shape);
         let points: Vec<String> = points.iter().map(point).collect();
         self.shape(format_args!(
             r#"<{element} class="{class}" points="{}"/>"#,
@@ -180,6 +240,13 @@ impl Canvas {
             Align::End => (r#" text-anchor="end""#, at.x - width / 2.0),
         };
         self.cover(Vec2::new(center, at.y), Vec2::new(width, size * 1.2) / 2.0);
+        let shape = MarkShape::Text {
+            center: Vec2::new(center, at.y),
+            size,
+            rotation: 0.0,
+            text: text.to_owned(),
+        };
+        self.mark(class, shape);
         self.shape(format_args!(
             r#"<text class="{class}" x="{}" y="{}" font-size="{}"{anchor}>{}</text>"#,
             Number(at.x),
@@ -209,6 +276,16 @@ impl Canvas {
         if let Some(name) = name {
             self.push(format_args!("<title>{}</title>", escape(name)));
         }
+        let mut inner = Self {
+            marks: drawing.marks.clone(),
+            ..Self::default()
+        };
+        inner.map_marks(
+            &|point| placement.apply(point),
+            1.0,
+            placement.degrees.to_radians(),
+        );
+        self.marks.append(&mut inner.marks);
         self.elements += &drawing.elements;
         self.elements += "</g>\n";
         self.shapes += drawing.shapes;
@@ -225,6 +302,33 @@ impl Canvas {
             .write_fmt(element)
             .expect("writing to a string does not fail");
     }
+}
+
+/// Returns the role of a class of the style sheet on a front; `None` for what is not on one.
+fn role(class: &str) -> Option<MarkRole> {
+    Some(match class {
+        "well" | "skirt" => MarkRole::Well,
+        "groove" | "slot" => MarkRole::Groove,
+        "metal" | "spoke" => MarkRole::Handle,
+        "cap" => MarkRole::Cap,
+        "on-metal" => MarkRole::OnHandle,
+        "mark" | "lit" => MarkRole::Value,
+        "tick" | "range" | "icon" => MarkRole::Scale,
+        "label" | "muted" => MarkRole::Label,
+        _ => return None,
+    })
+}
+
+/// Returns the width of the strokes of a class that is not filled, in millimetres, as in the style sheet.
+fn stroke_width(class: &str) -> Option<f32> {
+    Some(match class {
+        "spoke" => 1.6,
+        "mark" => 1.2,
+        "on-metal" => 0.7,
+        "range" | "icon" => 0.5,
+        "tick" => 0.3,
+        _ => return None,
+    })
 }
 
 fn point(point: &Vec2) -> String {

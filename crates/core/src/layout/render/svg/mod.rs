@@ -22,7 +22,9 @@ use self::canvas::{Canvas, Number, Placement};
 use self::page::Section;
 use super::wearer::Wearer;
 use super::words::{self, List};
-use crate::layout::model::Layout;
+use crate::layout::draft::LayoutFault;
+use crate::layout::model::{ControlKind, Face, Layout};
+use crate::layout::render::front::FrontMark;
 
 pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
@@ -84,6 +86,19 @@ impl Layout {
     }
 }
 
+/// Returns the marks on a front of a control; `index` is that of the front.
+pub(super) fn front_marks(
+    layout: &Layout,
+    kind: &ControlKind,
+    index: usize,
+    is_on: bool,
+    face: &Face,
+) -> Vec<FrontMark> {
+    let mut front = Canvas::default();
+    controls::draw_front(layout, kind, index, is_on, face, &mut front);
+    front.into_marks()
+}
+
 /// Returns the width of texts on a page: that of the widest board.
 fn text_width(layout: &Layout) -> f32 {
     let boards = layout.boards.iter().map(|board| {
@@ -134,6 +149,7 @@ pub(super) fn parts(layout: &Layout, wearer: &Wearer) -> Result<Vec<Part>, TooMa
         });
     }
     let lists = listed.into_iter().chain(words::lists(layout));
+    let lists = faults(wearer).into_iter().chain(lists);
     parts.extend(lists.map(|list| Part::List {
         heading: list.heading,
         rows: list.rows,
@@ -159,13 +175,28 @@ fn sections(layout: &Layout, wearer: &Wearer) -> Vec<Section> {
     for (layer, chords) in chords {
         add((layer == 0).then_some("Chords"), chords);
     }
-    for list in listed.into_iter().chain(words::lists(layout)) {
+    let lists = listed.into_iter().chain(words::lists(layout));
+    for list in faults(wearer).into_iter().chain(lists) {
         add(Some(list.heading), page::draw_list(&list.rows, width));
     }
     if let Some(space) = space::draw(layout, wearer, width) {
         add(Some("In space"), space);
     }
     sections
+}
+
+/// Returns the faults of a layout that cannot be used, by line.
+fn faults(wearer: &Wearer) -> Option<List> {
+    let row = |fault: &LayoutFault| {
+        let line = fault.fault.line();
+        let line = line.map_or(String::new(), |line| format!("line {line}"));
+        (line, fault.fault.message().to_owned())
+    };
+    let rows: Vec<_> = wearer.faults.iter().map(row).collect();
+    (!rows.is_empty()).then_some(List {
+        heading: "Problems: the layout cannot be used",
+        rows,
+    })
 }
 
 /// Returns the chords of each layer that has some on small boards, or as a list if they have too many keys to tell apart.

@@ -51,6 +51,7 @@ const RULES: &str = "\
 .icon{fill:none;stroke:$muted;stroke-width:.5;stroke-linecap:round;stroke-linejoin:round}
 .dashed{fill:none;stroke:$muted;stroke-width:.3;stroke-dasharray:1.2 1}
 .out{fill:none;stroke:$warn;stroke-width:.7;stroke-dasharray:1.6 1}
+.fault{fill:none;stroke:$warn;stroke-width:1.1}
 .reach{fill:$reach;fill-opacity:.16}
 .reach-edge{fill:none;stroke:$reach;stroke-width:.4;stroke-dasharray:2 1}
 .volume{fill:$accent;fill-opacity:.14;stroke:$accent;stroke-width:.35}

@@ -50,7 +50,8 @@ fn draw_endless(knob: &Knob, radius: f32, canvas: &mut Canvas) {
     canvas.arc("range", Vec2::ZERO, radius * SCALE, ends);
     draw_ticks(knob.steps.unwrap_or(GRIP_TICKS), ends, radius, canvas);
     draw_body(radius, canvas);
-    draw_mark(-FRAC_PI_2, radius, canvas);
+    // Its value is a number of turns.
+    draw_mark(knob.initial * TAU - FRAC_PI_2, radius, canvas);
 }
 
 /// Draws a hand wheel with spokes, and its number of turns.

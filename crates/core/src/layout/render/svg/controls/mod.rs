@@ -27,31 +27,32 @@ const LABEL_FILL: f32 = 0.94;
 
 /// Draws a control other than a key on its board.
 pub fn draw(layout: &Layout, control: &Control, canvas: &mut Canvas) {
-    let mut each = |draw: &dyn Fn(&Face, &mut Canvas)| {
-        for face in &control.faces {
-            let mut front = Canvas::default();
-            draw(face, &mut front);
-            canvas.group(placement(&face.outline), Some(&face.name), &front);
-        }
-    };
-    match &control.kind {
-        ControlKind::Toggle(_) => each(&toggle::draw),
-        ControlKind::TouchSurface(surface) => {
-            each(&|face, front| touch_surface::draw(surface, face, front));
-        }
-        ControlKind::Slider(slider) => each(&|face, front| slider::draw(slider, face, front)),
-        ControlKind::Knob(knob) => each(&|face, front| knob::draw(knob, face, front)),
-        ControlKind::Joystick(joystick) => {
-            each(&|face, front| joystick::draw(layout, joystick, face, front));
-        }
-        ControlKind::Radio(radio) => {
-            radio::draw_link(&control.faces, canvas);
-            for (index, face) in control.faces.iter().enumerate() {
-                let mut front = Canvas::default();
-                radio::draw(face, radio.initial == Some(index), &mut front);
-                canvas.group(placement(&face.outline), Some(&face.name), &front);
-            }
-        }
+    if let ControlKind::Radio(_) = control.kind {
+        radio::draw_link(&control.faces, canvas);
+    }
+    for (index, face) in control.faces.iter().enumerate() {
+        let mut front = Canvas::default();
+        draw_front(layout, &control.kind, index, false, face, &mut front);
+        canvas.group(placement(&face.outline), Some(&face.name), &front);
+    }
+}
+
+/// Draws one front of a control, in its own axes. `index` is that of the front, and `is_on` that of a toggle switch.
+pub fn draw_front(
+    layout: &Layout,
+    kind: &ControlKind,
+    index: usize,
+    is_on: bool,
+    face: &Face,
+    front: &mut Canvas,
+) {
+    match kind {
+        ControlKind::Toggle(_) => toggle::draw(face, is_on, front),
+        ControlKind::TouchSurface(surface) => touch_surface::draw(surface, face, front),
+        ControlKind::Slider(slider) => slider::draw(slider, face, front),
+        ControlKind::Knob(knob) => knob::draw(knob, face, front),
+        ControlKind::Joystick(joystick) => joystick::draw(layout, joystick, face, front),
+        ControlKind::Radio(radio) => radio::draw(face, radio.initial == Some(index), front),
     }
 }
 

@@ -1,0 +1,172 @@
+//! The marks on the front of a control, for pictures that are not SVG: the same drawing as in SVG, as shapes.
+
+use parry3d::math::Vec2;
+
+use super::svg;
+use crate::contact::TargetId;
+use crate::layout::model::{ControlKind, Layout};
+
+/// A mark on a front, in millimetres from its center: x to the right along its row, y away from the wearer, before the rotation of
+/// the front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrontMark {
+    /// What it is a part of, which tells its color.
+    pub role: MarkRole,
+    /// Its outline.
+    pub shape: MarkShape,
+}
+
+/// The part of a control that a mark draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarkRole {
+    /// The area of the front.
+    Well,
+    /// A groove or a slot in it.
+    Groove,
+    /// A handle, a dial or a rocker.
+    Handle,
+    /// A lighter part of a handle.
+    Cap,
+    /// A line on a handle.
+    OnHandle,
+    /// A line that tells the value, or what is on.
+    Value,
+    /// A scale and its lines.
+    Scale,
+    /// A label.
+    Label,
+}
+
+/// The outline of a mark.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MarkShape {
+    /// A disc, or a circle around it.
+    Disc {
+        /// Center.
+        center: Vec2,
+        /// Radius.
+        radius: f32,
+        /// Only its edge is drawn.
+        is_hollow: bool,
+    },
+    /// A rectangle with round corners.
+    Box {
+        /// Center.
+        center: Vec2,
+        /// Half of width and height before the rotation.
+        half: Vec2,
+        /// Radius of the corners.
+        radius: f32,
+        /// Rotation about the center, in radians, counter-clockwise.
+        rotation: f32,
+    },
+    /// A polygon.
+    Polygon(Vec<Vec2>),
+    /// Connected lines of a width.
+    Line(Vec<Vec2>, f32),
+    /// A line of text.
+    Text {
+        /// Center.
+        center: Vec2,
+        /// Height of the font.
+        size: f32,
+        /// Rotation about the center, in radians, counter-clockwise.
+        rotation: f32,
+        /// The text.
+        text: String,
+    },
+}
+
+impl Layout {
+    /// Returns the marks on the front of a control other than a key, from below to above. `value` is the position of its handle, of
+    /// 0..=1, or 1 for on; that of the start without one. `None` if the target is no such control.
+    pub fn front_marks(&self, target: TargetId, value: Option<f32>) -> Option<Vec<FrontMark>> {
+        let mut controls = self.controls.iter();
+        let (control, index) = controls.find_map(|control| {
+            let mut faces = control.faces.iter();
+            let index = faces.position(|face| face.target == target)?;
+            Some((control, index))
+        })?;
+        let mut kind = control.kind.clone();
+        match (&mut kind, value) {
+            (ControlKind::Slider(slider), Some(value)) => slider.initial = value,
+            (ControlKind::Knob(knob), Some(value)) => knob.initial = value,
+            (ControlKind::Radio(radio), Some(value)) => {
+                radio.initial = (value > 0.5).then_some(index);
+            }
+            _ => {}
+        }
+        let is_on = value.is_some_and(|value| value > 0.5);
+        Some(svg::front_marks(
+            self,
+            &kind,
+            index,
+            is_on,
+            &control.faces[index],
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn marks(controls: &str, value: Option<f32>) -> Vec<FrontMark> {
+        let text = format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow), {controls})])");
+        let layout = Layout::parse(&text, "a.ron").unwrap();
+        layout.front_marks(TargetId(0), value).unwrap()
+    }
+
+    /// Returns the center of the topmost handle.
+    fn handle(marks: &[FrontMark]) -> Vec2 {
+        let centers = marks.iter().filter_map(|mark| match mark.shape {
+            MarkShape::Box { center, .. } if mark.role == MarkRole::Handle => Some(center),
+            _ => None,
+        });
+        centers.last().unwrap()
+    }
+
+    #[test]
+    fn the_handle_of_a_slider_is_where_its_value_is() {
+        let slider = "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 100, width_mm: 20)]";
+        let at = |value| handle(&marks(slider, value)).x;
+        assert!(at(Some(0.0)) < -30.0 && at(Some(1.0)) > 30.0);
+        assert!(at(Some(0.5)).abs() < 1e-3);
+        assert_eq!(at(None), at(Some(0.0)), "the first position");
+    }
+
+    #[test]
+    fn the_mark_of_a_knob_turns_with_its_value() {
+        let knob = "knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: 40, range_deg: 270)]";
+        let tip = |value| {
+            let marks = marks(knob, Some(value));
+            let lines = marks.iter().filter_map(|mark| match &mark.shape {
+                MarkShape::Line(points, _) if mark.role == MarkRole::Value => {
+                    points.last().copied()
+                }
+                _ => None,
+            });
+            lines.last().unwrap()
+        };
+        assert!(tip(0.5).y > 10.0, "away from the wearer in the middle");
+        assert!(tip(0.0).x < -5.0 && tip(1.0).x > 5.0);
+    }
+
+    #[test]
+    fn every_control_of_the_shipped_layouts_has_marks_and_a_label() {
+        for (name, layout) in Layout::shipped().unwrap() {
+            for face in layout.controls.iter().flat_map(|control| &control.faces) {
+                let marks = layout.front_marks(face.target, Some(1.0)).unwrap();
+                assert!(marks.len() >= 2, "{name}: {}", face.name);
+                assert!(
+                    marks.iter().any(|mark| mark.role == MarkRole::Label),
+                    "{name}: {}",
+                    face.name
+                );
+            }
+            for key in &layout.keys {
+                assert_eq!(layout.front_marks(key.face.target, None), None);
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! The layout editor on layouts with faults, and what hands expect of it: nothing locks, nothing jumps, no tap is lost.
+
+use std::fs;
+
+use ademan::layout::Layout;
+use ademan::studio::texts::text;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use crate::editor::{EditedFile, canvas, drag, press};
+use crate::picture;
+use crate::window::StudioWindow;
+
+const TWO_KEYS: &str = "Layout(
+    name: \"Two keys\",
+    boards: [
+        (
+            pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),
+            keys: [
+                (code: \"A\", at_mm: (0, 0)),
+                (code: \"B\", at_mm: (40, 0)),
+            ],
+        ),
+    ],
+)
+";
+
+/// Points of the canvas per millimetre: the largest zoom at which a whole board is shown.
+const SCALE: f32 = 5.0;
+
+/// Returns the point of the canvas at a position of the two keys, whose middle is at (20, 0).
+fn at(window: &StudioWindow, x: f32, y: f32) -> egui::Pos2 {
+    canvas(window).center() + egui::vec2(x - 20.0, -y) * SCALE
+}
+
+fn number(window: &StudioWindow, name: &str) -> f64 {
+    let field = window.harness.get_by_role_and_label(Role::SpinButton, name);
+    let number = field.accesskit_node().numeric_value();
+    number.expect("a field with a number")
+}
+
+#[test]
+fn an_overlap_locks_nothing_and_is_saved_on_request() {
+    let file = EditedFile::new("two-keys.ron", TWO_KEYS);
+    let mut window = file.open();
+    let before = canvas(&window);
+    let key = at(&window, 0.0, 0.0);
+    drag(&mut window, key, egui::vec2(30.0 * SCALE, 0.0));
+    assert!(window.has_words("overlaps the key `A` of line 7 by 7 mm"));
+    assert_eq!(canvas(&window), before, "the board does not jump");
+    picture::draw(&mut window, "editor-overlap");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    assert_eq!(file.text(), TWO_KEYS, "it asks first");
+    assert!(window.has(text("editor-cannot-run")));
+    window.click(text("editor-save-anyway"));
+    let overlapping = TWO_KEYS.replace("(0, 0)", "(30, 0)");
+    assert_eq!(file.text(), overlapping);
+    assert!(Layout::parse(&overlapping, "two-keys.ron").is_err());
+    window.open_in_editor(file.0.to_str().expect("a readable path"));
+    window.draw(5);
+    assert!(window.has_words("overlaps the key"), "it opens again");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    for name in ["editor-duplicate", "editor-delete"] {
+        window.click(text(name));
+    }
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    press(&mut window, egui::Modifiers::NONE, egui::Key::Escape);
+    let middle = canvas(&window).center();
+    // The board is zoomed to both keys: the right edge is of `B` alone.
+    drag(
+        &mut window,
+        middle + egui::vec2(12.0 * SCALE, 0.0),
+        egui::vec2(20.0 * SCALE, 0.0),
+    );
+    assert!(window.has(text("editor-no-problems")));
+}
+
+#[test]
+fn ten_quick_taps_are_ten_steps_of_the_grid() {
+    let file = EditedFile::new("taps.ron", TWO_KEYS);
+    let mut window = file.open();
+    let key = at(&window, 0.0, 0.0);
+    drag(&mut window, key, egui::Vec2::ZERO);
+    for _ in 0..10 {
+        for pressed in [true, false] {
+            window.harness.input_mut().events.push(egui::Event::Key {
+                key: egui::Key::ArrowUp,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: egui::Modifiers::NONE,
+            });
+        }
+    }
+    window.draw(3);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    assert_eq!(file.text(), TWO_KEYS.replace("(0, 0)", "(0, 10)"));
+}
+
+#[test]
+fn the_form_follows_a_drag_and_shows_what_differs() {
+    let file = EditedFile::new("form.ron", TWO_KEYS);
+    let mut window = file.open();
+    let key = at(&window, 0.0, 0.0);
+    let mut event = |event| {
+        window.harness.event(event);
+        window.draw(2);
+    };
+    event(egui::Event::PointerMoved(key));
+    event(egui::Event::PointerButton {
+        pos: key,
+        button: egui::PointerButton::Primary,
+        pressed: true,
+        modifiers: egui::Modifiers::NONE,
+    });
+    for step in 1..=6_u8 {
+        let way = egui::vec2(0.0, -f32::from(step) * 5.0 * SCALE);
+        event(egui::Event::PointerMoved(key + way));
+    }
+    assert!(
+        (number(&window, "Y") - 30.0).abs() < 0.01,
+        "during the drag"
+    );
+    window.harness.event(egui::Event::PointerButton {
+        pos: key - egui::vec2(0.0, 30.0 * SCALE),
+        button: egui::PointerButton::Primary,
+        pressed: false,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.draw(3);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    assert!(window.has_words(text("editor-mixed")));
+    picture::draw(&mut window, "editor-several");
+    window.set_number(Role::SpinButton, "Y", 12.0);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    let level = TWO_KEYS
+        .replace("(0, 0)", "(0, 12)")
+        .replace("(40, 0)", "(40, 12)");
+    assert_eq!(file.text(), level);
+}
+
+#[test]
+fn new_copied_and_pasted_controls_go_to_free_room() {
+    let file = EditedFile::new("free.ron", TWO_KEYS);
+    let mut window = file.open();
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::D);
+    let pasted = "(keys: [(code: \"Z\", at_mm: (0, 0))], knobs: [(name: \"Knob\", at_mm: (500, 0), diameter_mm: 40)])";
+    window.harness.event(egui::Event::Paste(pasted.to_owned()));
+    window.draw(3);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::K);
+    assert!(window.has(text("editor-palette-hint")) || window.has(text("editor-palette")));
+    picture::draw(&mut window, "editor-palette");
+    window
+        .harness
+        .event(egui::Event::Text(text("editor-kind-slider").to_owned()));
+    window.draw(3);
+    window.press_key(egui::Key::Enter);
+    window.click(text("editor-fit"));
+    picture::draw(&mut window, "editor-free");
+    assert!(window.has(text("editor-no-problems")) || !window.has_words("overlaps"));
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    let layout = Layout::parse(&file.text(), "free.ron").expect("a valid layout");
+    assert_eq!((layout.keys.len(), layout.controls.len()), (5, 2));
+}
+
+#[test]
+fn a_file_with_an_overlap_opens_in_the_editor_of_another_layout() {
+    let overlapping = TWO_KEYS.replace("(40, 0)", "(10, 0)");
+    let file = EditedFile::new("faulty.ron", &overlapping);
+    let mut window = crate::window::Opening::on_layout("qwerty-flat").open();
+    window.open_in_editor(file.0.to_str().expect("a readable path"));
+    window.draw(3);
+    assert!(window.has_words("overlaps the key"));
+    assert_eq!(fs::read_to_string(&file.0).expect("the file"), overlapping);
+}
+
+#[test]
+fn another_layout_is_opened_in_the_window_with_its_handles() {
+    let file = EditedFile::new("first.ron", TWO_KEYS);
+    let mut window = file.open();
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
+    assert!(window.has(text("editor-open-title")));
+    window.enter(text("editor-open-name"), "media");
+    picture::draw(&mut window, "editor-open");
+    window.click("panels/media");
+    window.draw(3);
+    assert!(!window.has(text("editor-open-title")));
+    let canvas = window
+        .harness
+        .get_by_role_and_label(Role::Canvas, text("editor-canvas"));
+    assert!(canvas.rect().width() > 100.0);
+    picture::draw(&mut window, "editor-media");
+    window.wait_for("the opened layout in the session", |model| {
+        model.view.layout.text.contains("volume knob")
+    });
+    assert_eq!(file.text(), TWO_KEYS, "the first file is as it was");
+}
