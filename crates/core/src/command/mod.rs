@@ -5,6 +5,7 @@
 //! all commands with the ranges of their fields; help texts and error messages are made from it.
 
 mod origin;
+mod text_mode;
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,6 +18,7 @@ use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
 
 pub use origin::CommandOrigin;
+pub use text_mode::TextMode;
 
 /// The name of one of the layouts of a setup, at most 64 bytes long.
 pub type ProfileName = ArrayString<64>;
@@ -72,6 +74,17 @@ pub enum Command {
     UndoZero,
     /// Returns to the calibrated ranges of the sensors.
     UndoLearning,
+    /// Changes how much the text decoder of the active layout changes.
+    Text {
+        /// The mode.
+        mode: TextMode,
+    },
+    /// Takes a candidate of the text decoder in place of what was typed of a word, with a space behind it.
+    Candidate {
+        /// Its position, 1 to 3, the most probable one first.
+        #[serde(deserialize_with = "whole_number")]
+        number: u8,
+    },
     /// Writes the poses and the size of the boards to the layout file.
     Save,
     /// Reads the layout files again.
@@ -116,8 +129,17 @@ pub enum FieldKind {
         /// Largest value.
         max: f32,
     },
+    /// A whole number in a closed range.
+    Whole {
+        /// Smallest value.
+        min: u8,
+        /// Largest value.
+        max: u8,
+    },
     /// A name of at most [`ProfileName`]'s capacity.
     Name,
+    /// One of these words.
+    OneOf(&'static [&'static str]),
 }
 
 /// All commands, in the order of the help text.
@@ -208,6 +230,28 @@ pub const SPECS: &[CommandSpec] = &[
         "Return to the calibrated ranges of the sensors, from what `--learn-ranges` has learned",
         "Unlearn",
     ),
+    CommandSpec {
+        name: "text",
+        summary: "Correct words at their end, only suggest, or neither; for a run with --text",
+        key_label: "Text",
+        fields: &[FieldSpec {
+            name: "mode",
+            summary: "What the text decoder changes",
+            example: "auto",
+            kind: FieldKind::OneOf(TextMode::NAMES),
+        }],
+    },
+    CommandSpec {
+        name: "candidate",
+        summary: "Take a candidate of the text decoder in place of the word that is typed",
+        key_label: "Word",
+        fields: &[FieldSpec {
+            name: "number",
+            summary: "Its position, the most probable one first",
+            example: "1",
+            kind: FieldKind::Whole { min: 1, max: 3 },
+        }],
+    },
     plain(
         "save",
         "Write the poses and the size of the boards to the layout file",
@@ -318,6 +362,8 @@ impl Command {
             Self::Zero => "zero",
             Self::UndoZero => "undo-zero",
             Self::UndoLearning => "undo-learning",
+            Self::Text { .. } => "text",
+            Self::Candidate { .. } => "candidate",
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
@@ -332,6 +378,8 @@ impl Command {
             Self::Zero
                 | Self::UndoZero
                 | Self::UndoLearning
+                | Self::Text { .. }
+                | Self::Candidate { .. }
                 | Self::Recenter
                 | Self::Nudge { .. }
                 | Self::Tilt { .. }
@@ -359,7 +407,9 @@ impl FromStr for Command {
         for field in spec.fields {
             let value;
             (value, values) = match field.kind {
-                FieldKind::Number { .. } => split_word(values),
+                FieldKind::Number { .. } | FieldKind::Whole { .. } | FieldKind::OneOf(_) => {
+                    split_word(values)
+                }
                 // The only field of its command; it may contain blanks.
                 FieldKind::Name => (values, ""),
             };
@@ -371,8 +421,10 @@ impl FromStr for Command {
             }
             let number = || value.parse::<f64>().ok().map(Value::from);
             let value = match field.kind {
-                FieldKind::Number { .. } => number().unwrap_or_else(|| value.into()),
-                FieldKind::Name => value.into(),
+                FieldKind::Number { .. } | FieldKind::Whole { .. } => {
+                    number().unwrap_or_else(|| value.into())
+                }
+                FieldKind::Name | FieldKind::OneOf(_) => value.into(),
             };
             fields.insert(field.name.into(), value);
         }
@@ -405,6 +457,8 @@ impl fmt::Display for Command {
             Self::Nudge { x_mm, y_mm, z_mm } => write!(f, " {x_mm} {y_mm} {z_mm}"),
             Self::Tilt { deg } => write!(f, " {deg}"),
             Self::Scale { factor } => write!(f, " {factor}"),
+            Self::Text { mode } => write!(f, " {mode}"),
+            Self::Candidate { number } => write!(f, " {number}"),
             _ => Ok(()),
         }
     }
@@ -453,6 +507,13 @@ impl FieldSpec {
     }
 }
 
+/// Reads a whole number that may be written with a decimal point.
+fn whole_number<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
+    let number = f64::deserialize(deserializer)?;
+    // Out of range it is refused by the check of its field.
+    Ok(number as u8)
+}
+
 /// Formats a value as JSON, and a whole number without a decimal point.
 fn plain_json(value: &Value) -> String {
     let json = value.to_string();
@@ -465,9 +526,13 @@ impl FieldKind {
             Self::Number { min, max } => value
                 .as_f64()
                 .is_some_and(|number| (f64::from(min)..=f64::from(max)).contains(&number)),
+            Self::Whole { min, max } => value.as_f64().is_some_and(|number| {
+                (f64::from(min)..=f64::from(max)).contains(&number) && number.fract() == 0.0
+            }),
             Self::Name => value
                 .as_str()
                 .is_some_and(|name| ProfileName::from(name).is_ok()),
+            Self::OneOf(words) => value.as_str().is_some_and(|word| words.contains(&word)),
         }
     }
 }
@@ -476,6 +541,8 @@ impl fmt::Display for FieldKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number { min, max } => write!(f, "{min} to {max}"),
+            Self::Whole { min, max } => write!(f, "a whole number, {min} to {max}"),
+            Self::OneOf(words) => write!(f, "`{}`", words.join("`, `")),
             Self::Name => write!(
                 f,
                 "a name of at most {} bytes",

@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::board_move::BoardMove;
-use super::{CommandError, Pipeline};
+use super::{CommandError, Pipeline, PressFilter};
 use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
@@ -21,7 +21,9 @@ impl Pipeline {
             | Command::Tilt { .. }
             | Command::Zero
             | Command::UndoZero
-            | Command::UndoLearning => true,
+            | Command::UndoLearning
+            | Command::Text { .. }
+            | Command::Candidate { .. } => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -60,6 +62,8 @@ impl Pipeline {
             Command::Zero => self.zero(events)?,
             Command::UndoZero => self.undo_zero(events)?,
             Command::UndoLearning => self.undo_learning(events)?,
+            Command::Text { mode } => self.text_filter()?.set_mode(mode),
+            Command::Candidate { number } => self.text_filter()?.choose(number),
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -76,6 +80,12 @@ impl Pipeline {
             _ if command.is_replayed() => self.execute(command, CommandOrigin::Client, events),
             _ => Ok(()),
         }
+    }
+
+    /// Returns the text decoder of the active layout.
+    fn text_filter(&mut self) -> Result<&mut (dyn PressFilter + 'static), CommandError> {
+        let layout = &mut self.profiles[self.active_profile].layout;
+        layout.filter_mut().ok_or(CommandError::NoTextDecoder)
     }
 
     fn profile_index(&self, name: &str) -> Option<usize> {

@@ -23,7 +23,7 @@ mod zero;
 pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
 pub use permissions::{SourcePermissions, SourceRole};
-pub use press_filter::PressFilter;
+pub use press_filter::{PressFilter, TextState};
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
 pub use state::{PipelineState, Suppressed};
@@ -283,7 +283,9 @@ impl Pipeline {
         if profile == self.active_profile {
             self.release_all(self.time, events);
         }
-        std::mem::swap(&mut self.profiles[profile].layout, layout);
+        let active = &mut self.profiles[profile].layout;
+        layout.keep_text_mode(active);
+        std::mem::swap(active, layout);
     }
 
     /// Copies the board poses of a profile to `layout`, if both have the same number of boards.
@@ -316,6 +318,11 @@ impl Pipeline {
     /// Returns the active layout.
     pub fn layout(&self) -> &LayoutInstance {
         &self.profiles[self.active_profile].layout
+    }
+
+    /// Returns what displays show of the text decoder of the active layout, if it has one.
+    pub fn text_state(&self) -> Option<&TextState> {
+        self.layout().filter().and_then(PressFilter::text_state)
     }
 
     /// Returns the names of the targets of the active layout.
@@ -407,9 +414,13 @@ impl Pipeline {
             side: output.pose.side,
             presses: &output.presses,
         };
-        self.filters.apply(&input, first, events);
-        if !self.gate.filter(index, first, events) && !self.suspend(index) {
-            self.pause(CommandOrigin::RateLimit, events);
+        let added = self.filters.apply(layout.filter_mut(), &input, first, events);
+        if !self.gate.filter(index, first, added, events) {
+            // A filter believes that all of it was sent.
+            self.reset_filters();
+            if !self.suspend(index) {
+                self.pause(CommandOrigin::RateLimit, events);
+            }
         }
         self.execute_issued(index, events);
     }
@@ -448,15 +459,24 @@ impl Pipeline {
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let first = events.len();
         let is_paused = self.is_paused();
-        self.filters.reset();
+        self.reset_filters();
+        self.filters.clear_held();
         let layout = self.active_layout();
         match is_paused {
             // The presses of a pause were never emitted.
             true => layout.release_all(time, &mut Events::new()),
             false => layout.release_all(time, events),
         }
-        self.gate.filter(0, first, events);
+        self.gate.filter(0, first, 0, events);
         self.clear_since = None;
+    }
+
+    /// Makes filters forget the presses that they hold.
+    fn reset_filters(&mut self) {
+        self.filters.reset();
+        if let Some(filter) = self.active_layout().filter_mut() {
+            filter.reset();
+        }
     }
 
     /// Releases everything and sets a state in which no events are emitted.
