@@ -450,11 +450,20 @@ impl<'m> Decoder<'m> {
 
     /// Takes what was typed as meant, and starts anew behind it.
     pub fn commit_typed(&mut self) {
+        self.commit_behind(None);
+    }
+
+    /// Takes a text as meant that is not what was typed, without learning from the taps, and starts anew behind it.
+    pub fn commit_text(&mut self, text: &str) {
+        self.commit_behind(Some(text));
+    }
+
+    fn commit_behind(&mut self, text: Option<&str>) {
         self.touch.drift = self
             .tokens
             .first()
             .map_or(self.touch.drift, |token| token.drift);
-        let last = self.literal.text().trim_end();
+        let last = text.unwrap_or(self.literal.text()).trim_end();
         self.starts_sentence = last.ends_with(['.', '!', '?']);
         let word = last
             .rsplit(' ')
