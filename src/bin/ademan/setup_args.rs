@@ -7,6 +7,7 @@ use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{ReplaySettings, Setup};
+use ademan::text::TextSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::complete;
@@ -40,6 +41,10 @@ pub struct SetupArgs {
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
+    /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
+    /// `auto:MODEL.adm`
+    #[arg(long, value_name = "MODE[:LANGUAGE]")]
+    text: Option<TextSetup>,
     /// Widen the ranges of finger sensors that drift while the glove is worn, within limits; `ademan ctl undo-learning` undoes it
     #[arg(long)]
     learn_ranges: bool,
@@ -104,6 +109,7 @@ impl SetupArgs {
         setup.glove = self.glove.clone().or(setup.glove);
         setup.person = self.person.clone().or(setup.person);
         setup.layout = self.layout.clone().unwrap_or(setup.layout);
+        setup.text = self.text.clone().or(setup.text);
         self.override_permissions(&mut setup);
         Ok(setup)
     }

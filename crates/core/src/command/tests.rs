@@ -158,16 +158,19 @@ fn the_words_and_whole_numbers_of_text_commands_are_checked() {
             mode: TextMode::Auto
         })
     );
-    assert_eq!(
-        "candidate 2".parse(),
-        Ok(Command::Candidate { number: 2 })
-    );
+    assert_eq!("candidate 2".parse(), Ok(Command::Candidate { number: 2 }));
     let names: Vec<&str> = TextMode::ALL.iter().map(|mode| mode.name()).collect();
     assert_eq!(names, TextMode::NAMES);
     for (line, expected) in [
-        ("text loud", "`mode` is `literal`, `suggest`, `auto`, not \"loud\""),
+        (
+            "text loud",
+            "`mode` is `literal`, `suggest`, `auto`, not \"loud\"",
+        ),
         ("candidate 4", "`number` is a whole number, 1 to 3, not 4"),
-        ("candidate 1.5", "`number` is a whole number, 1 to 3, not 1.5"),
+        (
+            "candidate 1.5",
+            "`number` is a whole number, 1 to 3, not 1.5",
+        ),
     ] {
         let error = line.parse::<Command>().unwrap_err().to_string();
         assert_eq!(error, expected);

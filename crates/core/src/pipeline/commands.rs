@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::board_move::BoardMove;
-use super::{CommandError, Pipeline, PressFilter};
+use super::{CommandError, Pipeline};
 use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
@@ -80,12 +80,6 @@ impl Pipeline {
             _ if command.is_replayed() => self.execute(command, CommandOrigin::Client, events),
             _ => Ok(()),
         }
-    }
-
-    /// Returns the text decoder of the active layout.
-    fn text_filter(&mut self) -> Result<&mut (dyn PressFilter + 'static), CommandError> {
-        let layout = &mut self.profiles[self.active_profile].layout;
-        layout.filter_mut().ok_or(CommandError::NoTextDecoder)
     }
 
     fn profile_index(&self, name: &str) -> Option<usize> {

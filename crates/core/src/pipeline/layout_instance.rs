@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{PressFilter, StepOutput};
 use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
+use super::{PressFilter, StepOutput};
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};

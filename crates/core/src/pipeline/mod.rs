@@ -17,6 +17,7 @@ mod settings;
 mod stalls;
 mod start;
 mod state;
+mod text;
 mod unreached;
 mod zero;
 
@@ -33,7 +34,7 @@ use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
-use self::press_filter::{FilterInput, PressFilters};
+use self::press_filter::PressFilters;
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
@@ -320,11 +321,6 @@ impl Pipeline {
         &self.profiles[self.active_profile].layout
     }
 
-    /// Returns what displays show of the text decoder of the active layout, if it has one.
-    pub fn text_state(&self) -> Option<&TextState> {
-        self.layout().filter().and_then(PressFilter::text_state)
-    }
-
     /// Returns the names of the targets of the active layout.
     pub fn target_names(&self) -> &TargetNames {
         self.profiles[self.active_profile].layout.target_names()
@@ -409,12 +405,9 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
-        let input = FilterInput {
-            time: output.pose.time,
-            side: output.pose.side,
-            presses: &output.presses,
-        };
-        let added = self.filters.apply(layout.filter_mut(), &input, first, events);
+        let step = (output.pose.time, output.pose.side, &output.presses[..]);
+        let filter = layout.filter_mut();
+        let added = self.filters.apply(filter, step, first, events);
         if !self.gate.filter(index, first, added, events) {
             // A filter believes that all of it was sent.
             self.reset_filters();
@@ -469,14 +462,6 @@ impl Pipeline {
         }
         self.gate.filter(0, first, 0, events);
         self.clear_since = None;
-    }
-
-    /// Makes filters forget the presses that they hold.
-    fn reset_filters(&mut self) {
-        self.filters.reset();
-        if let Some(filter) = self.active_layout().filter_mut() {
-            filter.reset();
-        }
     }
 
     /// Releases everything and sets a state in which no events are emitted.

@@ -27,7 +27,12 @@ pub struct FilterInput<'a> {
     /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as that of a
     /// chord.
     pub presses: &'a [Press],
+    /// The keys that the devices hold before the events of this step.
+    pub held: &'a PressedKeys,
 }
+
+/// The step of one hand that filters see.
+pub(super) type FilteredStep<'a> = (Timestamp, Side, &'a [Press]);
 
 /// A stage that may hold, replace or add key events.
 ///
@@ -98,7 +103,7 @@ impl PressFilters {
     pub(super) fn apply(
         &mut self,
         own: Option<&mut (dyn PressFilter + 'static)>,
-        input: &FilterInput,
+        (time, side, presses): FilteredStep,
         first: usize,
         events: &mut Events,
     ) -> usize {
@@ -106,6 +111,13 @@ impl PressFilters {
             return 0;
         }
         let emitted: Events = events.drain(first..).collect();
+        let held = self.held.clone();
+        let input = FilterInput {
+            time,
+            side,
+            presses,
+            held: &held,
+        };
         for event in &emitted {
             match event.kind {
                 EventKind::KeyDown(key) => _ = self.held.press(key),
@@ -115,10 +127,10 @@ impl PressFilters {
         }
         let mut filtered = emitted.clone();
         if let Some(own) = own {
-            own.filter(input, &mut filtered);
+            own.filter(&input, &mut filtered);
         }
         for filter in &mut self.filters {
-            filter.filter(input, &mut filtered);
+            filter.filter(&input, &mut filtered);
         }
         for &event in emitted.iter().filter(|event| is_release(event)) {
             if !filtered.contains(&event) {
@@ -130,7 +142,8 @@ impl PressFilters {
             let later = &filtered[index + 1..];
             self.push(event, later, events);
         }
-        let presses = |events: &[OutputEvent]| events.iter().filter(|event| is_press(event)).count();
+        let presses =
+            |events: &[OutputEvent]| events.iter().filter(|event| is_press(event)).count();
         presses(&events[first..]).saturating_sub(presses(&emitted))
     }
 
@@ -206,12 +219,7 @@ mod tests {
         filters.add(Box::new(Filter(filter)));
         let apply = |step: &&[OutputEvent]| {
             let mut events = Events::from_iter(step.iter().copied());
-            let input = FilterInput {
-                time: Timestamp(1_000),
-                side: Side::Right,
-                presses: &[],
-            };
-            filters.apply(None, &input, 0, &mut events);
+            filters.apply(None, (Timestamp(1_000), Side::Right, &[]), 0, &mut events);
             events.to_vec()
         };
         steps.iter().map(apply).collect()

@@ -298,7 +298,7 @@ impl<'m> Corrector<'m> {
         if let Some(Difference { prefix, removed }) = difference(&self.shown, &self.target) {
             self.replace_tail(prefix, removed);
         }
-        self.decoder.commit_text(&self.shown);
+        self.decoder.commit_behind(Some(&self.shown));
         self.shown.clear();
         &self.edits
     }

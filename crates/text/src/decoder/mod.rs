@@ -453,12 +453,8 @@ impl<'m> Decoder<'m> {
         self.commit_behind(None);
     }
 
-    /// Takes a text as meant that is not what was typed, without learning from the taps, and starts anew behind it.
-    pub fn commit_text(&mut self, text: &str) {
-        self.commit_behind(Some(text));
-    }
-
-    fn commit_behind(&mut self, text: Option<&str>) {
+    /// Takes a text as meant, or what was typed, without learning from the taps, and starts anew behind it.
+    pub fn commit_behind(&mut self, text: Option<&str>) {
         self.touch.drift = self
             .tokens
             .first()

@@ -333,7 +333,12 @@ fn presses_that_a_filter_added_do_not_count_against_the_rate_limit() {
     for step in 0..20 {
         // Every step has one press of its own, and twelve of a filter before it.
         let mut events: Events = (0..12)
-            .flat_map(|_| [event(step * 500, "down Backspace"), event(step * 500, "up Backspace")])
+            .flat_map(|_| {
+                [
+                    event(step * 500, "down Backspace"),
+                    event(step * 500, "up Backspace"),
+                ]
+            })
             .chain([event(step * 500, "down A"), event(step * 500, "up A")])
             .collect();
         assert!(gate.filter(0, 0, 12, &mut events), "step {step}");
