@@ -137,6 +137,7 @@ impl Board {
             target: TargetId(index as u32),
             actions: vec![Some(KeyAction::Key(codes[index % codes.len()]))],
             reports_depth: false,
+            reports_velocity: false,
             activation: Activation::OnPress,
             debounce: Duration::ZERO,
         };
@@ -374,6 +375,7 @@ fn f_keyboard(bencher: Bencher) {
             inputs: &Default::default(),
             pose: &pose,
             touches,
+            presses: &[],
         };
         let mut out = DeviceOutput {
             arbiter: &mut arbiter,

@@ -21,6 +21,7 @@
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
 //! - [`device`] turns touches into events and commands: keyboards, sliders, joysticks, pointers.
 //! - [`layout`] builds boards, controls, gloves, arms and persons from RON files.
+//! - [`editing`] edits the text of a layout and leaves the rest of it as it is.
 //! - [`pipeline`] runs these stages for one reading. It neither allocates nor blocks, and it reads no clock.
 //! - [`snapshot`] shows observers the results of all stages for one step.
 //! - [`output`] sends events to the desktop, the kernel or another program.
@@ -32,6 +33,7 @@
 //! - [`geometry`] computes directions and rotations in three dimensions.
 //! - [`names`] gives values one spelling, and suggests the nearest valid name for a misspelled one.
 //! - [`message`] escapes foreign text in messages, and [`message_limits`] limits their number.
+//! - [`objects`] are what other programs and pages read of layouts, poses, touches and events.
 //! - [`document`] reads RON texts, and reports errors with line and column.
 //! - [`command`] lists the commands to a running session, from layouts, sockets and people.
 //! - [`files`] opens the files of a person: only regular files, and only trusted ones for what decides what is typed.
@@ -50,7 +52,9 @@
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
+//! - `layout_link`, with the feature `cli`, puts a layout into a link and reads it from one.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
+//! - [`people`], [`phrases`], [`trials`], [`measures`] and [`report`] are the lab: simulated people score layouts.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - `studio`, with the feature of that name, shows a session in a window.
 //!
@@ -79,11 +83,11 @@
 //! times in microseconds. Files for users have their units in the names of their fields, such as `pitch_mm`.
 
 pub use ademan_core::{
-    calibrate, command, contact, device, document, estimate, geometry, hand, kinematics, layout,
-    message, names, pipeline, snapshot, time,
+    calibrate, command, contact, device, document, editing, estimate, geometry, hand, kinematics,
+    layout, message, names, objects, pipeline, snapshot, time,
 };
 
-pub use ademan_lab::batch;
+pub use ademan_lab::{batch, measures, people, phrases, report, trials};
 
 // Types shared by every part.
 pub mod files;
@@ -98,6 +102,8 @@ pub mod network;
 pub mod capture;
 #[cfg(feature = "cli")]
 pub mod cameras;
+#[cfg(feature = "cli")]
+pub mod layout_link;
 #[cfg(not(target_family = "wasm"))]
 pub mod output;
 

@@ -101,7 +101,7 @@ fn show_window(session: &SessionHandle, time: Duration) {
         let end = *END.lock().expect("no panic");
         end.is_none_or(|end| Instant::now() > end)
     };
-    open_window(app, is_over).expect("the server shows windows");
+    open_window(app.into(), is_over).expect("the server shows windows");
 }
 
 /// Events of some seconds.

@@ -8,6 +8,7 @@
 use std::time::Duration;
 
 use crate::contact::TargetNames;
+use crate::device::signals::Signals;
 use crate::device::{Capabilities, OutputEvent, TimedCommand};
 use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
@@ -22,8 +23,10 @@ mod axis_state;
 )]
 mod character_key;
 pub mod desktop;
+pub mod midi;
 mod null;
 mod open;
+pub mod osc;
 mod pressed_key_file;
 pub mod router;
 pub(crate) mod socket;
@@ -49,6 +52,8 @@ pub const BACKENDS: &[&Backend] = &[
     &desktop::BACKEND,
     &uinput::BACKEND,
     &spacenav::BACKEND,
+    &osc::BACKEND,
+    &midi::BACKEND,
     &null::BACKEND,
 ];
 
@@ -73,6 +78,8 @@ pub struct Backend {
     pub name: &'static str,
     /// The placeholder of the optional argument in `NAME:ARGUMENT`, such as `PATH`.
     pub argument: Option<&'static str>,
+    /// The argument may not be left out.
+    pub is_argument_required: bool,
     /// One line for help texts, in lower case and without a full stop.
     pub summary: &'static str,
     /// Returns what the backend can send on this operating system.
@@ -160,6 +167,10 @@ pub trait Sink: Send {
     /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
 
+    /// Sets what the targets in later events send to music and stage programs, for sinks that send it. Ends what the targets of
+    /// earlier events still play.
+    fn set_signals(&mut self, _: &Signals) {}
+
     /// Makes presses and characters void that have been sent but not yet delivered; called before the releases of a
     /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Ends a [stall](Self::has_stalled) of the sink.
     /// Sinks without a queue and without a watchdog ignore it.
@@ -221,6 +232,10 @@ impl Sink for Box<dyn Sink> {
 
     fn set_target_names(&mut self, names: &TargetNames) {
         (**self).set_target_names(names);
+    }
+
+    fn set_signals(&mut self, signals: &Signals) {
+        (**self).set_signals(signals);
     }
 
     fn void_presses(&mut self) {

@@ -7,6 +7,7 @@ use crate::device::{Capabilities, OutputEvent};
 pub const BACKEND: Backend = Backend {
     name: "none",
     argument: None,
+    is_argument_required: false,
     summary: "discards every event",
     capabilities: Capabilities::all,
     is_log: false,

@@ -114,7 +114,8 @@ pub fn available() -> String {
             let name = backend.name;
             format!("{name}:{argument}")
         });
-        [backend.name.to_owned()].into_iter().chain(with_argument)
+        let alone = (!backend.is_argument_required).then(|| backend.name.to_owned());
+        alone.into_iter().chain(with_argument)
     });
     forms.collect::<Vec<_>>().join(", ")
 }

@@ -2,6 +2,7 @@
 
 use super::{LogFailureReceiver, OutputError, Sink};
 use crate::contact::TargetNames;
+use crate::device::signals::Signals;
 use crate::device::{Capabilities, Capability, EventKind, Events, OutputEvent, TimedCommand};
 
 /// The property of an output that decides which events it receives.
@@ -128,6 +129,12 @@ impl Sink for Router {
     fn set_target_names(&mut self, names: &TargetNames) {
         for sink in &mut self.sinks {
             sink.set_target_names(names);
+        }
+    }
+
+    fn set_signals(&mut self, signals: &Signals) {
+        for sink in &mut self.sinks {
+            sink.set_signals(signals);
         }
     }
 

@@ -31,7 +31,7 @@ fn an_unknown_output_is_reported_with_the_nearest_name_and_all_names() {
     assert_eq!(
         open_error("desktp"),
         "unknown output `desktp`, did you mean `desktop`?; available: transcript, \
-         transcript:PATH, desktop, uinput, spacenav, spacenav:PATH, none"
+         transcript:PATH, desktop, uinput, spacenav, spacenav:PATH, osc:HOST:PORT, midi, midi:DEVICE, none"
     );
 }
 

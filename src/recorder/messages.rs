@@ -64,7 +64,9 @@ pub(super) fn encode_event(event: &OutputEvent, names: &TargetNames, out: &mut V
             put_bytes(out, 7, axis.name().as_bytes());
             put_nonzero_float(out, 10, value);
         }
-        EventKind::Depth(target, value) | EventKind::Value(target, value) => {
+        EventKind::Depth(target, value)
+        | EventKind::Value(target, value)
+        | EventKind::Velocity(target, value) => {
             put_target(out, 8, names.get(target));
             put_nonzero_float(out, 10, value);
         }
@@ -88,6 +90,7 @@ const fn number(kind: EventKind) -> u64 {
         EventKind::Value(..) => 9,
         EventKind::Select(_) => 10,
         EventKind::Unselect(_) => 11,
+        EventKind::Velocity(..) => 12,
     }
 }
 
@@ -135,6 +138,7 @@ mod tests {
             ("VALUE", EventKind::Value(target, 0.5)),
             ("SELECT", EventKind::Select(target)),
             ("UNSELECT", EventKind::Unselect(target)),
+            ("VELOCITY", EventKind::Velocity(target, 0.5)),
         ] {
             let line = format!("  EVENT_{name} = {};\n", number(kind));
             assert!(SCHEMA_TEXT.contains(&line), "{line}");

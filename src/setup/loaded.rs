@@ -1,7 +1,5 @@
 //! A setup with all files that it names.
 
-use std::sync::Arc;
-
 use super::{ArmSetup, DEFAULT_ARM, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
 use crate::command::{ProfileName, TextMode};
@@ -430,11 +428,7 @@ impl LoadedSetup {
 
 /// Returns the run-time instance of a layout without a setup.
 pub fn layout_instance(layout: &Layout) -> LayoutInstance {
-    let (scene, names) = (layout.scene.clone(), layout.target_names());
-    LayoutInstance::new(scene, names, layout.devices())
-        .with_texts(layout.texts.clone())
-        .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
-        .with_layout(Arc::new(layout.clone()))
+    LayoutInstance::from_layout(layout)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Setups: sources, gloves, arms, layouts, output and limits, as written in a file and as loaded.
 
 mod check;
+mod first;
 mod kind;
 mod loaded;
 mod outputs;
@@ -13,6 +14,7 @@ mod sources;
 mod text;
 mod wearer;
 
+pub use first::OWN_SETUP;
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
 pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;

@@ -8,7 +8,7 @@ use super::request::{MAX_REQUESTS_PER_SECOND, RateLimit};
 use super::request_lines::RequestLines;
 use super::stream::{Input, Received, read};
 use super::target::{ShareFormat, ShareTarget};
-use super::web::{Answer, Head, SocketReader};
+use super::web::{Answer, Head, Pages, SocketReader};
 
 /// The state of a conversation.
 pub(super) enum Conversation {
@@ -29,8 +29,8 @@ impl Conversation {
     pub fn new(target: &ShareTarget) -> Self {
         match target.format {
             ShareFormat::Json => Self::Lines(RequestLines::default(), request_limit()),
-            ShareFormat::Ws => Self::Head(Box::new(Head::new(target.address, false))),
-            ShareFormat::Web => Self::Head(Box::new(Head::new(target.address, true))),
+            ShareFormat::Ws => Self::Head(Box::new(Head::new(target.address, Pages::None))),
+            ShareFormat::Web => Self::Head(Box::new(Head::new(target.address, Pages::Viewer))),
             _ => Self::Silent,
         }
     }

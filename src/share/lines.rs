@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::frame::text_frame;
 use super::kinds::{KindSet, LineKind, ShareKind};
-use super::layout_object::layout_object;
 use super::step::SharedStep;
 use super::target::ShareFormat;
 use crate::capture::protocol::text_line;
@@ -14,6 +13,7 @@ use crate::estimate::JointAngles;
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
+use crate::objects::layout_object;
 use crate::time::Timestamp;
 use crate::trace::{Stage, angles_json, pose_json};
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::scene::SceneState;
 use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
+use crate::objects::SceneState;
 use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 

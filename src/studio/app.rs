@@ -7,6 +7,7 @@ use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
 use super::error::StudioError;
+use super::first_start::{Answers, FirstStart};
 use super::graphics;
 use super::model::StudioModel;
 use super::pace::Pace;
@@ -26,6 +27,9 @@ use crate::snapshot::Snapshot;
 
 /// Size of the window at the first start, in points.
 const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
+
+/// Time between two pictures of the first start, in which only what was found changes.
+const FIRST_PERIOD: Duration = Duration::from_millis(100);
 
 /// Smallest size of the window, in points.
 const MIN_WINDOW_SIZE: [f32; 2] = [640.0, 400.0];
@@ -226,37 +230,107 @@ fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
     })
 }
 
-/// A [`StudioApp`] in a window of the desktop.
-struct Window {
-    app: StudioApp,
+/// Starts a session with the answers of the first start, and returns the program for it, or the reason why there is none.
+type OpenSession<'a> = Box<dyn FnMut(&Answers) -> Result<StudioApp, String> + 'a>;
+
+/// The program in a window, or the pages of the first start before it.
+pub struct StudioStart<'a> {
+    first: Option<(FirstStart, OpenSession<'a>)>,
+    app: Option<StudioApp>,
+}
+
+impl<'a> StudioStart<'a> {
+    /// Shows the pages of the first start, and then the program that `open` returns for the answers.
+    pub fn first(
+        first: FirstStart,
+        open: impl FnMut(&Answers) -> Result<StudioApp, String> + 'a,
+    ) -> Self {
+        Self {
+            first: Some((first, Box::new(open))),
+            app: None,
+        }
+    }
+
+    /// Returns the program once its session has started.
+    pub fn app(&mut self) -> Option<&mut StudioApp> {
+        self.app.as_mut()
+    }
+
+    /// Draws one picture.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        if let Some(app) = &mut self.app {
+            app.show(ui);
+            return;
+        }
+        let Some((first, open)) = &mut self.first else {
+            return;
+        };
+        first.update();
+        let Some(answers) = panels::show_first_start(ui, first) else {
+            return;
+        };
+        match open(&answers) {
+            Ok(mut app) => {
+                if answers.is_calibrated {
+                    app.panels.show_calibration();
+                }
+                self.app = Some(app);
+                self.first = None;
+            }
+            Err(reason) => first.error = Some(reason),
+        }
+    }
+}
+
+impl From<StudioApp> for StudioStart<'_> {
+    fn from(app: StudioApp) -> Self {
+        Self {
+            first: None,
+            app: Some(app),
+        }
+    }
+}
+
+/// A [`StudioStart`] in a window of the desktop.
+struct Window<'a> {
+    content: StudioStart<'a>,
     pace: Pace,
     should_close: fn() -> bool,
 }
 
-impl eframe::App for Window {
+impl eframe::App for Window<'_> {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let is_stopped = (self.should_close)();
-        if is_stopped {
-            self.app.panels.permit_close();
+        if is_stopped && let Some(app) = self.content.app() {
+            app.panels.permit_close();
         }
-        self.app.show(ui);
+        self.content.show(ui);
         let context = ui.ctx();
-        let is_end = is_stopped || context.input(|input| input.viewport().close_requested());
-        self.app.save_settings(context, is_end);
         if is_stopped {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
+        let Some(app) = self.content.app() else {
+            context.request_repaint_after(FIRST_PERIOD);
+            return;
+        };
+        let is_end = is_stopped || context.input(|input| input.viewport().close_requested());
+        app.save_settings(context, is_end);
         let now = context.input(|input| input.time);
         let cost = Duration::from_secs_f32(frame.info().cpu_usage.unwrap_or(0.0));
-        context.request_repaint_after(self.pace.pause(now, self.app.has_changed, cost));
+        let pause = self.pace.pause(now, app.has_changed, cost);
+        context.request_repaint_after(pause);
     }
 }
 
 /// Shows the program in a window until that is closed, or `should_close` returns `true`. On the main thread only, as desktops
 /// require.
-pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(), StudioError> {
-    let place = app.settings().window;
-    let scale = app.settings().scale;
+pub fn open_window(
+    mut content: StudioStart,
+    should_close: fn() -> bool,
+) -> Result<(), StudioError> {
+    let settings = content.app().map(|app| app.settings().clone());
+    let settings = settings.unwrap_or_default();
+    let (place, scale) = (settings.window, settings.scale);
     let mut viewport = egui::ViewportBuilder::default()
         .with_title(text("window-title"))
         .with_app_id("ademan-studio")
@@ -267,7 +341,7 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
     }
     let options = window_options(viewport);
     let window = Window {
-        app,
+        content,
         pace: Pace::new(graphics::has_card()),
         should_close,
     };
@@ -283,7 +357,7 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
 pub(super) fn run_window(
     title: &str,
     options: eframe::NativeOptions,
-    create: eframe::AppCreator,
+    create: eframe::AppCreator<'_>,
 ) -> Result<(), StudioError> {
     // Mesa fills a picture for longer than a press may wait.
     priority::shorten_time_slice();

@@ -9,7 +9,7 @@
 //!                                     └──▶ scene, camera ──▶ Picture ──▶ panels/space
 //! ```
 //!
-//! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
+//! The content of the panels is computed without a window and has unit tests: [`model`], [`first_start`], [`camera`], [`scene`], [`sensors`],
 //! [`glove_editor`], [`guide`], [`history`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
 //! [`settings`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
@@ -27,6 +27,7 @@ pub mod camera;
 pub mod canvas;
 pub mod editor;
 pub mod filter_trace;
+pub mod first_start;
 pub mod glove_editor;
 pub mod glove_file;
 mod graphics;
@@ -54,6 +55,6 @@ pub mod tour;
 pub mod trails;
 pub mod typing;
 
-pub use self::app::{StudioApp, open_window};
+pub use self::app::{StudioApp, StudioStart, open_window};
 pub use self::error::StudioError;
 pub use self::overlay::window::{Overlay, open_overlay};

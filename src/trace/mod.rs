@@ -18,7 +18,6 @@
 
 pub mod bvh;
 pub mod hand_signals;
-mod pose;
 pub mod signal;
 
 use arrayvec::ArrayVec;
@@ -27,12 +26,13 @@ use serde::{Serialize, Serializer};
 use crate::capture::{Reading, recording};
 use crate::command::Command;
 use crate::contact::press::MAX_NEIGHBORS;
-use crate::contact::{Neighbor, Phase, Press, TargetName, TargetNames, Touch};
-use crate::device::{Axis, EventKind, KeyCode, OutputEvent, TimedCommand};
+use crate::contact::{Neighbor, Press, TargetName, TargetNames};
+use crate::device::{OutputEvent, TimedCommand};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
+use crate::objects::{EventObject, TouchObject, write_pose};
 use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 
@@ -83,7 +83,7 @@ impl Stage {
                 .iter()
                 .try_for_each(|pose| write(pose.time, pose_json(pose, buffer))),
             Self::Touches => snapshot.touches.iter().try_for_each(|touch| {
-                write(touch.time, json(&TouchJson::new(touch, names), buffer))
+                write(touch.time, json(&TouchObject::new(touch, names), buffer))
             }),
             Self::Presses => snapshot.presses.iter().try_for_each(|press| {
                 write(press.time, json(&PressJson::new(press, names), buffer))
@@ -122,7 +122,7 @@ pub fn angles_json<'a>(pose: &HandPose, angles: &JointAngles, buffer: &'a mut Ve
 
 /// Returns the object of [`Stage::Pose`] without a line end. `buffer` is overwritten.
 pub fn pose_json<'a>(pose: &HandPose, buffer: &'a mut Vec<u8>) -> &'a [u8] {
-    pose::write(pose, buffer);
+    write_pose(pose, buffer);
     buffer
 }
 
@@ -132,7 +132,7 @@ pub fn event_json<'a>(
     names: &TargetNames,
     buffer: &'a mut Vec<u8>,
 ) -> &'a [u8] {
-    json(&EventJson::new(event, names), buffer)
+    json(&EventObject::new(event, names), buffer)
 }
 
 /// Returns one object of [`Stage::Commands`] without a line end. `buffer` is overwritten.
@@ -179,31 +179,6 @@ fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S
 }
 
 #[derive(Serialize)]
-struct TouchJson<'a> {
-    time_us: Timestamp,
-    side: Side,
-    finger: Finger,
-    target: TargetName<'a>,
-    phase: Phase,
-    depth: f32,
-    position: [f32; 2],
-}
-
-impl<'a> TouchJson<'a> {
-    fn new(touch: &Touch, names: &'a TargetNames) -> Self {
-        Self {
-            time_us: touch.time,
-            side: touch.side,
-            finger: touch.finger,
-            target: names.get(touch.target),
-            phase: touch.phase,
-            depth: touch.depth,
-            position: touch.position.to_array(),
-        }
-    }
-}
-
-#[derive(Serialize)]
 struct PressJson<'a> {
     time_us: Timestamp,
     side: Side,
@@ -241,66 +216,6 @@ impl<'a> PressJson<'a> {
 }
 
 #[derive(Serialize)]
-struct EventJson<'a> {
-    time_us: Timestamp,
-    #[serde(flatten)]
-    kind: EventKindJson<'a>,
-}
-
-impl<'a> EventJson<'a> {
-    fn new(event: &OutputEvent, names: &'a TargetNames) -> Self {
-        Self {
-            time_us: event.time,
-            kind: EventKindJson::new(event.kind, names),
-        }
-    }
-}
-
-#[derive(Serialize)]
-#[serde(tag = "event", rename_all = "kebab-case")]
-enum EventKindJson<'a> {
-    KeyDown { key: KeyCode },
-    KeyUp { key: KeyCode },
-    Character { character: char },
-    MoveBy { x: i32, y: i32 },
-    MoveTo { x: f32, y: f32 },
-    Scroll { x: i32, y: i32 },
-    Axis { axis: Axis, value: f32 },
-    Depth { target: TargetName<'a>, depth: f32 },
-    Value { target: TargetName<'a>, value: f32 },
-    Select { target: TargetName<'a> },
-    Unselect { target: TargetName<'a> },
-}
-
-impl<'a> EventKindJson<'a> {
-    fn new(kind: EventKind, names: &'a TargetNames) -> Self {
-        match kind {
-            EventKind::KeyDown(key) => Self::KeyDown { key },
-            EventKind::KeyUp(key) => Self::KeyUp { key },
-            EventKind::Character(character) => Self::Character { character },
-            EventKind::MoveBy(x, y) => Self::MoveBy { x, y },
-            EventKind::MoveTo(x, y) => Self::MoveTo { x, y },
-            EventKind::Scroll(x, y) => Self::Scroll { x, y },
-            EventKind::Axis(axis, value) => Self::Axis { axis, value },
-            EventKind::Depth(target, depth) => Self::Depth {
-                target: names.get(target),
-                depth,
-            },
-            EventKind::Value(target, value) => Self::Value {
-                target: names.get(target),
-                value,
-            },
-            EventKind::Select(target) => Self::Select {
-                target: names.get(target),
-            },
-            EventKind::Unselect(target) => Self::Unselect {
-                target: names.get(target),
-            },
-        }
-    }
-}
-
-#[derive(Serialize)]
 struct CommandJson {
     time_us: Timestamp,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -313,8 +228,8 @@ struct CommandJson {
 mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
-    use crate::contact::{Presses, TargetId, Touches};
-    use crate::device::{Events, TimedCommands};
+    use crate::contact::{Phase, Presses, TargetId, Touch, Touches};
+    use crate::device::{Axis, EventKind, Events, TimedCommands};
     use crate::hand::{Dof, Joint};
     use crate::pipeline::PipelineState;
     use crate::snapshot::Stats;

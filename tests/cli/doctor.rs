@@ -305,3 +305,37 @@ fn root_is_refused_without_allow_root_but_may_use_other_commands() {
     run(&["run", "--source", "typist:hi", "--allow-root"]).done();
     run(&["trace", "events", "--source", "typist:hi"]).done();
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn lines_break_between_words_on_a_terminal_and_nowhere_else() {
+    use crate::view::{screen::Screen, set_terminal};
+
+    let arguments = [
+        "doctor",
+        "--source",
+        "serial:/dev/no-such-glove",
+        "--output",
+        "uinput",
+    ];
+    let piped = run(arguments).out;
+    let longest = piped.lines().map(|line| line.chars().count()).max();
+    assert!(longest > Some(80), "something has to break: {piped}");
+    let mut command = ademan(arguments);
+    set_terminal(&mut command);
+    let mut screen = Screen::start(&command, 80, 60);
+    screen.wait();
+    let shown = screen.text();
+    println!("{shown}");
+    let rows = shown.lines().take_while(|line| !line.starts_with("# "));
+    let words =
+        |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_owned).collect() };
+    for word in rows.flat_map(words) {
+        assert!(
+            words(&piped).contains(&word),
+            "{word:?} is a part of a word: {shown}"
+        );
+    }
+    let below = format!("\n{}", " ".repeat(34));
+    assert!(shown.contains(&below), "{shown}");
+}

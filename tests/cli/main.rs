@@ -6,6 +6,7 @@ mod support;
 mod arm;
 mod body;
 mod body_landmarks;
+mod browser;
 mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
@@ -22,6 +23,8 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod firmware;
 mod first_use;
 #[cfg(target_os = "linux")]
 mod haptics;
@@ -31,6 +34,7 @@ mod holistic;
 mod home_made_gloves;
 #[cfg(target_os = "linux")]
 mod idle;
+mod lab;
 mod language_models;
 #[cfg(unix)]
 mod learning;
@@ -69,6 +73,7 @@ mod two_gloves;
 mod two_sources;
 #[cfg(target_os = "linux")]
 mod view;
+mod web;
 #[cfg(unix)]
 mod webcam;
 mod writes;

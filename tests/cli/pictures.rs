@@ -121,3 +121,29 @@ fn every_shipped_layout_has_a_png_that_is_not_blank() {
         assert!(pixels.iter().all(|pixel| pixel.alpha() == 255), "{name}");
     }
 }
+
+#[test]
+fn a_layout_is_written_as_json_with_its_measures() {
+    let shown = run(["layout", "show", "qwerty-flat", "--json", "-"]).done();
+    let layout: serde_json::Value = serde_json::from_str(&shown.out).unwrap();
+    let board = &layout["boards"][0];
+    assert_eq!(board["anchor"], "elbow");
+    let targets = board["targets"].as_array().unwrap();
+    let target = |name: &str| {
+        targets
+            .iter()
+            .find(|target| target["name"] == name)
+            .unwrap()
+    };
+    // As the file states them: a pitch of 19 mm, F in the fourth place from −90.25 mm, keys of 17 mm.
+    let mm = |value: &serde_json::Value| {
+        let lengths = value.as_array().unwrap().iter();
+        let lengths = lengths.map(|metres| (metres.as_f64().unwrap() * 1e5).round() / 100.0);
+        lengths.collect::<Vec<_>>()
+    };
+    assert_eq!(mm(&target("F")["center_m"]), [-33.25, 0.0]);
+    assert_eq!(mm(&target("F")["size_m"]), [17.0, 17.0]);
+    assert_eq!(target("F")["key"], "F");
+    assert_eq!(target("F")["radius_m"], serde_json::Value::Null);
+    assert_eq!(mm(&target("Space")["size_m"]), [112.0, 17.0]);
+}

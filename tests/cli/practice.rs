@@ -121,6 +121,112 @@ fn lessons_come_from_files_languages_and_chords() {
 }
 
 #[test]
+fn a_pointing_lesson_is_measured_and_kept_with_its_figures() {
+    let state = tempfile::tempdir().unwrap();
+    let result = json(state.path(), &["--lesson", "pointing"]);
+    println!("{result}");
+    let figure = |name: &str| result[name].as_f64().expect("a number");
+    assert_eq!(result["lesson"], "pointing");
+    assert_eq!(result["is_complete"], true);
+    assert_eq!(
+        (figure("targets"), figure("misses")),
+        (9.0, 0.0),
+        "{result}"
+    );
+    // The hand moves for 0.6 s and pushes for 0.15 s, with rests between.
+    assert!((0.8..2.5).contains(&figure("movement_s")), "{result}");
+    assert!((0.7..=1.0).contains(&figure("path_efficiency")), "{result}");
+    assert!(figure("throughput_bits_per_s") > 1.0, "{result}");
+    let path = history_file(&state);
+    let kept = lines(&path);
+    assert_eq!(kept.len(), 1);
+    assert!(
+        kept[0].contains("\"pointing\":{\"targets\":9,"),
+        "{}",
+        kept[0]
+    );
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        assert_eq!(
+            fs::metadata(&path).unwrap().permissions().mode() & 0o777,
+            0o600
+        );
+    }
+    // A trembling hand misses, or clicks less precisely; the text of another lesson is no progress of this one.
+    run(state.path(), &["--text", "a", "--layout", "qwerty-flat"]).done();
+    let ended = run(
+        state.path(),
+        &["--lesson", "pointing", "--noise", "6", "--seed", "4"],
+    );
+    println!("{}", ended.out);
+    assert!(
+        ended.out.contains("throughput "),
+        "{}{}",
+        ended.out,
+        ended.err
+    );
+    let csv = run(state.path(), &["--csv", "-"]).done().out;
+    let rows: Vec<&str> = csv.lines().collect();
+    assert!(
+        rows[0]
+            .ends_with(",targets,misses,movement_s,path_efficiency,throughput_bits_per_s,chords"),
+        "{csv}"
+    );
+    assert!(rows[1].contains(",,,,,,9,0,"), "{csv}");
+    let table = run(state.path(), &["--history"]).done().out;
+    assert!(
+        table.contains(" bit/s ") && table.contains(" words/min "),
+        "{table}"
+    );
+}
+
+#[test]
+fn a_pointing_lesson_needs_a_pointer_that_the_hand_can_move() {
+    let state = tempfile::tempdir().unwrap();
+    for (layout, reason) in [
+        (
+            "qwerty-flat",
+            "has no pointer; choose a layout such as `direct`",
+        ),
+        ("rate", "the simulated hand cannot point on"),
+    ] {
+        let ended = run(state.path(), &["--lesson", "pointing", "--layout", layout]);
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        assert!(ended.err.contains(reason), "{reason}: {}", ended.err);
+    }
+    assert!(!history_file(&state).exists());
+}
+
+#[test]
+fn a_lesson_of_chords_names_the_fingers_and_counts_each_chord() {
+    let state = tempfile::tempdir().unwrap();
+    let arguments = ["--layout", "chords-bend", "--lesson", "chords"];
+    let result = json(state.path(), &arguments);
+    let chords = result["chords"].as_array().expect("chords");
+    assert!(chords.len() >= 20, "{result}");
+    for chord in chords {
+        assert_eq!(
+            (&chord["attempts"], &chord["errors"]),
+            (&3.into(), &0.into()),
+            "{chord}"
+        );
+        let fingers = chord["fingers"].as_str().expect("names").split(" + ");
+        assert!(fingers.clone().count() >= 2, "{chord}");
+        assert!(
+            fingers
+                .clone()
+                .all(|name| ["thumb", "index", "middle", "ring", "little"].contains(&name)),
+            "{chord}"
+        );
+    }
+    let line = &lines(&history_file(&state))[0];
+    assert!(line.contains("[3,3]"), "{line}");
+    let other = json(state.path(), &["--text", "a", "--layout", "chords-bend"]);
+    assert_eq!(other["chords"].as_array().map(Vec::len), Some(0), "{other}");
+}
+
+#[test]
 fn a_text_that_cannot_be_typed_is_refused() {
     let state = tempfile::tempdir().unwrap();
     for (arguments, reason) in [
@@ -244,6 +350,42 @@ mod on_a_terminal {
         assert!(text.contains("typed      hola"), "{text}");
         assert!(text.contains("progress   words/min"), "{text}");
         assert_eq!(lines(&history_file(&state)).len(), 1);
+    }
+
+    #[test]
+    fn a_pointing_lesson_shows_the_targets_and_the_pointer() {
+        let state = tempfile::tempdir().unwrap();
+        let mut screen = start(&state, &["--lesson", "pointing"]);
+        let text = screen.wait_for_text("the first click starts the clock");
+        println!("{text}");
+        assert!(text.contains("((O))"), "{text}");
+        let text = screen.wait_for_text("2 of 9 targets · 0 missed");
+        println!("{text}");
+        assert!(text.contains('+') && text.contains("bit/s"), "{text}");
+        screen.type_keys("\x03");
+        assert!(screen.wait().success());
+        screen.assert_restored();
+        let text = screen.text();
+        assert!(text.contains("not all targets were clicked on"), "{text}");
+        assert!(!history_file(&state).exists());
+    }
+
+    #[test]
+    fn a_lesson_of_chords_shows_the_fingers_to_bend_and_the_progress() {
+        let state = tempfile::tempdir().unwrap();
+        let mut screen = start(&state, &["--layout", "chords-bend", "--lesson", "chords"]);
+        let text = screen.wait_for_text("hold     ");
+        println!("{text}");
+        let hold = text
+            .lines()
+            .find(|line| line.contains("hold     "))
+            .expect("a line");
+        assert!(hold.contains(" + ") && hold.contains(" for "), "{hold}");
+        let text = screen.wait_for_text(" 3/3");
+        println!("{text}");
+        screen.type_keys("\x03");
+        assert!(screen.wait().success());
+        screen.assert_restored();
     }
 
     #[test]

@@ -7,8 +7,8 @@ use std::process::Command;
 use ademan::setup::Setup;
 use tempfile::TempDir;
 
-use crate::home_made_gloves::{BUILD, Wearer};
 use crate::support::glove::Glove;
+use crate::support::home_made_glove::{BUILD, Wearer};
 use crate::support::process::signal;
 use crate::support::run::postures;
 use crate::view::{screen::Screen, set_terminal};

@@ -148,6 +148,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         ]
         .concat(),
         [vec![9], vmc::encode(&bones())].concat(),
+        stream("0.32,0.325,0.217,0.863\n0.225 0.397 0.433 0.777 time_us=5\n".into()),
         stream(markers::encode(Some(1), &hand().1)),
     ];
     [valid, super::hostile::osc()].concat()

@@ -179,6 +179,11 @@ fn scripts_are_read_or_refused() {
 }
 
 #[test]
+fn layouts_in_links_are_read_or_refused() {
+    run("links", seeds::links(), texts::layout_link);
+}
+
+#[test]
 fn endless_nesting_is_refused_without_a_stack_overflow() {
     let parsers: [(&str, Parser); 6] = [
         ("layout", texts::layout),

@@ -100,6 +100,13 @@ pub fn sources() -> Vec<Vec<u8>> {
     ])
 }
 
+/// Returns links with small texts, so that some damage still gives one.
+pub fn links() -> Vec<Vec<u8>> {
+    let texts = ["", "a", "Layout(name: \"a\", boards: [])", "é é é é é é"];
+    let link = |text: &str| ademan::layout_link::layout_link("https://example.org/", text);
+    texts.map(|text| link(text).into_bytes()).into()
+}
+
 /// Returns scripts with every order, for the arrow keys.
 pub fn scripts() -> Vec<Vec<u8>> {
     texts(&[

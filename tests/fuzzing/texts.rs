@@ -8,9 +8,10 @@ use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
 use ademan::document::{Document, DocumentError};
 use ademan::estimate::AffineMap;
-use ademan::files::Load;
+use ademan::files::{Load, MAX_DOCUMENT_BYTES};
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards, write_calibration};
+use ademan::layout_link::{self, layout_in_link};
 use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
@@ -260,6 +261,25 @@ pub fn source(data: &[u8]) -> bool {
         Ok(source) => {
             let again = source.to_string().parse::<SourceUri>();
             assert_eq!(again.expect("a name that was written"), source);
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            false
+        }
+    }
+}
+
+/// Reads the layout in a link. One that is read survives a round trip.
+pub fn layout_link(data: &[u8]) -> bool {
+    let Ok(link) = str::from_utf8(data) else {
+        return false;
+    };
+    match layout_in_link(link) {
+        Ok(text) => {
+            assert!(text.len() as u64 <= MAX_DOCUMENT_BYTES);
+            let again = layout_link::layout_link("https://example.org/", &text);
+            assert_eq!(layout_in_link(&again), Ok(text));
             true
         }
         Err(error) => {

@@ -278,6 +278,7 @@ fn update(
         inputs: &Default::default(),
         pose,
         touches,
+        presses: &[],
     };
     keyboard.update(
         &input,
@@ -397,6 +398,7 @@ fn controls_and_gestures_do_not_allocate() {
             inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
+            presses: &[],
         };
         let mut events = Events::new();
         let mut out = DeviceOutput {
@@ -587,6 +589,7 @@ fn handles_do_not_allocate_and_return_to_rest() {
             inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
+            presses: &[],
         };
         for device in &mut devices {
             device.update(&input, &mut out);
@@ -665,6 +668,7 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
             inputs: &Default::default(),
             pose: &pose,
             touches: &[],
+            presses: &[],
         };
         let mut events = Events::new();
         let mut out = DeviceOutput {

@@ -6,6 +6,8 @@ mod support;
 #[cfg(target_os = "linux")]
 mod chaos;
 #[cfg(target_os = "linux")]
+mod music;
+#[cfg(target_os = "linux")]
 mod spacenav;
 #[cfg(target_os = "linux")]
 mod vm;

@@ -1,7 +1,7 @@
 //! Hands from the network: bones of VMC and poses of opentrack, from their datagrams to keys.
 
 use ademan::capture::Reading;
-use ademan::capture::protocol::{Decoder, opentrack, vmc};
+use ademan::capture::protocol::{Decoder, ProtocolOptions, imu, opentrack, vmc};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimate, JointAngles, bones_from_angles};
 use ademan::hand::{BoneRotations, Finger, Joint, Side};
@@ -144,4 +144,44 @@ fn a_displacement_turns_the_hand_about_its_joint_and_leaves_the_elbow() {
     // A quarter turn to the left: forward becomes left.
     let expected = glam::Vec3::new(before.z, before.y, -before.x);
     assert!(after.distance(expected) < 1e-5, "{after}, not {expected}");
+}
+
+#[test]
+fn an_inertial_sensor_on_the_hand_lowers_the_fingertip_on_a_key_and_raises_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("key.ron");
+    std::fs::write(&path, key_below_the_finger()).expect("a layout");
+    let mut setup = setup("serial:/dev/ttyUSB0?protocol=imu");
+    setup.layout = path.display().to_string();
+    let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
+    let mut decoder = imu::decoder(&ProtocolOptions::default());
+    let (mut events, mut transcript) = (Events::new(), Vec::new());
+    // The fingers fall by up to 12° about the axis to the left, which moves the fingertip down by more than the gap.
+    let still = std::iter::repeat_n(0.0, 60);
+    let down = (0..=24).map(|step| 0.5 * f64::from(step));
+    let up = (0..=24).rev().map(|step| 0.5 * f64::from(step));
+    for (index, degrees) in still.chain(down).chain(up).enumerate() {
+        let (sin, cos) = (degrees.to_radians() / 2.0).sin_cos();
+        // Lines are lost, and one has lost digits.
+        let line = match index {
+            70..73 => continue,
+            75 => "0.9,0,0".to_owned(),
+            _ => format!("{cos:.5},0,{sin:.5},0\n"),
+        };
+        let time = Timestamp(10_000 * (index as u64 + 1));
+        events.clear();
+        receive(
+            &mut decoder,
+            line.as_bytes(),
+            time,
+            &mut pipeline,
+            &mut events,
+        );
+        transcript.extend(events.iter().filter_map(|event| match event.kind {
+            EventKind::KeyDown(key) => Some(format!("down {key}")),
+            EventKind::KeyUp(key) => Some(format!("up {key}")),
+            _ => None,
+        }));
+    }
+    assert_eq!(transcript, ["down J", "up J"]);
 }

@@ -121,6 +121,63 @@ fn a_left_handed_person_reaches_everything_on_the_mirror_image_of_every_shipped_
 }
 
 #[test]
+fn each_shipped_layout_can_be_used_by_a_left_hand_or_says_how_it_is_mirrored() {
+    let (mut usable, mut mirrored) = (Vec::new(), Vec::new());
+    for (name, _) in Layout::shipped().expect("shipped layouts") {
+        // This board is where the hand is shown.
+        if name.ends_with("webcam-qwerty") {
+            continue;
+        }
+        let setup = load(name, "Person(side: \"left\")");
+        match setup.reach_report(&setup.layout) {
+            None => usable.push(name),
+            Some(report) => {
+                let file = name.rsplit('/').next().expect("a name");
+                let advice = format!("`ademan layout new NAME --from {file} --mirror`");
+                assert!(report.advice.contains(&advice), "{name}: {}", report.advice);
+                mirrored.push(name);
+            }
+        }
+    }
+    println!("as they are: {usable:?}\nmirrored: {mirrored:?}");
+    for (name, is_usable) in [
+        ("qwerty-flat", false),
+        ("chords-bend", true),
+        ("qwerty-two-flat", true),
+    ] {
+        let found = usable.iter().any(|usable| usable.ends_with(name));
+        assert_eq!(found, is_usable, "{name}");
+    }
+}
+
+#[test]
+fn a_left_handed_person_types_hello_on_every_keyboard() {
+    let folder = Folder::new();
+    let mut typed = Vec::new();
+    for (name, layout) in Layout::shipped().expect("shipped layouts") {
+        let keys = layout.key_bindings();
+        let is_keyboard = taps_for_text("hello", &keys, layout.bend_chords()).is_ok();
+        if !is_keyboard || name.ends_with("webcam-qwerty") {
+            continue;
+        }
+        let left = "Person(side: \"left\")";
+        let as_it_is = load(name, left);
+        let setup = match as_it_is.reach_report(&as_it_is.layout) {
+            None => as_it_is,
+            Some(_) => {
+                let document = Document::new(layout.file.as_str(), layout.text.as_str());
+                let mirrored = mirror_layout(&document).expect("a mirrored layout");
+                load(&folder.file("mirrored.ron", &mirrored), left)
+            }
+        };
+        assert_eq!(type_text(&setup, "hello").0, "hello", "{name}");
+        typed.push(name);
+    }
+    println!("{typed:?}");
+    assert!(typed.len() >= 8, "{typed:?}");
+}
+
+#[test]
 fn every_person_types_on_the_layout_for_their_hand() {
     let folder = Folder::new();
     let text = "Persons, 1 2.";
@@ -389,6 +446,78 @@ fn ten_fingers_type_a_text_with_a_thumb_on_the_space() {
     let (space, letters) = fingers.split_last().expect("seven presses");
     assert_eq!((*space, letters.len()), (Finger::Thumb, 6));
     assert!(!letters.contains(&Finger::Thumb), "{letters:?}");
+}
+
+/// A person who types with all fingers.
+const TEN_FINGERS: &str = "Person(hand_length_mm: 183, fingers: [\"thumb\", \"index\", \"middle\", \"ring\", \"little\"])";
+
+/// Returns the text that is typed, and each press of a key: the hand, the finger, and the name of the key.
+fn type_by_fingers(setup: &LoadedSetup, text: &str) -> (String, Vec<(Side, Finger, String)>) {
+    let hand = setup.typist(text, &Hc11Format::default(), 0.0, 7);
+    let names = setup.layout.target_names();
+    let mut pipeline = setup.pipeline();
+    let (mut events, mut field, mut presses) = (Events::new(), UsTextField::new(), Vec::new());
+    for reading in readings(hand.expect("a typist")) {
+        events.clear();
+        let output = pipeline
+            .step(&reading, &mut events)
+            .expect("a valid reading");
+        for touch in output.touches.iter() {
+            if touch.phase == Phase::Pressed {
+                let name = names.get(touch.target).to_string();
+                presses.push((touch.side, touch.finger, name));
+            }
+        }
+        events.iter().for_each(|event| field.handle(event));
+    }
+    (field.text().to_owned(), presses)
+}
+
+#[test]
+fn each_of_eight_fingers_presses_its_columns_in_a_pangram() {
+    let text = "sphinx of black quartz, judge my vow";
+    let setup = load("qwerty-two-flat", TEN_FINGERS);
+    let (typed, presses) = type_by_fingers(&setup, text);
+    assert_eq!(typed, text);
+    // As touch typing is taught.
+    let columns = [
+        (Side::Left, Finger::Little, "QAZ"),
+        (Side::Left, Finger::Ring, "WSX"),
+        (Side::Left, Finger::Middle, "EDC"),
+        (Side::Left, Finger::Index, "RFVTGB"),
+        (Side::Right, Finger::Index, "YHNUJM"),
+        (Side::Right, Finger::Middle, "IK"),
+        (Side::Right, Finger::Ring, "OL"),
+        (Side::Right, Finger::Little, "P"),
+    ];
+    for (side, finger, _) in columns {
+        let is_own = |press: &&(Side, Finger, String)| (press.0, press.1) == (side, finger);
+        let own: Vec<&str> = presses
+            .iter()
+            .filter(is_own)
+            .map(|press| press.2.as_str())
+            .collect();
+        println!("{side} {finger}: {own:?}");
+    }
+    for (side, finger, letters) in columns {
+        for (by_side, by_finger, key) in &presses {
+            if key.len() == 1 && letters.contains(key.as_str()) {
+                assert_eq!((*by_side, *by_finger), (side, finger), "{key}");
+            }
+        }
+    }
+}
+
+#[test]
+fn four_fingers_of_one_hand_share_the_columns_of_a_board() {
+    let text = "sphinx of black quartz judge my vow";
+    let setup = load("qwerty-flat", TEN_FINGERS);
+    let (typed, presses) = type_by_fingers(&setup, text);
+    assert_eq!(typed, text);
+    let count = |finger| presses.iter().filter(|press| press.1 == finger).count();
+    let counts: Vec<usize> = Finger::ALL.iter().map(|&finger| count(finger)).collect();
+    println!("{counts:?}");
+    assert!(counts.iter().all(|&count| count >= 2), "{counts:?}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
 use ademan::pipeline::PipelineState;
-use ademan::setup::Setup;
+use ademan::setup::{OtherHand, Setup};
 use ademan::time::Timestamp;
 use glam::DVec3;
 
@@ -33,6 +33,9 @@ struct Person {
     time_us: u64,
     tip: DVec3,
     bend: f64,
+    /// The finger whose tip the thumb touches.
+    pinched: Option<Finger>,
+    side: Side,
     events: Vec<EventKind>,
 }
 
@@ -45,10 +48,15 @@ impl Person {
     }
 
     fn with(layout: &str) -> Self {
+        Self::with_hands(layout, None)
+    }
+
+    fn with_hands(layout: &str, other_hand: Option<OtherHand>) -> Self {
         let source = "stdin:?protocol=hand-landmarks".parse();
         let setup = Setup {
             layout: layout.into(),
             source: Some(source.expect("a source")),
+            other_hand,
             ..Setup::default()
         };
         let loaded = setup.load_files().unwrap_or_else(|error| panic!("{error}"));
@@ -57,6 +65,8 @@ impl Person {
             time_us: 1_000_000,
             tip: PLACE,
             bend: 0.0,
+            pinched: None,
+            side: Side::Right,
             events: Vec::new(),
         }
     }
@@ -66,7 +76,7 @@ impl Person {
         let time = Timestamp(self.time_us);
         let sample = Sample::Joints { positions };
         let mut events = Events::new();
-        let reading = Reading::new(time, Some(Side::Right), sample);
+        let reading = Reading::new(time, Some(self.side), sample);
         let stepped = self.pipeline.step(&reading, &mut events);
         stepped.expect("an accepted reading");
         self.events.extend(events.iter().map(|event| event.kind));
@@ -81,8 +91,32 @@ impl Person {
         let (from, count) = (self.tip, (seconds * 1e6 / PERIOD_US as f64).round());
         for number in 1..=count as u32 {
             self.tip = from.lerp(tip, f64::from(number) / count);
-            self.show(hand(self.tip, self.bend));
+            self.show(self.hand());
         }
+    }
+
+    /// Returns the joints of the hand, the mirror image for the left one.
+    fn hand(&self) -> JointPositions {
+        let mut positions = hand(self.tip, self.bend);
+        let tip_of = |finger: Finger| *finger.joints().last().expect("a tip");
+        if let Some(tip) = self.pinched.and_then(|it| positions.get(tip_of(it))) {
+            positions.set(tip_of(Finger::Thumb), tip - DVec3::Y * 0.012);
+        }
+        if self.side == Side::Left {
+            for &joint in Joint::ALL {
+                if let Some(position) = positions.get(joint) {
+                    let x = 2.0 * self.tip.x - position.x;
+                    positions.set(joint, DVec3::new(x, position.y, position.z));
+                }
+            }
+        }
+        positions
+    }
+
+    /// Touches a finger with the thumb, or leaves it.
+    fn pinch(&mut self, finger: Option<Finger>) {
+        self.pinched = finger;
+        self.hold(0.3);
     }
 
     fn tap(&mut self, above: DVec3) {
@@ -105,6 +139,11 @@ impl Person {
     fn place(&mut self) {
         self.hold(2.0);
         assert!(!self.pipeline.awaits_start());
+    }
+
+    /// Holds the open hand still until its board is placed.
+    fn place_hand(&mut self) {
+        self.hold(2.0);
     }
 
     /// Returns the keys that went down (`A`) and up (`-A`) since the last call.
@@ -282,6 +321,94 @@ fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_ha
     person.bend = 0.0;
     person.hold(0.3);
     assert_eq!(moves(&mut person), 0);
+}
+
+#[test]
+fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls() {
+    let mut person = Person::with("webcam-mouse");
+    person.place();
+    person.events.clear();
+    for (finger, button) in [(Finger::Index, "MouseLeft"), (Finger::Ring, "MouseRight")] {
+        person.pinch(Some(finger));
+        assert_eq!(person.keys(), button);
+        person.pinch(None);
+        assert_eq!(person.keys(), format!("-{button}"));
+    }
+    // The left button stays down while the hand moves.
+    person.pinch(Some(Finger::Index));
+    person.go(0.5, PLACE + DVec3::X * 0.05);
+    let moved = person
+        .events
+        .iter()
+        .any(|it| matches!(it, EventKind::MoveBy(x, _) if *x > 0));
+    assert!(moved, "{:?}", person.events);
+    assert_eq!(person.keys(), "MouseLeft");
+    person.pinch(None);
+    assert_eq!(person.keys(), "-MouseLeft");
+    // With the middle finger, an upward movement turns the wheel up and moves no pointer.
+    person.pinch(Some(Finger::Middle));
+    person.events.clear();
+    let place = person.tip;
+    let scrolled = |person: &mut Person| {
+        let events = std::mem::take(&mut person.events);
+        let moves = events
+            .iter()
+            .filter(|it| matches!(it, EventKind::MoveBy(..)));
+        assert_eq!(moves.count(), 0, "{events:?}");
+        let turns = events.iter().map(|event| match event {
+            EventKind::Scroll(_, up) => *up,
+            _ => 0,
+        });
+        turns.sum::<i32>()
+    };
+    person.go(0.6, place + DVec3::Y * 0.08);
+    assert!(scrolled(&mut person) > 0);
+    person.go(0.6, place);
+    assert!(scrolled(&mut person) < 0);
+    person.pinch(None);
+    person.events.clear();
+    person.go(0.3, place + DVec3::X * 0.05);
+    assert!(
+        person
+            .events
+            .iter()
+            .all(|it| matches!(it, EventKind::MoveBy(..)))
+    );
+    assert!(!person.events.is_empty());
+}
+
+/// A key for each hand, 50 mm below the place where that hand is shown.
+const TWO_BOARDS: &str = r#"Layout(name: "two", boards: [
+    (hand: "left", pose: (anchor: start, height_mm: -50), keys: [(code: "L", at_mm: (0, 0), size_mm: Box(18, 18), travel_mm: 10)]),
+    (hand: "right", pose: (anchor: start, height_mm: -50), keys: [(code: "R", at_mm: (0, 0), size_mm: Box(18, 18), travel_mm: 10)]),
+])"#;
+
+#[test]
+fn each_of_two_hands_places_its_own_board_and_presses_only_that() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("two.ron");
+    std::fs::write(&path, TWO_BOARDS).expect("a file");
+    let path = path.display().to_string();
+    let mut person = Person::with_hands(&path, Some(OtherHand::default()));
+    let far = PLACE - DVec3::X * 0.3;
+    person.place_hand();
+    person.tap(PLACE);
+    assert_eq!(person.keys(), "R -R");
+    // The other hand is not placed yet.
+    person.side = Side::Left;
+    person.tip = far + DVec3::X * 0.08;
+    person.tap(far);
+    assert_eq!(person.keys(), "");
+    person.place_hand();
+    person.tap(far);
+    assert_eq!(person.keys(), "L -L");
+    // Its board is not where the right hand is, and the other way round.
+    person.tap(PLACE);
+    person.side = Side::Right;
+    person.tap(far);
+    assert_eq!(person.keys(), "");
+    person.tap(PLACE);
+    assert_eq!(person.keys(), "R -R");
 }
 
 /// The name of a control and the way to it.

@@ -225,7 +225,7 @@ fn every_protocol_is_in_the_table() {
         let mut rows = ROWS.iter().map(|row| row.protocol.split('&').next());
         let is_listed = rows.any(|name| name == Some(protocol.name));
         assert!(
-            is_listed || ["lucidgloves", "holistic"].contains(&protocol.name),
+            is_listed || ["lucidgloves", "holistic", "imu"].contains(&protocol.name),
             "{}",
             protocol.name
         );

@@ -10,6 +10,8 @@ pub mod free_address;
 pub mod full_pipe;
 pub mod glove;
 pub mod hand;
+#[cfg(target_os = "linux")]
+pub mod home_made_glove;
 pub mod key_log;
 pub mod lucidgloves;
 pub mod oracle;

@@ -16,8 +16,10 @@
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
 //! - [`device`] turns touches into events and commands: keyboards, sliders, joysticks, pointers.
 //! - [`layout`] builds boards, gloves, arms and persons from documents.
+//! - [`editing`] edits the text of a layout and leaves the rest of it as it is.
 //! - [`pipeline`] runs the stages for one reading, without an allocation.
 //! - [`snapshot`] is the state of the pipeline after a reading.
+//! - [`objects`] are what other programs and pages read of layouts, poses, touches and events.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //!
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians, times in
@@ -36,6 +38,8 @@ pub mod kinematics;
 pub mod contact;
 pub mod device;
 pub mod layout;
+pub mod editing;
 pub mod pipeline;
 pub mod snapshot;
+pub mod objects;
 pub mod calibrate;

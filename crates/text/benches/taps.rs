@@ -1,5 +1,6 @@
-//! The time from a tap to its candidates, in one run beside a reference: the nearest word of the same length in the flat list, by
-//! the same distances, which needs no search over errors.
+//! The time from a tap to its candidates, in one run beside two references for the last five taps: the nearest word of the same length
+//! in the flat list, by the same distances, which needs no search over errors; and the first suggestion of SymSpell within two
+//! edits of the nearest keys, which sees no positions.
 //!
 //! Run with `cargo bench -p ademan-text`; prints microseconds and ratios. `cargo test --bench taps` runs it once, with few taps.
 
@@ -12,6 +13,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use ademan_text::{Decoder, Model, Options, Prior, Tap, TouchModel};
+use support::baselines::Spelling;
+use support::session::nearest;
 use support::simulated::{Person, TIERS, keyboard};
 
 const TEXT: &str = "the quick brown fox jumps over the lazy dog, and it is not what you think of the weather in the evening. ";
@@ -68,6 +71,7 @@ fn main() {
     );
     let words = flat_words(&model);
     let centers: Vec<[f32; 2]> = keyboard().keys().iter().map(|key| key.center).collect();
+    let spelling = Spelling::new(&model);
     println!("{} words", words.len());
     for tier in TIERS {
         let mut decoder = Decoder::new(
@@ -77,7 +81,8 @@ fn main() {
             Options::default(),
         );
         let mut person = Person::new(tier, 5);
-        let (mut taps, mut reads, mut flats) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut taps, mut reads) = (Vec::new(), Vec::new());
+        let (mut flats, mut spelled) = (Vec::new(), Vec::new());
         for _ in 0..rounds {
             let phrase = person.types(TEXT);
             for (index, &tap) in phrase.taps.iter().enumerate() {
@@ -90,20 +95,26 @@ fn main() {
                 let started = Instant::now();
                 black_box(flat(&words, &centers, black_box(word)));
                 flats.push(started.elapsed());
+                let text = nearest(decoder.keyboard(), word);
+                let started = Instant::now();
+                black_box(spelling.read(black_box(&text)));
+                spelled.push(started.elapsed());
             }
             decoder.commit();
         }
         let reference = percentile(&mut flats, 0.5);
+        let [symspell, symspell_slow] = [0.5, 0.99].map(|share| percentile(&mut spelled, share));
         let [tap, read] =
             [&mut taps, &mut reads].map(|times| [0.5, 0.99].map(|share| percentile(times, share)));
         println!(
-            "{}: tap p50 {:.1} µs p99 {:.1} µs, with candidates p50 {:.1} µs p99 {:.1} µs; flat list p50 {reference:.1} µs, ratio {:.3}",
+            "{}: tap p50 {:.1} µs p99 {:.1} µs, with candidates p50 {:.1} µs p99 {:.1} µs; flat list p50 {reference:.1} µs, SymSpell p50 {symspell:.1} µs p99 {symspell_slow:.1} µs, ratios {:.3} {:.3}",
             tier.name,
             tap[0],
             tap[1],
             read[0],
             read[1],
             read[0] / reference,
+            read[0] / symspell,
         );
     }
 }

@@ -183,6 +183,46 @@ pub struct TouchModel {
     pub keys: Vec<KeySums>,
     /// The last known drift of each hand.
     pub drift: [Millimetres; 2],
+    /// How often taps are missed or mean nothing.
+    pub errors: ErrorSums,
+}
+
+/// How many taps the prior of the errors is worth.
+const ERROR_TAPS: f32 = 150.0;
+
+/// Counts of taps that were missed and of taps that mean nothing, older ones counted less.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ErrorSums {
+    /// The taps.
+    pub taps: f32,
+    /// Those that mean nothing.
+    pub spurious: f32,
+    /// Characters that were meant and not tapped.
+    pub missed: f32,
+}
+
+impl ErrorSums {
+    /// Returns by how much the log-probability of a spurious tap changes with what was learned.
+    pub fn spurious_change(&self, prior: f32) -> f32 {
+        self.change(self.spurious, prior)
+    }
+
+    /// Returns by how much the log-probability of a missed tap changes with what was learned.
+    pub fn missed_change(&self, prior: f32) -> f32 {
+        self.change(self.missed, prior)
+    }
+
+    fn change(&self, seen: f32, prior: f32) -> f32 {
+        let expected = prior.exp();
+        ((seen + expected * ERROR_TAPS) / (self.taps + ERROR_TAPS) / expected).ln()
+    }
+
+    fn is_sane(&self) -> bool {
+        [self.taps, self.spurious, self.missed]
+            .iter()
+            .all(|number| number.is_finite() && *number >= 0.0)
+    }
 }
 
 /// The distribution of the taps of a key.
@@ -215,6 +255,9 @@ impl TouchModel {
             self.person = Sums::default();
         }
         self.keys.retain(|key| key.sums.is_finite());
+        if !self.errors.is_sane() {
+            self.errors = ErrorSums::default();
+        }
         for number in self.drift.as_flattened_mut() {
             if !number.is_finite() || number.abs() > 1e3 {
                 *number = 0.0;
@@ -255,6 +298,15 @@ impl TouchModel {
                 key.sums.add(residual);
             }
         }
+    }
+
+    /// Learns how many of the last taps meant nothing, and how many characters were not tapped.
+    pub fn learn_errors(&mut self, taps: usize, spurious: usize, missed: usize) {
+        let memory = self.prior.memory.powi(taps.min(1_000) as i32);
+        let add = |sum: f32, count: usize| sum * memory + count as f32;
+        self.errors.taps = add(self.errors.taps, taps);
+        self.errors.spurious = add(self.errors.spurious, spurious);
+        self.errors.missed = add(self.errors.missed, missed);
     }
 
     /// Returns the distribution of the taps of each key.

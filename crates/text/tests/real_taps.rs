@@ -77,7 +77,11 @@ fn people(file: &Value, keyboard: &Keyboard) -> Vec<Person> {
                 people.len() - 1
             });
         let meant = phrase["intended"].as_str().expect("a text").to_lowercase();
-        people[index].phrases.push(Phrase { meant, taps });
+        people[index].phrases.push(Phrase {
+            meant,
+            taps,
+            space: None,
+        });
         people[index].offsets.extend(offsets);
     }
     people

@@ -21,6 +21,7 @@ fn main() -> std::io::Result<()> {
         ("messages", recordings::message_seeds()),
         ("requests", seeds::requests()),
         ("sources", seeds::sources()),
+        ("links", seeds::links()),
         ("scripts", seeds::scripts()),
         ("share", network::share_seeds()),
         ("datagrams", network::message_seeds()),

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use crate::complete;
 use crate::failure::Failure;
+use crate::messages;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
 
@@ -65,7 +66,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
             writeln!(io::stdout(), "{}", escape_json(&json))?;
         }
         false => {
-            let text = as_text(&findings, &tests);
+            let columns = messages::output_columns().unwrap_or_default();
+            let text = as_text(&findings, &tests, columns);
             io::stdout().write_all(text.as_bytes())?;
         }
     }
@@ -120,35 +122,36 @@ fn as_json(findings: &[Finding], tests: &[TestResult], is_ok: bool) -> Value {
     json!({"ok": is_ok, "checks": findings, "tests": tests})
 }
 
-/// One line per check and test, then the commands that add what is missing.
-fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
+/// A row for each check and test, then the commands that add what is missing, for a terminal of this width.
+fn as_text(findings: &[Finding], tests: &[TestResult], columns: usize) -> String {
     let mut text = String::new();
     for finding in findings {
         let needed = if finding.needed { "needed" } else { "" };
-        text += &format!(
-            "{:12} {:12} {:7} {}\n",
+        let first = format!(
+            "{:12} {:12} {needed:7} ",
             finding.status.name(),
-            finding.check,
-            needed,
-            escape_line(&finding.text)
+            finding.check
         );
+        text += &messages::row(&first, &escape_line(&finding.text), columns);
+        text.push('\n');
     }
     for (backend, outcome) in tests {
         let (state, result) = match outcome {
             Ok(result) => ("works", result),
             Err(reason) => ("fails", reason),
         };
-        let result = escape_line(result);
-        text += &format!("{state:12} {:12} {:7} {result}\n", backend.name, "tested");
+        let first = format!("{state:12} {:12} {:7} ", backend.name, "tested");
+        text += &messages::row(&first, &escape_line(result), columns);
+        text.push('\n');
     }
     for finding in findings {
-        text += &remedy(finding);
+        text += &remedy(finding, columns);
     }
     text
 }
 
-/// Commands to copy; empty if there is nothing to do.
-fn remedy(finding: &Finding) -> String {
+/// Commands to copy, which stay whole, and words about them; empty if there is nothing to do.
+fn remedy(finding: &Finding, columns: usize) -> String {
     if finding.commands.is_empty() && finding.next_step.is_empty() {
         return String::new();
     }
@@ -162,7 +165,9 @@ fn remedy(finding: &Finding) -> String {
         text += &format!("{}\n", escape_line(line));
     }
     if !finding.next_step.is_empty() {
-        text += &format!("# {}\n", escape_line(&finding.next_step));
+        let words = messages::row("# ", &escape_line(&finding.next_step), columns);
+        text += &words.replace("\n  ", "\n# ");
+        text.push('\n');
     }
     text
 }

@@ -9,7 +9,7 @@ use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
-use crate::{complete, field_list, key_list, layout_check, new_file, picture};
+use crate::{complete, field_list, key_list, layout_check, link, new_file, picture};
 
 /// Create, check, list and draw layouts
 #[derive(clap::Args)]
@@ -63,6 +63,18 @@ enum Action {
     /// List the layouts that come with the program
     #[command(after_help = "Example: ademan layout list")]
     List(ListArgs),
+    /// Print the link that opens a layout in the page of `ademan serve`, with the layout in it
+    #[command(
+        after_help = "Examples:\n  ademan layout share my-board.ron\n  ademan layout share my-board.ron --page https://example.org/ademan/"
+    )]
+    Share {
+        /// A layout file, or the name of a layout that comes with the program
+        #[arg(add = complete::layout())]
+        file: String,
+        /// Address of the page
+        #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:8081/")]
+        page: String,
+    },
     /// List the names of keys, with aliases and codes
     #[command(
         after_help = "Examples:\n  ademan layout keys\n  ademan layout keys vol\n  ademan layout keys ';'"
@@ -87,18 +99,27 @@ pub fn run(args: Args) -> Result<(), Failure> {
             person,
             setup,
             json,
-        } => layout_check::check(&files, hand, person, setup.as_deref(), json),
+        } => layout_check::check(&looked_at(files)?, hand, person, setup.as_deref(), json),
+        Action::Share { file, page } => link::print(&file, &page),
         Action::List(args) => list(&args),
         Action::Keys(args) => key_list::print(&args),
         Action::Fields(args) => field_list::print(&args),
-        Action::Show(args) => picture::show(&args),
+        Action::Show(mut args) => {
+            args.file = link::looked_at(args.file)?;
+            picture::show(&args)
+        }
     }
+}
+
+/// Returns the names of layouts, with files for those of links.
+fn looked_at(names: Vec<String>) -> Result<Vec<String>, Failure> {
+    names.into_iter().map(link::looked_at).collect()
 }
 
 /// Copies a layout under the name of the new file, for the other hand if it is mirrored.
 fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     let path = new_file::with_extension(file, "ron");
-    let original = Layout::load(from)?;
+    let original = Layout::load(&link::looked_at(from.to_owned())?)?;
     let (text, origin) = match is_mirrored {
         true => {
             let document = Document::new(original.file.as_str(), original.text.as_str());

@@ -49,9 +49,11 @@ mod field_list;
 mod glove;
 mod gloves;
 mod key_list;
+mod lab;
 mod layout;
 mod layout_check;
 mod layouts;
+mod link;
 mod list;
 mod man;
 mod messages;
@@ -70,6 +72,7 @@ mod replay;
 mod root_args;
 mod run;
 mod script;
+mod serve;
 mod session;
 mod setup;
 mod setup_args;
@@ -118,6 +121,7 @@ subcommands! {
     Run(run),
     Webcam(webcam),
     Share(share),
+    Serve(serve),
     Studio(studio),
     Watch(watch),
     Ctl(ctl),
@@ -131,6 +135,7 @@ subcommands! {
     Trace(trace),
     Delay(delay),
     Layout(layout),
+    Lab(lab),
     Bridge(bridge),
     Sources(sources),
     Outputs(outputs),

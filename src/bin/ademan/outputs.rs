@@ -19,7 +19,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
 }
 
 fn row(backend: &Backend) -> Row {
-    let argument = backend.argument.map(|argument| format!("[:{argument}]"));
+    let argument = backend
+        .argument
+        .map(|argument| match backend.is_argument_required {
+            true => format!(":{argument}"),
+            false => format!("[:{argument}]"),
+        });
     Row {
         name: format!("{}{}", backend.name, argument.unwrap_or_default()),
         summary: backend.summary.into(),

@@ -6,16 +6,13 @@ use ademan::capture::SourceUri;
 use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
-use ademan::setup::{ReplaySettings, Setup};
+use ademan::setup::{OWN_SETUP, ReplaySettings, Setup};
 use ademan::text::TextSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::complete;
 use crate::failure::Failure;
 use crate::source_value::{self, SourceValue};
-
-/// The setup in the configuration folder that is used if none is named.
-const OWN_SETUP: &str = "setup.ron";
+use crate::{complete, link};
 
 /// Flags that override a setup file.
 #[derive(Clone, Default, clap::Args)]
@@ -38,9 +35,12 @@ pub struct SetupArgs {
     /// Person: the name of one that comes with the program (see `ademan person list`), or a file
     #[arg(long, value_name = "FILE", add = complete::person())]
     person: Option<String>,
-    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page (docs/web.md)
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
+    /// Use the layout of a link, which somebody else made
+    #[arg(long)]
+    trust: bool,
     /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
     /// `auto:MODEL.adm`
     #[arg(long, value_name = "MODE[:LANGUAGE]")]
@@ -71,6 +71,11 @@ impl SetupArgs {
             layout: Some(layout),
             ..Self::default()
         }
+    }
+
+    /// Returns whether a layout is named.
+    pub fn names_layout(&self) -> bool {
+        self.layout.is_some()
     }
 
     /// Sets a source on standard input, and a layout, if none is named.
@@ -108,7 +113,9 @@ impl SetupArgs {
         setup.arm_source = self.arm_source.clone().or(setup.arm_source);
         setup.glove = self.glove.clone().or(setup.glove);
         setup.person = self.person.clone().or(setup.person);
-        setup.layout = self.layout.clone().unwrap_or(setup.layout);
+        if let Some(layout) = self.layout.clone() {
+            setup.layout = link::trusted(layout, self.trust)?;
+        }
         setup.text = self.text.clone().or(setup.text);
         self.override_permissions(&mut setup);
         Ok(setup)

@@ -48,6 +48,7 @@ mod x11;
 pub const BACKEND: Backend = Backend {
     name: "desktop",
     argument: None,
+    is_argument_required: false,
     summary: "keys, characters and a pointer on the desktop of the session",
     capabilities,
     is_log: false,

@@ -19,6 +19,7 @@ use unsupported::open;
 pub const BACKEND: Backend = Backend {
     name: "spacenav",
     argument: Some("PATH"),
+    is_argument_required: false,
     summary: "a 6-DoF mouse for 3D programs, at a socket in the runtime folder or at spacenav:PATH (Linux)",
     capabilities,
     is_log: false,

@@ -28,6 +28,9 @@ impl fmt::Display for EventLine<'_> {
             EventKind::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
             EventKind::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
             EventKind::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
+            EventKind::Velocity(target, velocity) => {
+                write!(f, "velocity {} {velocity:.3}", name(target))
+            }
             EventKind::Select(target) => write!(f, "select {}", name(target)),
             EventKind::Unselect(target) => write!(f, "unselect {}", name(target)),
         }

@@ -39,6 +39,7 @@ pub use line::{CommandLine, EventLine};
 pub const BACKEND: Backend = Backend {
     name: "transcript",
     argument: Some("PATH"),
+    is_argument_required: false,
     summary: "one line per event, on the standard output or in a new file: transcript:PATH",
     capabilities: Capabilities::all,
     is_log: true,

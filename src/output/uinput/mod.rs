@@ -21,6 +21,7 @@ use unsupported::{check, open};
 pub const BACKEND: Backend = Backend {
     name: "uinput",
     argument: None,
+    is_argument_required: false,
     summary: "virtual devices with exactly the keys and axes that the layout requires (Linux)",
     capabilities,
     is_log: false,

@@ -100,5 +100,6 @@ impl SessionLoop<'_> {
         }
         self.target_names = self.pipeline.target_names().clone();
         self.sink.0.set_target_names(&self.target_names);
+        self.sink.0.set_signals(&self.pipeline.layout().signals());
     }
 }

@@ -2,11 +2,13 @@
 
 use std::io::Read;
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tungstenite::handshake::machine::TryParse;
 use tungstenite::handshake::server::{Request, create_response, write_response};
 
+use super::folder::PageFolder;
 use super::pages;
 use super::socket::SocketReader;
 use crate::capture::transport::websocket::Admission;
@@ -26,7 +28,18 @@ pub(in crate::share) struct Head {
     bytes: Vec<u8>,
     deadline: Instant,
     admission: Admission,
-    has_pages: bool,
+    pages: Pages,
+}
+
+/// The pages of a server.
+#[derive(Clone)]
+pub(in crate::share) enum Pages {
+    /// None: every path is the WebSocket.
+    None,
+    /// The viewer, beside the WebSocket.
+    Viewer,
+    /// The files of a folder, without a WebSocket.
+    Folder(Arc<PageFolder>),
 }
 
 /// The answer to a request.
@@ -38,8 +51,8 @@ pub(in crate::share) struct Answer {
 }
 
 impl Head {
-    /// Creates a request without bytes, to a server at an address: of a WebSocket, or also of the pages.
-    pub fn new(address: SocketAddr, has_pages: bool) -> Self {
+    /// Creates a request without bytes, to a server of pages at an address.
+    pub fn new(address: SocketAddr, pages: Pages) -> Self {
         let origins = [address.to_string(), format!("localhost:{}", address.port())];
         Self {
             bytes: Vec::new(),
@@ -49,7 +62,7 @@ impl Head {
                 origins: origins.map(|host| format!("http://{host}")).to_vec(),
                 remedy: "only the page of this server may connect",
             },
-            has_pages,
+            pages,
         }
     }
 
@@ -85,8 +98,13 @@ impl Head {
             return refuse("403 Forbidden", &reason);
         }
         let path = request.uri().path();
-        if self.has_pages && path != SOCKET_PATH {
-            return match pages::file(path) {
+        let page = match &self.pages {
+            Pages::Viewer if path != SOCKET_PATH => Some(pages::file(path)),
+            Pages::Folder(folder) => Some(folder.answer(path).map(<[u8]>::to_vec)),
+            Pages::None | Pages::Viewer => None,
+        };
+        if let Some(page) = page {
+            return match page {
                 Some(bytes) => Answer {
                     bytes,
                     socket: None,

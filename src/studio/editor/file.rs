@@ -4,9 +4,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::patch::Patch;
 use super::{Edited, LayoutEditor};
 use crate::document::{Document, DocumentError};
+use crate::editing::Patch;
 use crate::files::{self, FileError, OpenDocument};
 use crate::message::escape_path;
 

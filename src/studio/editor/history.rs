@@ -1,7 +1,7 @@
 //! The edits that can be undone, and those that can be redone.
 
-use super::part::Part;
-use super::patch::Patch;
+use crate::editing::Part;
+use crate::editing::Patch;
 
 /// A finished edit.
 #[derive(Clone, Debug, PartialEq)]

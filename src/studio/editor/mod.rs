@@ -27,46 +27,26 @@
 //! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
-mod add;
-mod arrange;
-mod bind;
-mod delete;
-mod draft;
-mod duplicate;
-mod edit;
-mod error;
-mod fields;
 mod file;
-mod geometry;
 mod history;
-mod names;
-mod part;
-mod patch;
 mod problems;
 mod reach;
 mod recovery;
-mod rename;
-mod rows;
 mod trial;
 #[cfg(test)]
 mod file_tests;
 #[cfg(test)]
 mod tests;
 
-pub use self::add::{NewPart, beside};
-pub use self::arrange::{AlignEdge, BoardAxis};
-pub use self::bind::{Binding, Slot};
-pub use self::draft::Edited;
-pub use self::edit::{Edit, edit};
-pub use self::error::EditError;
-pub use self::fields::{FieldSpec, FieldType, fields_of};
 pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
-pub use self::part::{ControlKind, Part};
-pub use self::patch::{Patch, Replacement};
 pub use self::problems::{Problem, Severity};
 pub use self::reach::ReachCheck;
 pub use self::recovery::UnsavedWork;
 pub use self::trial::EditorTrial;
+pub use crate::editing::{
+    AlignEdge, Binding, BoardAxis, ControlKind, Edit, EditError, Edited, FieldSpec, FieldType,
+    NewPart, Part, Patch, Replacement, Slot, beside, edit, fields_of,
+};
 
 use std::path::Path;
 use std::sync::Arc;
@@ -76,6 +56,7 @@ use self::history::{History, Step};
 use self::recovery::Recovery;
 use crate::contact::TargetId;
 use crate::document::{Document, DocumentError, Node, quote, read_tree};
+use crate::editing;
 use crate::files::OpenDocument;
 use crate::layout::{Fit, Layout};
 
@@ -192,7 +173,7 @@ impl LayoutEditor {
 
     /// Returns the part of a target of [`layout`](Self::layout); `None` if the text has other parts by now.
     pub fn part_of(&self, target: TargetId) -> Option<Part> {
-        let part = part::part_of(&self.layout_targets, target)?;
+        let part = editing::part_of(&self.layout_targets, target)?;
         self.has_layout_targets.then_some(part)
     }
 
@@ -209,7 +190,7 @@ impl LayoutEditor {
     /// Returns the part at a byte of the text, such as that of the cursor.
     pub fn part_at(&self, offset: usize) -> Option<Part> {
         let tree = self.tree.as_ref()?;
-        Some(part::part_at(&self.text, tree, offset))
+        Some(editing::part_at(&self.text, tree, offset))
     }
 
     /// Returns the bytes of a part in the text. Those of a key of a row are the row.
@@ -226,7 +207,7 @@ impl LayoutEditor {
 
     /// Returns the name of a part in layers, chords and messages, if it has one.
     pub fn part_name(&self, part: Part) -> Option<String> {
-        names::name_of(&self.text, self.tree.as_ref()?, part)
+        editing::name_of(&self.text, self.tree.as_ref()?, part)
     }
 
     /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers` or `spaces`.
@@ -237,13 +218,43 @@ impl LayoutEditor {
         list.map_or(0, |list| list.items().len())
     }
 
+    /// Returns the names of the selected keys.
+    pub fn selected_keys(&self) -> Vec<String> {
+        let is_key = |part: &&Part| {
+            matches!(
+                part,
+                Part::RowKey { .. }
+                    | Part::Control {
+                        kind: ControlKind::Key,
+                        ..
+                    }
+            )
+        };
+        let keys = self.selection().iter().filter(is_key);
+        keys.filter_map(|key| self.part_name(*key)).collect()
+    }
+
+    /// Returns the centers of the targets of a space, in millimetres.
+    pub fn targets_in(&self, space: usize) -> Vec<[f64; 3]> {
+        let center = |index| {
+            let node = self.node(Part::SpaceTarget { space, index })?;
+            let at = node
+                .field(self.text(), "at_mm")
+                .map_or(&[][..], |at| at.items());
+            let number = |axis: usize| at.get(axis)?.value.number(self.text());
+            let axes = [0, 1, 2];
+            Some(axes.map(|axis| number(axis).unwrap_or_default()))
+        };
+        (0..).map_while(center).collect()
+    }
+
     fn node(&self, part: Part) -> Option<&Node> {
         part.node(&self.text, self.tree.as_ref()?)
     }
 
     /// Makes an edit. The text may become invalid, which [`problems`](Self::problems) tells; undo leads back.
     pub fn apply(&mut self, edit: &Edit) -> Result<(), EditError> {
-        let edited = edit::edit(&self.text, edit)?;
+        let edited = editing::edit(&self.text, edit)?;
         self.adopt(edited)
     }
 
@@ -254,7 +265,7 @@ impl LayoutEditor {
         };
         // The text in between is not read: a drag on a layout with 10 000 keys reads one text per picture.
         let edited = match patched(&self.text, &step.undo) {
-            Some(text) => edit::edit(&text, edit).map(|edited| (text, edited)),
+            Some(text) => editing::edit(&text, edit).map(|edited| (text, edited)),
             None => Err(EditError::Overlap),
         };
         match edited {
@@ -342,7 +353,7 @@ impl LayoutEditor {
         let targets = self
             .tree
             .as_ref()
-            .map(|tree| part::targets(&self.text, tree));
+            .map(|tree| editing::targets(&self.text, tree));
         let targets = targets.unwrap_or_default();
         let document = Document::new(self.file.name(), self.text.as_str());
         match Layout::for_hands(document, self.fit) {

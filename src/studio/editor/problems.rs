@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::part::{Part, part_at};
 use crate::document::{DocumentError, DocumentFault, Node};
+use crate::editing::{Part, part_at};
 
 /// A problem of a layout text.
 #[derive(Clone, Debug, PartialEq)]

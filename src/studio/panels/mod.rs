@@ -3,6 +3,7 @@
 mod actions;
 mod calibration;
 mod editor;
+mod first_start;
 mod fonts;
 mod help;
 mod look;
@@ -34,6 +35,7 @@ use crate::files;
 use crate::layout::Fit;
 use crate::session::LayoutTrial;
 
+pub use self::first_start::show as show_first_start;
 pub use self::fonts::fonts;
 pub use self::space::{color32, paint};
 
@@ -202,6 +204,11 @@ impl PanelState {
             self.unsaved_work.as_deref(),
         )?));
         Ok(())
+    }
+
+    /// Shows the guided calibration.
+    pub fn show_calibration(&mut self) {
+        self.workspace = Workspace::Calibration;
     }
 
     /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.

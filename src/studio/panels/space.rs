@@ -14,6 +14,12 @@ use crate::studio::texts::text;
 /// Height of letters as a fraction of the size of their font.
 const LETTER_HEIGHT: f32 = 0.72;
 
+/// Width of a character of the text so far, in points, with some room.
+const TYPED_WIDTH: f32 = 10.0;
+
+/// Distance of the middle of the text so far from the lower edge, in points.
+const TYPED_HEIGHT: f32 = 44.0;
+
 /// Sizes of the font in which labels are drawn, in points.
 const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
 
@@ -81,7 +87,26 @@ pub(super) fn show(
     let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
     let picture = scene::draw(context.model, &state.camera, size, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
-    show_hint(ui, area, color32(colors.background));
+    let background = color32(colors.background).gamma_multiply(0.7);
+    show_hint(ui, area, background);
+    show_typed(ui, area, context, background);
+}
+
+/// Shows the end of the text so far above the hint: what a text field would have, with Backspace applied.
+fn show_typed(ui: &mut egui::Ui, area: Rect, context: &PanelContext, background: Color32) {
+    let room = (area.width() / TYPED_WIDTH - 4.0).max(0.0);
+    let typed = context.model.view.state.typed_end(room as usize);
+    if typed.is_empty() {
+        return;
+    }
+    let strip = Rect::from_center_size(
+        area.center_bottom() - egui::vec2(0.0, TYPED_HEIGHT),
+        egui::vec2((typed.chars().count() as f32 + 2.0) * TYPED_WIDTH, 26.0),
+    );
+    ui.painter_at(area).rect_filled(strip, 4.0, background);
+    let words = egui::RichText::new(typed).monospace().size(16.0).strong();
+    ui.put(strip, egui::Label::new(words).extend())
+        .on_hover_text(text("typed-hint"));
 }
 
 /// Shows the movements of the mouse at the lower edge, with a background of their own over the hand.
@@ -92,11 +117,7 @@ fn show_hint(ui: &egui::Ui, area: Rect, background: Color32) {
     let hint = painter.layout_no_wrap(text("hint-camera").to_owned(), font, color);
     let at = area.center_bottom() - egui::vec2(0.0, 8.0);
     let place = Align2::CENTER_BOTTOM.anchor_size(at, hint.size());
-    painter.rect_filled(
-        place.expand2(egui::vec2(6.0, 2.0)),
-        4.0,
-        background.gamma_multiply(0.7),
-    );
+    painter.rect_filled(place.expand2(egui::vec2(6.0, 2.0)), 4.0, background);
     painter.galley(place.min, hint, color);
 }
 

@@ -75,6 +75,7 @@ tour-output-words = Nothing is typed into other programs until a setup file name
 
 ## 3D view
 
+typed-hint = The text so far, with Backspace applied
 hint-camera = drag: orbit · right drag: pan · scroll: zoom · 1 2 3: views
 
 ## Sensors
@@ -415,3 +416,32 @@ overlay-opacity = Opacity
 overlay-place = Move this window to the place of the overlay, then close it.
 overlay-opaque = the overlay is small and opaque, as no compositor runs on this desktop; start one, such as picom, for a transparent one
 overlay-window-only = the overlay is an ordinary window, as this desktop lets no window stay above the others: choose that in its window menu, or install Xwayland
+
+## First start
+
+first-title = Ademán Studio: first start
+first-source = What was found
+first-hand = Which hand
+first-layout = Layout
+first-start = Ready
+first-no-port = No serial port is present. Connect the glove, then start Studio again.
+first-listening = { $port }: listening for some seconds …
+first-recognized = { $port } has a device:
+first-unknown = { $port }: { $bytes } bytes of no known device. Check its bit rate.
+first-silent = { $port }: nothing arrives. Switch the glove on, then start Studio again.
+first-closed = { $port }: cannot listen: { $reason }
+first-camera = Camera { $camera }: it follows your hand with the command { $command } in a terminal.
+first-simulated = Simulated hand
+first-simulated-words = It types by itself, so that you see what happens. No file is written.
+first-hand-words = The hand that is measured:
+first-right = Right hand
+first-left = Left hand
+first-layout-words = Proposed for this sensor and hand: { $layout }
+first-summary-source = Source
+first-summary-hand = Hand
+first-summary-layout = Layout
+first-calibrate = Calibrate the glove first: some poses, about a minute
+first-keep = Keep as the setup of every run without another one
+first-begin = Start
+first-skip = Skip
+first-skip-all = Skip all: simulated hand

@@ -75,6 +75,7 @@ tour-output-words = No se escribe nada en otros programas hasta que un archivo d
 
 ## Vista 3D
 
+typed-hint = El texto hasta ahora, con Retroceso aplicado
 hint-camera = arrastrar: girar · botón derecho: desplazar · rueda: acercar · 1 2 3: vistas
 
 ## Sensores
@@ -415,3 +416,32 @@ overlay-opacity = Opacidad
 overlay-place = Lleve esta ventana al lugar de la superposición y ciérrela.
 overlay-opaque = la superposición es pequeña y opaca, porque en este escritorio no hay un compositor; inicie uno, por ejemplo picom, para que sea transparente
 overlay-window-only = la superposición es una ventana corriente, porque este escritorio no deja ninguna ventana por encima de las demás: elíjalo en el menú de la ventana, o instale Xwayland
+
+## First start
+
+first-title = Ademán Studio: primer inicio
+first-source = Lo que se encontró
+first-hand = Qué mano
+first-layout = Distribución
+first-start = Listo
+first-no-port = No hay ningún puerto serie. Conecte el guante y vuelva a iniciar Studio.
+first-listening = { $port }: escuchando unos segundos …
+first-recognized = { $port } tiene un dispositivo:
+first-unknown = { $port }: { $bytes } bytes de ningún dispositivo conocido. Compruebe su velocidad.
+first-silent = { $port }: no llega nada. Encienda el guante y vuelva a iniciar Studio.
+first-closed = { $port }: no se puede escuchar: { $reason }
+first-camera = Cámara { $camera }: sigue su mano con la orden { $command } en un terminal.
+first-simulated = Mano simulada
+first-simulated-words = Escribe sola, para que vea lo que ocurre. No se escribe ningún archivo.
+first-hand-words = La mano que se mide:
+first-right = Mano derecha
+first-left = Mano izquierda
+first-layout-words = Propuesta para este sensor y esta mano: { $layout }
+first-summary-source = Fuente
+first-summary-hand = Mano
+first-summary-layout = Distribución
+first-calibrate = Calibrar primero el guante: algunas poses, un minuto
+first-keep = Guardar como configuración de cada ejecución sin otra
+first-begin = Iniciar
+first-skip = Saltar
+first-skip-all = Saltar todo: mano simulada

@@ -152,6 +152,16 @@ pub fn streams() -> Vec<Stream> {
             set(&joint_sets::WEBXR),
             [JOINTS, "\"index-pip-flexion\":", TIP],
         ),
+        Stream::of_lines(
+            "imu&rate_hz=100",
+            (0..100)
+                .map(|number| {
+                    let (sin, cos) = (0.01 * f64::from(number)).sin_cos();
+                    format!("{cos:.5},{sin:.5},0,0\n")
+                })
+                .collect(),
+            ["\"displacement\":{", "\"angles_rad\":{", TIP],
+        ),
         Stream::new(
             "opentrack",
             (0..100)

@@ -43,7 +43,7 @@ fn without_opengl_the_reason_and_a_remedy_are_printed() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let mut command = studio(&server, &[]);
+    let mut command = studio(&server, &["--layout", "qwerty-flat"]);
     command.env("LIBGL_DRIVERS_PATH", "/nowhere");
     check_refusal(command, &["OpenGL", "LIBGL_ALWAYS_SOFTWARE=1"]);
 }

@@ -64,7 +64,7 @@ fn the_window_shows_a_typing_hand_and_ends_in_an_orderly_way() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let mut program = Program::from_command(studio(&server, &[]));
+    let mut program = Program::from_command(studio(&server, &["--layout", "qwerty-flat"]));
     let is_typing = is_typing(&server);
     let messages = program.stderr_lines();
     assert!(
@@ -82,7 +82,7 @@ fn mesa_draws_in_the_thread_of_the_window_unless_the_environment_names_another_n
         let Some(server) = XServer::start() else {
             return;
         };
-        let mut command = studio(&server, &[]);
+        let mut command = studio(&server, &["--layout", "qwerty-flat"]);
         match variable {
             Some(number) => command.env("LP_NUM_THREADS", number),
             None => command.env_remove("LP_NUM_THREADS"),
@@ -98,7 +98,7 @@ fn the_window_gives_way_to_other_threads_after_a_tenth_of_a_millisecond() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let program = Program::from_command(studio(&server, &[]));
+    let program = Program::from_command(studio(&server, &["--layout", "qwerty-flat"]));
     assert!(is_drawn(&server), "{:?}", program.stderr_lines());
     // Other threads may have the name of the program, too.
     let window = time_slice(program.id(), &format!("ademan ({},", program.id()));
@@ -133,4 +133,22 @@ fn drawing_threads(process: u32) -> usize {
     let names = of_threads(process, "comm").expect("it is running");
     let is_drawing = |name: &&String| name.starts_with("llvmpipe-");
     names.iter().filter(is_drawing).count()
+}
+
+#[test]
+fn the_first_start_shows_its_pages_before_a_session_and_ends_with_a_signal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut program = Program::from_command(studio(&server, &[]));
+    let background = |colors: &HashSet<[u8; 3]>| colors.len() > 16;
+    let is_shown = wait_for(|| background(&colors(server.display())));
+    assert!(is_shown, "{:?}", program.stderr_lines());
+    program.signal(&["TERM"]);
+    assert!(program.wait_for_exit().success());
+    let messages = program.stderr_lines();
+    assert!(
+        !messages.iter().any(|line| line.contains("armed")),
+        "{messages:?}"
+    );
 }

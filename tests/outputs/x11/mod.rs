@@ -21,6 +21,7 @@ pub mod output_stalls;
 mod watchdog;
 mod gap;
 mod held;
+mod home_made_glove;
 mod key_log;
 mod keymaps;
 #[cfg(target_os = "linux")]

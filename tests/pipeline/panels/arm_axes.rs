@@ -65,6 +65,7 @@ fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis,
             scene: &layout.scene,
             inputs: &Default::default(),
             touches: &[],
+            presses: &[],
             pose: &pose,
             angles: &angles,
         };

@@ -50,6 +50,7 @@ fn axis_values(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
             inputs: &Default::default(),
             pose: &HandPose::new(time, Side::Right, 0.005),
             touches: touches.as_slice(),
+            presses: &[],
         };
         let mut out = DeviceOutput {
             arbiter: &mut arbiter,

@@ -121,6 +121,7 @@ fn binding(key: &str, target: TargetId) -> KeyBinding {
         target,
         actions: actions.map(action).collect(),
         reports_depth: key.starts_with('~'),
+        reports_velocity: false,
         activation,
         debounce: Duration::from_millis(debounce.parse().expect("milliseconds")),
     }

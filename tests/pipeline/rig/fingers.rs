@@ -189,6 +189,7 @@ impl Rig {
             inputs: &Default::default(),
             pose,
             touches,
+            presses: &[],
         };
         let mut output = DeviceOutput {
             arbiter: &mut self.arbiter,

@@ -88,6 +88,10 @@ impl Transcript {
                 let value = self.decimals(value);
                 self.value(time, format!("value:{}", name(target)), value);
             }
+            EventKind::Velocity(target, velocity) => {
+                let velocity = self.decimals(velocity);
+                self.word(time, format!("velocity:{}={velocity}", name(target)));
+            }
             EventKind::Select(target) => self.word(time, format!("select:{}", name(target))),
             EventKind::Unselect(target) => self.word(time, format!("unselect:{}", name(target))),
         }

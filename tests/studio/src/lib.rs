@@ -9,6 +9,7 @@
 mod accessibility;
 mod calibration;
 mod editor;
+mod first_start;
 mod keyboard;
 mod layouts;
 mod picture;

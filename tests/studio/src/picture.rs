@@ -120,6 +120,14 @@ pub fn document(window: &mut StudioWindow, name: &str) {
     }
 }
 
+/// Writes a picture as [`document`] does.
+pub fn document_drawn(picture: &RgbaImage, name: &str) {
+    if is_update() {
+        let path = folder(PICTURES).join(name).with_extension("png");
+        save(&fewer_colors(picture), &path);
+    }
+}
+
 fn is_update() -> bool {
     env::var_os("UPDATE_SNAPSHOTS").is_some()
 }
@@ -151,7 +159,7 @@ pub fn folder(path: &str) -> PathBuf {
 }
 
 /// Returns `true` if pictures can be drawn.
-fn has_driver() -> bool {
+pub fn has_driver() -> bool {
     static HAS_DRIVER: OnceLock<bool> = OnceLock::new();
     *HAS_DRIVER.get_or_init(|| {
         catch_unwind(|| create_render_state(default_wgpu_setup(), Default::default())).is_ok()

@@ -53,3 +53,21 @@ fn two_hands_are_as_reviewed() {
     let mut window = open("qwerty-two-flat", egui::Theme::Light, 120);
     compare(&mut window, "studio-two-hands");
 }
+
+#[test]
+fn the_text_so_far_is_shown_with_backspace_applied() {
+    let mut window = open("qwerty-flat", egui::Theme::Dark, 20);
+    assert!(!window.has("h"), "nothing is typed yet");
+    let typed = |window: &StudioWindow| window.model().view.state.typed.clone();
+    while typed(&window).is_empty() {
+        window.play(5);
+    }
+    let text = typed(&window);
+    assert_eq!(text, "h");
+    window.draw_until("the first character", |window| window.has("h"));
+    while typed(&window).len() < 4 {
+        window.play(10);
+    }
+    window.draw_until("four characters", |window| window.has("hola"));
+    picture::draw(&mut window, "studio-typed");
+}

@@ -195,6 +195,7 @@ fn is_release(kind: EventKind) -> bool {
         EventKind::KeyUp(_) | EventKind::Unselect(_) | EventKind::Value(..) => true,
         EventKind::Axis(_, value) => value == 0.0,
         EventKind::Depth(_, depth) => depth == 0.0,
+        EventKind::Velocity(_, velocity) => velocity == 0.0,
         _ => false,
     }
 }
@@ -208,7 +209,7 @@ fn is_in_range(kind: EventKind) -> bool {
             let min = if axis.is_trigger() { 0.0 } else { -1.0 };
             (min..=1.0).contains(&value)
         }
-        EventKind::Depth(_, depth) => (0.0..=1.0).contains(&depth),
+        EventKind::Depth(_, depth) | EventKind::Velocity(_, depth) => (0.0..=1.0).contains(&depth),
         EventKind::Value(_, value) => value.is_finite(),
         _ => true,
     }

@@ -8,7 +8,7 @@ use super::{Axis, EventKind, KeyCode, KeyKind};
 /// A set of capabilities: those that a layout needs, or those that an output offers.
 ///
 /// A layout is refused by an output that lacks one of its capabilities. Events without a capability
-/// ([`Depth`](EventKind::Depth), [`Value`](EventKind::Value), [`Select`](EventKind::Select) and
+/// ([`Depth`](EventKind::Depth), [`Value`](EventKind::Value), [`Velocity`](EventKind::Velocity), [`Select`](EventKind::Select) and
 /// [`Unselect`](EventKind::Unselect)) go to every output, which may ignore them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
@@ -55,6 +55,7 @@ impl Capability {
             EventKind::Axis(axis, _) => Self::Axis(axis),
             EventKind::Depth(..)
             | EventKind::Value(..)
+            | EventKind::Velocity(..)
             | EventKind::Select(_)
             | EventKind::Unselect(_) => return None,
         })

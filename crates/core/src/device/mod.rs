@@ -7,7 +7,7 @@ use parry3d::math::Vec3;
 
 use crate::command::Command;
 use crate::contact::surface::Scene;
-use crate::contact::{TargetId, Touch};
+use crate::contact::{Press, TargetId, Touch};
 use crate::hand::{InputValues, JointAngles};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
@@ -22,6 +22,8 @@ mod target_index;
 mod grips;
 mod steps;
 pub mod value_output;
+pub mod pressure;
+pub mod signals;
 mod pending_returns;
 pub mod keyboard;
 pub mod toggle;
@@ -71,6 +73,9 @@ pub enum EventKind {
     /// Value of a control that keeps its position, such as a slider: 0..=1 of its range. The value of an
     /// endless knob is the number of its turns, negative for counter-clockwise.
     Value(TargetId, f32),
+    /// Press of a key with a [signal](signals::Signal): its velocity, the speed of the fingertip as a fraction of a fast press, above
+    /// 0 to 1; 0 for its release.
+    Velocity(TargetId, f32),
     /// Selection of a target in space.
     Select(TargetId),
     /// End of the selection of a target.
@@ -139,7 +144,7 @@ impl Axis {
 ///
 /// In one step, ten fingers can each end one press and begin another, each with one modifier, 10 × (2 + 2)
 /// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, and the release of
-/// all keys takes 48 more.
+/// all keys takes 48 more; what does not fit of values and velocities follows in the next step.
 pub type Events = ArrayVec<OutputEvent, 192>;
 
 /// The input of a device: one hand in one step.
@@ -155,6 +160,8 @@ pub struct DeviceInput<'a> {
     pub pose: &'a HandPose,
     /// The touches of the fingertips, in order of time for each finger.
     pub touches: &'a [Touch],
+    /// The evidence of the presses among the touches; none for fingers that press by bending.
+    pub presses: &'a [Press],
 }
 
 /// The output of a device.

@@ -5,11 +5,13 @@ use crate::device::joystick::Joysticks;
 use crate::device::keyboard::Keyboard;
 use crate::device::knob::Knobs;
 use crate::device::pointer::Pointer;
+use crate::device::pressure::Pressures;
 use crate::device::radio::Radios;
 use crate::device::slider::Sliders;
 use crate::device::toggle::Toggles;
 use crate::device::touch_surface::TouchSurfaces;
 use crate::device::trigger::Triggers;
+use crate::device::value_output::ValueOutput;
 use crate::device::{Capabilities, VirtualDevice};
 
 impl Layout {
@@ -34,6 +36,7 @@ impl Layout {
         }
         let devices = [
             Some(self.keyboard()),
+            self.pressure_device(),
             device!(Toggle, Toggles),
             device!(Radio, Radios),
             device!(TouchSurface, TouchSurfaces),
@@ -58,6 +61,13 @@ impl Layout {
     fn keyboard(&self) -> Box<dyn VirtualDevice> {
         let keyboard = Keyboard::new(self.key_bindings());
         Box::new(keyboard.with_chords(&self.chords, self.chord_timeout))
+    }
+
+    fn pressure_device(&self) -> Option<Box<dyn VirtualDevice>> {
+        let keys = self.keys.iter().map(|key| (key.face.target, key.output));
+        let mut keys = keys.filter(|(_, output)| *output != ValueOutput::ValueOnly);
+        let first = keys.next()?;
+        Some(Box::new(Pressures::new([first].into_iter().chain(keys))))
     }
 
     fn trigger_device(&self) -> Option<Box<dyn VirtualDevice>> {

@@ -15,6 +15,7 @@ use super::schema::{
     AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
     PoseSchema,
 };
+use super::signals::SignalSchema;
 use crate::document::{
     self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
 };
@@ -55,6 +56,9 @@ schema! {
         /// Targets in space.
         #[serde(borrow, default)]
         spaces: Vec<SpaceSchema<'a>>,
+        /// What controls send to music and stage programs, by name of the control: `{"C4": (note: 60)}`.
+        #[serde(borrow, default)]
+        signals: Pairs<'a, SignalSchema<'a>>,
     }
 }
 
@@ -143,6 +147,7 @@ macro_rules! board_schema {
                 Structure::of::<TriggerSchema>("triggers"),
                 Structure::of::<PointerSchema>("pointer"),
                 Structure::of::<SpaceSchema>("spaces"),
+                Structure::of::<SignalSchema>("signals"),
             ]
         }
     };
@@ -234,6 +239,13 @@ impl<'a> LayoutSchema<'a> {
                 layer.build_chords(builder, index + 1)?;
             }
         }
+        let signals = self.signals.0.iter();
+        let (of_keys, of_others): (Vec<_>, Vec<_>) =
+            signals.partition(|(name, _)| builder.has_key(name.text));
+        for (name, signal) in of_keys {
+            let built = signal.build(builder, Spanned { text: name.text });
+            builder.collect(built)?;
+        }
         // A key may have its action in a part that has failed.
         if builder.failed() == 0 {
             let rejected = reject_idle_keys(builder);
@@ -249,6 +261,10 @@ impl<'a> LayoutSchema<'a> {
         }
         for (index, space) in self.spaces.iter().enumerate() {
             let built = space.build(builder, index + 1);
+            builder.collect(built)?;
+        }
+        for (name, signal) in of_others {
+            let built = signal.build(builder, Spanned { text: name.text });
             builder.collect(built)?;
         }
         Ok(())

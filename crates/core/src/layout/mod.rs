@@ -31,6 +31,7 @@ mod placement;
 pub mod quantity;
 mod render;
 mod schema;
+mod signals;
 
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
@@ -47,4 +48,4 @@ pub use model::{
 };
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
-pub use render::{Cell, Grid, KeySize, ReachArea, TooManyShapes, Wearer};
+pub use render::{Cell, Grid, Heat, KeySize, ReachArea, TooManyShapes, Wearer, heat_style};

@@ -16,10 +16,12 @@ use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::knob::Knob;
 use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::radio::Radio;
+use crate::device::signals::Signals;
 use crate::device::slider::Slider;
 use crate::device::toggle::Toggle;
 use crate::device::touch_surface::TouchSurface;
 use crate::device::trigger::{Measure, Trigger};
+use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, TextId};
 use crate::hand::Side;
 
@@ -74,6 +76,8 @@ pub struct Layout {
     pub pointer: Option<PointerSettings>,
     /// Targets in space.
     pub spaces: Vec<SpaceTargets>,
+    /// What controls send to music and stage programs.
+    pub signals: Signals,
 }
 
 /// A group of keys and controls that moves as one.
@@ -115,6 +119,10 @@ pub struct Key {
     pub actions: Vec<Option<KeyAction>>,
     /// The depth of a press is reported as a value.
     pub reports_depth: bool,
+    /// The velocity of a press is reported, for its signal.
+    pub reports_velocity: bool,
+    /// The output of the depth of a press, besides the action.
+    pub output: ValueOutput,
     /// The part of a press that activates the action.
     pub activation: Activation,
     /// Time after a release during which the key ignores presses.
@@ -202,6 +210,7 @@ impl Layout {
                 target: key.face.target,
                 actions: key.actions.clone(),
                 reports_depth: key.reports_depth,
+                reports_velocity: key.reports_velocity,
                 activation: key.activation,
                 debounce: key.debounce,
             })

@@ -9,6 +9,7 @@ use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
 use crate::device::pointer::AnchoredFrame;
+use crate::device::signals::Signals;
 use crate::device::{
     CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
 };
@@ -59,6 +60,15 @@ impl LayoutInstance {
             layout: None,
             filter: None,
         }
+    }
+
+    /// Creates the run-time instance of a layout.
+    pub fn from_layout(layout: &Layout) -> Self {
+        let (scene, names) = (layout.scene.clone(), layout.target_names());
+        Self::new(scene, names, layout.devices())
+            .with_texts(layout.texts.clone())
+            .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
+            .with_layout(Arc::new(layout.clone()))
     }
 
     /// Sets the layout that it was made from, for displays.
@@ -120,6 +130,12 @@ impl LayoutInstance {
     /// Returns the names of the targets.
     pub fn target_names(&self) -> &TargetNames {
         &self.target_names
+    }
+
+    /// Returns what its controls send to music and stage programs.
+    pub fn signals(&self) -> Signals {
+        let layout = self.layout.as_ref();
+        layout.map_or_else(Signals::default, |layout| layout.signals.clone())
     }
 
     /// Returns the layout that it was made from, if that is known.
@@ -219,6 +235,7 @@ impl LayoutInstance {
             inputs: &step.estimate.inputs,
             pose: &step.pose,
             touches: &step.touches,
+            presses: &step.presses,
         };
         let mut output = DeviceOutput {
             arbiter: &mut self.key_arbiter,

@@ -7,11 +7,13 @@
 
 mod action;
 mod action_error;
+mod assignment;
 mod body;
 mod effector;
 mod glove_sensor;
 mod motor;
 mod unsteadiness;
+pub mod fluent;
 pub mod script;
 mod text_plan;
 mod reach;
@@ -20,6 +22,7 @@ mod typing_hand;
 mod movement;
 mod noise;
 mod planner;
+mod pointing_posture;
 mod sensor;
 mod task;
 mod tour;

@@ -185,6 +185,7 @@ mod tests {
             target: TargetId(id),
             actions: actions.to_vec(),
             reports_depth: false,
+            reports_velocity: false,
             activation: Activation::OnPress,
             debounce: Duration::ZERO,
         }

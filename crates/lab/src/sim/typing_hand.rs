@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
-use super::effector::{Effector, Limb};
+use super::effector::Effector;
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Input, Joint, Side};
 use crate::kinematics::{
@@ -22,9 +22,6 @@ const PINCHED: f32 = 0.008;
 pub(super) const PINCH_GAP: f64 = 0.012;
 /// Number of attempts to bring thumb and index finger together.
 const PINCH_ROUNDS: usize = 60;
-
-/// Flexion of the MCP joint of an index finger that is out of the way of another finger, in radians.
-const RAISED: f64 = -0.5;
 
 /// Angles that move the thumb to the index finger.
 const OPPOSING: [Dof; 4] = [
@@ -179,6 +176,11 @@ impl TypingHand {
             .collect()
     }
 
+    /// Returns the rest value of a channel.
+    pub(super) fn rest_of(&self, index: usize) -> f64 {
+        self.variables[index].rest
+    }
+
     /// Sets the rest value of a channel, to which it returns where the fingertip leaves it free.
     pub(super) fn set_rest(&mut self, index: usize, value: f64) {
         self.variables[index].rest = value;
@@ -272,37 +274,8 @@ impl TypingHand {
         first.and_then(|(dof, _)| dof.finger())
     }
 
-    /// Returns the channels that have to move before `effector` points, with their values then: the posture at rest, but with a
-    /// raised index finger if another finger or no arm points. The arm stays where it is if it points.
-    pub(super) fn pointing_posture(
-        &self,
-        effector: Effector,
-        rest: &[f64],
-        values: &[f64],
-    ) -> Vec<(usize, f64)> {
-        let is_index = effector == Effector::INDEX;
-        let value = |index: usize| match self.finger_of(index) {
-            None if effector.limb == Limb::Arm => values[index],
-            Some(Finger::Index) if !is_index => self.raised(index),
-            _ => rest[index],
-        };
-        let is_far = |&(index, value): &(usize, f64)| {
-            let (low, high) = self.variables[index].range;
-            (values[index] - value).abs() > (high - low) * 1e-3
-        };
-        let all = (0..self.variables.len()).map(|index| (index, value(index)));
-        all.filter(is_far).collect()
-    }
-
-    /// Returns the value of a channel of a raised index finger.
-    fn raised(&self, index: usize) -> f64 {
-        let first = self.variables[index].mappings.first();
-        let is_knuckle = first.is_some_and(|(dof, _)| *dof == Dof::IndexMcpFlexion);
-        self.value_near(index, if is_knuckle { RAISED } else { 0.0 })
-    }
-
     /// Returns the value of a channel at which its first angle is as near to `radians` as it can be.
-    fn value_near(&self, index: usize, radians: f64) -> f64 {
+    pub(super) fn value_near(&self, index: usize, radians: f64) -> f64 {
         let variable = &self.variables[index];
         let (low, high) = variable.range;
         let first = variable.mappings.first();

@@ -30,6 +30,7 @@ struct Spelled {
 pub struct Counts {
     spelled: BTreeMap<String, Spelled>,
     pairs: BTreeMap<(String, String), u32>,
+    triples: BTreeMap<(String, String, String), u32>,
 }
 
 /// Returns the case of a word, or `None` for one like `iPhone`.
@@ -78,6 +79,7 @@ impl Counts {
     /// Adds a sentence.
     pub fn sentence(&mut self, sentence: &str) {
         let mut before = Some(SENTENCE_START.to_owned());
+        let mut earlier: Option<String> = None;
         let sentence = sentence.replace('\u{2019}', "'");
         for piece in sentence.split_whitespace() {
             let is_part = |letter: char| letter.is_alphabetic() || letter == '\'';
@@ -89,6 +91,7 @@ impl Counts {
             let found = word.chars().all(is_part).then(|| spelling(word)).flatten();
             let Some((key, case)) = found else {
                 before = None;
+                earlier = None;
                 continue;
             };
             let spelled = self.spelled.entry(key.clone()).or_default();
@@ -97,9 +100,15 @@ impl Counts {
             if before.as_deref() != Some(SENTENCE_START) {
                 spelled.cases[case as usize] += 1;
             }
-            if let Some(before) = before {
-                *self.pairs.entry((before, key.clone())).or_default() += 1;
+            if let Some(before) = &before {
+                let pair = (before.clone(), key.clone());
+                *self.pairs.entry(pair).or_default() += 1;
+                if let Some(earlier) = earlier.take() {
+                    let triple = (earlier, before.clone(), key.clone());
+                    *self.triples.entry(triple).or_default() += 1;
+                }
             }
+            earlier = before.filter(|_| !ends);
             before = (!ends).then_some(key);
         }
     }
@@ -111,8 +120,18 @@ impl Counts {
                 .iter()
                 .filter(|(_, spelled)| spelled.listed || spelled.count >= MIN_UNLISTED)
         };
-        let mass = |spelled: &Spelled| f64::from(spelled.count) + spelled.weight;
-        let total: f64 = known().map(|(_, spelled)| mass(spelled)).sum();
+        let mut preceding: BTreeMap<&str, u32> = BTreeMap::new();
+        for (_, word) in self.pairs.keys() {
+            *preceding.entry(word).or_default() += 1;
+        }
+        let preceding = |word: &String| preceding.get(word.as_str()).copied().unwrap_or(0);
+        let mass = |spelled: &Spelled, count: u32| f64::from(count) + spelled.weight;
+        let total: f64 = known()
+            .map(|(_, spelled)| mass(spelled, spelled.count))
+            .sum();
+        let varied: f64 = known()
+            .map(|(word, spelled)| mass(spelled, preceding(word)))
+            .sum();
         known()
             .map(|(word, spelled)| {
                 let [lower, title, upper] = spelled.cases;
@@ -121,17 +140,27 @@ impl Counts {
                     (false, true) => Case::Title,
                     (false, false) => Case::Upper,
                 };
-                let probability = mass(spelled) / total;
+                let probability = 0.5 * mass(spelled, spelled.count) / total
+                    + 0.5 * mass(spelled, preceding(word)) / varied;
                 (word.clone(), Word { probability, case })
             })
             .collect()
     }
 
     /// Returns the pairs and their counts, sorted.
-    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str, u32)> {
+    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str, u32)> + Clone {
         self.pairs
             .iter()
             .map(|((before, word), &count)| (before.as_str(), word.as_str(), count))
+    }
+
+    /// Returns three words in a row and their counts, sorted.
+    pub fn triples(&self) -> impl Iterator<Item = ([&str; 3], u32)> + Clone {
+        self.triples
+            .iter()
+            .map(|((earlier, before, word), &count)| {
+                ([earlier.as_str(), before.as_str(), word.as_str()], count)
+            })
     }
 }
 

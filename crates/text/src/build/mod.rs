@@ -3,9 +3,11 @@
 //! The same lists and texts, in any order of their lines, give the same bytes on every machine: counts are sorted, and the only
 //! function beyond arithmetic is [`ln`].
 //!
-//! - A word has the probability of its count in the texts plus its weight in the lists.
-//! - A pair of words that occurs at least twice has its count less a discount of 0.75, divided by the count of the first word; what
-//!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting).
+//! - A word has half its probability of its count in the texts plus its weight in the lists, and half of the number of different words
+//!   before it plus that weight (Kneser and Ney 1995), so that `francisco` is unlikely behind other words than `san`.
+//! - A pair of words has its count less a discount of 0.75, divided by the count of the first word; what
+//!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting). Three words in a row
+//!   that occur at least twice do alike with what follows the second one.
 //! - Spelling: the letters of all words, each word weighted by the root of its probability, up to four letters before the next one,
 //!   interpolated after Witten and Bell.
 
@@ -97,9 +99,18 @@ impl Builder {
         }
         let alphabet = Alphabet::new(letters);
         let (nodes, indices) = trie::build(&words, &alphabet)?;
-        let (rows, entries) = pairs::build(&self.counts, &words, &indices);
+        let [rows, entries, contexts, triples] = pairs::build(&self.counts, &words, &indices);
         let (states, arcs) = letters::build(&words, &alphabet);
-        Ok(file([alphabet.write(), nodes, rows, entries, states, arcs]))
+        Ok(file([
+            alphabet.write(),
+            nodes,
+            rows,
+            entries,
+            contexts,
+            triples,
+            states,
+            arcs,
+        ]))
     }
 }
 

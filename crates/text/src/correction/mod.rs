@@ -22,7 +22,8 @@ use serde::{Deserialize, Serialize};
 use crate::decoder::{Candidate, Decoder, MAX_TAPS};
 use crate::keyboard::Tap;
 pub use restored::Restored;
-use tail::{Difference, difference, ends_word};
+pub(crate) use tail::ends_word;
+use tail::{Difference, difference};
 
 /// How presses become text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,7 +50,7 @@ pub enum Edit {
 /// The longest tail that is replaced, in characters.
 pub const MAX_TAIL: usize = 64;
 /// At the end of a word, after this many taps, the text before is final.
-const SETTLED_TAPS: usize = 96;
+const SETTLED_TAPS: usize = 60;
 
 /// A correction that one Backspace takes back.
 #[derive(Clone, Debug, Default)]
@@ -164,36 +165,34 @@ impl<'m> Corrector<'m> {
             ..tap
         });
         if ends_word(character) {
-            self.end_word(character);
+            self.end_word();
         }
         &self.edits
     }
 
-    fn end_word(&mut self, character: char) {
+    fn end_word(&mut self) {
         if std::mem::take(&mut self.is_partial) {
             self.shown.clear();
             return self.decoder.commit_typed();
         }
         if self.mode == Mode::Auto {
-            self.correct(character);
+            self.correct();
         }
-        if self.decoder.taps() >= SETTLED_TAPS {
-            if self.decoder.best() == self.shown {
-                self.decoder.commit();
-            } else {
-                self.decoder.commit_typed();
-            }
+        let taps = self.decoder.taps();
+        let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
+        if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
+            // What is shown is final; the person is learned from what was most probably meant.
+            self.decoder.commit();
             self.shown.clear();
         }
     }
 
-    fn correct(&mut self, character: char) {
+    fn correct(&mut self) {
         self.target.clear();
         self.target.push_str(self.decoder.reading());
-        // A space that may mean nothing is kept until it is clear where the word ends.
-        if !self.target.ends_with(character) {
-            self.target.clear();
-            self.target.push_str(self.decoder.typed());
+        // A space that may mean nothing, or a letter, is kept until it is clear where the word ends.
+        if !self.target.ends_with(ends_word) {
+            return;
         }
         if self.replace() {
             return;
@@ -218,6 +217,9 @@ impl<'m> Corrector<'m> {
     /// Replaces the tail behind a prefix, unless it is too long.
     fn replace_tail(&mut self, prefix: usize, removed: usize) {
         if removed > MAX_TAIL {
+            // Out of reach: what follows starts anew, so that it can be corrected.
+            self.decoder.commit();
+            self.shown.clear();
             return;
         }
         let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);

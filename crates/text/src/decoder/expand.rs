@@ -1,9 +1,10 @@
 //! The hypotheses that one hypothesis becomes with a tap.
 
-use super::Options;
 use super::beam::Beam;
 use super::token::{Emission, From, Next, Place, Token};
-use super::touches::Touches;
+use super::{GAIN, Options};
+
+use super::touches::{SLACK, Touches};
 use crate::keyboard::Millimetres;
 use crate::model::Model;
 use crate::model::alphabet::Symbol;
@@ -12,7 +13,7 @@ use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
-pub const ANY_CHARACTER: f32 = -2.5;
+pub const ANY_CHARACTER: f32 = -3.2;
 /// More punctuation or a letter right behind punctuation.
 const RARE: f32 = -3.0;
 /// A second space.
@@ -30,6 +31,8 @@ pub struct Expansion<'a, 'm> {
     /// The key that was typed, its character, and whether it is neither letter, space nor punctuation.
     pub typed: (usize, char),
     pub is_sign: bool,
+    /// What a spurious tap costs more if it hits the space bar.
+    pub spurious_space: f32,
 }
 
 /// Returns `true` if the character ends a word as a space does.
@@ -82,7 +85,10 @@ impl Expansion<'_, '_> {
             emission: Emission::NOTHING,
         };
         let mut nothing = partial;
-        nothing.token.score += self.options.insertion + self.touches.anywhere();
+        nothing.token.score += self.options.insertion + self.touches.stray();
+        if self.typed.1 == ' ' {
+            nothing.token.score += self.spurious_space;
+        }
         self.push(nothing);
         match token.place {
             Place::Word(_) => self.word(&partial),
@@ -102,7 +108,7 @@ impl Expansion<'_, '_> {
 
     /// Returns `true` if a hypothesis can still be kept with a likely tap.
     fn is_open(&self, score: f32) -> bool {
-        score + self.touches.likeliest() + 2.0 > self.beam.limit()
+        score + self.touches.likeliest() + SLACK > self.beam.limit()
     }
 
     fn language(&self, nats: f32) -> f32 {
@@ -119,7 +125,11 @@ impl Expansion<'_, '_> {
             return;
         }
         self.letters(partial);
-        self.end(partial);
+        if let Some(ended) = self.end(partial)
+            && self.is_open(ended.token.score + self.options.missing_space)
+        {
+            self.missing_space(&ended, node);
+        }
         if node == ROOT {
             self.unknown(partial);
             if self.is_sign {
@@ -138,7 +148,7 @@ impl Expansion<'_, '_> {
         for child in self.model.lexicon.children(node) {
             let contents = self.model.lexicon.node(child);
             let score = base + self.language(contents.best());
-            if !self.is_open(score) {
+            if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
                 continue;
             }
             let Some((touch, key)) = self
@@ -168,8 +178,8 @@ impl Expansion<'_, '_> {
         self.touches.drifted(key, drift)
     }
 
-    /// Uses the tap as the end of a word.
-    fn end(&mut self, partial: &Partial) {
+    /// Uses the tap as the end of a word. Returns the hypothesis with its word complete, if it can still be kept.
+    fn end(&mut self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         if node == ROOT {
             let space = self.touches.space();
@@ -179,20 +189,43 @@ impl Expansion<'_, '_> {
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
-            return;
+            self.opening_quote(partial);
+            return None;
         }
-        let Some(ended) = self.ended(partial) else {
-            return;
-        };
+        let ended = self.ended(partial)?;
         let case = self.model.lexicon.node(node).case();
         self.separators(&ended, node, case);
+        Some(ended)
     }
 
-    /// Returns the hypothesis with its word complete, or `None` if it is none.
+    /// Uses the tap as a quotation mark before a word.
+    fn opening_quote(&mut self, partial: &Partial) {
+        for near in 0..self.touches.near().len() {
+            let near = self.touches.near()[near];
+            if near.character == '\'' {
+                let touch = self.touches.of_key(near.key, &partial.token.drift);
+                let mut next = *partial;
+                next.token.score += touch + punctuation(self.options, '\'');
+                next.emission = next.emission.with('\'', From::This, Case::Lower);
+                self.push(next);
+            }
+        }
+    }
+
+    /// Returns the hypothesis with its word complete, or `None` if it is none, or too unlikely for the tap.
     fn ended(&self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         let contents = self.model.lexicon.node(node);
         let alone = contents.word()?;
+        // Before the look-up of the pair: how likely it can be at most.
+        let most = partial.token.score + self.language((alone + GAIN).min(0.0) - contents.best());
+        let behind = self
+            .touches
+            .separator()
+            .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT));
+        if most + behind + SLACK <= self.beam.limit() {
+            return None;
+        }
         let word = self.model.bigrams.after(partial.token.row, node, alone);
         let mut ended = *partial;
         ended.token.score += self.language(word) - self.language(contents.best());
@@ -201,7 +234,7 @@ impl Expansion<'_, '_> {
 
     /// Uses the tap as a space or punctuation behind a complete word.
     fn separators(&mut self, ended: &Partial, node: u32, case: Case) {
-        if !self.is_open(ended.token.score) {
+        if ended.token.score + self.touches.separator() + SLACK <= self.beam.limit() {
             return;
         }
         if let Some(space) = self.touches.space() {
@@ -212,7 +245,7 @@ impl Expansion<'_, '_> {
                 next.token.place = Place::Word(ROOT);
                 next.token.row = match node {
                     ROOT => NO_ROW,
-                    node => self.model.row(node),
+                    node => self.model.next_row(ended.token.row, node),
                 };
                 next.token.drift = self.drift(touch, space, &ended.token.drift);
                 next.emission = next.emission.with(' ', From::This, case);
@@ -221,7 +254,7 @@ impl Expansion<'_, '_> {
         }
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
-            if !is_punctuation(near.character) {
+            if !is_punctuation(near.character) && near.character != '\'' {
                 continue;
             }
             let touch = self.touches.of_key(near.key, &ended.token.drift);
@@ -339,9 +372,6 @@ impl Expansion<'_, '_> {
     fn skips(&mut self, partial: &Partial) {
         let node = partial.node();
         let options = *self.options;
-        if node != ROOT && self.is_open(partial.token.score + options.missing_space) {
-            self.missing_space(partial);
-        }
         let silent = self.apostrophe;
         if !self.is_open(partial.token.score + options.omission.max(options.silent)) {
             return;
@@ -370,15 +400,12 @@ impl Expansion<'_, '_> {
     }
 
     /// Uses the tap as the first letter of a word behind a complete one.
-    fn missing_space(&mut self, partial: &Partial) {
-        let node = partial.node();
-        let Some(mut ended) = self.ended(partial) else {
-            return;
-        };
+    fn missing_space(&mut self, ended: &Partial, node: u32) {
+        let mut ended = *ended;
         ended.token.score += self.options.missing_space + self.best(ROOT);
         if self.is_open(ended.token.score) {
             ended.token.place = Place::Word(ROOT);
-            ended.token.row = self.model.row(node);
+            ended.token.row = self.model.next_row(ended.token.row, node);
             let case = self.model.lexicon.node(node).case();
             ended.emission = ended.emission.with(' ', From::None, case);
             self.letters(&ended);

@@ -1,8 +1,8 @@
 //! The scores of hypotheses if the text ended here.
 
-use super::Options;
 use super::expand::spelling_end;
 use super::token::{Place, Token};
+use super::{GAIN, Options};
 use crate::model::Model;
 use crate::model::lexicon::{Case, ROOT};
 
@@ -23,12 +23,13 @@ pub struct Finished {
     pub token: usize,
 }
 
-/// Calls `found` with each way in which a hypothesis can be complete.
+/// Calls `found` with each way in which a hypothesis can be complete, unless it is worse than a score for sure.
 pub fn finish(
     model: &Model,
     options: &Options,
     index: usize,
     token: &Token,
+    worst: f32,
     mut found: impl FnMut(Finished),
 ) {
     let plain = Finished {
@@ -62,6 +63,10 @@ pub fn finish(
     let mut word = |node: u32, cost: f32, omitted: Option<char>| {
         let contents = model.lexicon.node(node);
         let Some(alone) = contents.word() else { return };
+        let most = options.language * (alone + GAIN).min(0.0);
+        if score + most + cost < worst {
+            return;
+        }
         let probability = options.language * model.bigrams.after(token.row, node, alone);
         found(Finished {
             score: score + probability + cost,
@@ -72,6 +77,9 @@ pub fn finish(
         });
     };
     word(node, 0.0, None);
+    if score + options.omission < worst {
+        return;
+    }
     for child in model.lexicon.children(node) {
         let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
         word(child, options.omission, Some(letter));

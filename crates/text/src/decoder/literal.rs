@@ -80,7 +80,7 @@ impl Literal {
             self.row = match character {
                 '.' | '!' | '?' => model.row(ROOT),
                 ' ' if self.is_empty => self.row,
-                _ => node.map_or(NO_ROW, |node| model.row(node)),
+                _ => node.map_or(NO_ROW, |node| model.next_row(self.row, node)),
             };
             if character != ' ' {
                 self.score += punctuation(options, character);

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! and inside a word, ln P of the likeliest word that it can become. Hypotheses at the same place after the same word are one. After
-//! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015).
+//! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015). A
+//! hypothesis is made only if its bound reaches the limit, which rises while better ones are found.
 //!
 //! What was typed is a hypothesis of its own, which is never dropped.
 
@@ -19,6 +20,7 @@ mod candidate;
 mod expand;
 mod finish;
 mod history;
+mod learn;
 mod literal;
 mod options;
 mod render;
@@ -33,12 +35,13 @@ use candidate::same_letters;
 use expand::Expansion;
 use finish::{Finished, finish};
 use history::{Entry, History, NONE};
+use learn::WordRates;
 use literal::Literal;
 use render::Rendered;
 use token::{From, Place, Token};
-use touches::Touches;
+use touches::{Carried, Touches};
 
-use crate::keyboard::{Keyboard, Millimetres, Tap};
+use crate::keyboard::{Keyboard, Tap};
 use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::{NO_ROW, Row};
@@ -49,6 +52,10 @@ use crate::touch::TouchModel;
 pub const MAX_TAPS: usize = 512;
 /// The candidates beside what was typed.
 pub const CANDIDATES: usize = 3;
+/// The complete hypotheses of which the candidates are chosen.
+const FINISHED: usize = 16;
+/// What the score of a hypothesis gains at most with a word that is likelier after the one before than alone.
+const GAIN: f32 = 8.0;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
 
@@ -81,6 +88,9 @@ pub struct Decoder<'m> {
     keyboard: Keyboard,
     touch: TouchModel,
     options: Options,
+    /// The options with what was learned.
+    costs: Options,
+    spurious_space: f32,
     touches: Touches,
     apostrophe: Option<Symbol>,
     beam: Beam,
@@ -93,8 +103,9 @@ pub struct Decoder<'m> {
     literal: Literal,
     row: Row,
     starts_sentence: bool,
-    /// The variance of the drift before the first tap, for [`untap`](Self::untap).
-    variance: [f32; 2],
+    /// What the touches knew before the first tap, for [`untap`](Self::untap).
+    before: Carried,
+    words: WordRates,
     finished: Vec<Finished>,
     rendered: Rendered,
     candidates: [Candidate; CANDIDATES],
@@ -124,9 +135,12 @@ impl<'m> Decoder<'m> {
             keyboard,
             touch,
             options,
-            variance: touches.variance(),
+            costs: options,
+            spurious_space: 0.0,
+            before: touches.carried(),
+            words: WordRates::default(),
             touches,
-            beam: Beam::new(options.width),
+            beam: Beam::new(options.width, options.beam),
             history: History::new(),
             tokens: Vec::with_capacity(options.beam),
             previous: Vec::with_capacity(options.beam),
@@ -134,11 +148,12 @@ impl<'m> Decoder<'m> {
             spare: Vec::with_capacity(MAX_TAPS),
             literal: Literal::new(MAX_TAPS),
             starts_sentence: true,
-            finished: Vec::with_capacity(40 * options.beam),
+            finished: Vec::with_capacity(FINISHED + 1),
             rendered: Rendered::new(),
             candidates: std::array::from_fn(|_| candidate()),
             found: 0,
         };
+        decoder.update_costs();
         decoder.start_sentence();
         decoder
     }
@@ -184,7 +199,7 @@ impl<'m> Decoder<'m> {
     }
 
     fn restart(&mut self) {
-        self.variance = self.touches.variance();
+        self.before = self.touches.carried();
         self.begin();
     }
 
@@ -225,7 +240,7 @@ impl<'m> Decoder<'m> {
             typed,
             shown,
             &self.model,
-            &self.options,
+            &self.costs,
             &self.touches,
             &drift,
         );
@@ -246,15 +261,17 @@ impl<'m> Decoder<'m> {
     }
 
     fn step(&mut self, typed: (usize, char)) {
-        self.beam.clear();
+        let best = self.tokens.first().map_or(0.0, |token| token.score);
+        self.beam.start(best + self.touches.likeliest() + GAIN);
         let (_, character) = typed;
         let is_letter = self.model.alphabet.symbol(character).is_some();
         let mut expansion = Expansion {
             model: &self.model,
-            options: &self.options,
+            options: &self.costs,
             touches: &self.touches,
             beam: &mut self.beam,
             apostrophe: self.apostrophe,
+            spurious_space: self.spurious_space,
             typed,
             is_sign: !is_letter && character != ' ' && !expand::is_punctuation(character),
         };
@@ -270,7 +287,7 @@ impl<'m> Decoder<'m> {
         self.tokens.clear();
         self.make_room();
         let now = self.taps.len() as u32;
-        for next in self.beam.best(self.options.beam) {
+        for next in self.beam.best() {
             let mut token = next.token;
             for emitted in next.emission.items() {
                 let tap = match emitted.from {
@@ -316,7 +333,7 @@ impl<'m> Decoder<'m> {
         if self.taps.pop().is_none() {
             return;
         }
-        self.touches.set_variance(self.variance);
+        self.touches.restore(self.before);
         std::mem::swap(&mut self.taps, &mut self.spare);
         self.begin();
         for index in 0..self.spare.len() {
@@ -403,99 +420,24 @@ impl<'m> Decoder<'m> {
 
     /// Returns the log-probability that what was typed is meant.
     pub fn typed_score(&self) -> f32 {
-        self.literal.score(&self.model, &self.options)
+        self.literal.score(&self.model, &self.costs)
     }
 
     /// Collects the complete hypotheses, the best first.
     fn finish(&mut self) {
         self.finished.clear();
         for (index, token) in self.tokens.iter().enumerate() {
-            finish(&self.model, &self.options, index, token, |found| {
-                if self.finished.len() < self.finished.capacity() {
-                    self.finished.push(found);
+            let full = self.finished.len() == FINISHED;
+            let worst = self.finished.last().filter(|_| full);
+            let worst = worst.map_or(f32::NEG_INFINITY, |worst| worst.score);
+            finish(&self.model, &self.costs, index, token, worst, |found| {
+                let better = |other: &Finished| other.score >= found.score;
+                let place = self.finished.partition_point(better);
+                if place < FINISHED {
+                    self.finished.truncate(FINISHED - 1);
+                    self.finished.insert(place, found);
                 }
             });
-        }
-        self.finished.sort_unstable_by(|a, b| {
-            let order = b.score.total_cmp(&a.score).then(a.token.cmp(&b.token));
-            order.then(a.omitted.cmp(&b.omitted))
-        });
-    }
-
-    /// Takes the most probable text as meant: learns from its taps, and starts anew behind it.
-    pub fn commit(&mut self) {
-        self.finish();
-        let Some(best) = self.finished.first().copied() else {
-            return self.start_anywhere();
-        };
-        let token = self.tokens[best.token];
-        self.learn(&best);
-        self.touch.drift = token.drift;
-        self.touches.learn(&self.keyboard, &self.touch);
-        let last = self.history.get(best.end).map(|entry| entry.character);
-        match (token.place, last) {
-            (Place::Gap, Some('.' | '!' | '?')) => self.starts_sentence = true,
-            (Place::Word(ROOT), _) => {
-                self.starts_sentence =
-                    self.starts_sentence && last.is_none() || token.row == self.model.row(ROOT);
-            }
-            _ => self.starts_sentence = false,
-        }
-        self.row = match best.word {
-            Some(node) => self.model.row(node),
-            None => token.row,
-        };
-        self.restart();
-    }
-
-    /// Takes what was typed as meant, and starts anew behind it.
-    pub fn commit_typed(&mut self) {
-        self.commit_behind(None);
-    }
-
-    /// Takes a text as meant, or what was typed, without learning from the taps, and starts anew behind it.
-    pub fn commit_behind(&mut self, text: Option<&str>) {
-        self.touch.drift = self
-            .tokens
-            .first()
-            .map_or(self.touch.drift, |token| token.drift);
-        let last = text.unwrap_or(self.literal.text()).trim_end();
-        self.starts_sentence = last.ends_with(['.', '!', '?']);
-        let word = last
-            .rsplit(' ')
-            .next()
-            .and_then(|word| self.model.find(word));
-        self.row = match (self.starts_sentence, word) {
-            (true, _) => self.model.row(ROOT),
-            (false, Some(found)) => self.model.row(found.node),
-            (false, None) => NO_ROW,
-        };
-        self.restart();
-    }
-
-    /// Learns where the keys were tapped that a text consists of.
-    fn learn(&mut self, best: &Finished) {
-        let drift = self.tokens[best.token].drift;
-        let mut end = best.end;
-        while let Some(entry) = self.history.get(end) {
-            end = entry.previous;
-            let Some(tap) = self.taps.get(entry.tap as usize) else {
-                continue;
-            };
-            let plain = crate::model::alphabet::plain(entry.character);
-            let own = self.keyboard.index(entry.character);
-            let Some(index) = own.or_else(|| self.keyboard.index(plain)) else {
-                continue;
-            };
-            let key = self.keyboard.keys()[index];
-            let shift: Millimetres = drift[usize::from(key.hand.min(1))];
-            let residual: Millimetres =
-                std::array::from_fn(|axis| tap.position[axis] - key.center[axis] - shift[axis]);
-            // A slip to another key says nothing about where the key is felt.
-            let inside = (0..2).all(|axis| residual[axis].abs() < 1.5 * key.size[axis]);
-            if inside {
-                self.touch.learn(key.character, residual);
-            }
         }
     }
 }

@@ -12,9 +12,9 @@ pub struct Options {
     pub width: f32,
     /// The weight of the language against the touches.
     pub language: f32,
-    /// A letter was not tapped.
+    /// A letter was not tapped, before the rate of the person is known.
     pub omission: f32,
-    /// A tap means nothing.
+    /// A tap means nothing, before the rate of the person is known.
     pub insertion: f32,
     /// Another key was meant than its neighborhood, beside an even chance for each place of the keyboard.
     pub substitution: f32,
@@ -26,7 +26,7 @@ pub struct Options {
     pub silent: f32,
     /// A letter with a key of its own was typed on that of its plain letter.
     pub plain: f32,
-    /// A word that the lexicon has not.
+    /// A word that the lexicon has not, among words that it has.
     pub unknown: f32,
     /// A letter of such a word costs at most this, if it was typed.
     pub letter: f32,
@@ -46,17 +46,17 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             beam: 200,
-            width: 16.0,
+            width: 12.0,
             language: 1.0,
-            omission: -5.0,
-            insertion: -4.5,
+            omission: -6.0,
+            insertion: -6.0,
             substitution: -5.5,
             transposition: -6.5,
-            missing_space: -5.0,
+            missing_space: -6.0,
             silent: -0.7,
             plain: -2.5,
             unknown: -5.0,
-            letter: -2.8,
+            letter: -3.4,
             other: -2.5,
             punctuation: -3.0,
             verbatim: -5.0,

@@ -63,6 +63,11 @@ impl Rendered {
         &self.text
     }
 
+    /// Returns the last text.
+    pub fn shown(&self) -> &str {
+        &self.text
+    }
+
     fn word(&mut self, start: usize, end: usize, case: Case, taps: &[Tap], capital: bool) {
         for index in start..end {
             let entry = self.entries[index];

@@ -1,5 +1,6 @@
 //! The likelihood of a tap for each key, and the drift of the hands.
 
+use super::expand::is_punctuation;
 use crate::keyboard::{Keyboard, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
 use crate::touch::{Spread, TouchModel};
@@ -13,8 +14,21 @@ struct KeyTouch {
     /// The logarithm of the density at the mean.
     peak: f32,
     hand: usize,
-    /// A space bar tells nothing about the drift along it.
+    /// How much of a residual is drift, on each axis; nothing along a space bar.
+    gain: Millimetres,
+    /// The largest residual that is taken for drift.
+    reach: Millimetres,
     wide: bool,
+    size: Millimetres,
+}
+
+/// What is known from the taps before.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried {
+    /// The variance of the drift of each hand.
+    variance: [f32; 2],
+    /// The last tap and the size of its key.
+    last: Option<(Millimetres, Millimetres)>,
 }
 
 /// The keys on which a letter is typed: its own one, that of its plain letter, or both.
@@ -44,15 +58,27 @@ pub struct Touches {
     characters: Vec<char>,
     space: Option<usize>,
     floor: f32,
+    area: f32,
     plain_cost: f32,
-    /// The variance of the drift of each hand.
-    variance: [f32; 2],
+    carried: Carried,
     first_variance: f32,
     step: f32,
     tap: Millimetres,
     near: Vec<Near>,
     likeliest: f32,
+    /// What the tap is worth if it means nothing, without its cost.
+    stray: f32,
+    /// The largest log-likelihood of a key that ends a word.
+    separator: f32,
+    /// For each letter, more than the log-likelihood of the tap for any hypothesis that counts.
+    bounds: Vec<f32>,
 }
+
+/// How much more likely a hypothesis of the drift makes a tap than the best one does, at most.
+pub const SLACK: f32 = 1.0;
+/// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
+const STRAY_NEAR: f32 = 0.95;
+const STRAY_SPREAD: f32 = 0.9;
 
 /// A key whose likelihood is this much worse than that of the likeliest is not near.
 const NEAR: f32 = 8.0;
@@ -84,7 +110,14 @@ impl Touches {
             characters,
             floor: options.substitution - keyboard.area().ln(),
             plain_cost: options.plain,
-            variance: [touch.prior.first_drift.powi(2); 2],
+            carried: Carried {
+                variance: [touch.prior.first_drift.powi(2); 2],
+                last: None,
+            },
+            stray: 0.0,
+            separator: 0.0,
+            bounds: vec![0.0; alphabet.len()],
+            area: keyboard.area(),
             first_variance: touch.prior.first_drift.powi(2),
             step: touch.prior.drift.powi(2),
             tap: [0.0; 2],
@@ -103,33 +136,46 @@ impl Touches {
                 inverse: [0.0; 3],
                 peak: 0.0,
                 hand: usize::from(key.hand.min(1)),
+                gain: [0.0; 2],
+                reach: [0.0; 2],
                 wide: key.size[0] > 2.0 * key.size[1],
+                size: key.size,
             });
         }
     }
 
-    /// Forgets how well the drift is known.
+    /// Forgets how well the drift is known, and where the last tap was.
     pub fn lift(&mut self) {
-        self.variance = [self.first_variance; 2];
+        self.carried.variance = [self.first_variance; 2];
+        self.carried.last = None;
     }
 
-    pub fn variance(&self) -> [f32; 2] {
-        self.variance
+    pub fn carried(&self) -> Carried {
+        self.carried
     }
 
-    pub fn set_variance(&mut self, variance: [f32; 2]) {
-        self.variance = variance;
+    pub fn restore(&mut self, carried: Carried) {
+        self.carried = carried;
     }
 
     /// Starts a tap, seen from a hypothesis of the drift.
     pub fn tap(&mut self, tap: Millimetres, nearest: usize, drift: &[Millimetres; 2]) {
         self.tap = tap;
-        for variance in &mut self.variance {
+        for variance in &mut self.carried.variance {
             *variance += self.step;
         }
         for key in &mut self.keys {
             let [xx, yy, xy] = key.spread.covariance;
-            let drift = self.variance[key.hand];
+            let drift = self.carried.variance[key.hand];
+            for axis in 0..2 {
+                let spread = drift + key.spread.covariance[axis];
+                key.gain[axis] = if key.wide && axis == 0 {
+                    0.0
+                } else {
+                    drift / spread
+                };
+                key.reach[axis] = 3.0 * spread.sqrt();
+            }
             let (xx, yy) = (xx + drift, yy + drift);
             let determinant = xx * yy - xy * xy;
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
@@ -139,6 +185,19 @@ impl Touches {
         self.likeliest = (0..self.keys.len())
             .map(likelihoods)
             .fold(f32::NEG_INFINITY, f32::max);
+        for symbol in 0..self.bounds.len() {
+            let letter = self.of_letter(symbol as Symbol, drift);
+            self.bounds[symbol] =
+                letter.map_or(f32::NEG_INFINITY, |(likelihood, _)| likelihood + SLACK);
+        }
+        self.stray = self.stray_density();
+        self.separator = (0..self.keys.len())
+            .filter(|&key| {
+                matches!(self.characters[key], ' ' | '\'') || is_punctuation(self.characters[key])
+            })
+            .map(|key| self.of_key(key, drift))
+            .fold(f32::NEG_INFINITY, f32::max);
+        self.carried.last = Some((tap, self.keys[nearest].size));
         self.near.clear();
         for key in 0..self.keys.len() {
             if key == nearest || self.of_key(key, drift) > self.likeliest - NEAR {
@@ -154,7 +213,7 @@ impl Touches {
     /// Notes that the tap of this step told something about the drift of a hand.
     pub fn settle(&mut self, nearest: usize) {
         let key = self.keys[nearest];
-        let variance = &mut self.variance[key.hand];
+        let variance = &mut self.carried.variance[key.hand];
         let noise = (key.spread.covariance[0] * key.spread.covariance[1]).sqrt();
         *variance *= noise / (*variance + noise);
     }
@@ -164,12 +223,43 @@ impl Touches {
         &self.near
     }
 
+    /// Returns the log-density of the tap if it means nothing: near the tap before, or anywhere.
+    fn stray_density(&self) -> f32 {
+        let anywhere = 1.0 / self.area;
+        let Some((last, size)) = self.carried.last else {
+            return anywhere.ln();
+        };
+        let size = size[0].min(size[1]) * STRAY_SPREAD;
+        let [x, y] = [self.tap[0] - last[0], self.tap[1] - last[1]];
+        let variance = size * size;
+        let near = (-0.5 * (x * x + y * y) / variance).exp() / (std::f32::consts::TAU * variance);
+        (STRAY_NEAR * near + (1.0 - STRAY_NEAR) * anywhere).ln()
+    }
+
+    /// Returns the largest log-likelihood of a key that ends a word.
+    pub fn separator(&self) -> f32 {
+        self.separator
+    }
+
+    /// Returns the log-likelihood of the tap if it means nothing, without its cost.
+    pub fn stray(&self) -> f32 {
+        self.stray
+    }
+
+    /// Returns more than the log-likelihood of the tap for a letter with any likely drift.
+    pub fn bound(&self, symbol: Symbol) -> f32 {
+        self.bounds
+            .get(usize::from(symbol))
+            .copied()
+            .unwrap_or(f32::NEG_INFINITY)
+    }
+
     /// Returns the largest log-likelihood of any key.
     pub fn likeliest(&self) -> f32 {
         self.likeliest
     }
 
-    /// Returns the log-likelihood that the tap means nothing, without its cost.
+    /// Returns the log-likelihood of a tap far from every key that it may mean.
     pub fn anywhere(&self) -> f32 {
         self.floor
     }
@@ -228,14 +318,11 @@ impl Touches {
         let Some(key) = self.keys.get(key) else {
             return drift;
         };
-        let variance = self.variance[key.hand];
         for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
-            let gain = variance / (variance + key.spread.covariance[axis]);
             let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
             // A slip to another key is no drift.
-            let limit = 3.0 * (variance + key.spread.covariance[axis]).sqrt();
-            if !(key.wide && axis == 0) && residual.abs() < limit {
-                *shift += gain * residual;
+            if residual.abs() < key.reach[axis] {
+                *shift += key.gain[axis] * residual;
             }
         }
         drift

@@ -1,7 +1,8 @@
-//! Probabilities of a word after another one.
+//! Probabilities of a word after another one, or two.
 //!
 //! A row belongs to a preceding word, given by its node in the lexicon; the root is the start of a sentence. Rows and the entries of
-//! a row are sorted. A word that is not in the row has its own probability times the weight of the row.
+//! a row are sorted. A word that is not in the row has its own probability times the weight of the row. A context is the row of two
+//! preceding words; a word that it lacks has the probability behind the second one, times the weight of the context.
 
 use super::ModelError;
 use super::bytes::u32_at;
@@ -9,71 +10,132 @@ use crate::logarithm::nats;
 
 /// The bytes of a row: node and weight in one number, then the index of the first entry.
 pub const ROW_BYTES: usize = 8;
+/// The bytes of a context: like a row, with the entry of its two words in place of the node, then the row of the second one.
+pub const CONTEXT_BYTES: usize = 12;
+/// The index of the row of the first context.
+const CONTEXT: u32 = 1 << 24;
 
-/// A row: the words that were seen after one word.
+/// A row: the words that were seen after one word, or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row(pub(crate) u32);
 
 /// No preceding word is known.
 pub const NO_ROW: Row = Row(u32::MAX);
 
-/// The pairs of words of a model.
+/// The pairs of words of a model, and what follows some of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Bigrams<'a> {
+    rows: Table<'a, ROW_BYTES>,
+    contexts: Table<'a, CONTEXT_BYTES>,
+}
+
+/// Rows with their entries, and one row more that ends the last one.
+#[derive(Clone, Copy, Debug)]
+struct Table<'a, const BYTES: usize> {
     rows: &'a [u8],
     entries: &'a [u8],
 }
 
-impl<'a> Bigrams<'a> {
-    pub(super) fn read(rows: &'a [u8], entries: &'a [u8]) -> Result<Self, ModelError> {
-        if !rows.len().is_multiple_of(ROW_BYTES)
-            || rows.is_empty()
-            || !entries.len().is_multiple_of(4)
+impl<'a, const BYTES: usize> Table<'a, BYTES> {
+    fn read(rows: &'a [u8], entries: &'a [u8]) -> Result<Self, ModelError> {
+        if !rows.len().is_multiple_of(BYTES) || rows.is_empty() || !entries.len().is_multiple_of(4)
         {
             return Err(ModelError::Damaged("the size of the pairs of words"));
         }
-        let bigrams = Self { rows, entries };
-        let last = bigrams.row_count() as u32 - 1;
-        let count = (entries.len() / 4) as u32;
+        let table = Self { rows, entries };
+        let last = table.count();
         let increases = (0..last).all(|row| {
-            bigrams.key(row) >> 8 < bigrams.key(row + 1) >> 8
-                && bigrams.start(row) <= bigrams.start(row + 1)
+            table.key(row) < table.key(row + 1) && table.start(row) <= table.start(row + 1)
         });
         // The last row only ends the one before it.
-        if !increases || bigrams.start(last) != count {
+        if !increases || table.start(last) as usize != entries.len() / 4 || last >= CONTEXT {
             return Err(ModelError::Damaged("the order of the pairs of words"));
         }
-        Ok(bigrams)
+        Ok(table)
     }
 
-    fn row_count(&self) -> usize {
-        self.rows.len() / ROW_BYTES
+    fn count(&self) -> u32 {
+        (self.rows.len() / BYTES) as u32 - 1
+    }
+
+    fn number(&self, row: u32, offset: usize) -> u32 {
+        u32_at(self.rows, row as usize * BYTES + offset)
+    }
+
+    fn key(&self, row: u32) -> u32 {
+        self.number(row, 0) >> 8
+    }
+
+    fn weight(&self, row: u32) -> f32 {
+        nats(self.number(row, 0) as u8)
+    }
+
+    fn start(&self, row: u32) -> u32 {
+        self.number(row, 4)
+    }
+
+    fn row(&self, key: u32) -> Option<u32> {
+        search(0, self.count(), key, |row| self.key(row))
+    }
+
+    /// Returns the index of the entry of a word.
+    fn entry(&self, row: u32, node: u32) -> Option<u32> {
+        search(self.start(row), self.start(row + 1), node, |index| {
+            u32_at(self.entries, index as usize * 4) >> 8
+        })
+    }
+
+    fn entry_nats(&self, index: u32) -> f32 {
+        nats(u32_at(self.entries, index as usize * 4) as u8)
+    }
+}
+
+impl<'a> Bigrams<'a> {
+    pub(super) fn read(
+        [rows, entries, contexts, triples]: [&'a [u8]; 4],
+    ) -> Result<Self, ModelError> {
+        Ok(Self {
+            rows: Table::read(rows, entries)?,
+            contexts: Table::read(contexts, triples)?,
+        })
     }
 
     /// Returns the number of pairs.
     pub fn len(&self) -> usize {
-        self.entries.len() / 4
+        self.rows.entries.len() / 4
+    }
+
+    /// Returns the number of threes.
+    pub fn triples(&self) -> usize {
+        self.contexts.entries.len() / 4
     }
 
     /// Returns `true` if there are no pairs.
     pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
+        self.rows.entries.is_empty()
     }
 
-    fn key(&self, row: u32) -> u32 {
-        u32_at(self.rows, row as usize * ROW_BYTES)
-    }
-
-    fn start(&self, row: u32) -> u32 {
-        u32_at(self.rows, row as usize * ROW_BYTES + 4)
-    }
-
-    /// Returns the row of a preceding word.
+    /// Returns the row of a preceding word, whatever was before it.
     pub fn row(&self, node: u32) -> Row {
-        let found = search(0, self.row_count() as u32 - 1, node, |row| {
-            self.key(row) >> 8
-        });
-        found.map_or(NO_ROW, Row)
+        self.rows.row(node).map_or(NO_ROW, Row)
+    }
+
+    /// Returns the row of the words that follow a word in a row.
+    pub fn next(&self, row: Row, node: u32) -> Row {
+        let pairs = match row {
+            NO_ROW => None,
+            Row(index) if index >= CONTEXT => self.shorter(index - CONTEXT),
+            Row(index) => Some(index),
+        };
+        let entry = pairs.and_then(|pairs| self.rows.entry(pairs, node));
+        let context = entry.and_then(|entry| self.contexts.row(entry));
+        context.map_or_else(|| self.row(node), |context| Row(CONTEXT + context))
+    }
+
+    /// Returns the row of the last word of a context alone.
+    fn shorter(&self, context: u32) -> Option<u32> {
+        let row = self.contexts.number(context, ROW_BYTES);
+        (row < self.rows.count()).then_some(row)
     }
 
     /// Returns the log-probability of a word in a row, given that of the word alone.
@@ -81,13 +143,22 @@ impl<'a> Bigrams<'a> {
         if row == NO_ROW {
             return alone;
         }
-        let entry = |index: u32| u32_at(self.entries, index as usize * 4);
-        let found = search(self.start(row.0), self.start(row.0 + 1), node, |index| {
-            entry(index) >> 8
-        });
-        match found {
-            Some(index) => nats(entry(index) as u8),
-            None => alone + nats(self.key(row.0) as u8),
+        let mut sum = 0.0;
+        let mut pairs = Some(row.0);
+        if row.0 >= CONTEXT {
+            let context = row.0 - CONTEXT;
+            if let Some(index) = self.contexts.entry(context, node) {
+                return self.contexts.entry_nats(index);
+            }
+            sum = self.contexts.weight(context);
+            pairs = self.shorter(context);
+        }
+        let Some(pairs) = pairs else {
+            return sum + alone;
+        };
+        match self.rows.entry(pairs, node) {
+            Some(index) => sum + self.rows.entry_nats(index),
+            None => sum + self.rows.weight(pairs) + alone,
         }
     }
 }

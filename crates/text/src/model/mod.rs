@@ -3,11 +3,11 @@
 //! | offset | bytes | contents |
 //! |---|---|---|
 //! | 0 | 8 | `ADEMTEXT` |
-//! | 8 | 4 | version of the format, 1 |
-//! | 12 | 4 | number of sections, 6 |
+//! | 8 | 4 | version of the format, 2 |
+//! | 12 | 4 | number of sections, 8 |
 //! | 16 | 8 | checksum of everything behind it |
-//! | 24 | 24 | the size of each section in bytes |
-//! | 48 | | alphabet, nodes, rows, entries, states, arcs |
+//! | 24 | 32 | the size of each section in bytes |
+//! | 56 | | alphabet, nodes, rows, entries, contexts, threes, states, arcs |
 //!
 //! Numbers are little-endian. [`Model::from_bytes`] checks the sum and the order of every section; after that no look-up fails,
 //! whatever the bytes.
@@ -27,8 +27,8 @@ use spelling::Spelling;
 /// The first bytes of a model.
 pub const MAGIC: &[u8; 8] = b"ADEMTEXT";
 /// The version of the format that this library writes and reads.
-pub const VERSION: u32 = 1;
-pub(crate) const SECTIONS: usize = 6;
+pub const VERSION: u32 = 2;
+pub(crate) const SECTIONS: usize = 8;
 pub(crate) const CHECKED_FROM: usize = 24;
 pub(crate) const HEADER_BYTES: usize = CHECKED_FROM + 4 * SECTIONS;
 
@@ -117,12 +117,21 @@ impl<'a> Model<'a> {
             rest = behind;
             section
         });
-        let [letters, nodes, rows, entries, states, arcs] = sections;
+        let [
+            letters,
+            nodes,
+            rows,
+            entries,
+            contexts,
+            triples,
+            states,
+            arcs,
+        ] = sections;
         let alphabet = Alphabet::read(letters)?;
         let symbols = alphabet.len();
         Ok(Self {
             lexicon: Lexicon::read(nodes, symbols)?,
-            bigrams: Bigrams::read(rows, entries)?,
+            bigrams: Bigrams::read([rows, entries, contexts, triples])?,
             spelling: Spelling::read(states, arcs, symbols)?,
             alphabet,
         })
@@ -145,5 +154,10 @@ impl<'a> Model<'a> {
     /// Returns the row of the words that follow a word; that of the root follows the start of a sentence.
     pub fn row(&self, node: u32) -> Row {
         self.bigrams.row(node)
+    }
+
+    /// Returns the row of the words that follow a word which itself is in a row.
+    pub fn next_row(&self, row: Row, node: u32) -> Row {
+        self.bigrams.next(row, node)
     }
 }

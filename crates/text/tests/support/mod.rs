@@ -18,6 +18,8 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+pub mod phrases;
 pub mod session;
 pub mod simulated;
 pub mod baselines;
+pub mod statistics;

@@ -1,12 +1,17 @@
 //! Texts, and how far they are from what was meant.
 
-use ademan_text::{Decoder, Keyboard, Model, Options, Prior, Tap, TouchModel};
+use ademan_text::correction::Restored;
+use ademan_text::{
+    Corrector, Decoder, Edit, Keyboard, Mode, Model, Options, Prior, Tap, TouchModel,
+};
 
 /// A phrase and its taps.
 #[derive(Clone)]
 pub struct Phrase {
     pub meant: String,
     pub taps: Vec<Tap>,
+    /// The space behind it.
+    pub space: Option<Tap>,
 }
 
 /// Errors of characters and words.
@@ -50,7 +55,7 @@ impl Errors {
 }
 
 /// Returns the text without capitals, double spaces and punctuation at its end.
-fn normal(text: &str) -> String {
+pub fn normal(text: &str) -> String {
     let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
     let text = words.join(" ").to_lowercase();
     text.trim_end_matches(['.', '!', '?']).to_owned()
@@ -101,22 +106,89 @@ fn tried(prior: Prior) -> Prior {
     serde_json::from_value(values).expect("a prior")
 }
 
-/// Returns the texts that a decoder reads from the phrases of one person, who is learned from phrase to phrase.
-pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phrase]) -> Vec<String> {
-    let mut decoder = Decoder::new(
-        model.clone(),
-        keyboard.clone(),
-        TouchModel::new(tried(prior)),
-        options(),
-    );
+/// What a decoder reads from a phrase.
+pub struct Read {
+    /// The text that is shown: the most probable one if it is likelier by the margin.
+    pub shown: String,
+    /// The most probable text.
+    pub best: String,
+}
+
+/// Returns what a decoder reads from the phrases of one person, who is learned from phrase to phrase, or not at all.
+pub fn read(
+    model: &Model,
+    keyboard: &Keyboard,
+    prior: Prior,
+    phrases: &[Phrase],
+    learns: bool,
+) -> Vec<Read> {
+    let fresh = || {
+        Decoder::new(
+            model.clone(),
+            keyboard.clone(),
+            TouchModel::new(tried(prior)),
+            options(),
+        )
+    };
+    let mut decoder = fresh();
     let mut texts = Vec::new();
     for phrase in phrases {
         for &tap in &phrase.taps {
             decoder.tap(tap);
         }
-        texts.push(decoder.reading().to_owned());
-        decoder.commit();
-        decoder.start_sentence();
+        texts.push(Read {
+            shown: decoder.reading().to_owned(),
+            best: decoder.best().to_owned(),
+        });
+        if learns {
+            decoder.commit();
+            decoder.start_sentence();
+        } else {
+            decoder = fresh();
+        }
+    }
+    texts
+}
+
+/// Returns the texts that a decoder shows for the phrases of one person, who is learned from phrase to phrase.
+pub fn decode(model: &Model, keyboard: &Keyboard, prior: Prior, phrases: &[Phrase]) -> Vec<String> {
+    let read = read(model, keyboard, prior, phrases, true);
+    read.into_iter().map(|read| read.shown).collect()
+}
+
+/// Returns the texts that stay in a text field behind a corrector, when the phrases are typed one after another, each followed by a
+/// space that is hit.
+pub fn correct(
+    model: &Model,
+    keyboard: &Keyboard,
+    prior: Prior,
+    phrases: &[Phrase],
+) -> Vec<String> {
+    let touch = TouchModel::new(tried(prior));
+    let decoder = Decoder::new(model.clone(), keyboard.clone(), touch, options());
+    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let mut field: Vec<char> = Vec::new();
+    let space = keyboard
+        .index(' ')
+        .map(|space| keyboard.keys()[space].center);
+    let mut texts = Vec::new();
+    for phrase in phrases {
+        let mut start = field.len();
+        let [x, y] = space.expect("a space bar");
+        for tap in phrase.taps.iter().chain(&[Tap {
+            typed: Some(' '),
+            ..phrase.space.unwrap_or(Tap::at(x, y))
+        }]) {
+            for edit in corrector.press(*tap) {
+                match edit {
+                    Edit::Backspace => assert!(field.pop().is_some(), "a Backspace at the start"),
+                    Edit::Type(character) => field.push(*character),
+                }
+            }
+            // A correction that reaches into the phrase before leaves it about as long.
+            start = start.min(field.len());
+        }
+        texts.push(field[start..].iter().collect());
     }
     texts
 }

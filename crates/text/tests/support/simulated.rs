@@ -26,11 +26,11 @@ pub struct Tier {
     pub offset: f32,
     /// The standard deviation of the drift with each tap in mm.
     pub drift: f32,
-    /// The decoder has to divide the errors of the nearest keys by at least this: half of what was measured.
-    pub divides: f64,
+    /// The most wrong characters in percent of the small test: the upper end of the 95 % interval of what was measured.
+    pub limit: f64,
 }
 
-const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32, divides: f64) -> Tier {
+const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32, limit: f64) -> Tier {
     Tier {
         name,
         scatter,
@@ -38,7 +38,7 @@ const fn tier(name: &'static str, scatter: f32, spurious: f32, missed: f32, divi
         missed,
         offset: 0.0,
         drift: 0.0,
-        divides,
+        limit,
     }
 }
 
@@ -95,6 +95,7 @@ fn heavy(random: &mut Rng) -> f32 {
 }
 
 /// A simulated person.
+#[derive(Clone)]
 pub struct Person {
     random: Rng,
     tier: Tier,
@@ -144,6 +145,8 @@ impl Person {
         Phrase {
             meant: text.to_owned(),
             taps,
+            // Of a person whose random numbers go on as if there were no such tap.
+            space: Some(self.clone().tap(' ')),
         }
     }
 

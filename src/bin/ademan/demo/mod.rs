@@ -49,10 +49,13 @@ pub struct Args {
     /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
     #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
     script: Option<String>,
-    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file. The default is that of the setup,
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page. The default is that of the setup,
     /// or `qwerty-flat`
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
+    /// Use the layout of a link, which somebody else made, with an output
+    #[arg(long)]
+    trust: bool,
     /// Setup whose arms, gloves, layout and filters apply; its source and output do not
     #[arg(long, value_name = "SETUP.ron", add = complete::setup())]
     setup: Option<String>,

@@ -4,11 +4,12 @@ use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::{HandUse, Layout, Person};
 use ademan::message::escape;
+use ademan::output;
 use ademan::setup::{LoadedSetup, OtherHand, Setup, simulated_glove};
 
 use super::Args;
 use crate::failure::Failure;
-use crate::person;
+use crate::{link, person};
 
 /// The largest count of a channel on the simulated line.
 const MAX_COUNT: u16 = 1023;
@@ -27,7 +28,11 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     let simulated = args.person.clone().or(assumed.clone());
     let simulated = simulated.as_deref().map(person::load).transpose()?;
     let side = side(args, simulated.as_ref())?;
-    let layout_name = args.layout.clone().unwrap_or(base.layout);
+    let layout_name = match args.layout.clone() {
+        Some(layout) if output::has_effect(&args.output) => link::trusted(layout, args.trust)?,
+        Some(layout) => link::looked_at(layout)?,
+        None => base.layout,
+    };
     let layout = Layout::load(&layout_name)?;
     let glove_of = |side| simulated_glove(&layout, side).to_owned();
     let has_other = layout.has_board_for(side.opposite());

@@ -24,6 +24,8 @@ pub use self::args::LogArgs;
 use self::queue::{Due, MessageQueue};
 use self::stream::MessageStream;
 pub use self::stream::{hold, latest, release};
+pub use self::terminal_width::output_columns;
+pub use self::wrap::row;
 use crate::failure::Failure;
 
 /// Longest wait at the end of the program for a standard error that is not read.

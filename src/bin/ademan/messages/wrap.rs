@@ -22,6 +22,18 @@ pub fn wrapped(text: &str, columns: usize) -> Cow<'_, str> {
     wrapped.into()
 }
 
+/// Returns a row of a table, the first columns and the words of the last one, whose further lines begin below its first. In a
+/// narrow terminal they begin at the left.
+pub fn row(first: &str, words: &str, columns: usize) -> String {
+    let indent = first.chars().count();
+    let room = columns.saturating_sub(indent);
+    if room < MIN_COLUMNS {
+        return wrapped(&format!("{first}{words}"), columns).into_owned();
+    }
+    let line_break = format!("\n{}", " ".repeat(indent));
+    format!("{first}{}", wrapped(words, room).replace('\n', &line_break))
+}
+
 fn push_wrapped(line: &str, columns: usize, wrapped: &mut String) {
     let mut used = 0;
     for word in words(line, columns) {
@@ -75,6 +87,16 @@ mod tests {
         assert_eq!(wrapped(text, 40), expected);
         assert_eq!(wrapped(text, 200), text);
         assert_eq!(wrapped(text, 0), text);
+    }
+
+    #[test]
+    fn the_last_column_of_a_row_goes_on_below_its_beginning() {
+        let words = "one two three four five six seven eight nine ten";
+        let expected = "name  one two three four five six\n      seven eight nine ten";
+        assert_eq!(row("name  ", words, 37), expected);
+        let narrow = "name  one two three four five\nsix seven eight nine ten";
+        assert_eq!(row("name  ", words, 32), narrow);
+        assert_eq!(row("name  ", words, 0), format!("name  {words}"));
     }
 
     #[test]

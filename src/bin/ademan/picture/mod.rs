@@ -1,5 +1,6 @@
 //! `ademan layout show`: a layout in the terminal, or as a picture in a file.
 
+mod json;
 mod png;
 
 use std::fs;
@@ -15,14 +16,14 @@ use crate::failure::Failure;
 use crate::{complete, layout_check};
 
 /// Examples of the command.
-pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg";
+pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards";
 
 /// A layout and the files to draw it to.
 #[derive(clap::Args)]
 pub struct Args {
     /// A layout file, or the name of a layout that comes with the program
     #[arg(add = complete::layout())]
-    file: String,
+    pub file: String,
     /// Write a picture for documents and browsers; - is standard output
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
@@ -32,6 +33,9 @@ pub struct Args {
     /// Write a page for browsers with a choice of layers; - is standard output
     #[arg(long, value_name = "OUT.html")]
     html: Option<PathBuf>,
+    /// Write the boards and targets with their geometry in metres, for programs; - is standard output
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
     /// Replace files that exist
     #[arg(long)]
     overwrite: bool,
@@ -52,7 +56,7 @@ type Picture = Vec<u8>;
 /// Draws a layout to standard output, or to each of the files.
 pub fn show(args: &Args) -> Result<(), Failure> {
     let layout = Layout::load(&args.file)?;
-    let targets = [&args.svg, &args.png, &args.html];
+    let targets = [&args.svg, &args.png, &args.html, &args.json];
     if targets.iter().all(|target| target.is_none()) {
         io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
         return Ok(());
@@ -60,13 +64,14 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     let setup = load(args)?;
     // As the setup fits it to the hand.
     let (layout, wearer) = (&setup.layout, setup.wearer());
-    let drawers: [&dyn Fn() -> Result<Picture, Failure>; 3] = [
+    let drawers: [&dyn Fn() -> Result<Picture, Failure>; 4] = [
         &|| Ok(svg(layout, &wearer)?.into_bytes()),
         &|| png::from_svg(&svg(layout, &wearer)?).map_err(Failure::job),
         &|| {
             let page = layout.to_html(&wearer).map_err(cannot_draw)?;
             Ok(page.into_bytes())
         },
+        &|| Ok(json::from_layout(layout).into_bytes()),
     ];
     for (target, draw) in targets.into_iter().zip(drawers) {
         if let Some(path) = target {

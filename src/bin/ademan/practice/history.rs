@@ -1,5 +1,6 @@
 //! The results of earlier practice, one line of JSON each, in a file that only its owner can read.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
 use std::io::{self, Read, Write};
@@ -10,6 +11,7 @@ use ademan::message::{escape, escape_path};
 use ademan::session::counted;
 use serde::{Deserialize, Serialize};
 
+use super::pointing::PointingResult;
 use crate::failure::Failure;
 
 /// Sessions that are kept. Older ones are dropped.
@@ -22,7 +24,7 @@ const MAX_BYTES: u64 = 1 << 20;
 const SHOWN: usize = 10;
 
 /// The result of one practice. It does not contain what was typed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SessionResult {
     /// The end, in UTC.
     pub time: String,
@@ -38,27 +40,59 @@ pub struct SessionResult {
     pub substitutions: usize,
     pub insertions: usize,
     pub deletions: usize,
+    /// The figures of a pointing lesson, in place of those of a text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pointing: Option<PointingResult>,
+    /// The correct and all attempts of each chord of a lesson of chords.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub chords: BTreeMap<char, [usize; 2]>,
 }
 
 /// The columns of the exported file.
-const COLUMNS: &str = "time,lesson,layout,simulated,characters,seconds,words_per_minute,error_rate,substitutions,insertions,deletions";
+const COLUMNS: &str = "time,lesson,layout,simulated,characters,seconds,words_per_minute,error_rate,substitutions,insertions,deletions,targets,misses,movement_s,path_efficiency,throughput_bits_per_s,chords";
 
 impl SessionResult {
     fn csv(&self) -> String {
+        let figures = match &self.pointing {
+            None => format!(
+                "{},{},{},{},{},{},{},,,,,",
+                self.characters,
+                self.seconds,
+                self.words_per_minute,
+                self.error_rate,
+                self.substitutions,
+                self.insertions,
+                self.deletions
+            ),
+            Some(pointing) => format!(
+                ",{},,,,,,{},{},{},{},{}",
+                self.seconds,
+                pointing.targets,
+                pointing.misses,
+                pointing.movement_s,
+                pointing.path_efficiency,
+                pointing.throughput
+            ),
+        };
+        let chords = self.chords.iter();
+        let chords =
+            chords.map(|(chord, [correct, attempts])| format!("{chord} {correct}/{attempts}"));
         format!(
-            "{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{figures},{}",
             quoted(&self.time),
             quoted(&self.lesson),
             quoted(&self.layout),
             self.is_simulated,
-            self.characters,
-            self.seconds,
-            self.words_per_minute,
-            self.error_rate,
-            self.substitutions,
-            self.insertions,
-            self.deletions
+            quoted(&chords.collect::<Vec<_>>().join(" "))
         )
+    }
+
+    /// Returns the main figure with its unit, and the fraction of errors or misses.
+    fn main_figures(&self) -> (f64, &'static str, f64) {
+        match &self.pointing {
+            Some(pointing) => (pointing.throughput, "bit/s", pointing.miss_rate()),
+            None => (self.words_per_minute, "words/min", self.error_rate),
+        }
     }
 }
 
@@ -118,7 +152,7 @@ impl History {
 
     /// Keeps a result, and returns the latest ones of its layout. A file that cannot be written is reported.
     pub fn add(mut self, session: SessionResult) -> Option<Progress> {
-        let layout = session.layout.clone();
+        let (layout, is_pointing) = (session.layout.clone(), session.pointing.is_some());
         self.sessions.push(session);
         let excess = self.sessions.len().saturating_sub(MAX_SESSIONS);
         self.sessions.drain(..excess);
@@ -130,7 +164,9 @@ impl History {
             );
             return None;
         }
-        let of_layout = self.sessions.into_iter().filter(|it| it.layout == layout);
+        let of_layout = self.sessions.into_iter();
+        let of_layout =
+            of_layout.filter(|it| it.layout == layout && it.pointing.is_some() == is_pointing);
         Some(Progress(of_layout.collect()))
     }
 
@@ -166,8 +202,8 @@ impl History {
         let first = self.sessions.len().saturating_sub(SHOWN);
         writeln!(
             out,
-            "{:<21}{:>9}{:>9}  {:<11}layout",
-            "time (UTC)", "words/min", "errors", "lesson"
+            "{:<21}{:>16}{:>9}  {:<11}layout",
+            "time (UTC)", "result", "errors", "lesson"
         )?;
         for session in &self.sessions[first..] {
             let hand = if session.is_simulated {
@@ -175,12 +211,12 @@ impl History {
             } else {
                 ""
             };
+            let (figure, unit, errors) = session.main_figures();
             writeln!(
                 out,
-                "{:<21}{:>9.1}{:>7.1} %  {:<11}{}{hand}",
+                "{:<21}{figure:>6.1} {unit:<9}{:>7.1} %  {:<11}{}{hand}",
                 escape(&session.time),
-                session.words_per_minute,
-                session.error_rate * 100.0,
+                errors * 100.0,
                 escape(&session.lesson),
                 escape(&session.layout)
             )?;
@@ -219,21 +255,57 @@ impl fmt::Display for Progress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let first = self.0.len().saturating_sub(SHOWN);
         let latest = &self.0[first..];
-        let speeds: Vec<String> = latest
-            .iter()
-            .map(|session| format!("{:.1}", session.words_per_minute))
+        let figures = latest.iter().map(SessionResult::main_figures);
+        let speeds: Vec<String> = figures
+            .clone()
+            .map(|(figure, ..)| format!("{figure:.1}"))
             .collect();
-        let rates: Vec<String> = latest
-            .iter()
-            .map(|session| format!("{:.1}", session.error_rate * 100.0))
+        let rates: Vec<String> = figures
+            .map(|(_, _, errors)| format!("{:.1}", errors * 100.0))
             .collect();
+        let unit = latest
+            .first()
+            .map_or("", |session| session.main_figures().1);
         writeln!(
             f,
-            "progress   words/min {} (oldest first, this layout)",
+            "progress   {unit} {} (oldest first, this layout)",
             speeds.join(" ")
         )?;
-        writeln!(f, "           errors %  {}", rates.join(" "))
+        writeln!(f, "           errors %  {}", rates.join(" "))?;
+        self.write_chords(f)
     }
+}
+
+impl Progress {
+    /// Writes the chords of the latest result that were worse or better before.
+    fn write_chords(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((latest, earlier)) = self.0.split_last() else {
+            return Ok(());
+        };
+        let mut changed = Vec::new();
+        for (chord, now) in &latest.chords {
+            let before = earlier.iter().rev().find_map(|it| it.chords.get(chord));
+            if let Some(before) = before.filter(|before| *before != now) {
+                changed.push(format!(
+                    "{chord} {}/{} → {}/{}",
+                    before[0], before[1], now[0], now[1]
+                ));
+            }
+        }
+        match changed.is_empty() {
+            true => Ok(()),
+            false => writeln!(
+                f,
+                "           chords    {} (correct of all, before → now)",
+                changed.join(", ")
+            ),
+        }
+    }
+}
+
+/// Rounds to a multiple of 1/`scale`.
+pub fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
@@ -287,6 +359,7 @@ mod tests {
             substitutions: 1,
             insertions: 0,
             deletions: 0,
+            ..SessionResult::default()
         }
     }
 
@@ -325,9 +398,55 @@ mod tests {
     fn names_of_layouts_are_fields_of_csv_and_no_formulas() {
         let line = session(12.5).csv();
         let expected =
-            "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0";
+            "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0,,,,,,";
         assert_eq!(line, expected);
-        assert_eq!(COLUMNS.split(',').count(), 11);
+        assert_eq!(COLUMNS.split(',').count(), 17);
         assert_eq!(quoted("=1+1"), "'=1+1");
+    }
+
+    #[test]
+    fn pointing_and_chords_have_columns_of_their_own_and_old_files_are_read() {
+        let old = r#"{"time":"t","lesson":"text","layout":"a","is_simulated":false,"characters":1,"seconds":1.0,"words_per_minute":1.0,"error_rate":0.0,"substitutions":0,"insertions":0,"deletions":0}"#;
+        let old: SessionResult = serde_json::from_str(old).unwrap();
+        assert_eq!(old.pointing, None);
+        let pointing = SessionResult {
+            pointing: Some(PointingResult {
+                targets: 9,
+                misses: 2,
+                movement_s: 0.75,
+                path_efficiency: 0.9,
+                throughput: 4.25,
+            }),
+            ..session(0.0)
+        };
+        let chords = SessionResult {
+            chords: [('q', [1, 3]), (',', [3, 3])].into(),
+            ..session(1.0)
+        };
+        for session in [&pointing, &chords] {
+            let line = serde_json::to_string(session).unwrap();
+            assert_eq!(
+                serde_json::from_str::<SessionResult>(&line).unwrap(),
+                *session
+            );
+        }
+        assert!(
+            pointing
+                .csv()
+                .ends_with("false,,6.5,,,,,,9,2,0.75,0.9,4.25,"),
+            "{}",
+            pointing.csv()
+        );
+        assert!(
+            chords.csv().ends_with(",,,,,,\", 3/3 q 1/3\""),
+            "{}",
+            chords.csv()
+        );
+        let better = SessionResult {
+            chords: [('q', [3, 3]), (',', [3, 3])].into(),
+            ..session(2.0)
+        };
+        let text = Progress(vec![chords, better]).to_string();
+        assert!(text.contains("q 1/3 → 3/3 (correct"), "{text}");
     }
 }

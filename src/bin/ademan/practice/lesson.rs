@@ -1,9 +1,12 @@
 //! The text to type: a given one, or a short one that the layout can type.
 
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
+use ademan::contact::TargetId;
 use ademan::files;
+use ademan::hand::Finger;
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
 use ademan::sim::{HandAction, taps_for_text};
@@ -51,6 +54,8 @@ pub enum LessonKind {
     Spanish,
     /// The characters that the layout types by chords, those of few fingers first
     Chords,
+    /// Targets to point at and to click on with the pointer of the layout
+    Pointing,
 }
 
 /// A text to type.
@@ -59,7 +64,12 @@ pub struct Lesson {
     /// The name in the history.
     pub name: &'static str,
     pub text: String,
+    /// The fingers that type each character, in a lesson of chords.
+    pub chords: ChordLegend,
 }
+
+/// The fingers that type each character together.
+pub type ChordLegend = BTreeMap<char, Vec<Finger>>;
 
 impl Lesson {
     /// Returns the lesson that the arguments ask for. `number` chooses among the texts of a language.
@@ -71,7 +81,8 @@ impl Lesson {
             (None, None, Some(LessonKind::Spanish)) => {
                 built_in("spanish", &SPANISH, layout, number)?
             }
-            (None, None, Some(LessonKind::English) | None) => {
+            // Pointing has no text.
+            (None, None, Some(LessonKind::English | LessonKind::Pointing) | None) => {
                 built_in("english", &ENGLISH, layout, number)?
             }
         };
@@ -87,7 +98,11 @@ impl Lesson {
                 "`{name}` cannot type this text: {error}; `ademan layout show` draws its keys"
             ))
         })?;
-        Ok(Self { name, text })
+        let chords = match args.lesson {
+            Some(LessonKind::Chords) => legend(&text, layout),
+            _ => ChordLegend::new(),
+        };
+        Ok(Self { name, text, chords })
     }
 }
 
@@ -105,6 +120,26 @@ fn built_in(
         true => Ok(("characters", text::choose(TextChoice::Default, layout)?)),
         false => Ok((name, possible[number % possible.len()].to_string())),
     }
+}
+
+/// Returns the fingers of each character of a text that fingers type together.
+fn legend(text: &str, layout: &Layout) -> ChordLegend {
+    let keys = layout.key_bindings();
+    let fingers = |character: char| {
+        let strokes = taps_for_text(&character.to_string(), &keys, layout.bend_chords()).ok()?;
+        let targets: Vec<TargetId> = match strokes.as_slice() {
+            [HandAction::Chord(targets)] => targets.clone(),
+            [action] => action.target().into_iter().collect(),
+            _ => return None,
+        };
+        let mut fingers: Vec<Finger> = targets
+            .into_iter()
+            .filter_map(|target| layout.scene.target(target)?.0.bent_by(target))
+            .collect();
+        fingers.sort_by_key(|finger| finger.index());
+        Some((character, fingers))
+    };
+    text.chars().filter_map(fingers).collect()
 }
 
 /// Returns the characters that several fingers type together, each some times.

@@ -3,13 +3,20 @@
 use std::collections::BTreeMap;
 
 use ademan::device::OutputEvent;
+use ademan::hand::Finger;
 use ademan::message::escape;
 use ademan::session::counted;
 use ademan::sim::{EditCounts, TypingScore, UsTextField, kept_characters, words_per_minute};
 use ademan::time::Timestamp;
 
+use super::PracticeTask;
+use super::lesson::ChordLegend;
+
 /// Columns of typed text that stay in view beside what follows.
 const COLUMNS_BEFORE: usize = 30;
+
+/// Chords whose progress is in view.
+const CHORDS_SHOWN: usize = 9;
 
 /// Columns of the text in view.
 const COLUMNS: usize = 68;
@@ -22,6 +29,8 @@ pub struct PracticeLine {
     last: Timestamp,
     /// Characters that were deleted again, by the character that belongs in their place.
     corrected: BTreeMap<char, usize>,
+    /// The fingers of each character, in a lesson of chords.
+    chords: ChordLegend,
 }
 
 /// The times at which a character was to be typed.
@@ -35,6 +44,12 @@ pub struct CharacterScore {
 }
 
 impl CharacterScore {
+    /// Returns the character with its correct and all attempts.
+    pub fn correct_of(&self) -> String {
+        let correct = self.attempts - self.errors.min(self.attempts);
+        format!("{} {correct}/{}", shown(self.character), self.attempts)
+    }
+
     /// Returns the fraction of errors, 0..=1.
     pub fn error_rate(&self) -> f64 {
         self.errors as f64 / self.attempts.max(1) as f64
@@ -49,14 +64,17 @@ impl PracticeLine {
             first: None,
             last: Timestamp(0),
             corrected: BTreeMap::new(),
+            chords: ChordLegend::new(),
         }
     }
 
+    /// Shows the fingers of the next character, and the progress of each chord.
+    pub fn with_chords(self, chords: ChordLegend) -> Self {
+        Self { chords, ..self }
+    }
+
     /// Adds an event. Those after the end of the text change nothing.
-    pub fn handle(&mut self, event: &OutputEvent) {
-        if self.is_complete() {
-            return;
-        }
+    fn add(&mut self, event: &OutputEvent) {
         let before: Vec<char> = self.field.text().chars().collect();
         self.field.handle(event);
         let length = self.typed_length();
@@ -72,11 +90,6 @@ impl PracticeLine {
         {
             *self.corrected.entry(wanted).or_default() += 1;
         }
-    }
-
-    /// Returns whether as many characters are typed as the text has.
-    pub fn is_complete(&self) -> bool {
-        self.typed_length() >= self.text.len()
     }
 
     fn typed_length(&self) -> usize {
@@ -135,8 +148,51 @@ impl PracticeLine {
         scores
     }
 
+    /// Returns the chord to hold, and the correct and all attempts of the latest chords.
+    fn chord_lines(&self, typed: usize) -> Vec<String> {
+        let hold = match self
+            .text
+            .get(typed)
+            .map(|next| (next, self.chords.get(next)))
+        {
+            Some((next, Some(fingers))) => {
+                format!("hold     {} for {}", names(fingers), shown(*next))
+            }
+            _ => "hold     nothing more".to_owned(),
+        };
+        let mut latest: Vec<char> = Vec::new();
+        for &character in self.text.iter().take(typed).rev() {
+            if !latest.contains(&character) && character != ' ' {
+                latest.push(character);
+            }
+        }
+        latest.truncate(CHORDS_SHOWN);
+        let scores = self.characters(&self.reached());
+        let progress = latest.iter().rev().filter_map(|character| {
+            let score = scores.iter().find(|score| score.character == *character)?;
+            Some(score.correct_of())
+        });
+        let progress: Vec<String> = progress.collect();
+        vec![hold, format!("chords   {}", progress.join("  "))]
+    }
+}
+
+impl PracticeTask for PracticeLine {
+    fn handle(&mut self, event: &OutputEvent) -> bool {
+        if self.is_complete() {
+            return false;
+        }
+        self.add(event);
+        true
+    }
+
+    /// As many characters are typed as the text has.
+    fn is_complete(&self) -> bool {
+        self.typed_length() >= self.text.len()
+    }
+
     /// Returns the lines of the view: the text, what is typed of it below, and the scores so far.
-    pub fn lines(&self) -> Vec<String> {
+    fn lines(&self) -> Vec<String> {
         let typed: Vec<char> = self.field.text().chars().collect();
         let start = typed.len().saturating_sub(COLUMNS_BEFORE);
         let window = |text: &[char]| -> String {
@@ -147,7 +203,7 @@ impl PracticeLine {
         let edits = EditCounts::new(&self.reached(), self.field.text());
         let speed = words_per_minute(edits.correct, self.seconds());
         let rate = edits.errors() as f64 / typed.len().max(1) as f64;
-        vec![
+        let mut lines = vec![
             format!("to type  {}", window(&self.text)),
             format!("typed    {}", window(&typed)),
             format!(
@@ -156,7 +212,24 @@ impl PracticeLine {
                 counted(self.text.len() as u64, "character"),
                 errors(rate, edits)
             ),
-        ]
+        ];
+        if !self.chords.is_empty() {
+            lines.extend(self.chord_lines(typed.len()));
+        }
+        lines
+    }
+}
+
+/// Returns the names of fingers.
+pub fn names(fingers: &[Finger]) -> String {
+    let names: Vec<String> = fingers.iter().map(Finger::to_string).collect();
+    names.join(" + ")
+}
+
+fn shown(character: char) -> String {
+    match character {
+        ' ' => "space".to_owned(),
+        character => escape(&character.to_string()).into_owned(),
     }
 }
 

@@ -4,18 +4,20 @@ mod heat;
 mod history;
 mod lesson;
 mod line;
+mod pointing;
 mod report;
 
 use std::path::PathBuf;
 
 use ademan::capture::{Hc11Format, StreamFormat};
 use ademan::command::Command;
+use ademan::device::OutputEvent;
 use ademan::hand::Side;
 use ademan::output;
 use ademan::pipeline::SourceRole;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::LoadedSetup;
-use ademan::sim::SimulatedStream;
+use ademan::sim::{SimulatedStream, SimulatedTypist};
 
 use self::history::History;
 use self::lesson::{Lesson, LessonKind};
@@ -31,10 +33,10 @@ use crate::{complete, demo, person, session, signals, watchdog};
 /// The output without another one: the practice line only.
 const NO_OUTPUT: &str = "none";
 
-/// Type a text, and see the speed, the errors and the keys that are hit worst
+/// Type a text or point at targets, and see the speed and the errors
 #[derive(Default, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan practice                                     (a simulated hand shows it)\n  ademan practice --source serial:/dev/ttyUSB0\n  ademan practice --layout chords-bend --lesson chords\n  ademan practice my-setup.ron --text 'hola, mundo'\n  ademan practice --history\n  ademan practice --csv progress.csv\n\nNothing is typed into other programs unless --output names one. The text ends after as many characters as it has; Backspace corrects. The results of complete texts are kept on this machine, without what was typed."
+    after_help = "Examples:\n  ademan practice                                     (a simulated hand shows it)\n  ademan practice --source serial:/dev/ttyUSB0\n  ademan practice --layout chords-bend --lesson chords\n  ademan practice --lesson pointing\n  ademan practice my-setup.ron --text 'hola, mundo'\n  ademan practice --history\n  ademan practice --csv progress.csv\n\nNothing is typed into other programs unless --output names one. The text ends after as many characters as it has; Backspace corrects. The results of complete texts are kept on this machine, without what was typed."
 )]
 pub struct Args {
     /// Setup file, as for `ademan run`; the flags override it
@@ -48,7 +50,7 @@ pub struct Args {
     /// File with the text to type; lines become one line of at most 1000 characters
     #[arg(long, value_name = "FILE", conflicts_with = "lesson")]
     file: Option<PathBuf>,
-    /// Text that comes with the program; each practice takes the next one
+    /// Lesson that comes with the program; each practice takes the next text
     #[arg(long, value_name = "KIND")]
     lesson: Option<LessonKind>,
     /// Outputs besides the practice line, separated by commas
@@ -88,6 +90,18 @@ impl Args {
     }
 }
 
+/// What a practice is about: it follows the events of a session until it is complete.
+trait PracticeTask {
+    /// Adds an event. Returns whether it changes the lines.
+    fn handle(&mut self, event: &OutputEvent) -> bool;
+
+    /// Returns whether the practice has come to its end.
+    fn is_complete(&self) -> bool;
+
+    /// Returns the lines of the live view.
+    fn lines(&self) -> Vec<String>;
+}
+
 pub fn run(args: Args) -> Result<(), Failure> {
     let history = History::read();
     if args.history {
@@ -98,6 +112,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     args.root.check(output::has_effect(&args.output))?;
     let (setup, is_simulated) = load_setup(&args)?;
+    if args.lesson == Some(LessonKind::Pointing) {
+        return pointing::run(&args, setup, is_simulated, history);
+    }
     let lesson = Lesson::choose(&args, &setup.layout, history.count())?;
     let mut report = practice(&args, setup, is_simulated, &lesson)?;
     let is_kept = report.is_complete && !args.no_history;
@@ -116,6 +133,10 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     setup.output = args.output.clone();
     let is_simulated = setup.source.is_none();
+    let names_layout = args.setup.is_some() || args.flags.names_layout();
+    if is_simulated && !names_layout && args.lesson == Some(LessonKind::Pointing) {
+        pointing::SIMULATED_LAYOUT.clone_into(&mut setup.layout);
+    }
     if is_simulated {
         let person = setup.person.as_deref().map(person::load).transpose()?;
         let side = person.and_then(|person| person.side);
@@ -127,7 +148,7 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
     Ok((setup.load_files()?, is_simulated))
 }
 
-/// Runs the session until the text is typed, its source ends or a signal ends it.
+/// Types a text: runs the session until it is typed, the source ends or a signal ends it.
 fn practice(
     args: &Args,
     setup: LoadedSetup,
@@ -135,28 +156,15 @@ fn practice(
     lesson: &Lesson,
 ) -> Result<Report, Failure> {
     let layout = setup.layout.clone();
-    let is_drawn = view::is_possible() && !args.json && !output::uses_stdout(&args.output);
-    session::prepare()?;
-    let mut options = SessionOptions {
-        watchdog: Some(watchdog::program(Command::Stop)?),
-        lossless_snapshots: true,
-        report_status: true,
-        use_panic_keys: output::has_effect(&args.output),
-        speed: Some(1.0),
-        on_notice: Some(session::print_notices()),
-        ..SessionOptions::default()
+    let hand = match is_simulated {
+        true => {
+            let format = Hc11Format::default();
+            Some(setup.typist(&lesson.text, &format, args.noise, args.seed)?)
+        }
+        false => None,
     };
-    if is_simulated {
-        let format = Hc11Format::default();
-        let hand = setup.typist(&lesson.text, &format, args.noise, args.seed)?;
-        let stream = SimulatedStream::new(hand, &StreamFormat::from(format));
-        options.source = Some(Box::new(stream.map_err(Failure::job)?));
-        // Without a picture nobody waits for the hand.
-        options.speed = is_drawn.then_some(1.0);
-    }
-    let session = session::start(setup, options)?;
-    let line = follow(&session, &lesson.text, is_drawn)?;
-    session.join()?;
+    let mut line = PracticeLine::new(&lesson.text).with_chords(lesson.chords.clone());
+    run_task(args, setup, hand, &mut line)?;
     let is_complete = line.is_complete() || is_simulated && !signals::is_stop_requested();
     Ok(Report::new(
         lesson,
@@ -167,29 +175,64 @@ fn practice(
     ))
 }
 
-/// Follows the events of a session, on the terminal if it is drawn, and stops the session when the text is typed.
-fn follow(session: &SessionHandle, text: &str, is_drawn: bool) -> Result<PracticeLine, Failure> {
-    let mut line = PracticeLine::new(text);
+/// Returns whether the live view is drawn.
+fn is_drawn(args: &Args) -> bool {
+    view::is_possible() && !args.json && !output::uses_stdout(&args.output)
+}
+
+/// Runs a session, with a simulated hand or with the source of the setup, until the task is complete, the source ends or a signal
+/// ends it.
+fn run_task(
+    args: &Args,
+    setup: LoadedSetup,
+    hand: Option<SimulatedTypist>,
+    task: &mut impl PracticeTask,
+) -> Result<(), Failure> {
+    let is_drawn = is_drawn(args);
+    session::prepare()?;
+    let mut options = SessionOptions {
+        watchdog: Some(watchdog::program(Command::Stop)?),
+        lossless_snapshots: true,
+        report_status: true,
+        use_panic_keys: output::has_effect(&args.output),
+        speed: Some(1.0),
+        on_notice: Some(session::print_notices()),
+        ..SessionOptions::default()
+    };
+    if let Some(hand) = hand {
+        let stream = SimulatedStream::new(hand, &StreamFormat::from(Hc11Format::default()));
+        options.source = Some(Box::new(stream.map_err(Failure::job)?));
+        // Without a picture nobody waits for the hand.
+        options.speed = is_drawn.then_some(1.0);
+    }
+    let session = session::start(setup, options)?;
+    follow(&session, task, is_drawn);
+    session.join()?;
+    Ok(())
+}
+
+/// Follows the events of a session, on the terminal if it is drawn, and stops the session when the task is complete.
+fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool) {
     let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |line: &PracticeLine| {
+    let show = |task: &dyn PracticeTask| {
         if let Some(view) = &view {
-            view.task().set(line.lines());
+            view.task().set(task.lines());
         }
     };
-    show(&line);
+    show(task);
     for snapshot in session.snapshots() {
-        if snapshot.events.is_empty() {
+        let mut has_changed = false;
+        for event in &snapshot.events {
+            has_changed |= task.handle(event);
+        }
+        if !has_changed {
             continue;
         }
-        for event in &snapshot.events {
-            line.handle(event);
-        }
-        show(&line);
-        if line.is_complete() {
+        show(task);
+        if task.is_complete() {
             // The session may have ended meanwhile.
             let _ = session.commands().send(Command::Stop);
             break;
         }
     }
-    Ok(line)
 }

@@ -9,9 +9,9 @@ use ademan::sim::TypingScore;
 use serde_json::json;
 
 use super::heat;
-use super::history::{Progress, SessionResult};
-use super::lesson::Lesson;
-use super::line::{CharacterScore, PracticeLine, errors};
+use super::history::{Progress, SessionResult, rounded};
+use super::lesson::{ChordLegend, Lesson};
+use super::line::{CharacterScore, PracticeLine, errors, names};
 use crate::failure::Failure;
 
 /// Characters of the list of the worst ones.
@@ -24,6 +24,7 @@ pub struct Report {
     score: TypingScore,
     seconds: f64,
     characters: Vec<CharacterScore>,
+    chords: ChordLegend,
     /// The whole text was typed.
     pub is_complete: bool,
     is_simulated: bool,
@@ -45,6 +46,7 @@ impl Report {
             layout,
             seconds: line.seconds(),
             characters: line.characters(&score.presented),
+            chords: lesson.chords.clone(),
             score,
             is_complete,
             is_simulated,
@@ -54,10 +56,9 @@ impl Report {
 
     /// Returns the result for the history.
     pub fn session(&self) -> SessionResult {
-        let now = humantime::format_rfc3339_seconds(SystemTime::now());
         let edits = self.score.edits;
         SessionResult {
-            time: now.to_string(),
+            time: now(),
             lesson: self.lesson.to_owned(),
             layout: self.layout.name.clone(),
             is_simulated: self.is_simulated,
@@ -68,7 +69,21 @@ impl Report {
             substitutions: edits.substitutions,
             insertions: edits.insertions,
             deletions: edits.deletions,
+            pointing: None,
+            chords: self.chord_scores().map(counts).collect(),
         }
+    }
+
+    /// Returns the scores of the chords of a lesson of chords, in the order of the text.
+    fn chord_scores(&self) -> impl Iterator<Item = &CharacterScore> {
+        let mut found: Vec<&CharacterScore> = Vec::new();
+        for character in self.score.presented.chars() {
+            let is_chord = character != ' ' && self.chords.contains_key(&character);
+            let is_new = found.iter().all(|score| score.character != character);
+            let score = self.characters.iter().find(|it| it.character == character);
+            found.extend(score.filter(|_| is_chord && is_new));
+        }
+        found.into_iter()
     }
 
     /// Prints the result as text or as JSON.
@@ -96,6 +111,14 @@ impl Report {
                 "errors": score.errors,
             })
         });
+        let chords = self.chord_scores().map(|score| {
+            json!({
+                "character": score.character,
+                "fingers": self.chords.get(&score.character).map(|it| names(it)),
+                "attempts": score.attempts,
+                "errors": score.errors,
+            })
+        });
         json!({
             "lesson": session.lesson,
             "layout": session.layout,
@@ -110,6 +133,7 @@ impl Report {
             "insertions": session.insertions,
             "deletions": session.deletions,
             "worst": worst.collect::<Vec<_>>(),
+            "chords": chords.collect::<Vec<_>>(),
         })
     }
 
@@ -133,6 +157,13 @@ impl Report {
             true => writeln!(out, "worst keys none")?,
             false => writeln!(out, "worst keys {}", worst.join(", "))?,
         }
+        let chords: Vec<String> = self
+            .chord_scores()
+            .map(CharacterScore::correct_of)
+            .collect();
+        if !chords.is_empty() {
+            writeln!(out, "chords     {} (correct of all)", chords.join(", "))?;
+        }
         if io::stdout().is_terminal() && !worst.is_empty() {
             out.write_all(heat::draw(&self.layout, &self.characters).as_bytes())?;
         }
@@ -146,15 +177,21 @@ impl Report {
     }
 }
 
+/// Returns the time of a result, in UTC.
+pub fn now() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+}
+
+/// Returns the correct and all attempts of a chord.
+fn counts(score: &CharacterScore) -> (char, [usize; 2]) {
+    let correct = score.attempts - score.errors.min(score.attempts);
+    (score.character, [correct, score.attempts])
+}
+
 fn in_words(score: &CharacterScore) -> String {
     let name = match score.character {
         ' ' => "space".to_owned(),
         character => escape(&character.to_string()).into_owned(),
     };
     format!("{name} {} of {}", score.errors, score.attempts)
-}
-
-/// Rounds to a multiple of 1/`scale`.
-fn rounded(value: f64, scale: f64) -> f64 {
-    (value * scale).round() / scale
 }

@@ -9,12 +9,11 @@ use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use ademan::capture::SourceUri;
-use ademan::capture::protocol::lucidgloves;
 use ademan::document::Document;
 use ademan::files;
 use ademan::hand::Side;
 use ademan::message::{escape, escape_path, shell_word};
-use ademan::setup::Setup;
+use ademan::setup::{OWN_SETUP, Setup};
 
 use self::question::{Questions, interrupted};
 use crate::calibrate::{self, destination::Destination};
@@ -22,9 +21,6 @@ use crate::complete;
 use crate::failure::Failure;
 use crate::source_value::SourceValue;
 use crate::{practice, signals};
-
-/// The setup that every run without another one uses.
-const OWN_SETUP: &str = "setup.ron";
 
 /// Set up a glove or another sensor step by step, and try it
 #[derive(clap::Args)]
@@ -85,7 +81,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     calibrate(&mut setup, &args, &questions, destination.path())?;
     // A file that is begun is written to its end.
     signals::only_note_stop();
-    if !destination.write(&text(&setup, destination.path()))? {
+    if !destination.write(&setup.first_text(destination.path()))? {
         return Err(interrupted());
     }
     signals::end_at_once_on_stop();
@@ -145,24 +141,7 @@ fn worn(source: SourceUri, args: &Args, questions: &Questions) -> Result<Setup, 
                 .map_err(|_| "answer `right` or `left`".to_owned())
         })?,
     };
-    let source = match source {
-        SourceUri::Stream(mut stream) => {
-            stream.format = stream.format.for_hand(side);
-            SourceUri::Stream(stream)
-        }
-        other => other,
-    };
-    let is_lucidglove = source.protocol() == Some(&lucidgloves::PROTOCOL);
-    let left = match is_lucidglove {
-        true => "lucidgloves-left",
-        false => "unam-hc11-left",
-    };
-    let shipped = (side == Side::Left && source.needs_glove()).then(|| left.to_owned());
-    Ok(Setup {
-        glove: args.glove.clone().or(shipped),
-        source: Some(source),
-        ..Setup::default()
-    })
+    Ok(Setup::for_hand(Some(source), side, args.glove.clone()))
 }
 
 /// Calibrates a new glove file beside the setup file, if the source needs one and the person wants it.
@@ -196,58 +175,4 @@ fn calibrate(
         println!("the setup uses the glove as it comes with the program");
     }
     Ok(())
-}
-
-/// Returns the text of the setup file. A glove file beside it is named without its folder.
-fn text(setup: &Setup, path: &Path) -> String {
-    let mut fields = Vec::new();
-    if let Some(source) = &setup.source {
-        fields.push(format!("source: {:?}", source.to_string()));
-    }
-    if let Some(glove) = &setup.glove {
-        let file = Path::new(glove);
-        let is_beside = file.parent() == path.parent() && glove.ends_with(".ron");
-        let name = file.file_name().filter(|_| is_beside);
-        let name = name.map_or(glove.clone(), |name| name.to_string_lossy().into_owned());
-        fields.push(format!("glove: {name:?}"));
-    }
-    fields.push(format!("layout: {:?}", setup.layout));
-    let fields: String = fields
-        .iter()
-        .map(|field| format!("    {field},\n"))
-        .collect();
-    format!(
-        "// Written by `ademan start`. `ademan setup new` shows all fields.\n// It types into other programs with `--output desktop` only.\nSetup(\n{fields})\n"
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_setup_file_has_the_answers_and_is_read_again() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a \"b\".ron");
-        let glove = folder.path().join("mine.ron");
-        let setup = Setup {
-            source: Some(
-                "serial:/dev/ttyUSB0?protocol=lucidgloves&baud=9600"
-                    .parse()
-                    .unwrap(),
-            ),
-            glove: Some(glove.to_string_lossy().into_owned()),
-            layout: "chords-bend".into(),
-            ..Setup::default()
-        };
-        fs::write(&path, text(&setup, &path)).unwrap();
-        assert!(text(&setup, &path).contains("glove: \"mine.ron\""));
-        assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), setup);
-        let shipped = Setup {
-            glove: Some("unam-hc11-left".into()),
-            ..setup
-        };
-        fs::write(&path, text(&shipped, &path)).unwrap();
-        assert_eq!(Setup::load(path.to_str().unwrap()).unwrap(), shipped);
-    }
 }

@@ -1,17 +1,12 @@
 //! The source of a first start: the device that sends on a serial port, or none.
 
-use std::path::Path;
-
 use ademan::capture::SourceUri;
-use ademan::capture::recognition::{Recognition, port_names, recognize};
+use ademan::capture::recognition::{Recognition, camera, port_names, recognize};
 use ademan::message::escape;
 
 use super::Args;
 use super::question::Questions;
 use crate::failure::Failure;
-
-/// The first camera of Linux.
-const CAMERA: &str = "/dev/video0";
 
 /// Finds the source, or asks which one it is. Returns `None` for the simulated hand.
 pub fn find(args: &Args, questions: &Questions) -> Result<Option<SourceUri>, Failure> {
@@ -83,7 +78,7 @@ fn propose_without_device(has_no_port: bool) {
         true => println!("no serial port is present"),
         false => println!("no port has a known device"),
     }
-    if Path::new(CAMERA).exists() {
+    if camera().is_some() {
         println!("a camera is there, which can follow your hand: ademan webcam");
     }
     println!("a simulated hand types instead, so that you see what happens");

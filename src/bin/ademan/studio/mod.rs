@@ -1,6 +1,8 @@
 //! `ademan studio`: a session in a window.
 
 #[cfg(feature = "studio")]
+mod first;
+#[cfg(feature = "studio")]
 mod mesa;
 #[cfg(feature = "studio")]
 mod source;
@@ -26,7 +28,7 @@ use crate::source_value::{self, SourceValue};
 /// Watch a hand, its boards and its sensors in a window
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand types in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it
@@ -37,11 +39,14 @@ pub struct Args {
     /// Glove: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
+    /// Person: the name of one that comes with the program (see `ademan person list`), or a file
+    #[arg(long, value_name = "FILE", add = complete::person())]
+    person: Option<String>,
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
     /// Recording to show in place of a session: forwards, backwards and step by step
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup"], add = complete::recording())]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup", "person"], add = complete::recording())]
     recording: Option<PathBuf>,
     /// Show the boards and fingertips over other programs, above all windows; clicks pass through
     #[arg(long, conflicts_with = "recording")]

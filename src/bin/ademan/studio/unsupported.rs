@@ -9,6 +9,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
         setup: _,
         source: _,
         glove: _,
+        person: _,
         layout: _,
         recording: _,
         overlay: _,

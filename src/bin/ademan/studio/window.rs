@@ -13,7 +13,7 @@ use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
 
-use super::{Args, mesa, source};
+use super::{Args, first, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
@@ -22,12 +22,10 @@ const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
-    let mut options = SessionOptions {
-        speed: Some(1.0),
-        watch_layouts: true,
-        report_status: true,
-        ..SessionOptions::default()
-    };
+    if first::is_first(&args) {
+        return first::open();
+    }
+    let mut options = live_options();
     let root = args.root;
     let is_overlay = args.overlay;
     let is_placed = args.place;
@@ -37,39 +35,77 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let setup = load(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
-    options.watchdog = Some(watchdog::program(Command::Pause)?);
-    options.use_panic_keys = setup.setup.output != NO_OUTPUT;
-    options.on_notice = Some(session::print_notices());
-    let session = session::start(setup, options)?;
-    session.wait_until_started();
+    let session = start(setup, options)?;
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
         false => show_window(&session, player),
     });
-    match shown {
-        Some(Ok(())) => _ = session.commands().send(Command::Stop),
+    end(shown, Some(session))
+}
+
+/// Returns the options of a session in its own time that follows its layout files.
+pub(super) fn live_options() -> SessionOptions {
+    SessionOptions {
+        speed: Some(1.0),
+        watch_layouts: true,
+        report_status: true,
+        ..SessionOptions::default()
+    }
+}
+
+/// Starts a session that prints its notices, and waits until its outputs are open.
+pub(super) fn start(
+    setup: LoadedSetup,
+    mut options: SessionOptions,
+) -> Result<SessionHandle, Failure> {
+    options.watchdog = Some(watchdog::program(Command::Pause)?);
+    options.use_panic_keys = setup.setup.output != NO_OUTPUT;
+    options.on_notice = Some(session::print_notices());
+    let session = session::start(setup, options)?;
+    session.wait_until_started();
+    Ok(session)
+}
+
+/// Ends the session, if there is one, after its window. `shown` is `None` if the window has failed.
+pub(super) fn end(
+    shown: Option<Result<(), StudioError>>,
+    session: Option<SessionHandle>,
+) -> Result<(), Failure> {
+    match (shown, &session) {
+        (Some(Ok(())), Some(session)) => _ = session.commands().send(Command::Stop),
         // The error of the session says more.
-        Some(Err(StudioError::Ended)) => {}
-        Some(Err(error)) => {
+        (Some(Ok(())), None) | (Some(Err(StudioError::Ended)), _) => {}
+        (Some(Err(error)), _) => {
             let error = error.with_variables(|name| env::var(name).ok());
             return Err(Failure::wrong_use(error.to_string()));
         }
-        None => complain!("the window has failed; the session goes on, and Ctrl-C ends it"),
+        (None, Some(_)) => {
+            complain!("the window has failed; the session goes on, and Ctrl-C ends it");
+        }
+        (None, None) => complain!("the window has failed"),
     }
-    stats::report(session.join()?)
+    session.map_or(Ok(()), |session| stats::report(session.join()?))
 }
 
 fn show_window(session: &SessionHandle, player: Option<Player>) -> Result<(), StudioError> {
-    let app = StudioApp::new(session)?;
-    let mut app = match player {
-        Some(player) => app.with_player(player),
-        None => app.with_sound(session),
+    let app = match player {
+        Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
+        None => live_app(session)?,
     };
-    if let Some(path) = SettingsFile::default_path() {
-        app = app.with_settings(path);
+    open_window(app.into(), signals::is_stop_requested)
+}
+
+/// Returns the program for a session, with clicks and with the settings of this person.
+pub(super) fn live_app(session: &SessionHandle) -> Result<StudioApp, StudioError> {
+    Ok(with_settings(StudioApp::new(session)?.with_sound(session)))
+}
+
+fn with_settings(app: StudioApp) -> StudioApp {
+    match SettingsFile::default_path() {
+        Some(path) => app.with_settings(path),
+        None => app,
     }
-    open_window(app, signals::is_stop_requested)
 }
 
 fn show_overlay(session: &SessionHandle, is_placed: bool) -> Result<(), StudioError> {
@@ -85,7 +121,7 @@ fn show_overlay(session: &SessionHandle, is_placed: bool) -> Result<(), StudioEr
 }
 
 /// Returns the language of messages, as the environment names it.
-fn language() -> Language {
+pub(super) fn language() -> Language {
     let set = |name| env::var(name).ok().filter(|value| !value.is_empty());
     let locale = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().find_map(set);
     Language::from_locale(&locale.unwrap_or_default())
@@ -124,6 +160,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
     };
     setup.source = args.source.or(setup.source);
     setup.glove = args.glove.or(setup.glove);
+    setup.person = args.person.or(setup.person);
     setup.layout = args.layout.unwrap_or(setup.layout);
     if args.place {
         setup.output = NO_OUTPUT.into();
@@ -147,6 +184,27 @@ mod tests {
     struct CommandLine {
         #[command(flatten)]
         args: Args,
+    }
+
+    #[test]
+    fn the_person_of_the_command_line_has_the_simulated_hand_and_the_reach() {
+        let load = |line: &[&str]| {
+            let line = CommandLine::try_parse_from(line).expect("the flag is known");
+            let mut options = SessionOptions::default();
+            load(line.args, &mut options).expect("a person that comes with the program")
+        };
+        let small = load(&[
+            "studio",
+            "--layout",
+            "chords-bend",
+            "--person",
+            "left-small",
+        ]);
+        assert_eq!(small.arm.side(), Side::Left);
+        assert_eq!(small.simulated_person.side, Some(Side::Left));
+        let reach = |setup: &LoadedSetup| setup.arm.reach().expect("a reach").length;
+        let usual = load(&["studio", "--layout", "chords-bend"]);
+        assert!(reach(&small) < reach(&usual));
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod encoder;
 pub mod hand_landmarks;
 pub mod hc11;
 pub mod holistic;
+pub mod imu;
 mod invalid;
 pub mod joint_sets;
 mod line_times;
@@ -16,6 +17,7 @@ mod lines;
 pub mod lucidgloves;
 pub mod markers;
 pub mod opentrack;
+pub mod osc;
 mod restart_text;
 mod space;
 pub mod text_line;
@@ -48,6 +50,7 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &joint_sets::OPENXR,
     &joint_sets::WEBXR,
     &opentrack::PROTOCOL,
+    &imu::PROTOCOL,
     &vmc::PROTOCOL,
 ];
 

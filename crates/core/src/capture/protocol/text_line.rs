@@ -90,7 +90,7 @@ const WIRE_INDICES: [(usize, Dof); 21] = [
 const TIME: &str = "time_us=";
 
 /// Separates the time from the numbers of a line.
-fn split_time(line: &str) -> Result<(&str, Option<u64>), PacketError> {
+pub(super) fn split_time(line: &str) -> Result<(&str, Option<u64>), PacketError> {
     let Some((numbers, time)) = line.rsplit_once(TIME) else {
         return Ok((line, None));
     };

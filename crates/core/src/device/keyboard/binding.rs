@@ -15,6 +15,8 @@ pub struct KeyBinding {
     pub actions: Vec<Option<KeyAction>>,
     /// True if the depth of the press is emitted as well.
     pub reports_depth: bool,
+    /// True if the velocity of the press is emitted as well.
+    pub reports_velocity: bool,
     /// The moment at which the action fires.
     pub activation: Activation,
     /// Time after a release during which presses are ignored, by the times of the touches. Zero accepts

@@ -6,6 +6,7 @@ mod debounce;
 mod depth;
 mod dwell;
 mod pending;
+mod velocity;
 
 pub use self::binding::{Activation, KeyBinding, TapHold};
 pub use self::chords::{Chord, MAX_CHORD_KEYS};
@@ -17,9 +18,10 @@ use self::debounce::Debouncer;
 use self::depth::DepthReporter;
 use self::dwell::PendingDwell;
 use self::pending::PendingPress;
+use self::velocity::VelocityReporter;
 use super::target_index::TargetIndex;
 use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
-use crate::contact::{MAX_TOUCHES, Phase, TargetId, Touch};
+use crate::contact::{MAX_TOUCHES, Phase, Press, TargetId, Touch};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, FingerSet};
 use crate::time::Timestamp;
 
@@ -41,6 +43,7 @@ pub struct Keyboard {
     chords: Chords,
     debouncer: Debouncer,
     depths: DepthReporter,
+    velocities: VelocityReporter,
 }
 
 /// The touches of a step, in the order in which they are handled; the index keeps the order of ties.
@@ -66,6 +69,7 @@ impl Keyboard {
             dwells: ArrayVec::new(),
             chords: Chords::default(),
             depths: DepthReporter::default(),
+            velocities: VelocityReporter::default(),
         }
     }
 
@@ -80,7 +84,7 @@ impl Keyboard {
         in_layer.or_else(|| actions.first().copied().flatten())
     }
 
-    fn press(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+    fn press(&mut self, touch: &Touch, presses: &[Press], out: &mut DeviceOutput) {
         self.cancel_finger(touch, out);
         self.press_gathered_if_due(touch.time, out);
         let Some(index) = self.index.get(touch.target) else {
@@ -89,11 +93,15 @@ impl Keyboard {
         let KeyBinding {
             activation,
             debounce,
+            reports_velocity,
             ..
         } = self.bindings[index];
         let is_dwell = matches!(activation, Activation::Dwell(_));
         if is_dwell || self.debouncer.is_bounce(index, touch.time, debounce) {
             return;
+        }
+        if reports_velocity {
+            self.velocities.press(touch, presses, out);
         }
         if !self.gather(touch, out) {
             self.press_gathered(touch.time, out);
@@ -135,6 +143,7 @@ impl Keyboard {
             PressSource::Part(..) => false,
         };
         out.arbiter.cancel(is_of_finger);
+        self.velocities.end(is_of_finger, touch.time, out);
         self.pending.retain(|press| !is_of_finger(press.source));
         self.chords
             .cancel_finger(is_of_finger, &mut self.pending, out);
@@ -144,11 +153,15 @@ impl Keyboard {
     fn end_press(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let source = PressSource::from_touch(touch);
         if let Some(index) = self.index.get(touch.target)
-            && (self.is_pending(source) || out.arbiter.has_press_from(source))
+            && (self.is_pending(source)
+                || out.arbiter.has_press_from(source)
+                || self.velocities.is_held_by(source))
         {
             self.debouncer.record_release(index, touch.time);
         }
         self.pending.retain(|press| press.source != source);
+        self.velocities
+            .end(|other| other == source, touch.time, out);
         match touch.phase {
             Phase::Cancelled => out.arbiter.cancel(|other| other == source),
             _ => out.arbiter.release(|other| other == source),
@@ -156,11 +169,11 @@ impl Keyboard {
     }
 
     /// Handles the presses and releases of at most [`MAX_TOUCHES`] touches.
-    fn handle_touches(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
+    fn handle_touches(&mut self, touches: &[Touch], presses: &[Press], out: &mut DeviceOutput) {
         let sorted = self.sorted(touches, out);
         for &(.., touch) in &sorted {
             match touch.phase {
-                Phase::Pressed => self.press(touch, out),
+                Phase::Pressed => self.press(touch, presses, out),
                 phase => {
                     self.end_chords(touch, out);
                     if phase != Phase::Cancelled {
@@ -227,11 +240,12 @@ impl VirtualDevice for Keyboard {
 
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
         // Releases that did not fit into the event list of the last step.
-        out.arbiter
-            .emit_changes(out.arbiter.last_event_time(), out.events);
+        let time = out.arbiter.last_event_time();
+        out.arbiter.emit_changes(time, out.events);
+        self.velocities.emit_releases(time, out);
         // The touches of one step fit into one chunk; a longer list must not lose a release either.
         for touches in input.touches.chunks(MAX_TOUCHES) {
-            self.handle_touches(touches, out);
+            self.handle_touches(touches, input.presses, out);
         }
         self.update_dwells(input.touches, out);
         self.press_gathered_if_due(input.pose.time, out);
@@ -246,6 +260,7 @@ impl VirtualDevice for Keyboard {
         self.chords.reset();
         self.debouncer.reset();
         self.depths.reset();
+        self.velocities.end(|_| true, time, out);
         self.depths.emit(time, out);
     }
 }

@@ -291,6 +291,10 @@ impl<V: FieldType> FieldType for super::Pairs<'_, V> {
     fn values() -> String {
         format!("map from text to {}", V::values())
     }
+
+    fn collect_tables(tables: &mut Vec<Table>) {
+        V::collect_tables(tables);
+    }
 }
 
 /// Returns the [`Attributes`] of a declaration.

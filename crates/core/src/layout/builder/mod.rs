@@ -21,6 +21,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
+use crate::device::signals::{MidiKind, Signal, Signals};
 use crate::device::trigger::Trigger;
 use crate::device::{Axis, KeyCode};
 use crate::document::{Document, DocumentError, Spanned, line_number};
@@ -43,6 +44,7 @@ pub(super) struct LayoutBuilder<'a> {
     triggers: Vec<(String, Trigger)>,
     pointer: Option<PointerSettings>,
     spaces: Vec<SpaceTargets>,
+    signals: Vec<(TargetId, Signal)>,
     /// The board that faces are added to.
     board: BoardDraft<'a>,
     /// Index in `keys` by name.
@@ -68,6 +70,7 @@ struct NamedTarget<'a> {
     kind: &'static str,
     /// Slice of the document.
     source: &'a str,
+    target: TargetId,
 }
 
 impl<'a> LayoutBuilder<'a> {
@@ -88,6 +91,7 @@ impl<'a> LayoutBuilder<'a> {
             triggers: Vec::new(),
             pointer: None,
             spaces: Vec::new(),
+            signals: Vec::new(),
             board: BoardDraft::default(),
             key_indices: BTreeMap::new(),
             axes: Vec::new(),
@@ -165,6 +169,7 @@ impl<'a> LayoutBuilder<'a> {
             triggers: self.triggers,
             pointer: self.pointer,
             spaces: self.spaces,
+            signals: Signals::new(self.signals),
         })
     }
 
@@ -260,6 +265,51 @@ impl<'a> LayoutBuilder<'a> {
         })
     }
 
+    /// Returns whether there is a key with this name.
+    pub fn has_key(&self, name: &str) -> bool {
+        self.key_index(name).is_ok()
+    }
+
+    /// Returns the target with this name, and its kind. Every spelling of a key code is accepted.
+    pub fn target(&self, name: &str) -> Result<(TargetId, &'static str), DocumentError> {
+        if let Some(named) = self.targets.get(name) {
+            return Ok((named.target, named.kind));
+        }
+        if let Ok(index) = self.key_index(name) {
+            return Ok((self.keys[index].face.target, "key"));
+        }
+        if self.failed > 0 {
+            return Err(self.consequence());
+        }
+        let error = UnknownName::new("control", name, self.targets.keys().copied());
+        Err(self.error(name, format!("this layout has no such control: {error}")))
+    }
+
+    /// The signals that were added.
+    pub fn signals(&self) -> impl Iterator<Item = &(TargetId, Signal)> {
+        self.signals.iter()
+    }
+
+    /// Adds the signal of a target. A key with one reports what the signal sends.
+    pub fn add_signal(
+        &mut self,
+        name: Spanned<'a>,
+        target: TargetId,
+        signal: Signal,
+    ) -> Result<(), DocumentError> {
+        if self.signals.iter().any(|(other, _)| *other == target) {
+            let message = format!("duplicate signal of `{}`", name.text);
+            return Err(self.error(name.text, message));
+        }
+        if let Some(key) = self.keys.iter_mut().find(|key| key.face.target == target) {
+            let is_control = matches!(signal.midi, Some(MidiKind::Control(_)));
+            key.reports_velocity = signal.address.is_some() || !is_control;
+            key.reports_depth |= is_control;
+        }
+        self.signals.push((target, signal));
+        Ok(())
+    }
+
     /// Sets the label of the key with this name.
     pub fn set_label(&mut self, name: &str, label: &str) -> Result<(), DocumentError> {
         let index = self.key_index(name)?;
@@ -344,7 +394,15 @@ impl<'a> LayoutBuilder<'a> {
             );
             return Err(self.error(source, message));
         }
-        self.targets.insert(name, NamedTarget { kind, source });
+        let target = TargetId(index as u32);
+        self.targets.insert(
+            name,
+            NamedTarget {
+                kind,
+                source,
+                target,
+            },
+        );
         Ok(index)
     }
 }

@@ -11,7 +11,7 @@ pub(super) mod toggle;
 pub(super) mod touch_surface;
 pub(super) mod trigger;
 pub(super) mod valve;
-mod value_output;
+pub(super) mod value_output;
 
 /// Passes the kinds of controls on a board to a macro: field of the board, and schema.
 ///

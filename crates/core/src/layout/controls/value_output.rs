@@ -41,7 +41,7 @@ schema! {
 }
 
 /// Returns the checked output.
-pub(super) fn value_output<'a>(
+pub(in crate::layout) fn value_output<'a>(
     builder: &mut LayoutBuilder<'a>,
     output: Option<ValueOutputSchema<'a>>,
 ) -> Result<ValueOutput, DocumentError> {

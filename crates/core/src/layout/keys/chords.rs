@@ -8,6 +8,7 @@ use super::activation::{
 use crate::contact::TargetId;
 use crate::device::KeyAction;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
+use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::builder::LayoutBuilder;
@@ -181,6 +182,8 @@ pub(in crate::layout) fn reject_idle_keys(builder: &LayoutBuilder) -> Result<(),
     for key in builder.keys() {
         let target = key.face.target;
         let is_idle = key.actions.iter().all(Option::is_none)
+            && key.output == ValueOutput::ValueOnly
+            && builder.signals().all(|(other, _)| *other != target)
             && !builder
                 .chords()
                 .iter()

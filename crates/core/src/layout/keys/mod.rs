@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use self::activation::{ActivationSchema, HoldSchema};
 use super::builder::{FaceSpec, LayoutBuilder};
+use super::controls::value_output::{ValueOutputSchema, value_output};
 use super::model::Key;
 use super::placement::KeyPose;
 use super::quantity::{
@@ -20,6 +21,7 @@ use super::quantity::{
 };
 use super::schema::{Action, ContactSchema, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
+use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
 use crate::hand::Finger;
@@ -113,6 +115,9 @@ schema! {
         /// The depth of a press is reported as a value. Default: as the board.
         #[serde(default)]
         reports_depth: Option<bool>,
+        /// Output of the depth of a press, besides the action: an axis is 0 while nothing touches the key.
+        #[serde(borrow, default)]
+        output: Option<ValueOutputSchema<'a>>,
         /// Duration of a modifier or layer. Default: `Momentary`.
         #[serde(default)]
         latch: Option<LatchSchema>,
@@ -204,6 +209,8 @@ impl<'a> RowSchema<'a> {
             face,
             actions: vec![action],
             reports_depth: defaults.reports_depth,
+            reports_velocity: false,
+            output: ValueOutput::ValueOnly,
             activation: Activation::OnPress,
             debounce: duration(defaults.debounce.get()),
         };
@@ -255,6 +262,8 @@ impl<'a> KeySchema<'a> {
             face,
             actions: vec![action],
             reports_depth: fields.reports_depth.unwrap_or(defaults.reports_depth),
+            reports_velocity: false,
+            output: value_output(builder, fields.output)?,
             activation,
             debounce: duration(fields.debounce_ms.unwrap_or(defaults.debounce).get()),
         };

@@ -6,6 +6,6 @@ mod terminal;
 mod wearer;
 mod words;
 
-pub use svg::TooManyShapes;
+pub use svg::{Heat, TooManyShapes, heat_style};
 pub use terminal::{Cell, Grid, KeySize};
 pub use wearer::{ReachArea, Wearer};

@@ -202,7 +202,7 @@ pub(super) fn key_notes(layout: &Layout, key: &Key) -> Vec<String> {
             notes.push(format!("hold {}", words.action(hold_action)));
         }
     }
-    if key.reports_depth {
+    if key.reports_depth || key.output != ValueOutput::ValueOnly {
         notes.push("depth".into());
     }
     notes
@@ -285,7 +285,9 @@ impl Words<'_> {
             Some(KeyAction::Command(command)) => parts.push(format!("command `{command}`")),
             _ => {}
         }
-        if key.reports_depth {
+        if key.output != ValueOutput::ValueOnly {
+            parts.push(format!("depth{}", self.value_output(key.output)));
+        } else if key.reports_depth {
             parts.push("reports its depth".into());
         }
         (!parts.is_empty()).then(|| (title(&key.face), parts.join(", ")))

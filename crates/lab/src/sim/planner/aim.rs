@@ -11,6 +11,7 @@ use crate::contact::surface::Anchor;
 use crate::hand::{Finger, Joint};
 use crate::sim::action::TargetPoint;
 use crate::sim::action_error::ActionErrorKind;
+use crate::sim::assignment::FingerAssignment;
 use crate::sim::effector::{Effector, Limb};
 use crate::sim::movement::TipPath;
 use crate::sim::reach_target::ReachTarget;
@@ -48,10 +49,15 @@ impl Planner<'_> {
                 finger,
                 limb: Limb::Arm,
             };
+            let assignment = FingerAssignment {
+                hand: &self.state.hand,
+                fingers: used,
+                keys: &self.state.motor.keys,
+            };
             let fingers = match named {
                 Some(finger) => vec![finger],
                 None if used.is_empty() => vec![Finger::Index, Finger::Thumb],
-                None => self.assigned_fingers(surface, target),
+                None => assignment.fingers_for(surface, target),
             };
             return fingers.into_iter().map(arm).collect();
         }
@@ -124,10 +130,9 @@ impl Planner<'_> {
             offset: point.offset + error.truncate(),
             ..point
         };
-        self.point_with(effector);
         let depth = height(&reach_target) + error.z;
         let pressed = self
-            .approach(missed, &reach_target)
+            .go_above(effector, missed, &reach_target)
             .and_then(|()| self.press_to(missed, reach_target, depth));
         if pressed.is_err() {
             // The error leads out of reach.
@@ -145,10 +150,9 @@ impl Planner<'_> {
     ) -> Result<(), ActionErrorKind> {
         let target = self.reach_target(point.target)?;
         self.watch = Some(Watch::start(&self.state, self.scene));
-        self.point_with(effector);
         let height = height(&target);
         let pressed = self
-            .approach(point, &target)
+            .go_above(effector, point, &target)
             .and_then(|()| self.press_to(point, target, height));
         let watch = self.watch.take();
         pressed?;
@@ -189,6 +193,32 @@ impl Planner<'_> {
             true => Ok(()),
             false => Err(ActionErrorKind::WouldMiss(point.target)),
         }
+    }
+
+    /// Moves a fingertip above a point. A person who types with several fingers changes the finger on the way: one that bends in its
+    /// place may press what is below it.
+    fn go_above(
+        &mut self,
+        effector: Effector,
+        point: TargetPoint,
+        target: &ReachTarget,
+    ) -> Result<(), ActionErrorKind> {
+        let state = &self.state;
+        let is_change = effector != state.effector && !state.is_displaced;
+        if !is_change || !state.changes_fingers_on_the_way(effector) {
+            self.point_with(effector);
+            return self.approach(point, target);
+        }
+        let values = state.values_above(effector, point, target);
+        let changed = (0..values.len()).filter(|&index| values[index] != state.values[index]);
+        let channel_targets = changed.map(|index| (index, values[index])).collect();
+        self.state.effector = effector;
+        let hover = target.tip_position(point, target.hover_height);
+        let least = self.state.motor.paced(FINGER_TIME);
+        let time = self.travel_time(hover).max(least);
+        self.push_movement(channel_targets, None, time, MOVE_PACKETS);
+        self.state.tip_state = TipState::Clear;
+        Ok(())
     }
 
     /// Points with another fingertip. The fingers that do not point are extended, and a hand at a board that moves with the wrist

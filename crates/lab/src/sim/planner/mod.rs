@@ -1,7 +1,6 @@
 //! Translation of actions to movements.
 
 mod aim;
-mod assignment;
 mod bends;
 mod joints;
 mod route;
@@ -149,7 +148,15 @@ impl<'a> Planner<'a> {
     /// Starts above a point, or with the fingers extended if another finger than the index finger presses it.
     fn start_at(&mut self, point: TargetPoint) {
         let best = self.effectors(point.target).first().copied();
+        let target = self.reach_target(point.target);
         let state = &mut self.state;
+        if let (Some(effector), Ok(target)) = (best.filter(|&it| it != Effector::INDEX), &target)
+            && state.changes_fingers_on_the_way(effector)
+        {
+            state.values = state.values_above(effector, point, target);
+            state.effector = effector;
+            return;
+        }
         if let Some(effector) = best.filter(|&best| best != Effector::INDEX) {
             state.effector = effector;
             let posture = state
@@ -161,7 +168,7 @@ impl<'a> Planner<'a> {
             return;
         }
         // An unreachable target is reported by its own action.
-        if let Ok(target) = self.reach_target(point.target) {
+        if let Ok(target) = target {
             let hover = target.tip_position(point, target.hover_height);
             self.state.hand.reach(hover, &mut self.state.values, &[]);
             self.starts_above = true;

@@ -7,11 +7,12 @@ use parry3d::math::Vec3;
 use super::{Planner, TipState};
 use crate::contact::surface::Scene;
 use crate::hand::{Finger, FingerSet};
-use crate::sim::action::HandAction;
+use crate::sim::action::{HandAction, TargetPoint};
 use crate::sim::action_error::ActionErrorKind;
-use crate::sim::effector::Effector;
+use crate::sim::effector::{Effector, Limb};
 use crate::sim::motor::Motor;
 use crate::sim::movement::Movement;
+use crate::sim::reach_target::ReachTarget;
 use crate::sim::typing_hand::TypingHand;
 
 /// A hand between two actions.
@@ -61,6 +62,33 @@ impl HandState {
             is_displaced: false,
             is_raised: false,
         }
+    }
+
+    /// Returns whether the person changes the pointing finger on the way to a target.
+    pub(super) fn changes_fingers_on_the_way(&self, effector: Effector) -> bool {
+        !self.motor.fingers.is_empty() && effector.limb == Limb::Arm
+    }
+
+    /// Returns the posture in which a fingertip is above a point, from the present one.
+    pub(super) fn values_above(
+        &self,
+        effector: Effector,
+        point: TargetPoint,
+        target: &ReachTarget,
+    ) -> Vec<f64> {
+        let mut values = self.values.clone();
+        let is_posed = |index| {
+            let finger = self.hand.finger_of(index);
+            finger.is_some_and(|finger| self.posed.contains(finger))
+        };
+        for (index, value) in self.hand.pointing_posture(effector, &self.rest, &values) {
+            if !is_posed(index) {
+                values[index] = value;
+            }
+        }
+        let hover = target.tip_position(point, target.hover_height);
+        self.hand.reach_with(effector, hover, &mut values, &[]);
+        values
     }
 
     /// Stays in the posture `values` while the boards move.

@@ -1,4 +1,4 @@
-//! The width of the terminal that shows messages.
+//! The width of the terminals that show messages and results.
 
 #[cfg(unix)]
 mod unix;
@@ -10,4 +10,4 @@ use unix as system;
 #[cfg(not(unix))]
 use unsupported as system;
 
-pub use system::columns;
+pub use system::{columns, output_columns};

@@ -4,3 +4,8 @@
 pub fn columns() -> Option<usize> {
     None
 }
+
+/// Returns `None`.
+pub fn output_columns() -> Option<usize> {
+    None
+}

@@ -7,13 +7,12 @@
 //! message that is not valid is left out of its datagram.
 
 mod bone_names;
-mod osc;
 
 use glam::Quat;
 
 use self::bone_names::{NamedBone, TRUNK, bone_of, name_of};
-use self::osc::Message;
 use super::datagrams::{DatagramDecoder, DatagramParser};
+use super::osc::{self, Message};
 use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol};
 use crate::capture::{Reading, Sample, SampleKind};
 use crate::hand::{ArmBone, BoneRotations, Side};

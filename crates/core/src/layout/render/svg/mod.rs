@@ -9,6 +9,7 @@ mod board;
 mod canvas;
 mod chords;
 mod controls;
+mod heat;
 mod page;
 mod scale_bar;
 mod space;
@@ -23,6 +24,7 @@ use super::wearer::Wearer;
 use super::words::{self, List};
 use crate::layout::model::Layout;
 
+pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
 pub(super) use self::text::escape;
 

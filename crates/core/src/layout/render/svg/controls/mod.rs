@@ -95,7 +95,7 @@ fn text_room(outline: &Outline) -> Vec2 {
 }
 
 /// Draws the outline of a front.
-fn draw_outline(class: &str, outline: &Outline, inset: f32, canvas: &mut Canvas) {
+pub fn draw_outline(class: &str, outline: &Outline, inset: f32, canvas: &mut Canvas) {
     let (half, radius) = half_and_radius(outline);
     let half = (half - inset).max(Vec2::splat(0.1));
     match outline.shape {

@@ -1,0 +1,251 @@
+//! New parts with default settings.
+
+use super::bind::{Binding, free_code};
+use super::draft::{Draft, written};
+use super::error::EditError;
+use super::names::{taken, unique};
+use super::part::{ControlKind, Part};
+use crate::document::quote;
+
+/// A part that is added.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NewPart {
+    /// A control on a board.
+    Control {
+        /// Index of the board.
+        board: usize,
+        /// Kind.
+        kind: ControlKind,
+        /// Center.
+        at_mm: [f64; 2],
+        /// Action of a key or toggle switch. A key without one gets a key code that the layout does not have.
+        binding: Option<Binding>,
+    },
+    /// A row of keys.
+    Row {
+        /// Index of the board.
+        board: usize,
+        /// Center of the first key.
+        at_mm: [f64; 2],
+        /// Key codes, separated by blanks.
+        keys: String,
+    },
+    /// A board with one key.
+    Board,
+    /// A pinch of the index finger.
+    Trigger,
+    /// A pointer that follows the index fingertip in a box.
+    Pointer,
+    /// A space with one target.
+    Space,
+    /// A target in space: to the right, up, towards the wearer.
+    SpaceTarget {
+        /// Index of the space.
+        space: usize,
+        /// Center.
+        at_mm: [f64; 3],
+    },
+    /// A layer without keys.
+    Layer,
+    /// A chord.
+    Chord {
+        /// Names of the keys.
+        keys: Vec<String>,
+        /// Action.
+        binding: Binding,
+    },
+}
+
+/// Distance between the options of a new radio group, in millimetres.
+const OPTION_PITCH_MM: f64 = 19.0;
+
+/// Distance of a new target in space from the one at its left, in millimetres.
+const TARGET_DISTANCE_MM: f64 = 120.0;
+
+/// Returns the position of a new target in space: to the right of all others.
+pub fn beside(targets: &[[f64; 3]]) -> [f64; 3] {
+    let last = targets.iter().max_by(|a, b| a[0].total_cmp(&b[0]));
+    last.map_or([0.0; 3], |[x, y, z]| [x + TARGET_DISTANCE_MM, *y, *z])
+}
+
+/// Adds a part. Returns it.
+pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditError> {
+    let mut names = taken(draft);
+    let mut name = |name: &str| quote(&unique(&mut names, name));
+    let (parent, list, text) = match new {
+        NewPart::Control {
+            board,
+            kind,
+            at_mm,
+            binding,
+        } => {
+            let text = control(draft, *kind, *at_mm, binding.as_ref())?;
+            (Part::Board(*board), kind.list(), text)
+        }
+        NewPart::Row { board, at_mm, keys } => {
+            let text = format!("(at_mm: {}, keys: {})", point(at_mm), quote(keys));
+            (Part::Board(*board), "rows", text)
+        }
+        NewPart::Board => {
+            let key = control(draft, ControlKind::Key, [0.0; 2], None)?;
+            let pose = "(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45)";
+            (
+                Part::Layout,
+                "boards",
+                format!("(pose: {pose}, keys: [{key}])"),
+            )
+        }
+        NewPart::Trigger => {
+            let text = format!("(name: {}, when: Pinch(finger: \"index\"))", name("Pinch"));
+            (Part::Layout, "triggers", text)
+        }
+        NewPart::Space => {
+            let target = target(&name("Target"), &[0.0, 0.0, 0.0]);
+            let pose = "(anchor: elbow, bearing_deg: 35, forward_mm: 300)";
+            (
+                Part::Layout,
+                "spaces",
+                format!("(pose: {pose}, targets: [{target}])"),
+            )
+        }
+        NewPart::SpaceTarget { space, at_mm } => {
+            let text = target(&name("Target"), at_mm);
+            (Part::Space(*space), "targets", text)
+        }
+        NewPart::Layer => {
+            let layers = draft
+                .field(Part::Layout, "layers")
+                .map_or(0, |it| it.items().len());
+            let mut names = (0..layers)
+                .filter_map(|layer| {
+                    super::names::name_of(draft.text(), draft.tree(), Part::Layer(layer))
+                })
+                .collect();
+            let text = format!(
+                "(name: {}, keys: {{}})",
+                quote(&unique(&mut names, "layer"))
+            );
+            (Part::Layout, "layers", text)
+        }
+        NewPart::Chord { keys, binding } => {
+            let action = binding.to_ron();
+            let text = format!("(keys: {}, action: {action})", quote(&keys.join(" ")));
+            (Part::Layout, "chords", text)
+        }
+        NewPart::Pointer => return add_pointer(draft),
+    };
+    let index = draft
+        .field(parent, list)
+        .map_or(0, |list| list.items().len());
+    draft.push(parent, list, &[text])?;
+    draft.commit()?;
+    Ok(vec![added(new, index)])
+}
+
+fn add_pointer(draft: &mut Draft) -> Result<Vec<Part>, EditError> {
+    if draft.field(Part::Layout, "pointer").is_some() {
+        let message = "the layout has a pointer, and there can be only one; edit that one";
+        return Err(EditError::Selection(message));
+    }
+    draft.set(Part::Layout, "pointer", "(mode: Direct(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 330), size_mm: (200, 120, 160)))")?;
+    draft.commit()?;
+    Ok(vec![Part::Pointer])
+}
+
+/// Returns the part at an index of the list that it was added to.
+fn added(new: &NewPart, index: usize) -> Part {
+    match *new {
+        NewPart::Control { board, kind, .. } => Part::Control { board, kind, index },
+        NewPart::Row { board, .. } => Part::Row { board, row: index },
+        NewPart::Board => Part::Board(index),
+        NewPart::Trigger => Part::Trigger(index),
+        NewPart::Pointer => Part::Pointer,
+        NewPart::Space => Part::Space(index),
+        NewPart::SpaceTarget { space, .. } => Part::SpaceTarget { space, index },
+        NewPart::Layer => Part::Layer(index),
+        NewPart::Chord { .. } => Part::Chord(index),
+    }
+}
+
+/// Returns a control that is valid as it is, unless it overlaps another one.
+fn control(
+    draft: &Draft,
+    kind: ControlKind,
+    at_mm: [f64; 2],
+    binding: Option<&Binding>,
+) -> Result<String, EditError> {
+    let mut names = taken(draft);
+    if kind == ControlKind::Key {
+        return key(&mut names, at_mm, binding);
+    }
+    let mut named = |name: &str| format!("name: {}", quote(&unique(&mut names, name)));
+    let at = format!("at_mm: {}", point(&at_mm));
+    let tap = binding.map_or(String::new(), |binding| {
+        format!(", tap: {}", binding.to_ron())
+    });
+    Ok(match kind {
+        ControlKind::Key | ControlKind::Toggle => format!("({}, {at}{tap})", named("Switch")),
+        ControlKind::Radio => {
+            let group = named("Choice");
+            let second = point(&[at_mm[0] + OPTION_PITCH_MM, at_mm[1]]);
+            let options = [named("Option 1"), named("Option 2")];
+            let [first_name, second_name] = options;
+            format!("({group}, options: [({first_name}, {at}), ({second_name}, at_mm: {second})])")
+        }
+        ControlKind::TouchSurface => {
+            format!(
+                "({}, {at}, size_mm: Box(80, 50), mode: Touchpad)",
+                named("Touchpad")
+            )
+        }
+        ControlKind::Slider => format!("({}, {at}, length_mm: 60)", named("Slider")),
+        ControlKind::Knob => format!("({}, {at}, diameter_mm: 40)", named("Knob")),
+        ControlKind::Lever => {
+            format!(
+                "({}, {at}, length_mm: 60, rotation_deg: 90)",
+                named("Lever")
+            )
+        }
+        ControlKind::Valve => format!("({}, {at}, diameter_mm: 60)", named("Valve")),
+        ControlKind::Joystick => {
+            format!(
+                "({}, {at}, diameter_mm: 30, pointer_px_per_s: 800)",
+                named("Joystick")
+            )
+        }
+    })
+}
+
+fn key(
+    names: &mut std::collections::BTreeSet<String>,
+    at_mm: [f64; 2],
+    binding: Option<&Binding>,
+) -> Result<String, EditError> {
+    let free = free_code(names).map(|code| Binding::Key(code.to_owned()));
+    let binding = binding.cloned().or(free);
+    let message = "every key code is on the layout already; choose the key to add";
+    let binding = binding.ok_or(EditError::Selection(message))?;
+    let (field, value) = binding.to_field();
+    let implied = binding
+        .implied_name()
+        .filter(|name| !name.trim().is_empty());
+    let wanted = implied.clone().unwrap_or_else(|| binding.to_ron());
+    let name = unique(names, &wanted);
+    let name = match Some(&name) == implied.as_ref() {
+        true => String::new(),
+        false => format!(", name: {}", quote(&name)),
+    };
+    Ok(format!(
+        "({field}: {value}{name}, at_mm: {})",
+        point(&at_mm)
+    ))
+}
+
+fn target(name: &str, at_mm: &[f64; 3]) -> String {
+    format!("(name: {name}, at_mm: {}, shape: Ball(50))", point(at_mm))
+}
+
+fn point(coordinates: &[f64]) -> String {
+    let coordinates: Vec<String> = coordinates.iter().copied().map(written).collect();
+    format!("({})", coordinates.join(", "))
+}

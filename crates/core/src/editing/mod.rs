@@ -1,0 +1,32 @@
+//! Edits of the text of a layout, as replacements of parts of it.
+//!
+//! The RON text is the truth. An [`Edit`] becomes replacements of parts of the text, so that comments, order and the spelling of
+//! numbers stay in everything that is not edited. A [`Part`] names what is edited; [`targets`] pairs the parts with the targets of
+//! the layout.
+
+mod add;
+mod arrange;
+mod bind;
+mod delete;
+mod draft;
+mod duplicate;
+mod edit;
+mod error;
+mod fields;
+mod geometry;
+mod names;
+mod part;
+mod patch;
+mod rename;
+mod rows;
+
+pub use self::add::{NewPart, beside};
+pub use self::arrange::{AlignEdge, BoardAxis};
+pub use self::bind::{Binding, Slot};
+pub use self::draft::Edited;
+pub use self::edit::{Edit, edit};
+pub use self::error::EditError;
+pub use self::fields::{FieldSpec, FieldType, fields_of};
+pub use self::names::name_of;
+pub use self::part::{ControlKind, Part, part_at, part_of, targets};
+pub use self::patch::{Patch, Replacement};

@@ -1,0 +1,165 @@
+//! The names of parts, and where a layout mentions them.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::draft::Draft;
+use super::error::EditError;
+use super::part::{ControlKind, Part, targets, words};
+use crate::device::KeyCode;
+use crate::document::{Node, quote};
+
+/// Returns the name of a part, as the loader gives it.
+pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
+    let node = part.node(text, tree)?;
+    let string = |field: &str| node.field(text, field)?.string(text);
+    match part {
+        Part::RowKey { column, .. } => {
+            let keys = node.field(text, "keys")?;
+            let word = words(text, keys).get(column)?.clone();
+            Some(canonical(&text[word]))
+        }
+        Part::Control {
+            kind: ControlKind::Key,
+            ..
+        } => match (string("name"), string("code")) {
+            (Some(name), _) => Some(name.to_owned()),
+            (None, Some(code)) => Some(canonical(code)),
+            (None, None) => {
+                let argument = || {
+                    let action = node.field(text, "action")?;
+                    let argument = action.items().first()?.value.string(text)?;
+                    let is_key = action.name(text) == Some("Key");
+                    Some(if is_key {
+                        canonical(argument)
+                    } else {
+                        argument.to_owned()
+                    })
+                };
+                string("layer").map(str::to_owned).or_else(argument)
+            }
+        },
+        Part::Row { .. } | Part::Chord(_) => string("keys").map(str::to_owned),
+        _ => string("name").map(str::to_owned),
+    }
+}
+
+/// Returns the name of a key code, however it is spelled, and any other name as it is.
+pub(super) fn canonical(name: &str) -> String {
+    let code = name.parse::<KeyCode>();
+    code.map_or_else(|_| name.to_owned(), |code| code.name().to_owned())
+}
+
+/// Returns the names of all targets.
+pub(super) fn taken(draft: &Draft) -> BTreeSet<String> {
+    let (text, tree) = (draft.text(), draft.tree());
+    let parts = targets(text, tree);
+    parts
+        .iter()
+        .filter_map(|part| name_of(text, tree, *part))
+        .collect()
+}
+
+/// Returns a name that is not taken, and takes it: `Slider`, `Slider 2`, `Slider 3`.
+pub(super) fn unique(taken: &mut BTreeSet<String>, name: &str) -> String {
+    let is_number = |word: &str| word.parse::<u32>().is_ok();
+    let stem = match name.rsplit_once(' ') {
+        Some((stem, number)) if is_number(number) => stem,
+        _ => name,
+    };
+    let mut candidate = name.to_owned();
+    let mut number = 2;
+    while !taken.insert(candidate.clone()) {
+        candidate = format!("{stem} {number}");
+        number += 1;
+    }
+    candidate
+}
+
+/// A mention of a key in another part of the layout.
+pub(super) enum Mention {
+    /// The key of an entry in a map: its labels, its signals, or a layer.
+    Entry {
+        /// The map.
+        map: Node,
+        /// Index of the entry.
+        index: usize,
+        /// The quoted name.
+        key: Range<usize>,
+    },
+    /// A word of a chord.
+    Chord {
+        /// Index of its list in [`chord_lists`].
+        list: usize,
+        /// Index of the chord.
+        chord: usize,
+        /// The word.
+        word: Range<usize>,
+    },
+}
+
+/// Returns the mentions of keys whose names are among these.
+pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, Mention)> {
+    let text = draft.text();
+    let mut mentions = Vec::new();
+    let name_in = |name: &str| {
+        let canonical = canonical(name);
+        let own = [name.to_owned(), canonical];
+        own.into_iter().find(|name| names.contains(name))
+    };
+    let layers = draft
+        .field(Part::Layout, "layers")
+        .map_or(&[][..], Node::items);
+    let layers = layers.iter().map(|item| item.value.in_some(text));
+    let maps = layers
+        .filter_map(|layer| layer.field(text, "keys"))
+        .chain(draft.field(Part::Layout, "labels"))
+        .chain(draft.field(Part::Layout, "signals"));
+    for map in maps {
+        for (index, item) in map.items().iter().enumerate() {
+            let Some(key) = &item.key else { continue };
+            let name = crate::document::quoted_content(&text[key.clone()]);
+            if let Some(name) = name.and_then(name_in) {
+                let (map, key) = (map.clone(), key.clone());
+                mentions.push((name, Mention::Entry { map, index, key }));
+            }
+        }
+    }
+    for (list, chords) in chord_lists(draft).into_iter().enumerate() {
+        for (chord, item) in chords.items().iter().enumerate() {
+            let keys = item.value.in_some(text).field(text, "keys");
+            for word in keys.map_or(Vec::new(), |keys| words(text, keys)) {
+                if let Some(name) = name_in(&text[word.clone()]) {
+                    mentions.push((name, Mention::Chord { list, chord, word }));
+                }
+            }
+        }
+    }
+    mentions
+}
+
+/// Returns the lists of chords: that of the layout, and those of layers.
+pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
+    let text = draft.text();
+    let layers = draft
+        .field(Part::Layout, "layers")
+        .map_or(&[][..], Node::items);
+    let layers = layers.iter().map(|item| item.value.in_some(text));
+    let of_layers = layers.filter_map(|layer| layer.field(text, "chords"));
+    let of_layout = draft.field(Part::Layout, "chords").into_iter();
+    of_layout.chain(of_layers).collect()
+}
+
+/// Replaces all mentions of a key by a new name. A name with blanks cannot be mentioned in chords.
+pub(super) fn rename_mentions(draft: &mut Draft, old: &str, new: &str) -> Result<(), EditError> {
+    for (_, mention) in mentions(draft, &BTreeSet::from([old.to_owned()])) {
+        match mention {
+            Mention::Entry { key, .. } => draft.replace(key, quote(new)),
+            Mention::Chord { .. } if new.contains(char::is_whitespace) => {
+                return Err(EditError::Name(new.to_owned()));
+            }
+            Mention::Chord { word, .. } => draft.replace(word, new),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,256 @@
+//! Two layouts with the same people, phrases and seeds.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::bootstrap::{Interval, bootstrap};
+use super::score::{PersonScore, ratio};
+
+/// A difference between two layouts: the second minus the first, of the same people.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Difference {
+    /// The measure.
+    pub measure: Measure,
+    /// The difference, in the unit of the measure.
+    pub interval: Interval,
+}
+
+/// A measure by which layouts are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Words of correct text per minute.
+    WordsPerMinute,
+    /// Character error rate, in percentage points.
+    ErrorPoints,
+    /// Turns of all joints for each character, in degrees.
+    JointTravel,
+    /// The part of the time outside the comfortable range, in percentage points.
+    UncomfortablePoints,
+    /// Tasks that are done, in percentage points.
+    TaskPoints,
+    /// The time of a task, in seconds.
+    TaskSeconds,
+}
+
+impl Measure {
+    /// Returns the name with the unit.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WordsPerMinute => "words/min of correct text",
+            Self::ErrorPoints => "wrong characters, points",
+            Self::JointTravel => "joint travel, °/character",
+            Self::UncomfortablePoints => "outside comfortable range, points",
+            Self::TaskPoints => "tasks done, points",
+            Self::TaskSeconds => "seconds a task",
+        }
+    }
+
+    /// Returns whether a higher figure is better.
+    pub fn is_higher_better(self) -> bool {
+        matches!(self, Self::WordsPerMinute | Self::TaskPoints)
+    }
+
+    fn of(self, people: &[&PersonScore]) -> f64 {
+        let sum = |value: fn(&PersonScore) -> f64| people.iter().map(|it| value(it)).sum::<f64>();
+        let count = people.len() as f64;
+        match self {
+            Self::WordsPerMinute => ratio(sum(|it| it.wpm), count),
+            Self::ErrorPoints => {
+                100.0 * ratio(sum(|it| it.errors() as f64), sum(|it| it.characters as f64))
+            }
+            Self::JointTravel => ratio(sum(|it| it.joint_travel_deg), count),
+            Self::UncomfortablePoints => 100.0 * ratio(sum(|it| it.uncomfortable), count),
+            Self::TaskPoints => 100.0 * ratio(sum(|it| it.tasks()[1]), sum(|it| it.tasks()[0])),
+            Self::TaskSeconds => ratio(sum(|it| it.tasks()[3]), sum(|it| it.tasks()[0])),
+        }
+    }
+}
+
+/// The differences for people with hands of a size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HandGroup {
+    /// `true` for hands longer than the median.
+    pub is_long: bool,
+    /// The number of people.
+    pub people: usize,
+    /// The differences.
+    pub differences: Vec<Difference>,
+}
+
+/// A second layout against a first one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// The name of the first layout.
+    pub first: String,
+    /// The name of the second layout.
+    pub second: String,
+    /// The median hand length, in millimetres.
+    pub median_hand_mm: f64,
+    /// The differences of all people.
+    pub differences: Vec<Difference>,
+    /// Those of people with short and with long hands.
+    pub groups: Vec<HandGroup>,
+}
+
+/// Reason why two layouts cannot be compared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotComparable {
+    /// One types and the other does not.
+    #[error(
+        "{typing} types the phrases and {other} does not; compare it with a layout that is scored by tasks"
+    )]
+    Kinds {
+        /// The layout that types.
+        typing: String,
+        /// The other one.
+        other: String,
+    },
+}
+
+/// Compares a second layout with a first one. Both scores are of the same people in the same order.
+pub fn compare(
+    (first, before): (&str, &[PersonScore]),
+    (second, after): (&str, &[PersonScore]),
+) -> Result<Comparison, NotComparable> {
+    let types = |people: &[PersonScore]| people.iter().any(|it| it.characters > 0);
+    let measures: &[Measure] = match (types(before), types(after)) {
+        (true, true) => &[
+            Measure::WordsPerMinute,
+            Measure::ErrorPoints,
+            Measure::JointTravel,
+            Measure::UncomfortablePoints,
+        ],
+        (false, false) => &[Measure::TaskPoints, Measure::TaskSeconds],
+        (has_text, _) => {
+            let (typing, other) = if has_text {
+                (first, second)
+            } else {
+                (second, first)
+            };
+            return Err(NotComparable::Kinds {
+                typing: typing.to_owned(),
+                other: other.to_owned(),
+            });
+        }
+    };
+    let pairs: Vec<(&PersonScore, &PersonScore)> = before.iter().zip(after).collect();
+    let mut hands: Vec<f64> = before.iter().map(|it| it.hand_mm).collect();
+    hands.sort_by(f64::total_cmp);
+    let median_hand_mm = match hands.len() {
+        0 => 0.0,
+        count => (hands[(count - 1) / 2] + hands[count / 2]) / 2.0,
+    };
+    let group = |is_long: bool| {
+        let own = pairs.iter().copied();
+        let own = own.filter(|(it, _)| (it.hand_mm > median_hand_mm) == is_long);
+        let own: Vec<_> = own.collect();
+        HandGroup {
+            is_long,
+            people: own.len(),
+            differences: differences(measures, &own),
+        }
+    };
+    Ok(Comparison {
+        first: first.to_owned(),
+        second: second.to_owned(),
+        median_hand_mm,
+        differences: differences(measures, &pairs),
+        groups: vec![group(false), group(true)],
+    })
+}
+
+fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> Vec<Difference> {
+    let difference = |&measure: &Measure| Difference {
+        measure,
+        interval: bootstrap(pairs, |pairs| {
+            let before: Vec<&PersonScore> = pairs.iter().map(|pair| pair.0).collect();
+            let after: Vec<&PersonScore> = pairs.iter().map(|pair| pair.1).collect();
+            measure.of(&after) - measure.of(&before)
+        }),
+    };
+    measures.iter().map(difference).collect()
+}
+
+impl Comparison {
+    /// Returns one sentence: what the intervals say about speed and errors, or about tasks, and for which hands it is the reverse.
+    pub fn verdict(&self) -> String {
+        let mut parts: Vec<String> = self.differences.iter().take(2).map(words).collect();
+        let last = parts.pop().unwrap_or_default();
+        let all = match parts.pop() {
+            Some(first) => format!("{first} and {last}"),
+            None => last,
+        };
+        let reversed = self.groups.iter().filter(|group| {
+            let pairs = group.differences.iter().zip(&self.differences).take(2);
+            pairs.into_iter().any(|(own, all)| {
+                own.interval.excludes_zero()
+                    && all.interval.excludes_zero()
+                    && own.interval.value.signum() != all.interval.value.signum()
+            })
+        });
+        let reversed: Vec<String> = reversed
+            .map(|group| {
+                let side = if group.is_long { "above" } else { "up to" };
+                let own: Vec<String> = group.differences.iter().take(2).map(words).collect();
+                format!(
+                    "; for hands {side} {:.0} mm it {}",
+                    self.median_hand_mm,
+                    own.join(" and ")
+                )
+            })
+            .collect();
+        format!("{} {all}{}.", self.second, reversed.concat())
+    }
+}
+
+/// Returns the words for a difference, such as `is 4.1 to 6.0 words/min faster`.
+fn words(difference: &Difference) -> String {
+    let Interval { value, low, high } = difference.interval;
+    let range = |digits: usize| {
+        let (least, most) = match value < 0.0 {
+            true => (-high, -low),
+            false => (low, high),
+        };
+        format!("{least:.digits$} to {most:.digits$}")
+    };
+    let is_more = value > 0.0;
+    let choose = |more: &'static str, fewer: &'static str| if is_more { more } else { fewer };
+    let is_clear = difference.interval.excludes_zero();
+    match (difference.measure, is_clear) {
+        (Measure::WordsPerMinute, true) => {
+            format!("is {} words/min {}", range(1), choose("faster", "slower"))
+        }
+        (Measure::WordsPerMinute, false) => "is not clearly faster or slower".into(),
+        (Measure::ErrorPoints, true) => {
+            format!(
+                "makes {} points {} errors",
+                range(1),
+                choose("more", "fewer")
+            )
+        }
+        (Measure::ErrorPoints, false) => "makes not clearly more or fewer errors".into(),
+        (Measure::TaskPoints, true) => {
+            format!(
+                "has {} points {} tasks done",
+                range(1),
+                choose("more", "fewer")
+            )
+        }
+        (Measure::TaskPoints, false) => "has not clearly more or fewer tasks done".into(),
+        (Measure::TaskSeconds, true) => {
+            format!("takes {} s {} a task", range(2), choose("more", "less"))
+        }
+        (Measure::TaskSeconds, false) => "takes not clearly more or less time".into(),
+        (Measure::JointTravel | Measure::UncomfortablePoints, _) => {
+            format!("has {} {}", range(1), difference.measure.name())
+        }
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.verdict())
+    }
+}

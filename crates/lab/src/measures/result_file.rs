@@ -1,0 +1,162 @@
+//! Result files: everything that a run needs, and what came of it.
+
+use serde::{Deserialize, Serialize};
+
+use super::compare::Comparison;
+use super::score::PersonScore;
+use super::summary::Summary;
+use crate::people::Participant;
+use crate::phrases::Corpus;
+
+/// The name of the format.
+pub const FORMAT: &str = "ademan-lab-result";
+/// The version of the format.
+const VERSION: u32 = 1;
+
+/// The hash of phrases, in hexadecimal digits.
+pub type CorpusHash = String;
+
+/// Who typed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PeopleSpec {
+    /// A number of people of the general population.
+    Drawn(u32),
+    /// A person of a file, with a number of repetitions.
+    Person {
+        /// The file, as its user named it.
+        file: String,
+        /// The text of the file.
+        text: String,
+        /// The number of repetitions.
+        count: u32,
+    },
+}
+
+/// A run and its results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LabResult {
+    /// The name of the format.
+    pub format: String,
+    /// The version of the format.
+    pub format_version: u32,
+    /// The version of the program.
+    pub program_version: String,
+    /// The file of the layout, as its user named it.
+    pub layout_file: String,
+    /// The text of the layout.
+    pub layout: String,
+    /// Who typed.
+    pub people: PeopleSpec,
+    /// The tier; `None` for the errors of the people.
+    pub tier: Option<String>,
+    /// What measured their hands.
+    pub source: String,
+    /// The seed.
+    pub seed: u64,
+    /// Phrases of each person.
+    pub phrases: usize,
+    /// The name of the corpus.
+    pub corpus: String,
+    /// The hash of the corpus.
+    pub corpus_hash: CorpusHash,
+    /// The phrases of the corpus.
+    pub corpus_phrases: Vec<String>,
+    /// The figures of all people.
+    pub summary: Summary,
+    /// What each person did.
+    pub scores: Vec<PersonScore>,
+    /// The people with all their parameters.
+    pub participants: Vec<Participant>,
+    /// The comparison with another layout, if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
+}
+
+/// The reason why a result file cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReadError {
+    /// It is not JSON of this form.
+    #[error("this is no result of the lab: {0}")]
+    NoResult(String),
+    /// It has another version of the format.
+    #[error(
+        "the result has version {found} of the format, and this program reads version {VERSION}; run the lab again"
+    )]
+    OtherFormat {
+        /// Its version.
+        found: u32,
+    },
+    /// Another version of the program wrote it.
+    #[error(
+        "version {found} of the program wrote the result, and this is {own}, which may give other figures; run the lab again"
+    )]
+    OtherProgram {
+        /// Its version.
+        found: String,
+        /// The version of this program.
+        own: String,
+    },
+    /// The phrases do not have their hash.
+    #[error("the phrases of the result do not have the hash {0}; the file was changed")]
+    OtherCorpus(String),
+}
+
+/// The first fields of a file, to tell the reason why the others do not fit.
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    format_version: u32,
+    program_version: String,
+}
+
+impl LabResult {
+    /// Returns the version of the format.
+    pub fn format_version() -> u32 {
+        VERSION
+    }
+
+    /// Returns the hash of a corpus, as results state it.
+    pub fn hash_of(corpus: &Corpus) -> CorpusHash {
+        format!("{:016x}", corpus.hash())
+    }
+
+    /// Returns the corpus.
+    pub fn corpus(&self) -> Corpus {
+        Corpus {
+            name: self.corpus.clone(),
+            phrases: self.corpus_phrases.clone(),
+        }
+    }
+
+    /// Returns the text of the file.
+    pub fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self);
+        text.expect("the fields of a result have names") + "\n"
+    }
+
+    /// Reads the text of a file that version `own` of the program has written.
+    pub fn from_json(text: &str, own: &str) -> Result<Self, ReadError> {
+        let no_result = |error: serde_json::Error| ReadError::NoResult(error.to_string());
+        let header: Header = serde_json::from_str(text).map_err(no_result)?;
+        if header.format != FORMAT {
+            return Err(ReadError::NoResult(format!("its format is not `{FORMAT}`")));
+        }
+        if header.format_version != VERSION {
+            return Err(ReadError::OtherFormat {
+                found: header.format_version,
+            });
+        }
+        if header.program_version != own {
+            return Err(ReadError::OtherProgram {
+                found: header.program_version,
+                own: own.to_owned(),
+            });
+        }
+        let result: Self = serde_json::from_str(text).map_err(no_result)?;
+        match Self::hash_of(&result.corpus()) == result.corpus_hash {
+            true => Ok(result),
+            false => Err(ReadError::OtherCorpus(result.corpus_hash)),
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! The score of a layout: what each person of a population did on it.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::TargetId;
+use crate::document::Document;
+use crate::layout::Layout;
+use crate::people::Participant;
+use crate::phrases::Corpus;
+use crate::sim::fluent::SourceKind;
+use crate::trials::{
+    Cancelled, KeyTally, Observed, Station, TaskKind, TrialError, for_each, speed,
+};
+
+/// What is scored, by whom and how.
+#[derive(Clone, Debug)]
+pub struct Conditions<'a> {
+    /// The layout.
+    pub document: &'a Document,
+    /// The people.
+    pub people: &'a [Participant],
+    /// What they type.
+    pub corpus: &'a Corpus,
+    /// The number of phrases of each person; each person begins at another one.
+    pub phrases: usize,
+    /// What measures their hands.
+    pub source: SourceKind,
+    /// The seed of all runs.
+    pub seed: u64,
+    /// The number of threads.
+    pub jobs: NonZeroUsize,
+}
+
+/// Reason why there is no score.
+#[derive(Debug, thiserror::Error)]
+pub enum ScoreError {
+    /// A person cannot be put in front of the layout.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// What one person did on a layout.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PersonScore {
+    /// The number of the person.
+    pub number: u32,
+    /// The length of the hand, in millimetres.
+    pub hand_mm: f64,
+    /// The fingers, as a word.
+    pub style: String,
+    /// The pace that the person intended, in words per minute: an input.
+    pub pace_wpm: f64,
+    /// Characters to be typed.
+    pub characters: u64,
+    /// Characters that are right.
+    pub correct: u64,
+    /// Characters in place of another one.
+    pub substitutions: u64,
+    /// Characters too many.
+    pub insertions: u64,
+    /// Characters that are missing.
+    pub deletions: u64,
+    /// Keys that went down.
+    pub keystrokes: u64,
+    /// Words of correct text per minute.
+    pub wpm: f64,
+    /// The speed of the shortest movements, in words per minute (Fitts's law with the person's own constants).
+    pub fitts_wpm: f64,
+    /// Strokes that were meant, and those that pressed what was meant.
+    pub strokes: u64,
+    /// Strokes that pressed their target.
+    pub hits: u64,
+    /// Presses of a target that touches the meant one.
+    pub neighbor_slips: u64,
+    /// Turns of all joints for each character, in degrees.
+    pub joint_travel_deg: f64,
+    /// The part of the time in which a joint was outside its comfortable range, 0..=1.
+    pub uncomfortable: f64,
+    /// Pairs of strokes on two targets; of these by the same finger, by two hands, by two fingers of a hand, and rolls that change
+    /// direction.
+    pub pairs: [u64; 5],
+    /// Strokes by finger, thumb first.
+    pub fingers: [u64; 5],
+    /// Seconds that were simulated, of each hand.
+    pub simulated_seconds: f64,
+    /// Readings that passed through the pipeline.
+    pub readings: u64,
+    /// The keys.
+    pub keys: Vec<KeyScore>,
+    /// Presses of other targets than the meant ones.
+    pub wrong: Vec<Wrong>,
+    /// The tasks, if the layout does not type.
+    pub tasks: Vec<TaskScore>,
+    /// Controls that no finger of the person reaches, of those that the text needs.
+    pub unreached: Vec<String>,
+    /// Characters that the layout cannot type, or that need a control out of reach.
+    pub untypable: String,
+}
+
+/// A key of one person.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeyScore {
+    /// The name.
+    pub name: String,
+    /// Strokes that meant it.
+    pub meant: u64,
+    /// Strokes that pressed it.
+    pub hit: u64,
+    /// Strokes that pressed nothing.
+    pub nothing: u64,
+    /// The mean place of presses from its center, in millimetres: to the right, away from the wearer.
+    pub bias_mm: [f64; 2],
+    /// Their standard deviation.
+    pub spread_mm: [f64; 2],
+    /// The number of presses with a place.
+    pub places: u64,
+}
+
+/// Presses of a target that was not meant.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Wrong {
+    /// The name of what was meant.
+    pub meant: String,
+    /// The name of what was pressed.
+    pub pressed: String,
+    /// The number.
+    pub count: u64,
+}
+
+/// The tasks of one kind on one control.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskScore {
+    /// The name of the control.
+    pub name: String,
+    /// The kind.
+    pub kind: TaskKind,
+    /// Tries.
+    pub tries: u64,
+    /// Tries that did what they should.
+    pub done: u64,
+    /// Presses of other controls.
+    pub wrong: u64,
+    /// The mean time, in seconds.
+    pub seconds: f64,
+    /// The mean difference from the value, as a part of the range; `None` if no value was to be set.
+    pub error: Option<f64>,
+}
+
+/// Scores a layout. `progress` gets the number of people so far.
+pub fn score(
+    conditions: &Conditions,
+    cancel: &AtomicBool,
+    progress: impl FnMut(usize),
+) -> Result<Vec<PersonScore>, ScoreError> {
+    let work = |index: usize| one(conditions, index);
+    let people = conditions.people.len();
+    let scores = for_each(people, conditions.jobs, cancel, work, progress)?;
+    Ok(scores.into_iter().collect::<Result<_, _>>()?)
+}
+
+fn one(conditions: &Conditions, index: usize) -> Result<PersonScore, TrialError> {
+    let person = &conditions.people[index];
+    let mut station = Station::new(conditions.document, person, conditions.source)?;
+    let all = &conditions.corpus.phrases;
+    let own = (0..conditions.phrases).map(|number| {
+        let place = index * conditions.phrases + number;
+        all[place % all.len()].as_str()
+    });
+    let own: Vec<&str> = own.collect();
+    let strokes = station.strokes_for(all.iter().map(String::as_str));
+    let mut observed = Observed::default();
+    let seed = |number: usize| {
+        let run = conditions.seed ^ person.seed.rotate_left(17);
+        crate::people::mix(run.wrapping_add(number as u64))
+    };
+    if strokes.can_type() {
+        for (number, phrase) in own.iter().enumerate() {
+            station.type_phrase(phrase, &strokes, seed(number), &mut observed);
+        }
+    }
+    let tasks = match strokes.can_type() {
+        true => Vec::new(),
+        false => task_scores(&station, seed(0)),
+    };
+    let names = station.layout().target_names();
+    let unreached = strokes.unreached.iter();
+    let unreached = unreached.map(|target| names.get(*target).to_string());
+    let untypable: String = strokes.untypable.iter().collect();
+    let mut score = from_observed(person, station.layout(), &observed);
+    score.tasks = tasks;
+    score.unreached = unreached.collect();
+    score.untypable = untypable;
+    Ok(score)
+}
+
+fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> PersonScore {
+    let names = layout.target_names();
+    let name = |target: &TargetId| names.get(*target).to_string();
+    let keys = observed.keys.iter();
+    let wrong = observed
+        .confusions
+        .iter()
+        .map(|((meant, pressed), count)| Wrong {
+            meant: name(meant),
+            pressed: name(pressed),
+            count: *count,
+        });
+    let pairs = observed.pairs;
+    let strokes: u64 = observed.keys.values().map(|key| key.meant).sum();
+    PersonScore {
+        number: person.number,
+        hand_mm: person.hand_mm(),
+        style: style(person).to_owned(),
+        pace_wpm: person.pace_wpm,
+        characters: observed.characters as u64,
+        correct: observed.edits.correct as u64,
+        substitutions: observed.edits.substitutions as u64,
+        insertions: observed.edits.insertions as u64,
+        deletions: observed.edits.deletions as u64,
+        keystrokes: observed.keystrokes as u64,
+        wpm: speed(observed.edits.correct, observed.phrases, observed.seconds),
+        fitts_wpm: speed(
+            observed.characters,
+            observed.phrases,
+            observed.predicted_seconds,
+        ),
+        strokes,
+        hits: observed.keys.values().map(|key| key.hit).sum(),
+        neighbor_slips: observed.neighbor_slips,
+        joint_travel_deg: ratio(
+            observed.load.travel.to_degrees(),
+            observed.characters as f64,
+        ),
+        uncomfortable: ratio(observed.load.uncomfortable, observed.load.seconds),
+        pairs: [
+            pairs.all,
+            pairs.same_finger,
+            pairs.alternating,
+            pairs.rolls,
+            pairs.redirects,
+        ],
+        fingers: observed.fingers,
+        simulated_seconds: observed.simulated_seconds,
+        readings: observed.readings,
+        keys: keys
+            .map(|(target, tally)| key_score(name(target), tally))
+            .collect(),
+        wrong: wrong.collect(),
+        tasks: Vec::new(),
+        unreached: Vec::new(),
+        untypable: String::new(),
+    }
+}
+
+/// Returns one word for the fingers of a person.
+fn style(person: &Participant) -> &'static str {
+    match person.fingers.len() {
+        0 => "layout",
+        1 => "index",
+        5 => "ten",
+        _ => "four",
+    }
+}
+
+fn key_score(name: String, tally: &KeyTally) -> KeyScore {
+    let count = tally.places as f64;
+    let mean = tally.sum.map(|sum| ratio(sum, count));
+    let spread = std::array::from_fn(|axis| {
+        let variance = ratio(tally.squares[axis], count) - mean[axis] * mean[axis];
+        variance.max(0.0).sqrt() * 1e3
+    });
+    KeyScore {
+        name,
+        meant: tally.meant,
+        hit: tally.hit,
+        nothing: tally.nothing,
+        bias_mm: mean.map(|metres| metres * 1e3),
+        spread_mm: spread,
+        places: tally.places,
+    }
+}
+
+fn task_scores(station: &Station, seed: u64) -> Vec<TaskScore> {
+    let mut scores: BTreeMap<(String, bool), TaskScore> = BTreeMap::new();
+    for result in station.do_tasks(seed) {
+        let key = (result.name.clone(), result.kind == TaskKind::Value);
+        let score = scores.entry(key).or_insert_with(|| TaskScore {
+            name: result.name.clone(),
+            kind: result.kind,
+            tries: 0,
+            done: 0,
+            wrong: 0,
+            seconds: 0.0,
+            error: None,
+        });
+        score.tries += 1;
+        score.done += u64::from(result.is_done);
+        score.wrong += result.wrong as u64;
+        // Sums, until all results are in.
+        score.seconds += result.seconds;
+        if let Some(error) = result.error {
+            score.error = Some(score.error.unwrap_or_default() + error);
+        }
+    }
+    let mut scores: Vec<TaskScore> = scores.into_values().collect();
+    for score in &mut scores {
+        score.seconds = ratio(score.seconds, score.tries as f64);
+        score.error = score.error.map(|sum| ratio(sum, score.done as f64));
+    }
+    scores
+}
+
+/// Returns a quotient; 0 for no divisor.
+pub(super) fn ratio(sum: f64, count: f64) -> f64 {
+    if count > 0.0 { sum / count } else { 0.0 }
+}

@@ -1,0 +1,159 @@
+//! The figures of a population.
+
+use serde::{Deserialize, Serialize};
+
+use super::bootstrap::{Interval, bootstrap};
+use super::score::{PersonScore, ratio};
+
+/// The part of the people that counts as the worst.
+const WORST: usize = 10;
+
+/// The figures of all people with their intervals. Rates are parts, 0..=1 unless stated otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The number of people.
+    pub people: usize,
+    /// Characters that were to be typed.
+    pub characters: u64,
+    /// Character error rate: insertions, deletions and substitutions by presented characters.
+    pub cer: Interval,
+    /// Insertions by presented characters.
+    pub insertions: Interval,
+    /// Deletions by presented characters.
+    pub deletions: Interval,
+    /// Substitutions by presented characters.
+    pub substitutions: Interval,
+    /// Words of correct text per minute, the mean of the people.
+    pub wpm: Interval,
+    /// The pace that people intended, in words per minute: an input.
+    pub pace_wpm: f64,
+    /// Words per minute of the shortest movements, the mean of the people.
+    pub fitts_wpm: Interval,
+    /// Keystrokes by presented character.
+    pub kspc: Interval,
+    /// Strokes that pressed what was meant, by strokes.
+    pub hits: Interval,
+    /// Presses of a target that touches the meant one, by strokes.
+    pub neighbor_slips: Interval,
+    /// Turns of all joints for each character, in degrees.
+    pub joint_travel_deg: Interval,
+    /// The part of the time in which a joint was outside its comfortable range.
+    pub uncomfortable: Interval,
+    /// The character error rate of the worst tenth of the people, at least one.
+    pub worst_cer: f64,
+    /// The speed of the slowest tenth of the people, at least one, in words per minute.
+    pub worst_wpm: f64,
+    /// Of pairs of strokes on two targets: by the same finger, by two hands, by two fingers of one hand, and rolls that change
+    /// direction.
+    pub pairs: [f64; 4],
+    /// The part of the strokes of each finger, thumb first.
+    pub fingers: [f64; 5],
+    /// Tasks that were done, by tries.
+    pub tasks_done: Interval,
+    /// Presses of other controls, by tries.
+    pub tasks_wrong: Interval,
+    /// The mean time of a task, in seconds.
+    pub task_seconds: Interval,
+    /// The mean difference from a value, as a part of the range.
+    pub task_error: Interval,
+}
+
+impl PersonScore {
+    /// Returns insertions, deletions and substitutions.
+    pub fn errors(&self) -> u64 {
+        self.insertions + self.deletions + self.substitutions
+    }
+
+    /// Returns the character error rate, 0 or more.
+    pub fn cer(&self) -> f64 {
+        ratio(self.errors() as f64, self.characters as f64)
+    }
+
+    /// Returns tries, done tries, wrong presses and seconds of all tasks.
+    pub(super) fn tasks(&self) -> [f64; 4] {
+        self.tasks.iter().fold([0.0; 4], |sum, task| {
+            let tries = task.tries as f64;
+            [
+                sum[0] + tries,
+                sum[1] + task.done as f64,
+                sum[2] + task.wrong as f64,
+                sum[3] + task.seconds * tries,
+            ]
+        })
+    }
+
+    /// Returns the sum of the errors of values, and their number.
+    pub(super) fn value_errors(&self) -> [f64; 2] {
+        let values = self.tasks.iter().filter_map(|task| {
+            let error = task.error?;
+            Some([error * task.done as f64, task.done as f64])
+        });
+        values.fold([0.0; 2], |sum, value| {
+            [sum[0] + value[0], sum[1] + value[1]]
+        })
+    }
+}
+
+/// Returns the figures of people.
+pub fn summarize(people: &[PersonScore]) -> Summary {
+    // A rate of all people is that of their sums; a speed is the mean of the people.
+    let rate = |part: fn(&PersonScore) -> f64, all: fn(&PersonScore) -> f64| {
+        bootstrap(people, |people| {
+            let parts: f64 = people.iter().map(|it| part(it)).sum();
+            ratio(parts, people.iter().map(|it| all(it)).sum())
+        })
+    };
+    let mean = |value: fn(&PersonScore) -> f64| rate(value, |_| 1.0);
+    let characters = |it: &PersonScore| it.characters as f64;
+    let strokes = |it: &PersonScore| it.strokes as f64;
+    let tries = |it: &PersonScore| it.tasks()[0];
+    let sum = |value: fn(&PersonScore) -> u64| people.iter().map(value).sum::<u64>() as f64;
+    let pairs = sum(|it| it.pairs[0]);
+    let pair_sums = [
+        sum(|it| it.pairs[1]),
+        sum(|it| it.pairs[2]),
+        sum(|it| it.pairs[3]),
+        sum(|it| it.pairs[4]),
+    ];
+    let all_strokes = sum(|it| it.fingers.iter().sum());
+    let fingers: [f64; 5] = std::array::from_fn(|finger| {
+        let own: u64 = people.iter().map(|it| it.fingers[finger]).sum();
+        ratio(own as f64, all_strokes)
+    });
+    Summary {
+        people: people.len(),
+        characters: people.iter().map(|it| it.characters).sum(),
+        cer: rate(|it| it.errors() as f64, characters),
+        insertions: rate(|it| it.insertions as f64, characters),
+        deletions: rate(|it| it.deletions as f64, characters),
+        substitutions: rate(|it| it.substitutions as f64, characters),
+        wpm: mean(|it| it.wpm),
+        pace_wpm: ratio(
+            people.iter().map(|it| it.pace_wpm).sum(),
+            people.len() as f64,
+        ),
+        fitts_wpm: mean(|it| it.fitts_wpm),
+        kspc: rate(|it| it.keystrokes as f64, characters),
+        hits: rate(|it| it.hits as f64, strokes),
+        neighbor_slips: rate(|it| it.neighbor_slips as f64, strokes),
+        joint_travel_deg: mean(|it| it.joint_travel_deg),
+        uncomfortable: mean(|it| it.uncomfortable),
+        worst_cer: worst(people, |it| -it.cer()).map_or(0.0, |cer| -cer),
+        worst_wpm: worst(people, |it| it.wpm).unwrap_or_default(),
+        pairs: pair_sums.map(|own| ratio(own, pairs)),
+        fingers,
+        tasks_done: rate(|it| it.tasks()[1], tries),
+        tasks_wrong: rate(|it| it.tasks()[2], tries),
+        task_seconds: rate(|it| it.tasks()[3], tries),
+        task_error: rate(|it| it.value_errors()[0], |it| it.value_errors()[1]),
+    }
+}
+
+/// Returns the mean of the lowest tenth of a figure.
+fn worst(people: &[PersonScore], figure: impl Fn(&PersonScore) -> f64) -> Option<f64> {
+    let mut figures: Vec<f64> = people.iter().map(figure).collect();
+    figures.sort_by(f64::total_cmp);
+    let count = figures.len().div_ceil(WORST);
+    let lowest = figures.get(..count).filter(|lowest| !lowest.is_empty())?;
+    Some(lowest.iter().sum::<f64>() / count as f64)
+}

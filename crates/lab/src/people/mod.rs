@@ -1,0 +1,163 @@
+//! Simulated people: populations that are drawn from published ranges, and persons of files.
+//!
+//! A [`Participant`] knows nothing of the pipeline. The pipeline assumes [`assumed`](Participant::assumed) lengths of bones; the
+//! [`own`](Participant::own) ones differ by up to 5 %. Ranges marked `?` are remembered from the literature and unchecked.
+
+mod draw;
+mod population;
+mod tier;
+
+use parry3d::math::Vec2;
+use serde::{Deserialize, Serialize};
+
+pub use draw::Draw;
+pub(crate) use draw::mix;
+pub use population::{People, population};
+pub use tier::Tier;
+
+use crate::hand::{Finger, FingerSet};
+use crate::kinematics::BoneLengths;
+
+/// The lengths of the bones of an arm and hand, in metres; see [`BoneLengths`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bones {
+    /// Hand length.
+    pub hand: f64,
+    /// Forearm length.
+    pub forearm: f64,
+    /// Upper arm length.
+    pub upper_arm: f64,
+    /// Hand breadth.
+    pub breadth: f64,
+    /// Proximal, middle and distal phalanx of index, middle, ring and little finger.
+    pub phalanges: [[f64; 3]; 4],
+    /// Metacarpal, proximal and distal phalanx of the thumb.
+    pub thumb: [f64; 3],
+}
+
+impl From<BoneLengths> for Bones {
+    fn from(bones: BoneLengths) -> Self {
+        Self {
+            hand: bones.hand,
+            forearm: bones.forearm,
+            upper_arm: bones.upper_arm,
+            breadth: bones.breadth,
+            phalanges: bones.phalanges,
+            thumb: bones.thumb,
+        }
+    }
+}
+
+impl From<Bones> for BoneLengths {
+    fn from(bones: Bones) -> Self {
+        Self {
+            hand: bones.hand,
+            forearm: bones.forearm,
+            upper_arm: bones.upper_arm,
+            breadth: bones.breadth,
+            phalanges: bones.phalanges,
+            thumb: bones.thumb,
+        }
+    }
+}
+
+/// One simulated person. Lengths in millimetres unless stated otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Participant {
+    /// The number in its population, from 0.
+    pub number: u32,
+    /// The seed of everything that is random about this person.
+    pub seed: u64,
+    /// The lengths that the pipeline assumes.
+    pub assumed: Bones,
+    /// The lengths of this person.
+    pub own: Bones,
+    /// The fingers of each hand that press, by name; empty if the layout decides.
+    pub fingers: Vec<String>,
+    /// `true` if one hand is used where a layout has boards for two.
+    pub one_hand: bool,
+    /// The pace that the person intends, in words per minute: an input, not a result.
+    pub pace_wpm: f64,
+    /// The coefficient of variation of the log-normal times between keystrokes.
+    pub interval_cv: f64,
+    /// The shortest movement to a target: intercept in milliseconds.
+    pub fitts_a_ms: f64,
+    /// The shortest movement to a target: milliseconds a bit.
+    pub fitts_b_ms: f64,
+    /// The time from above a key to the lowest point, in milliseconds.
+    pub press_ms: f64,
+    /// The time at the lowest point, in milliseconds.
+    pub dwell_ms: f64,
+    /// The intended depth beyond the travel of a target.
+    pub depth: f64,
+    /// The deviation of the depth.
+    pub depth_scatter: f64,
+    /// The deviation of end points along the X and Y of a target, whatever its size.
+    pub scatter: [f64; 2],
+    /// The parts of the squared size of a target in the variance (dual Gaussian).
+    pub scatter_parts: [f64; 2],
+    /// The stretch of the scatter along the movement: 0 for none.
+    pub elongation: f64,
+    /// The constant offset of each finger, thumb first.
+    pub offsets: [[f64; 2]; Finger::COUNT],
+    /// The step of the random walk of the hand at each keystroke.
+    pub drift: f64,
+    /// The part of the drift that remains at each keystroke: below 1 if the person sees the hand.
+    pub drift_kept: f64,
+    /// The amplitude of the tremor at the fingertips.
+    pub tremor: f64,
+    /// The frequency of the tremor, in Hz.
+    pub tremor_hz: f64,
+    /// The amplitude of the slow sway of an unsupported arm, below 2 Hz.
+    pub sway: f64,
+    /// The longest slip sideways while a key is down.
+    pub slip: f64,
+    /// The part of the published shares by which neighbors follow a pressing finger, 0..=1.
+    pub enslaving: f64,
+    /// The probability that a tap is left out or too shallow.
+    pub missed: f64,
+    /// The probability of a further tap within 1.5 keys of an intended one.
+    pub spurious: f64,
+    /// The part of the difference between the own hand and the hand that the pipeline shows to which the person has adapted,
+    /// 0..=1.
+    pub adaptation: f64,
+    /// The error of each gain of a glove, 1 for none: drawn again for each channel.
+    pub glove_gain_error: f64,
+    /// The backlash of the bend sensors of a glove, in degrees.
+    pub glove_backlash_deg: f64,
+}
+
+impl Participant {
+    /// Returns the fingers that press; empty if the layout decides.
+    pub fn finger_set(&self) -> FingerSet {
+        let fingers = self.fingers.iter().filter_map(|name| name.parse().ok());
+        fingers.fold(FingerSet::NONE, FingerSet::with)
+    }
+
+    /// Returns the standard deviations of end points at a target of a size in metres, in metres.
+    pub fn deviation_at(&self, size: Vec2) -> Vec2 {
+        let at = |axis: usize, size: f32| {
+            let own = (self.scatter[axis] * 1e-3).powi(2);
+            let of_size = self.scatter_parts[axis] * f64::from(size).powi(2);
+            (own + of_size).sqrt() as f32
+        };
+        Vec2::new(at(0, size.x), at(1, size.y))
+    }
+
+    /// Returns the median time between two keystrokes at the intended pace, in seconds.
+    pub fn interval(&self) -> f64 {
+        12.0 / self.pace_wpm
+    }
+
+    /// Returns the shortest time of a movement over `distance` to a target of a `width` (metres), in seconds: Fitts's law in the
+    /// form of MacKenzie.
+    pub fn movement_time(&self, distance: f64, width: f64) -> f64 {
+        let bits = (distance / width.max(1e-3) + 1.0).log2();
+        (self.fitts_a_ms + self.fitts_b_ms * bits) * 1e-3
+    }
+
+    /// Returns the length of the hand in millimetres.
+    pub fn hand_mm(&self) -> f64 {
+        self.own.hand * 1e3
+    }
+}

@@ -1,0 +1,56 @@
+//! One line for each person, for R or Python.
+
+use std::fmt::Write;
+
+use crate::measures::LabResult;
+
+/// The columns.
+const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds";
+
+/// Returns the people of results as CSV, the columns first.
+pub fn to_csv(results: &[LabResult]) -> String {
+    let mut text = COLUMNS.to_owned() + "\n";
+    for result in results {
+        let layout = quoted(&result.layout_file);
+        for person in &result.scores {
+            let tries: u64 = person.tasks.iter().map(|task| task.tries).sum();
+            let done: u64 = person.tasks.iter().map(|task| task.done).sum();
+            _ = writeln!(
+                text,
+                "{layout},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{tries},{done},{}",
+                person.number,
+                person.hand_mm,
+                person.style,
+                person.pace_wpm,
+                person.characters,
+                person.correct,
+                person.substitutions,
+                person.insertions,
+                person.deletions,
+                person.cer(),
+                person.keystrokes,
+                person.wpm,
+                person.fitts_wpm,
+                person.strokes,
+                person.hits,
+                person.neighbor_slips,
+                person.joint_travel_deg,
+                person.uncomfortable,
+                person.simulated_seconds,
+            );
+        }
+    }
+    text
+}
+
+/// Returns a field in quotes if it needs them. A spreadsheet executes no field as a formula.
+fn quoted(text: &str) -> String {
+    let text = match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    };
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text,
+    }
+}

@@ -1,0 +1,371 @@
+//! A report as one HTML file: light or dark, for a telephone or a desk.
+
+use std::fmt::{self, Write};
+
+use super::{keys_of_all, wrong_of_all};
+use crate::layout::{Heat, Layout, TooManyShapes, heat_style};
+use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
+
+/// Rows of the tables of keys, pairs and people.
+const ROWS: usize = 12;
+/// The rate of missed keys with the strongest colour.
+const WORST_RATE: f64 = 0.5;
+
+const STYLE: &str = "\
+:root{color-scheme:light dark}
+body{margin:1.5rem auto;padding:0 1rem;max-width:70rem;font:1rem/1.45 sans-serif;background:$ground;color:$ink}
+h1{margin:0;font-size:1.5rem;overflow-wrap:anywhere}h2{margin:1.8rem 0 .5rem;font-size:1.15rem}
+p{margin:.3rem 0}.note{color:$muted;font-size:.9rem}figure{margin:.8rem 0}
+.verdict{padding:.6rem .8rem;border-left:4px solid $accent;background:$panel}
+svg{max-width:100%;height:auto}
+.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,21rem),1fr));gap:0 2rem}
+.wide{overflow-x:auto}
+table{border-collapse:collapse;width:100%}
+td,th{padding:.2rem .6rem .2rem 0;text-align:left;font-weight:normal;vertical-align:top;border-bottom:1px solid $well}
+td.number,th.number{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap;padding-right:.4rem}
+th[scope=col]{color:$muted;font-size:.85rem}
+.range{color:$muted}
+";
+
+/// Returns a report of one result, or of several layouts that the same people used. `layouts` are those of the results.
+pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooManyShapes> {
+    let drawings: Result<Vec<Vec<String>>, TooManyShapes> = results
+        .iter()
+        .zip(layouts)
+        .map(|(result, layout)| layout.to_heat_svgs(&heats(layout, &result.scores)))
+        .collect();
+    let mut page = String::new();
+    write_page(results, &drawings?, &mut page).expect("writing to a string does not fail");
+    Ok(page)
+}
+
+/// Returns the colours of a layout: the part of the strokes that did not press what was meant.
+fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
+    let names = layout.target_names();
+    let keys = keys_of_all(people).into_iter().filter_map(|key| {
+        let rate = 1.0 - key.hit as f64 / key.meant.max(1) as f64;
+        Some(Heat {
+            target: names.find(&key.name)?,
+            part: (rate / WORST_RATE) as f32,
+            words: format!("{}: {} of {} hit", key.name, key.hit, key.meant),
+        })
+    });
+    let tasks = people.iter().flat_map(|person| &person.tasks);
+    let mut of_tasks: Vec<(&str, u64, u64)> = Vec::new();
+    for task in tasks {
+        match of_tasks.iter_mut().find(|(name, ..)| *name == task.name) {
+            Some(sum) => {
+                sum.1 += task.done;
+                sum.2 += task.tries;
+            }
+            None => of_tasks.push((&task.name, task.done, task.tries)),
+        }
+    }
+    let tasks = of_tasks.into_iter().filter_map(|(name, done, tries)| {
+        let rate = 1.0 - done as f64 / tries.max(1) as f64;
+        Some(Heat {
+            target: names.find(name)?,
+            part: (rate / WORST_RATE) as f32,
+            words: format!("{name}: {done} of {tries} done"),
+        })
+    });
+    keys.chain(tasks).collect()
+}
+
+fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String) -> fmt::Result {
+    let names: Vec<String> = results.iter().map(|it| escape(&it.layout_file)).collect();
+    let title = names.join(" and ");
+    writeln!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width\"/>\n<title>{title}</title>\n\
+         <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>",
+        heat_style(STYLE)
+    )?;
+    if let Some(first) = results.first() {
+        write_conditions(first, page)?;
+    }
+    for comparison in results.iter().filter_map(|it| it.comparison.as_ref()) {
+        write_comparison(comparison, page)?;
+    }
+    for (result, drawings) in results.iter().zip(drawings) {
+        if results.len() > 1 {
+            writeln!(page, "<h2>{}</h2>", escape(&result.layout_file))?;
+        }
+        write_result(result, drawings, page)?;
+    }
+    writeln!(page, "</body>\n</html>")
+}
+
+fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
+    let tier = result.tier.as_deref().unwrap_or("their own errors");
+    writeln!(
+        page,
+        "<p class=\"note\">{} simulated people, {} phrases each of {} (hash {}); tier: {}; source: {}; seed {}; \
+         program {}. Every figure is simulated; ranges hold 95 % of resampled populations.</p>",
+        result.scores.len(),
+        result.phrases,
+        escape(&result.corpus),
+        escape(&result.corpus_hash),
+        escape(tier),
+        escape(&result.source),
+        result.seed,
+        escape(&result.program_version)
+    )
+}
+
+fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
+    writeln!(
+        page,
+        "<p class=\"verdict\">{}</p>\n<div class=\"wide\"><table>\n<tr><th scope=\"col\">difference from {}</th>\
+         <th scope=\"col\" class=\"number\">all</th><th scope=\"col\" class=\"number\">hands up to {:.0} mm</th>\
+         <th scope=\"col\" class=\"number\">longer hands</th></tr>",
+        escape(&comparison.verdict()),
+        escape(&comparison.first),
+        comparison.median_hand_mm
+    )?;
+    for (index, difference) in comparison.differences.iter().enumerate() {
+        write!(
+            page,
+            "<tr><th scope=\"row\">{}</th>{}",
+            escape(difference.measure.name()),
+            cell(&difference.interval, 1.0, 2)
+        )?;
+        for group in &comparison.groups {
+            let own = group.differences.get(index);
+            write!(
+                page,
+                "{}",
+                cell(
+                    &own.map_or_else(Interval::default, |it| it.interval),
+                    1.0,
+                    2
+                )
+            )?;
+        }
+        writeln!(page, "</tr>")?;
+    }
+    writeln!(page, "</table></div>")
+}
+
+fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> fmt::Result {
+    let summary = &result.summary;
+    writeln!(
+        page,
+        "<div class=\"columns\"><section>\n<h2>Figures</h2>\n<table>"
+    )?;
+    for (name, interval, factor, digits) in rows(summary) {
+        writeln!(
+            page,
+            "<tr><th scope=\"row\">{name}</th>{}</tr>",
+            cell(&interval, factor, digits)
+        )?;
+    }
+    writeln!(page, "</table>\n</section><section>")?;
+    write_people(result, page)?;
+    writeln!(page, "</section></div>")?;
+    let what = match summary.characters {
+        0 => "Tasks that were not done, in colour",
+        _ => "Strokes that did not press what was meant, in colour",
+    };
+    writeln!(
+        page,
+        "<h2>{what}</h2>\n<p class=\"note\">The strongest colour is {:.0} % and more. Point at a key to see its figures.</p>",
+        WORST_RATE * 100.0
+    )?;
+    for drawing in drawings {
+        writeln!(page, "<figure>{drawing}</figure>")?;
+    }
+    write_tables(result, page)
+}
+
+/// Returns the figures of a summary with their names, factors and digits.
+fn rows(summary: &Summary) -> Vec<(&'static str, Interval, f64, usize)> {
+    if summary.characters == 0 {
+        return vec![
+            ("tasks done, %", summary.tasks_done, 100.0, 1),
+            (
+                "presses of others, % of tries",
+                summary.tasks_wrong,
+                100.0,
+                1,
+            ),
+            ("time of a task, s", summary.task_seconds, 1.0, 2),
+            (
+                "error of a value, % of the range",
+                summary.task_error,
+                100.0,
+                1,
+            ),
+        ];
+    }
+    vec![
+        ("words of correct text per minute", summary.wpm, 1.0, 1),
+        ("wrong characters (CER), %", summary.cer, 100.0, 1),
+        ("insertions, %", summary.insertions, 100.0, 1),
+        ("deletions, %", summary.deletions, 100.0, 1),
+        ("substitutions, %", summary.substitutions, 100.0, 1),
+        ("keystrokes per character", summary.kspc, 1.0, 2),
+        ("strokes that hit, %", summary.hits, 100.0, 1),
+        (
+            "slips to a neighbor, % of strokes",
+            summary.neighbor_slips,
+            100.0,
+            1,
+        ),
+        (
+            "fastest movements (Fitts), words/min",
+            summary.fitts_wpm,
+            1.0,
+            1,
+        ),
+        (
+            "joint travel, °/character",
+            summary.joint_travel_deg,
+            1.0,
+            0,
+        ),
+        (
+            "outside the comfortable range, % of time",
+            summary.uncomfortable,
+            100.0,
+            1,
+        ),
+    ]
+}
+
+fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
+    let summary = &result.summary;
+    writeln!(page, "<h2>The people</h2>")?;
+    if summary.characters > 0 {
+        writeln!(
+            page,
+            "<p>The intended pace, an input, is {:.1} words/min on average. The worst tenth makes {:.1} % wrong characters; the \
+             slowest tenth types {:.1} words/min.</p>",
+            summary.pace_wpm,
+            100.0 * summary.worst_cer,
+            summary.worst_wpm
+        )?;
+    }
+    let mut people: Vec<&PersonScore> = result.scores.iter().collect();
+    let badness = |person: &PersonScore| match summary.characters {
+        0 => -(person.tasks.iter().map(|it| it.done).sum::<u64>() as f64),
+        _ => person.cer(),
+    };
+    people.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
+    writeln!(
+        page,
+        "<table>\n<tr><th scope=\"col\">worst people</th><th scope=\"col\" class=\"number\">hand mm</th>\
+         <th scope=\"col\">fingers</th><th scope=\"col\" class=\"number\">words/min</th><th scope=\"col\" class=\"number\">CER %</th></tr>"
+    )?;
+    for person in people.iter().take(ROWS / 2) {
+        writeln!(
+            page,
+            "<tr><td>{}</td><td class=\"number\">{:.0}</td><td>{}</td><td class=\"number\">{:.1}</td><td class=\"number\">{:.1}</td></tr>",
+            person.number,
+            person.hand_mm,
+            escape(&person.style),
+            person.wpm,
+            100.0 * person.cer()
+        )?;
+    }
+    writeln!(page, "</table>")
+}
+
+fn write_tables(result: &LabResult, page: &mut String) -> fmt::Result {
+    writeln!(page, "<div class=\"columns\">")?;
+    let mut keys = keys_of_all(&result.scores);
+    let rate = |hit: u64, meant: u64| 100.0 * hit as f64 / meant.max(1) as f64;
+    keys.sort_by(|a, b| rate(a.hit, a.meant).total_cmp(&rate(b.hit, b.meant)));
+    if !keys.is_empty() {
+        writeln!(
+            page,
+            "<section>\n<h2>Worst keys</h2>\n<table>\n<tr><th scope=\"col\">key</th><th scope=\"col\" class=\"number\">hit %</th>\
+             <th scope=\"col\" class=\"number\">strokes</th><th scope=\"col\" class=\"number\">bias mm</th><th scope=\"col\" class=\"number\">spread mm</th></tr>"
+        )?;
+        for key in keys.iter().take(ROWS) {
+            writeln!(
+                page,
+                "<tr><td>{}</td><td class=\"number\">{:.1}</td><td class=\"number\">{}</td>\
+                 <td class=\"number\">{:+.1} {:+.1}</td><td class=\"number\">{:.1} {:.1}</td></tr>",
+                escape(&key.name),
+                rate(key.hit, key.meant),
+                key.meant,
+                key.bias_mm[0],
+                key.bias_mm[1],
+                key.spread_mm[0],
+                key.spread_mm[1]
+            )?;
+        }
+        writeln!(page, "</table>\n</section>")?;
+    }
+    let wrong = wrong_of_all(&result.scores);
+    if !wrong.is_empty() {
+        writeln!(
+            page,
+            "<section>\n<h2>Most frequent wrong presses</h2>\n<table>\n<tr><th scope=\"col\">meant</th><th scope=\"col\">pressed</th>\
+             <th scope=\"col\" class=\"number\">times</th></tr>"
+        )?;
+        for (meant, pressed, count) in wrong.iter().take(ROWS) {
+            writeln!(
+                page,
+                "<tr><td>{}</td><td>{}</td><td class=\"number\">{count}</td></tr>",
+                escape(meant),
+                escape(pressed)
+            )?;
+        }
+        writeln!(page, "</table>\n</section>")?;
+    }
+    if result.summary.characters > 0 {
+        write_fingers(&result.summary, page)?;
+    }
+    writeln!(page, "</div>")
+}
+
+fn write_fingers(summary: &Summary, page: &mut String) -> fmt::Result {
+    writeln!(page, "<section>\n<h2>Fingers</h2>\n<table>")?;
+    let pairs = [
+        "same finger, % of pairs",
+        "alternating hands, %",
+        "rolls of two fingers, %",
+        "redirects, %",
+    ];
+    let fingers = ["thumb", "index", "middle", "ring", "little"];
+    let fingers = fingers.map(|finger| format!("{finger}, % of strokes"));
+    let pairs = pairs
+        .iter()
+        .map(|name| (*name).to_owned())
+        .zip(summary.pairs);
+    for (name, part) in pairs.chain(fingers.into_iter().zip(summary.fingers)) {
+        writeln!(
+            page,
+            "<tr><th scope=\"row\">{name}</th><td class=\"number\">{:.1}</td></tr>",
+            100.0 * part
+        )?;
+    }
+    writeln!(page, "</table>\n</section>")
+}
+
+/// Returns the cells of an interval.
+fn cell(interval: &Interval, factor: f64, digits: usize) -> String {
+    let [value, low, high] = [interval.value, interval.low, interval.high].map(|it| it * factor);
+    format!(
+        "<td class=\"number\">{value:.digits$} <span class=\"range\">({low:.digits$}–{high:.digits$})</span></td>"
+    )
+}
+
+/// Returns a text as HTML.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            it if it.is_control() => escaped.push(' '),
+            it => escaped.push(it),
+        }
+    }
+    escaped
+}

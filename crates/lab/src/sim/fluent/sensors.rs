@@ -1,0 +1,200 @@
+//! The sensors of the lab: ideal, a camera, a glove.
+
+use glam::DVec3;
+
+use crate::capture::Sample;
+use crate::estimate::{ChannelMap, JointAngles};
+use crate::hand::{Dof, JointPositions};
+use crate::kinematics::ArmModel;
+use crate::names::named_enum;
+use crate::people::{Draw, Participant};
+use crate::sim::glove_sensor::GloveSensor;
+use crate::sim::noise::Noise;
+use crate::sim::sensor::JointSensor;
+
+named_enum! {
+    /// What measures the hands.
+    pub enum SourceKind ("source") {
+        /// The joint angles, exactly, 175 times a second.
+        Ideal = "ideal",
+        /// The positions of all joints, 60 pictures a second, with noise, latency and lost pictures.
+        Camera = "camera",
+        /// The glove of the program, 175 packets a second, with gain errors, backlash, lag and counts of 8 bits.
+        Glove = "glove",
+    }
+}
+
+impl SourceKind {
+    /// Returns the readings of a hand a second.
+    pub fn rate_hz(self) -> f64 {
+        match self {
+            Self::Ideal | Self::Glove => 175.0,
+            Self::Camera => 60.0,
+        }
+    }
+
+    /// Returns one sentence about the errors.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Ideal => "joint angles without noise, 175 Hz",
+            Self::Camera => {
+                "joint positions, 60 Hz; noise 1 mm across and 3 mm along the line of sight (?), 1 % of the pictures lost"
+            }
+            Self::Glove => {
+                "the glove that comes with the program, 175 Hz, 8 bits; gains off by up to 10 %, backlash 2 to 5° in the fingers and a tenth of it in the arm, lag 20 ms (?)"
+            }
+        }
+    }
+}
+
+/// Noise of a camera across and along the line of sight, in metres: a depth camera at half a metre ?.
+const ACROSS: f64 = 0.001;
+const ALONG: f64 = 0.003;
+/// The part of the noise that stays from one picture to the next ?.
+const KEPT: f64 = 0.5;
+/// The part of the pictures without a hand ?.
+const LOST: f64 = 0.01;
+/// The time constant of a bend sensor, in seconds ?.
+const LAG: f64 = 0.02;
+
+/// The sensors of one hand.
+#[derive(Clone)]
+pub struct SourceModel {
+    kind: SourceKind,
+    draw: Draw,
+    /// The noise of each joint in the last picture.
+    noise: Vec<DVec3>,
+    glove: Option<GloveErrors>,
+}
+
+/// The errors of a glove that the pipeline does not know.
+#[derive(Clone)]
+struct GloveErrors {
+    sensor: GloveSensor,
+    /// For each measured angle: the gain, the backlash, and the angle that the sensor shows.
+    angles: Vec<(Dof, f64, f64, f64)>,
+    is_started: bool,
+}
+
+impl SourceModel {
+    /// Creates the sensors of a hand of a person. A glove needs its channels.
+    pub(super) fn new(
+        kind: SourceKind,
+        person: &Participant,
+        map: Option<&ChannelMap>,
+        seed: u64,
+    ) -> Self {
+        let draw = Draw::new(seed, 0x5e45);
+        let glove = map.filter(|_| kind == SourceKind::Glove);
+        let glove = glove.map(|map| {
+            let mut angles: Vec<(Dof, f64, f64, f64)> = Vec::new();
+            // The errors of a glove are those of the person's glove, in every run.
+            let mut own = Draw::new(person.seed, 0x610e);
+            for row in map.rows() {
+                if angles.iter().any(|(dof, ..)| *dof == row.dof) {
+                    continue;
+                }
+                let error = person.glove_gain_error;
+                let gain = 1.0 + own.between(-error, error);
+                let backlash = person.glove_backlash_deg.to_radians();
+                let part = if row.dof.finger().is_some() { 1.0 } else { 0.1 };
+                angles.push((row.dof, gain, backlash * part, 0.0));
+            }
+            GloveErrors {
+                sensor: GloveSensor::new(map, Noise::new(0.0, 0)),
+                angles,
+                is_started: false,
+            }
+        });
+        Self {
+            kind,
+            draw,
+            noise: Vec::new(),
+            glove,
+        }
+    }
+
+    /// Starts another run, with the same errors of the glove.
+    pub(super) fn restart(&mut self, seed: u64) {
+        self.draw = Draw::new(seed, 0x5e45);
+        self.noise.clear();
+        if let Some(glove) = &mut self.glove {
+            glove.is_started = false;
+        }
+    }
+
+    /// Returns what the sensors show of these angles on average, for a person who knows them.
+    pub(super) fn expected(&mut self, arm: &ArmModel, angles: &JointAngles) -> Sample {
+        match (&mut self.glove, self.kind) {
+            (Some(glove), _) => glove.expected(angles),
+            (None, SourceKind::Camera) => JointSensor::Positions.measure(arm, angles),
+            _ => JointSensor::Angles.measure(arm, angles),
+        }
+    }
+
+    /// Returns what the sensors show after a time step; `None` for a lost picture.
+    pub(super) fn measure(
+        &mut self,
+        arm: &ArmModel,
+        angles: &JointAngles,
+        seconds: f64,
+    ) -> Option<Sample> {
+        if let Some(glove) = &mut self.glove {
+            return Some(glove.measure(angles, seconds));
+        }
+        let sensor = match self.kind {
+            SourceKind::Camera => JointSensor::Positions,
+            SourceKind::Ideal | SourceKind::Glove => JointSensor::Angles,
+        };
+        if self.kind == SourceKind::Camera && self.draw.happens(LOST) {
+            return None;
+        }
+        let mut sample = sensor.measure(arm, angles);
+        if let Sample::Joints { positions } = &mut sample {
+            self.add_noise(positions);
+        }
+        Some(sample)
+    }
+
+    fn add_noise(&mut self, positions: &mut JointPositions) {
+        let fresh = (1.0 - KEPT * KEPT).sqrt();
+        for (index, (joint, position)) in positions.clone().known().enumerate() {
+            if self.noise.len() <= index {
+                self.noise.push(DVec3::ZERO);
+            }
+            let mut normal = || self.draw.normal();
+            // The camera looks along the Z of the world.
+            let new = DVec3::new(normal() * ACROSS, normal() * ACROSS, normal() * ALONG);
+            let noise = &mut self.noise[index];
+            *noise = *noise * KEPT + new * fresh;
+            positions.set(joint, position + *noise);
+        }
+    }
+}
+
+impl GloveErrors {
+    fn expected(&mut self, angles: &JointAngles) -> Sample {
+        let mut shown = *angles;
+        for &(dof, gain, ..) in &self.angles {
+            shown.set(dof, angles.get(dof) * gain);
+        }
+        self.sensor.measure(&shown)
+    }
+
+    fn measure(&mut self, angles: &JointAngles, seconds: f64) -> Sample {
+        let mut shown = *angles;
+        for (dof, gain, backlash, last) in &mut self.angles {
+            let goal = angles.get(*dof) * *gain;
+            // A play operator: the sensor follows at a distance of half its backlash.
+            let half = *backlash / 2.0;
+            let pulled = last.clamp(goal - half, goal + half);
+            match self.is_started {
+                true => *last += (pulled - *last) * (seconds / LAG).min(1.0),
+                false => *last = goal,
+            }
+            shown.set(*dof, *last);
+        }
+        self.is_started = true;
+        self.sensor.measure(&shown)
+    }
+}

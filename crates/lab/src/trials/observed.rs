@@ -1,0 +1,180 @@
+//! What was observed of a person.
+
+use std::collections::BTreeMap;
+
+use parry3d::math::Vec2;
+
+use crate::contact::TargetId;
+use crate::hand::Finger;
+use crate::sim::EditCounts;
+use crate::sim::fluent::Load;
+
+/// The reason for a stroke.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrokeKind {
+    /// It was meant.
+    Meant,
+    /// It was meant and did not reach the target.
+    Shallow,
+    /// It was not meant.
+    Spurious,
+}
+
+/// A stroke of a person, and what it pressed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// The target that was meant; the first of a chord.
+    pub target: TargetId,
+    /// The finger; the first of a chord.
+    pub finger: Finger,
+    /// The index of the hand.
+    pub hand: usize,
+    /// The reason.
+    pub kind: StrokeKind,
+    /// The number of targets that it presses together.
+    pub keys: usize,
+    /// The time of the lowest point, in seconds.
+    pub bottom: f64,
+    /// The distance that the hand moved for it, in metres.
+    pub distance: f64,
+    /// The targets that were pressed, with the place from the center of the meant one in metres.
+    pub presses: Vec<(TargetId, Vec2)>,
+}
+
+/// The strokes that meant one target.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeyTally {
+    /// Strokes that meant it.
+    pub meant: u64,
+    /// Strokes that pressed it.
+    pub hit: u64,
+    /// Strokes that pressed nothing.
+    pub nothing: u64,
+    /// The sum of the places of the presses from its center, in metres.
+    pub sum: [f64; 2],
+    /// The sum of their squares.
+    pub squares: [f64; 2],
+    /// The number of places in these sums.
+    pub places: u64,
+}
+
+/// What one person did.
+#[derive(Clone, Debug, Default)]
+pub struct Observed {
+    /// The characters of all phrases.
+    pub edits: EditCounts,
+    /// The number of characters that were to be typed.
+    pub characters: usize,
+    /// Keys that went down.
+    pub keystrokes: usize,
+    /// The time from the first to the last event of each phrase, in seconds.
+    pub seconds: f64,
+    /// The number of phrases.
+    pub phrases: usize,
+    /// The strokes by the target that was meant.
+    pub keys: BTreeMap<TargetId, KeyTally>,
+    /// Presses of another target than the meant one: meant, pressed, number.
+    pub confusions: BTreeMap<(TargetId, TargetId), u64>,
+    /// Presses of a target that touches the meant one.
+    pub neighbor_slips: u64,
+    /// Pairs of strokes one after the other.
+    pub pairs: Pairs,
+    /// Strokes by finger, of all hands.
+    pub fingers: [u64; Finger::COUNT],
+    /// The sum of the shortest times of the movements (Fitts's law), in seconds.
+    pub predicted_seconds: f64,
+    /// The times between strokes, in seconds.
+    pub intervals: Vec<f64>,
+    /// The load of the joints.
+    pub load: Load,
+    /// Readings that passed through the pipeline, and the simulated time in seconds.
+    pub readings: u64,
+    /// The simulated time of all hands, in seconds.
+    pub simulated_seconds: f64,
+}
+
+/// Kinds of pairs of strokes that mean two different targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pairs {
+    /// All pairs.
+    pub all: u64,
+    /// By one finger of one hand.
+    pub same_finger: u64,
+    /// By two hands.
+    pub alternating: u64,
+    /// By two fingers of one hand, none of them the thumb.
+    pub rolls: u64,
+    /// Two rolls of one hand in opposite directions.
+    pub redirects: u64,
+}
+
+impl Observed {
+    /// Adds the strokes of a phrase. `are_neighbors` tells whether two targets touch.
+    pub(super) fn add_strokes(
+        &mut self,
+        strokes: &[Stroke],
+        are_neighbors: impl Fn(TargetId, TargetId) -> bool,
+    ) {
+        for stroke in strokes {
+            if stroke.kind == StrokeKind::Spurious {
+                continue;
+            }
+            self.fingers[stroke.finger.index()] += 1;
+            let tally = self.keys.entry(stroke.target).or_default();
+            tally.meant += 1;
+            if stroke.presses.is_empty() {
+                tally.nothing += 1;
+            }
+            if stroke.keys > 1 {
+                // A chord presses several targets on purpose.
+                tally.hit += u64::from(stroke.presses.len() == stroke.keys);
+                continue;
+            }
+            tally.hit += u64::from(stroke.presses.iter().any(|(it, _)| *it == stroke.target));
+            for &(pressed, place) in &stroke.presses {
+                tally.places += 1;
+                for (axis, value) in [place.x, place.y].into_iter().enumerate() {
+                    tally.sum[axis] += f64::from(value);
+                    tally.squares[axis] += f64::from(value).powi(2);
+                }
+                if pressed != stroke.target {
+                    *self.confusions.entry((stroke.target, pressed)).or_default() += 1;
+                    self.neighbor_slips += u64::from(are_neighbors(stroke.target, pressed));
+                }
+            }
+        }
+        let meant: Vec<&Stroke> = strokes
+            .iter()
+            .filter(|stroke| stroke.kind != StrokeKind::Spurious)
+            .collect();
+        for pair in meant.windows(2) {
+            self.intervals.push(pair[1].bottom - pair[0].bottom);
+        }
+        self.pairs.add(&meant);
+    }
+}
+
+impl Pairs {
+    fn add(&mut self, strokes: &[&Stroke]) {
+        let direction = |a: &Stroke, b: &Stroke| {
+            let is_roll = a.hand == b.hand
+                && a.finger != b.finger
+                && a.finger != Finger::Thumb
+                && b.finger != Finger::Thumb;
+            is_roll.then(|| a.finger.index() < b.finger.index())
+        };
+        let mut last = None;
+        for pair in strokes.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            let roll = direction(a, b);
+            if a.target != b.target {
+                self.all += 1;
+                self.same_finger += u64::from(a.hand == b.hand && a.finger == b.finger);
+                self.alternating += u64::from(a.hand != b.hand);
+                self.rolls += u64::from(roll.is_some());
+                self.redirects += u64::from(last.is_some() && roll.is_some() && last != roll);
+            }
+            last = roll;
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! One person in front of a layout.
+
+use crate::contact::TargetId;
+use crate::document::{Document, DocumentError};
+use crate::estimate::{ChannelMap, Estimator, EstimatorSettings, LANDMARK_SMOOTHING};
+use crate::hand::Side;
+use crate::kinematics::{ArmModel, ArmModelError, half_bent_fingers};
+use crate::layout::{Fit, Glove, Layout};
+use crate::people::Participant;
+use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use crate::sim::TypingKeys;
+use crate::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture};
+
+/// The gloves of the program, right and left.
+const GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
+
+/// Reason why a person cannot be put in front of a layout.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialError {
+    /// The layout or a glove cannot be read.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// The bones make no arm.
+    #[error("cannot make the arm of a simulated person: {0}")]
+    Arm(#[from] ArmModelError),
+}
+
+/// A person in front of a layout that fits what the pipeline assumes of the person.
+pub struct Station {
+    pub(super) person: Participant,
+    pub(super) layout: Layout,
+    pub(super) hands: Vec<FluentHand>,
+    pub(super) source: SourceKind,
+    assumed: Vec<ArmModel>,
+    own: Vec<ArmModel>,
+    maps: Vec<Option<ChannelMap>>,
+}
+
+impl Station {
+    /// Puts a person in front of a layout.
+    pub fn new(
+        document: &Document,
+        person: &Participant,
+        source: SourceKind,
+    ) -> Result<Self, TrialError> {
+        let design = Layout::from_document(document.clone())?;
+        let sides = sides(&design, person);
+        let arms = |bones: crate::kinematics::BoneLengths| {
+            let arms = sides.iter();
+            arms.map(|&side| ArmModel::anthropometric(side, &bones))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let (assumed, own) = (arms(person.assumed.into())?, arms(person.own.into())?);
+        let fit = Fit::new(&assumed[0], assumed.get(1))?;
+        let layout = Layout::for_hands(document.clone(), fit)?;
+        let map = |&side: &Side| -> Result<Option<ChannelMap>, DocumentError> {
+            if source != SourceKind::Glove {
+                return Ok(None);
+            }
+            let name = GLOVES[usize::from(side == Side::Left)];
+            Ok(Some(Glove::parse(&Document::shipped(name)?)?.map))
+        };
+        let maps = sides.iter().map(map).collect::<Result<Vec<_>, _>>()?;
+        let keys = TypingKeys::new(&layout);
+        let posture = match (
+            layout.scene.has_bend_targets(),
+            layout.scene.starts_at_hand(),
+        ) {
+            (true, _) => StartPosture::Straight,
+            (_, true) => StartPosture::Open,
+            _ => StartPosture::Relaxed,
+        };
+        let all = assumed.iter().zip(&own).zip(&maps);
+        let hands = all.map(|((assumed, own), map)| {
+            let setup = HandSetup {
+                assumed,
+                own,
+                map: map.as_ref(),
+                source,
+            };
+            FluentHand::new(setup, person, &keys, posture)
+        });
+        Ok(Self {
+            hands: hands.collect(),
+            person: person.clone(),
+            layout,
+            source,
+            assumed,
+            own,
+            maps,
+        })
+    }
+
+    /// Returns the layout, as it fits the person.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns the person.
+    pub fn person(&self) -> &Participant {
+        &self.person
+    }
+
+    /// Returns the arms of the person with the channels of their gloves.
+    pub(super) fn arms(&self) -> impl Iterator<Item = (&ArmModel, Option<&ChannelMap>)> {
+        let maps = self.maps.iter().map(Option::as_ref);
+        self.own.iter().zip(maps)
+    }
+
+    /// Returns a pipeline that has seen nothing.
+    pub(super) fn pipeline(&self) -> Pipeline {
+        let settings = EstimatorSettings {
+            position_smoothing: (self.source == SourceKind::Camera).then_some(LANDMARK_SMOOTHING),
+            rest_pose: half_bent_fingers(),
+            ..EstimatorSettings::default()
+        };
+        let estimator = |index: usize| {
+            let estimator = Estimator::new(settings);
+            match &self.maps[index] {
+                Some(map) => estimator.with_channels(map),
+                None => estimator,
+            }
+        };
+        let layout = LayoutInstance::from_layout(&self.layout);
+        let arms = &self.assumed;
+        let pipeline = Pipeline::new(
+            estimator(0),
+            arms[0].clone(),
+            layout,
+            PipelineSettings::default(),
+        );
+        match arms.get(1) {
+            Some(arm) => pipeline.with_second_hand(estimator(1), arm.clone()),
+            None => pipeline,
+        }
+    }
+
+    /// Returns the index of the hand for a target.
+    pub(super) fn hand_for(&self, target: TargetId) -> Option<usize> {
+        let (surface, _) = self.layout.scene.target(target)?;
+        match surface.side() {
+            Some(side) => self.hands.iter().position(|hand| hand.side() == side),
+            None => Some(0),
+        }
+    }
+}
+
+/// Returns the sides of the hands in use: both if the layout has boards for both.
+fn sides(layout: &Layout, person: &Participant) -> Vec<Side> {
+    let has = |side| layout.has_board_for(side);
+    match (has(Side::Right), has(Side::Left)) {
+        (true, true) if !person.one_hand => vec![Side::Right, Side::Left],
+        (false, true) => vec![Side::Left],
+        _ => vec![Side::Right],
+    }
+}

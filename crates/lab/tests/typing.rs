@@ -1,0 +1,112 @@
+//! Simulated people type on shipped layouts through the whole pipeline.
+
+mod support;
+
+use std::num::NonZeroUsize;
+
+use ademan_lab::measures::{PersonScore, summarize};
+use ademan_lab::people::{People, Tier, population};
+use ademan_lab::phrases::{Corpus, PhraseSet};
+use ademan_lab::sim::fluent::SourceKind;
+use support::{Run, steady};
+
+#[test]
+fn a_person_without_errors_types_without_errors_on_every_keyboard() {
+    for layout in [
+        "qwerty-flat",
+        "qwerty-arc",
+        "qwerty-two-flat",
+        "chords-bend",
+        "webcam-qwerty",
+    ] {
+        for fingers in [
+            &["index"][..],
+            &["thumb", "index", "middle", "ring", "little"],
+        ] {
+            let people = [steady(fingers)];
+            let scores = Run::new(layout).of(&people, SourceKind::Ideal);
+            let score = &scores[0];
+            assert!(score.characters > 100, "{layout} {fingers:?}: {score:?}");
+            assert!(
+                score.cer() < 0.005,
+                "{layout} {fingers:?}: {:?} {:?}",
+                score.cer(),
+                score.wrong
+            );
+        }
+    }
+}
+
+#[test]
+fn more_scatter_makes_more_errors() {
+    let cer = |tier| {
+        let people = population(&People::Drawn(6), Some(tier), 3);
+        let cer = summarize(&Run::new("qwerty-flat").of(&people, SourceKind::Ideal)).cer;
+        println!("{tier}: {cer:?}");
+        cer.value
+    };
+    let rates = [Tier::T0, Tier::T1, Tier::T3].map(cer);
+    assert!(rates[0] < 0.06, "{rates:?}");
+    assert!(rates[0] < rates[1] && rates[1] < rates[2], "{rates:?}");
+    assert!(cer(Tier::Toff) > rates[1], "{rates:?}");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let people = population(&People::Drawn(5), None, 11);
+    let scores = |jobs| {
+        let jobs = NonZeroUsize::new(jobs).expect("more than 0");
+        Run {
+            jobs,
+            ..Run::new("qwerty-arc")
+        }
+        .of(&people, SourceKind::Camera)
+    };
+    let one: Vec<PersonScore> = scores(1);
+    assert!(one.iter().any(|score| score.errors() > 0));
+    assert_eq!(one, scores(3));
+    let fewer = Run::new("qwerty-arc").of(&people[..2], SourceKind::Camera);
+    assert_eq!(one[..2], fewer);
+}
+
+#[test]
+fn all_sensors_measure_a_person_well_enough_to_type() {
+    for source in SourceKind::ALL {
+        let people = population(&People::Drawn(4), Some(Tier::T0), 5);
+        let scores = Run::new("qwerty-flat").of(&people, *source);
+        let summary = summarize(&scores);
+        println!("{source}: {:?} {:?}", summary.cer, summary.hits);
+        assert!(summary.characters > 300, "{source}");
+        assert!(summary.cer.value < 0.6, "{source}: {:?}", summary.cer);
+    }
+}
+
+#[test]
+fn a_layout_that_does_not_type_is_scored_by_its_tasks() {
+    let people = population(&People::Drawn(2), Some(Tier::T0), 5);
+    let scores = Run::new("workshop").of(&people, SourceKind::Ideal);
+    let summary = summarize(&scores);
+    for task in &scores[0].tasks {
+        println!("{task:?}");
+    }
+    assert_eq!(summary.characters, 0);
+    assert!(summary.tasks_done.value > 0.5, "{summary:?}");
+    assert!(
+        scores
+            .iter()
+            .flat_map(|it| &it.tasks)
+            .any(|task| task.error.is_some())
+    );
+}
+
+#[test]
+fn characters_that_a_layout_cannot_type_are_named_and_left_out() {
+    let run = Run {
+        corpus: Corpus::shipped(PhraseSet::Es),
+        ..Run::new("qwerty-flat")
+    };
+    let scores = run.of(&[steady(&["index"])], SourceKind::Ideal);
+    assert!(scores[0].untypable.contains('í'), "{}", scores[0].untypable);
+    assert!(!scores[0].untypable.contains('e'));
+    assert!(scores[0].cer() < 0.005, "{}", scores[0].cer());
+}

@@ -1,0 +1,161 @@
+//! What is learned from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
+//! unknown.
+
+use super::finish::Finished;
+use super::token::Place;
+use super::{Decoder, NONE};
+use crate::correction::ends_word;
+use crate::keyboard::Millimetres;
+use crate::model::Model;
+use crate::model::bigrams::NO_ROW;
+use crate::model::lexicon::ROOT;
+
+/// The share of a word that is left after one more word: names, code and passwords come in groups.
+const WORD_MEMORY: f32 = 0.95;
+/// How many words the belief of the options is worth.
+const PRIOR_WORDS: f32 = 12.0;
+/// The most that a cost is changed by what was learned, in nats.
+const MAX_CHANGE: f32 = 2.5;
+/// What a spurious tap on the space bar costs more while the taps of a person are clean, so that `earth quakes` stays two words, however
+/// rare they are; and the change of the cost of spurious taps with which it costs nothing more.
+const SPURIOUS_SPACE: f32 = -10.0;
+const SPURIOUS_CHANGE: f32 = 2.0;
+
+/// How many of the last words the lexicon lacks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WordRates {
+    words: f32,
+    unknown: f32,
+}
+
+impl WordRates {
+    fn learn(&mut self, is_unknown: bool) {
+        self.words = self.words * WORD_MEMORY + 1.0;
+        self.unknown = self.unknown * WORD_MEMORY + f32::from(u8::from(is_unknown));
+    }
+
+    /// Returns the log-probability of an unknown word, given that of before.
+    fn cost(&self, before: f32) -> f32 {
+        let prior = before.exp();
+        ((self.unknown + prior * PRIOR_WORDS) / (self.words + PRIOR_WORDS))
+            .ln()
+            .max(before)
+    }
+}
+
+impl Decoder<'_> {
+    /// Takes the most probable text as meant: learns from its taps, and starts anew behind it.
+    pub fn commit(&mut self) {
+        self.finish();
+        let Some(best) = self.finished.first().copied() else {
+            return self.start_anywhere();
+        };
+        let token = self.tokens[best.token];
+        self.learn(&best);
+        let capitals = self.capitals();
+        self.rendered
+            .text(&self.history, &best, &self.taps, capitals);
+        learn_words(&mut self.words, &self.model, self.rendered.shown());
+        self.touch.drift = token.drift;
+        self.touches.learn(&self.keyboard, &self.touch);
+        self.update_costs();
+        let last = self.history.get(best.end).map(|entry| entry.character);
+        match (token.place, last) {
+            (Place::Gap, Some('.' | '!' | '?')) => self.starts_sentence = true,
+            (Place::Word(ROOT), _) => {
+                self.starts_sentence =
+                    self.starts_sentence && last.is_none() || token.row == self.model.row(ROOT);
+            }
+            _ => self.starts_sentence = false,
+        }
+        self.row = match best.word {
+            Some(node) => self.model.next_row(token.row, node),
+            None => token.row,
+        };
+        self.restart();
+    }
+
+    /// Takes what was typed as meant, and starts anew behind it.
+    pub fn commit_typed(&mut self) {
+        self.commit_behind(None);
+    }
+
+    /// Takes a text as meant, or what was typed, without learning from the taps, and starts anew behind it.
+    pub fn commit_behind(&mut self, text: Option<&str>) {
+        self.touch.drift = self
+            .tokens
+            .first()
+            .map_or(self.touch.drift, |token| token.drift);
+        let text = text.unwrap_or(self.literal.text());
+        learn_words(&mut self.words, &self.model, text);
+        let last = text.trim_end();
+        self.starts_sentence = last.ends_with(['.', '!', '?']);
+        let word = last
+            .rsplit(' ')
+            .next()
+            .and_then(|word| self.model.find(word));
+        self.row = match (self.starts_sentence, word) {
+            (true, _) => self.model.row(ROOT),
+            (false, Some(found)) => self.model.row(found.node),
+            (false, None) => NO_ROW,
+        };
+        self.update_costs();
+        self.restart();
+    }
+
+    /// Learns where the keys were tapped that a text consists of.
+    fn learn(&mut self, best: &Finished) {
+        let drift = self.tokens[best.token].drift;
+        let mut end = best.end;
+        let (mut used, mut missed) = (0, usize::from(best.omitted.is_some()));
+        while let Some(entry) = self.history.get(end) {
+            end = entry.previous;
+            match (entry.tap, entry.character) {
+                (NONE, '\'') => {}
+                (NONE, _) => missed += 1,
+                _ => used += 1,
+            }
+            let Some(tap) = self.taps.get(entry.tap as usize) else {
+                continue;
+            };
+            let plain = crate::model::alphabet::plain(entry.character);
+            let own = self.keyboard.index(entry.character);
+            let Some(index) = own.or_else(|| self.keyboard.index(plain)) else {
+                continue;
+            };
+            let key = self.keyboard.keys()[index];
+            let shift: Millimetres = drift[usize::from(key.hand.min(1))];
+            let residual: Millimetres =
+                std::array::from_fn(|axis| tap.position[axis] - key.center[axis] - shift[axis]);
+            // A slip to another key says nothing about where the key is felt.
+            let inside = (0..2).all(|axis| residual[axis].abs() < 1.5 * key.size[axis]);
+            if inside {
+                self.touch.learn(key.character, residual);
+            }
+        }
+        let spurious = self.taps.len().saturating_sub(used);
+        self.touch.learn_errors(self.taps.len(), spurious, missed);
+    }
+
+    /// Adapts the costs of errors and of unknown words to what was learned.
+    pub(super) fn update_costs(&mut self) {
+        let options = &self.options;
+        let limited = |change: f32| change.clamp(-MAX_CHANGE, MAX_CHANGE);
+        let errors = &self.touch.errors;
+        let spurious = limited(errors.spurious_change(options.insertion));
+        let missed = limited(errors.missed_change(options.omission));
+        let clean = 1.0 - (spurious / SPURIOUS_CHANGE).clamp(0.0, 1.0);
+        self.spurious_space = SPURIOUS_SPACE * clean;
+        self.costs = *options;
+        self.costs.insertion = (options.insertion + spurious).min(0.0);
+        self.costs.omission = (options.omission + missed).min(0.0);
+        self.costs.missing_space = (options.missing_space + missed).min(0.0);
+        self.costs.unknown = self.words.cost(options.unknown);
+    }
+}
+
+fn learn_words(rates: &mut WordRates, model: &Model, text: &str) {
+    for word in text.split(ends_word).filter(|word| !word.is_empty()) {
+        rates.learn(model.find(word).is_none());
+    }
+}

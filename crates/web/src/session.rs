@@ -1,0 +1,417 @@
+//! The session of a page.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use ademan_core::capture::Reading;
+use ademan_core::contact::{Phase, TargetId};
+use ademan_core::device::Events;
+use ademan_core::document::{Document, DocumentError, shipped_layouts};
+use ademan_core::estimate::{Estimator, EstimatorSettings};
+use ademan_core::hand::Side;
+use ademan_core::kinematics::{ArmModel, HandPose, half_bent_fingers};
+use ademan_core::layout::{Fit, Layout, Person};
+use ademan_core::objects::{EventObject, SceneState, TouchObject, layout_object, write_pose};
+use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan_core::snapshot::{Stats, StepView};
+use ademan_core::time::Timestamp;
+use ademan_lab::sim::{HandTask, Script, UsTextField};
+use serde::Serialize;
+
+use crate::faults::{Fault, fault, faults};
+use crate::hand::{FollowedHand, Hand, HandState, PERIOD, SimulatedPerson};
+use crate::objects::Lines;
+use crate::plan::{PlanBoard, PlanEdit, edit_targets, plan};
+use crate::pointer::{Pointed, PointerHand};
+
+/// The name of the layout in messages.
+const NAME: &str = "layout.ron";
+
+/// Longest time that one call catches up with: a page in the background stops.
+const MAX_ELAPSED: Duration = Duration::from_millis(100);
+
+/// Most bytes of text that the text field keeps.
+const MAX_TEXT_BYTES: usize = 4096;
+
+/// The time of the first reading, so that a hand may show times before it.
+const START: Timestamp = Timestamp(1_000_000);
+
+/// The session of a page: a layout, hands, and what they type.
+pub struct PageSession {
+    right: ArmModel,
+    left: ArmModel,
+    fit: Fit,
+    layout: Arc<Layout>,
+    person: Person,
+    pipeline: Pipeline,
+    hand: Hand,
+    scene: SceneState,
+    field: UsTextField,
+    time: Timestamp,
+    /// Elapsed time for which no reading was made yet.
+    rest: Duration,
+    /// The poses of the hands since the last call, by side.
+    poses: [Option<HandPose>; Side::COUNT],
+    /// Length of the typed text, in characters, when the task of the simulated person began.
+    typed_before: usize,
+    /// Number of readings so far.
+    steps: u64,
+    lines: Lines,
+    buffer: Vec<u8>,
+}
+
+/// What the page is told about a layout.
+#[derive(Serialize)]
+struct LayoutNews<'a> {
+    faults: Vec<Fault>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plan: Option<Vec<PlanBoard<'a>>>,
+}
+
+/// What the page is told about the hands.
+#[derive(Serialize)]
+struct SessionNews<'a> {
+    hand: HandState,
+    text: &'a str,
+    steps: u64,
+}
+
+impl PageSession {
+    /// Creates a session with a layout, whose hands rest. Fails if the layout or what comes with the program is invalid.
+    pub fn new(layout: &str) -> Result<Self, DocumentError> {
+        let arm = ArmModel::parse(&Document::shipped("unam")?)?;
+        let [right, left] = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
+        let fit = Fit::new(&right, Some(&left))?;
+        let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
+        let estimator = || {
+            Estimator::new(EstimatorSettings {
+                rest_pose: half_bent_fingers(),
+                ..EstimatorSettings::default()
+            })
+        };
+        let instance = layout_instance(&layout);
+        // The hands of a page appear above the keys, and what they type stays in it.
+        let settings = PipelineSettings {
+            arm_delay: Duration::ZERO,
+            ..PipelineSettings::default()
+        };
+        let pipeline = Pipeline::new(estimator(), right.clone(), instance, settings);
+        Ok(Self {
+            pipeline: pipeline.with_second_hand(estimator(), left.clone()),
+            right,
+            left,
+            fit,
+            layout,
+            person: Person::default(),
+            hand: Hand::Resting,
+            scene: SceneState::default(),
+            field: UsTextField::with_capacity(MAX_TEXT_BYTES),
+            time: START,
+            rest: Duration::ZERO,
+            poses: [None; Side::COUNT],
+            typed_before: 0,
+            steps: 0,
+            lines: Lines::default(),
+            buffer: Vec::new(),
+        })
+    }
+
+    /// Exchanges the layout, unless the text has faults; a simulated person goes on with the rest of its text. Returns lines: the
+    /// faults and the boards in the plane, and the object of the layout.
+    pub fn set_layout(&mut self, text: &str) -> String {
+        match Layout::for_hands(Document::new(NAME, text), self.fit) {
+            Ok(layout) => {
+                self.adopt(Arc::new(layout));
+                self.layout_lines()
+            }
+            Err(error) => {
+                let news = LayoutNews {
+                    faults: faults(&error),
+                    plan: None,
+                };
+                self.lines.add("faults", news);
+                self.lines.take()
+            }
+        }
+    }
+
+    /// Returns the lines of the layout in use, as [`set_layout`](Self::set_layout) does.
+    pub fn layout_lines(&mut self) -> String {
+        let news = LayoutNews {
+            faults: Vec::new(),
+            plan: Some(plan(&self.layout)),
+        };
+        self.lines.add("faults", news);
+        let object = layout_object(&self.layout);
+        self.lines.bytes_mut().extend_from_slice(&object);
+        self.lines.take()
+    }
+
+    fn adopt(&mut self, layout: Arc<Layout>) {
+        let mut events = Events::new();
+        self.lose_hands(&mut events);
+        let mut instance = layout_instance(&layout);
+        self.pipeline.replace_profile(0, &mut instance, &mut events);
+        self.layout = layout;
+        self.write_events(&events);
+        if let Hand::Simulated(person) = &self.hand {
+            let task = self.rest_of(&person.task);
+            self.simulate(task);
+        }
+    }
+
+    /// Returns what is left of a task: the characters that were not typed, or the whole script.
+    fn rest_of(&self, task: &HandTask) -> HandTask {
+        match task {
+            HandTask::Text(text) => {
+                let typed = self.field.text().chars().count();
+                let typed = typed.saturating_sub(self.typed_before);
+                HandTask::Text(text.chars().skip(typed).collect())
+            }
+            other => other.clone(),
+        }
+    }
+
+    /// Returns the text after an edit of the layout in use in the plane, which is not adopted, or the reason why it is not made.
+    pub fn edit(&self, targets: &[TargetId], edit: PlanEdit) -> Result<String, String> {
+        edit_targets(&self.layout.text, targets, edit).map_err(|error| error.to_string())
+    }
+
+    /// Exchanges the person who is simulated: the text of a person file, or an empty text for one without errors.
+    pub fn set_person(&mut self, text: &str) -> Vec<Fault> {
+        if text.is_empty() {
+            self.person = Person::default();
+            return Vec::new();
+        }
+        match Person::parse(&Document::new("person.ron", text)) {
+            Ok(person) => {
+                self.person = person;
+                Vec::new()
+            }
+            Err(error) => faults(&error),
+        }
+    }
+
+    /// Lets a simulated person type a text as far as the layout permits. Returns the reasons why it cannot.
+    pub fn type_text(&mut self, text: &str) -> Vec<Fault> {
+        self.simulate(HandTask::Text(text.to_owned()))
+    }
+
+    /// Lets a simulated person play a script. Returns its faults.
+    pub fn play(&mut self, script: &str) -> Vec<Fault> {
+        match Script::from_text(script, &self.layout.target_names()) {
+            Ok(script) => self.simulate(HandTask::Script(script)),
+            Err(error) => faults(&error),
+        }
+    }
+
+    fn simulate(&mut self, task: HandTask) -> Vec<Fault> {
+        self.release();
+        let mut arms = vec![self.right.clone()];
+        if self.layout.has_board_for(Side::Left) {
+            arms.push(self.left.clone());
+        }
+        match SimulatedPerson::new(task, &self.layout, &arms, &self.person) {
+            Ok(person) => {
+                self.hand = Hand::Simulated(Box::new(person));
+                self.typed_before = self.field.text().chars().count();
+                Vec::new()
+            }
+            Err(error) => {
+                self.hand = Hand::Resting;
+                vec![fault(error)]
+            }
+        }
+    }
+
+    /// Points at something with the index finger of a hand.
+    pub fn point(&mut self, side: Side, pointed: Pointed) {
+        if !matches!(&self.hand, Hand::Pointing(hand) if hand.side() == side) {
+            self.release();
+            let hand = PointerHand::new(match side {
+                Side::Right => &self.right,
+                Side::Left => &self.left,
+            });
+            self.hand = Hand::Pointing(Box::new(hand));
+        }
+        if let Hand::Pointing(hand) = &mut self.hand {
+            hand.point(pointed);
+        }
+    }
+
+    /// Receives bytes of a sensor, which move the hands. Returns the number of readings in them.
+    pub fn push(&mut self, protocol: &str, bytes: &[u8]) -> Result<usize, String> {
+        if !matches!(&self.hand, Hand::Followed(hand) if hand.protocol() == protocol) {
+            let hand = FollowedHand::new(protocol)?;
+            self.release();
+            self.hand = Hand::Followed(Box::new(hand));
+        }
+        match &mut self.hand {
+            Hand::Followed(hand) => Ok(hand.push(bytes, self.time)),
+            _ => Ok(0),
+        }
+    }
+
+    /// Releases everything; the hands rest.
+    pub fn release(&mut self) {
+        let mut events = Events::new();
+        self.lose_hands(&mut events);
+        self.write_events(&events);
+        self.hand = Hand::Resting;
+    }
+
+    /// Empties the text field.
+    pub fn clear_text(&mut self) {
+        self.field = UsTextField::with_capacity(MAX_TEXT_BYTES);
+    }
+
+    /// The typed text.
+    pub fn text(&self) -> &str {
+        self.field.text()
+    }
+
+    /// The layout in use.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The state of the hands.
+    pub fn hand_state(&self) -> HandState {
+        self.hand.state()
+    }
+
+    /// Moves the hands on. Returns lines: touches and events, the scene, the poses, messages, and what was typed.
+    pub fn advance(&mut self, elapsed: Duration) -> String {
+        self.rest = (self.rest + elapsed).min(MAX_ELAPSED);
+        let mut readings = Vec::new();
+        while self.rest >= PERIOD {
+            self.rest -= PERIOD;
+            self.time = self.time + PERIOD;
+            readings.clear();
+            let is_done = self.hand.advance(self.time, &mut readings);
+            for message in self.hand.take_messages() {
+                self.lines.add("notice", Notice { text: &message });
+            }
+            if is_done {
+                self.hand = Hand::Resting;
+            }
+            for reading in &readings {
+                self.step(reading);
+            }
+        }
+        self.write_news()
+    }
+
+    fn step(&mut self, reading: &Reading) {
+        let mut events = Events::new();
+        self.steps += 1;
+        let is_accepted = self.pipeline.step(reading, &mut events).is_ok();
+        let output = self.pipeline.output_for(reading);
+        let names = self.pipeline.target_names();
+        let view = StepView {
+            state: self.pipeline.state(),
+            paused_by: self.pipeline.paused_by(),
+            profile: 0,
+            target_names: names,
+            reading: Some(reading),
+            source_error: None,
+            angles: is_accepted.then_some(&output.estimate.angles),
+            pose: is_accepted.then_some(&output.pose),
+            touches: if is_accepted { &output.touches } else { &[] },
+            presses: &[],
+            events: &events,
+            commands: &[],
+            executed: None,
+            lost_hands: self.pipeline.lost_hands(),
+            text: self.pipeline.text_state(),
+            stats: &Stats::default(),
+            latency: None,
+        };
+        self.scene.follow_keys(&view);
+        self.scene.update(&view, &self.pipeline);
+        if is_accepted {
+            self.poses[output.pose.side.index()] = Some(output.pose);
+        }
+        for touch in view.touches {
+            if touch.phase != Phase::Moved {
+                self.lines.add("touches", TouchObject::new(touch, names));
+            }
+        }
+        for event in &events {
+            self.field.handle(event);
+            self.lines.add("events", EventObject::new(event, names));
+        }
+    }
+
+    /// Follows events of a step without a reading.
+    fn write_events(&mut self, events: &Events) {
+        let names = self.pipeline.target_names();
+        for event in events {
+            self.field.handle(event);
+            self.scene.follow_event(event);
+            self.lines.add("events", EventObject::new(event, names));
+        }
+    }
+
+    fn write_news(&mut self) -> String {
+        self.scene.write(self.lines.bytes_mut());
+        for pose in std::mem::take(&mut self.poses).iter().flatten() {
+            write_pose(pose, &mut self.buffer);
+            self.lines.add_text("pose", &self.buffer);
+        }
+        let news = SessionNews {
+            hand: self.hand.state(),
+            text: self.field.text(),
+            steps: self.steps,
+        };
+        self.lines.add("session", news);
+        self.lines.take()
+    }
+
+    fn lose_hands(&mut self, events: &mut Events) {
+        for side in [Side::Right, Side::Left] {
+            self.pipeline.lose(Some(side), None, events);
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Notice<'a> {
+    text: &'a str,
+}
+
+/// What the gallery shows of a layout.
+#[derive(Serialize)]
+struct Preview<'a> {
+    title: &'a str,
+    description: &'a str,
+    plan: Vec<PlanBoard<'a>>,
+}
+
+/// Returns the name, the description and the boards in the plane of a layout that comes with the program, as JSON.
+pub fn preview(name: &str) -> Result<String, DocumentError> {
+    let layout = Layout::from_document(Document::shipped(name)?)?;
+    let preview = Preview {
+        title: &layout.name,
+        description: &layout.description,
+        plan: plan(&layout),
+    };
+    Ok(serde_json::to_string(&preview).expect("texts and numbers"))
+}
+
+/// Returns the layouts that come with the program, as a JSON list of names.
+pub fn shipped() -> String {
+    let names: Vec<&str> = shipped_layouts().collect();
+    serde_json::to_string(&names).expect("names are texts")
+}
+
+fn layout_instance(layout: &Arc<Layout>) -> LayoutInstance {
+    LayoutInstance::new(
+        layout.scene.clone(),
+        layout.target_names(),
+        layout.devices(),
+    )
+    .with_texts(layout.texts.clone())
+    .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
+    .with_layout(Arc::clone(layout))
+}

@@ -1,0 +1,56 @@
+"""Layouts, compared with measures that their files state."""
+
+import matplotlib
+import pytest
+
+import ademan
+from ademan import plots
+
+matplotlib.use("Agg")
+
+
+def test_keys_have_the_pitch_of_the_file(program):
+    layout = ademan.read_layout("qwerty-flat")
+    f, g = layout["F"], layout["G"]
+    assert g.center_m[0] - f.center_m[0] == pytest.approx(0.019, abs=1e-6)
+    assert g.center_m[1] == f.center_m[1]
+    assert f.key == "F"
+    assert 0 < f.press_depth_m <= f.travel_m
+    assert layout.frame().loc["F", "width_m"] == f.size_m[0]
+    with pytest.raises(KeyError):
+        layout["no such key"]
+
+
+def test_a_disc_has_its_diameter_twice(program, tmp_path):
+    file = tmp_path / "disc.ron"
+    file.write_text(
+        'Layout(name: "Disc", boards: [(pose: (anchor: elbow, forward_mm: 300, height_mm: -45),'
+        ' keys: [(code: "A", at_mm: (0, 0), size_mm: Disc(24))])])'
+    )
+    layout = ademan.read_layout(file)
+    assert [target.name for target in layout.targets] == ["A"]
+    assert layout["A"].is_disc
+    assert layout["A"].size_m == pytest.approx((0.024, 0.024))
+
+
+def test_a_layout_with_a_fault_shows_the_message_of_the_program(program, tmp_path):
+    file = tmp_path / "broken.ron"
+    file.write_text("(name: ")
+    with pytest.raises(ademan.ProgramError, match="broken.ron"):
+        ademan.read_layout(file)
+
+
+def test_a_program_that_is_missing_is_named(monkeypatch, tmp_path):
+    monkeypatch.setenv("ADEMAN", str(tmp_path / "none"))
+    with pytest.raises(ademan.ProgramError, match="does not exist"):
+        ademan.read_layout("qwerty-flat")
+
+
+def test_a_board_is_drawn_with_each_target(program, recorded):
+    layout = ademan.read_layout("qwerty-flat")
+    axes = plots.presses(ademan.read(recorded("openxr")), layout)
+    assert len(axes.patches) == len(layout.targets)
+    assert len(axes.collections[0].get_offsets()) == 2
+    heat = plots.board(layout, {"F": 1.0, "G": 0.5})
+    colors = {patch.get_facecolor() for patch in heat.patches}
+    assert len(colors) == 3

@@ -1,0 +1,17 @@
+"""The notebook, run as a reader would run it."""
+
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+NOTEBOOK = Path(__file__).parents[1] / "notebooks" / "first_look.ipynb"
+
+
+def test_the_notebook_runs(recorded, tmp_path, monkeypatch):
+    monkeypatch.setenv("RECORDING", str(recorded("openxr")))
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    printed = "".join(output.get("text", "") for cell in notebook.cells for output in cell.get("outputs", []))
+    assert "typed: hi" in printed

@@ -1,0 +1,12 @@
+//! Builds and systems without virtual ports.
+
+use crate::output::midi::thread::Writer;
+
+/// Fails: this program has no virtual port.
+pub fn open() -> Result<Writer, String> {
+    Err(
+        "this program was built without ports of MIDI; build it with `--features midi` (on Linux with the package \
+         libasound2-dev), or name a raw device: midi:/dev/snd/midiC1D0"
+            .into(),
+    )
+}

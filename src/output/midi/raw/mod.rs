@@ -1,0 +1,11 @@
+//! Raw devices of MIDI: character devices and pipes that take the bytes as a cable would.
+
+#[cfg(unix)]
+mod unix;
+#[cfg(unix)]
+pub(super) use unix::open;
+
+#[cfg(not(unix))]
+mod unsupported;
+#[cfg(not(unix))]
+pub(super) use unsupported::open;

@@ -1,0 +1,133 @@
+//! The thread that writes messages.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
+
+use super::notes::{ALL_NOTES_OFF, CONTROL, Message};
+
+/// A function that writes one message to a port or device.
+pub(super) type Writer = Box<dyn FnMut(&[u8]) -> io::Result<()> + Send>;
+
+/// The message that shows a receiver that the sender lives. After it, a silence of 300 ms ends all notes.
+const ACTIVE_SENSING: [u8; 1] = [0xfe];
+
+/// Time between two of them.
+const SENSING_PERIOD: Duration = Duration::from_millis(250);
+
+/// Longest time that the end of the thread takes.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Number of channels.
+const CHANNELS: usize = 16;
+
+/// The thread, as the loop sees it.
+pub(super) struct MidiThread {
+    handle: Option<JoinHandle<()>>,
+    ended: Receiver<()>,
+    /// Number of steps of the loop.
+    steps: Arc<AtomicU64>,
+}
+
+impl MidiThread {
+    /// Starts the thread. It ends with the queue, or when the device does not accept messages any more.
+    pub fn start(writer: Writer, queue: Receiver<Message>) -> io::Result<Self> {
+        let (end, ended) = bounded::<()>(0);
+        let steps = Arc::new(AtomicU64::new(0));
+        let port = Port {
+            writer,
+            notes: [0; CHANNELS],
+        };
+        let seen = Arc::clone(&steps);
+        let run = move || {
+            let _end = end;
+            port.run(&queue, &seen);
+        };
+        let handle = thread::Builder::new()
+            .name("midi output".into())
+            .spawn(run)?;
+        Ok(Self {
+            handle: Some(handle),
+            ended,
+            steps,
+        })
+    }
+
+    /// Records that the loop does not hang.
+    pub fn report_life(&self) {
+        self.steps.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Waits for the end, after the queue was closed.
+    pub fn join(&mut self) -> Result<(), String> {
+        if self.ended.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+            return Err("it did not end within 1 s".into());
+        }
+        match self.handle.take().map(JoinHandle::join) {
+            Some(Err(_)) => Err("its thread panicked".into()),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The port or device, and what sounds there.
+struct Port {
+    writer: Writer,
+    /// The notes of each channel that sound, as bits.
+    notes: [u128; CHANNELS],
+}
+
+impl Port {
+    fn run(mut self, queue: &Receiver<Message>, steps: &AtomicU64) {
+        let mut seen_steps = 0;
+        loop {
+            let written = match queue.recv_timeout(SENSING_PERIOD) {
+                Ok(message) => self.write(message),
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) if self.notes == [0; CHANNELS] => Ok(()),
+                Err(RecvTimeoutError::Timeout) => {
+                    let now = steps.load(Ordering::Relaxed);
+                    match std::mem::replace(&mut seen_steps, now) == now {
+                        true => self.end_notes(),
+                        false => (self.writer)(&ACTIVE_SENSING),
+                    }
+                }
+            };
+            if let Err(error) = written {
+                tracing::error!("the output `midi` failed: {error}");
+                return;
+            }
+        }
+        // A device that does not accept it has no notes any more.
+        let _ = self.end_notes();
+    }
+
+    fn write(&mut self, message: Message) -> io::Result<()> {
+        let [status, note, _] = message;
+        let notes = &mut self.notes[usize::from(status & 0x0f)];
+        match status & 0xf0 {
+            0x80 => *notes &= !(1 << note),
+            0x90 => *notes |= 1 << note,
+            _ => {}
+        }
+        (self.writer)(&message)
+    }
+
+    /// Ends the notes that sound: each of them, and all of their channels for receivers that have missed the beginning.
+    fn end_notes(&mut self) -> io::Result<()> {
+        for channel in 0..CHANNELS {
+            let notes = std::mem::take(&mut self.notes[channel]);
+            for note in (0..128).filter(|note| notes & (1 << note) != 0) {
+                (self.writer)(&[0x80 | channel as u8, note, 64])?;
+            }
+            if notes != 0 {
+                (self.writer)(&[CONTROL | channel as u8, ALL_NOTES_OFF, 0])?;
+            }
+        }
+        Ok(())
+    }
+}

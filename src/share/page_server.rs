@@ -1,0 +1,111 @@
+//! A server of the files of a folder, to this machine only.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use super::ShareError;
+use super::web::{Head, PageFolder, Pages};
+use crate::advice;
+
+/// Most connections at once; further ones are closed. A browser opens six.
+const MAX_CLIENTS: usize = 32;
+
+/// Longest time for a read or write, and for the end of the thread.
+const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Pause after a connection that could not be accepted.
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
+
+/// A server of a folder, until this is dropped. Each connection has a thread of its own, for one request.
+pub struct PageServer {
+    address: SocketAddr,
+    /// Tells the thread to end.
+    is_closed: Arc<AtomicBool>,
+}
+
+impl PageServer {
+    /// Serves a folder at an address of this machine.
+    pub fn start(address: SocketAddr, folder: PageFolder) -> Result<Self, ShareError> {
+        let listen_error = |error| ShareError::Listen { address, error };
+        if !address.ip().is_loopback() {
+            return Err(listen_error(ErrorKind::AddrNotAvailable.into()));
+        }
+        let listener = TcpListener::bind(address).map_err(listen_error)?;
+        let address = listener.local_addr().map_err(listen_error)?;
+        let is_closed = Arc::new(AtomicBool::new(false));
+        let closed = Arc::clone(&is_closed);
+        let pages = Pages::Folder(Arc::new(folder));
+        let accept = move || {
+            let clients = Arc::new(AtomicUsize::new(0));
+            for stream in listener.incoming() {
+                if closed.load(Ordering::Acquire) {
+                    return;
+                }
+                match stream {
+                    Ok(stream) => serve(stream, address, &pages, &clients),
+                    // Out of descriptors, for instance.
+                    Err(_) => thread::sleep(RETRY_INTERVAL),
+                }
+            }
+        };
+        let spawned = thread::Builder::new().name("page".into()).spawn(accept);
+        spawned.map_err(|error| ShareError::NoThread(advice::no_thread(&error).to_string()))?;
+        Ok(Self { address, is_closed })
+    }
+
+    /// Returns the address with the port.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+impl Drop for PageServer {
+    fn drop(&mut self) {
+        self.is_closed.store(true, Ordering::Release);
+        // Wakes the thread.
+        let _ = TcpStream::connect_timeout(&self.address, RETRY_INTERVAL);
+    }
+}
+
+/// Answers a client on a thread of its own, unless there are too many.
+fn serve(stream: TcpStream, address: SocketAddr, pages: &Pages, clients: &Arc<AtomicUsize>) {
+    if clients.fetch_add(1, Ordering::AcqRel) >= MAX_CLIENTS {
+        clients.fetch_sub(1, Ordering::AcqRel);
+        return;
+    }
+    let (pages, own) = (pages.clone(), Arc::clone(clients));
+    let answer = move || {
+        // A client that has gone is not told.
+        let _ = answer(stream, Head::new(address, pages));
+        own.fetch_sub(1, Ordering::AcqRel);
+    };
+    let spawned = thread::Builder::new()
+        .name("page-client".into())
+        .spawn(answer);
+    if spawned.is_err() {
+        clients.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+fn answer(mut stream: TcpStream, mut head: Head) -> io::Result<()> {
+    stream.set_read_timeout(Some(RETRY_INTERVAL))?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
+    let answer = loop {
+        match head.receive(&mut stream) {
+            Ok(Some(answer)) => break answer,
+            Ok(None) => {}
+            Err(_) => return Ok(()),
+        }
+    };
+    stream.write_all(&answer.bytes)?;
+    stream.shutdown(std::net::Shutdown::Write)?;
+    // The rest is read, or closing the connection would take the end of the answer back.
+    stream.set_read_timeout(Some(TIMEOUT))?;
+    let mut rest = [0; 1024];
+    while let Ok(1..) = stream.read(&mut rest) {}
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! A headless Chromium, which is driven by its DevTools protocol.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+use crate::support::process::Process;
+
+/// Longest wait for a state of the page.
+pub const TIMEOUT: Duration = Duration::from_secs(120);
+
+const FLAGS: [&str; 12] = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--window-size=1280,800",
+    "--remote-debugging-port=0",
+    "about:blank",
+];
+
+/// A browser with one page.
+pub struct Browser {
+    _process: Process,
+    _profile: TempDir,
+    socket: WebSocket<TcpStream>,
+    /// The page.
+    session: Value,
+    calls: u64,
+    /// The events of the protocol so far.
+    pub events: Vec<Value>,
+}
+
+impl Browser {
+    /// Starts the browser; `None` if it is not installed.
+    pub fn start() -> Option<Self> {
+        let profile = tempfile::tempdir().expect("a folder");
+        let mut command = Command::new("chromium");
+        command
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .args(FLAGS)
+            .stderr(Stdio::piped());
+        let Ok(mut process) = Process::start(&mut command) else {
+            println!("SKIPPED: chromium is not installed");
+            return None;
+        };
+        let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
+        let mut lines = stderr.lines().map_while(Result::ok);
+        let url =
+            lines.find_map(|line| Some(line.split_once("DevTools listening on ")?.1.to_owned()));
+        let url = url.expect("its address");
+        std::thread::spawn(move || lines.count());
+        let (address, _) = url["ws://".len()..].split_once('/').expect("a path");
+        let stream = TcpStream::connect(address).expect("it listens");
+        let (socket, _) = tungstenite::client(&url, stream).expect("a WebSocket");
+        let mut browser = Self {
+            _process: process,
+            _profile: profile,
+            socket,
+            session: Value::Null,
+            calls: 0,
+            events: Vec::new(),
+        };
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let attach = json!({"targetId": target["targetId"], "flatten": true});
+        browser.session = browser.call("Target.attachToTarget", attach)["sessionId"].clone();
+        Some(browser)
+    }
+
+    /// Calls a method, and returns its result.
+    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.calls += 1;
+        let mut call = json!({"id": self.calls, "method": method, "params": parameters});
+        if self.session.is_string() {
+            call["sessionId"] = self.session.clone();
+        }
+        let message = Message::text(call.to_string());
+        self.socket.send(message).expect("the browser runs");
+        loop {
+            let message = self.socket.read().expect("the browser runs");
+            let answer: Value = serde_json::from_slice(&message.into_data()).expect("JSON");
+            if answer["id"] == self.calls {
+                assert!(answer.get("error").is_none(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+            if answer["method"].is_string() {
+                self.events.push(answer);
+            }
+        }
+    }
+
+    /// Evaluates an expression in the page.
+    pub fn evaluate(&mut self, expression: &str) -> Value {
+        let parameters =
+            json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        self.call("Runtime.evaluate", parameters)["result"]["value"].clone()
+    }
+
+    /// Waits until what an expression says of the page is as expected.
+    pub fn wait_for(
+        &mut self,
+        look: &str,
+        expected: &str,
+        is_expected: impl Fn(&Value) -> bool,
+    ) -> Value {
+        let start = Instant::now();
+        loop {
+            let look = self.evaluate(look);
+            if is_expected(&look) {
+                println!("{expected}: {look}");
+                return look;
+            }
+            assert!(start.elapsed() < TIMEOUT, "{expected}: {look}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Saves a picture of the page in the folder of the build.
+    pub fn save_picture(&mut self, name: &str) {
+        let picture = self.call("Page.captureScreenshot", json!({"format": "png"}));
+        let picture = decode_base64(picture["data"].as_str().expect("a picture"));
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        fs::write(&path, picture).expect("a file");
+        println!("saved {}", path.display());
+    }
+}
+
+fn decode_base64(text: &str) -> Vec<u8> {
+    let digit = |byte: u8| match byte {
+        b'A'..=b'Z' => byte - b'A',
+        b'a'..=b'z' => byte - b'a' + 26,
+        b'0'..=b'9' => byte - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let digits: Vec<u32> = text
+        .bytes()
+        .filter(|&byte| byte != b'=')
+        .map(|byte| digit(byte).into())
+        .collect();
+    let bytes = digits.chunks(4).flat_map(|digits| {
+        let bits =
+            digits.iter().fold(0, |bits, digit| bits << 6 | digit) << (6 * (4 - digits.len()));
+        let [_, a, b, c] = bits.to_be_bytes();
+        [a, b, c].into_iter().take(digits.len() - 1)
+    });
+    bytes.collect()
+}

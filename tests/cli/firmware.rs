@@ -1,0 +1,139 @@
+//! The sketch in `firmware/`, compiled for this machine, and its bytes on a pseudo-terminal.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use ademan::capture::{SourceUri, open_loopback};
+use serde_json::Value;
+
+use crate::support::binary::ademan;
+use crate::support::process::{Process, lock_spawning};
+
+/// Compiles the sketch with the stand-in for the Arduino library, with these macros. The reason if there is no compiler.
+fn compile(macros: &[&str], folder: &Path) -> Result<PathBuf, String> {
+    let test = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware/test");
+    let program = folder.join("sketch");
+    let mut compiler = Command::new("g++");
+    // The language of the compiler for AVR boards.
+    compiler
+        .args("-std=c++11 -O1 -Wall -Wextra -Werror -I".split(' '))
+        .arg(&test);
+    compiler.args(macros.iter().map(|name| format!("-D{name}")));
+    compiler.arg(test.join("fake.cpp")).arg("-o").arg(&program);
+    let output = compiler.output().map_err(|error| format!("g++: {error}"))?;
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    Ok(program)
+}
+
+/// Returns the first readings that `ademan trace` gets of a sketch over a serial line; `None` without a compiler.
+fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sketch = match compile(macros, folder.path()) {
+        Ok(sketch) => sketch,
+        Err(reason) => {
+            println!("SKIPPED: no compiler for C++: {reason}");
+            return None;
+        }
+    };
+    let uri: SourceUri = format!("serial:/dev/null?protocol={protocol}")
+        .parse()
+        .expect("a source");
+    let mut line = {
+        let _alone = lock_spawning();
+        open_loopback(uri.format().expect("a protocol").clone()).expect("a line")
+    };
+    let mut trace = ademan(["trace", "readings", "--source", &line.uri.to_string()]);
+    trace
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
+    let mut trace = Process::start(&mut trace).expect("the program starts");
+    let mut sketch = Command::new(sketch);
+    sketch.arg("100000000").stdout(Stdio::piped());
+    let mut sketch = Process::start(&mut sketch).expect("the sketch starts");
+    let mut sent = sketch.0.stdout.take().expect("stdout is piped");
+    let sender = thread::spawn(move || {
+        let mut bytes = [0; 64];
+        while let Ok(length @ 1..) = sent.read(&mut bytes) {
+            if line.writer.write_all(&bytes[..length]).is_err() {
+                break;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    });
+    let received = BufReader::new(trace.0.stdout.take().expect("stdout is piped"));
+    let received = received.lines().map_while(Result::ok).take(count);
+    let readings: Vec<Value> = received
+        .map(|line| serde_json::from_str(&line).expect("an object"))
+        .collect();
+    drop((sketch, trace));
+    sender.join().expect("the bytes are sent");
+    assert_eq!(readings.len(), count);
+    Some(readings)
+}
+
+/// Returns the counts of a reading.
+fn counts(reading: &Value) -> Vec<u64> {
+    let counts = reading["channels"].as_array().expect("counts");
+    counts.iter().filter_map(Value::as_u64).collect()
+}
+
+#[test]
+fn packets_of_64_counts_arrive_in_wire_order_from_both_boards() {
+    for (board, channels) in [(None, 32), (Some("ESP32"), 48)] {
+        let macros: Vec<&str> = ["FORMAT=FORMAT_HC11"].into_iter().chain(board).collect();
+        let Some(readings) = readings(&macros, "hc11", 20) else {
+            return;
+        };
+        // The stand-in has the count of its index on each channel; the rest of the packet is not wired.
+        let wired = (0..64).map(|channel| if channel < channels { channel } else { 0 });
+        let expected: Vec<u64> = wired.collect();
+        for reading in readings {
+            assert_eq!(counts(&reading), expected, "{board:?}");
+        }
+    }
+}
+
+#[test]
+fn curls_of_five_fingers_arrive_as_lines_of_lucidgloves() {
+    let macros = ["FORMAT=FORMAT_LUCIDGLOVES"];
+    let Some(readings) = readings(&macros, "lucidgloves&max=1023", 20) else {
+        return;
+    };
+    let first = counts(&readings[0]);
+    assert!(readings.iter().all(|reading| counts(reading) == first));
+    // The curls of 3, 7, 11, 15 and 19 of 1023, on the scale of the glove file.
+    let expected = [3.0, 7.0, 11.0, 15.0, 19.0].map(|count: f64| count / 1023.0);
+    let full_scale = readings[0]["full_scale"].as_f64().expect("a full scale");
+    for curl in expected {
+        let count = (curl * full_scale).round() as u64;
+        let is_near = |found: &u64| found.abs_diff(count) <= 1;
+        assert!(first.iter().any(is_near), "{count} in {first:?}");
+    }
+}
+
+#[test]
+fn quaternions_of_the_inertial_sensor_turn_the_wrist_about_the_vertical() {
+    let Some(readings) = readings(&["FORMAT=FORMAT_IMU"], "imu", 50) else {
+        return;
+    };
+    let mut latest = -1.0_f64;
+    for reading in readings {
+        let displacement = &reading["displacement"];
+        assert_eq!(displacement["joint"], "wrist");
+        let number = |index: usize| displacement["rotation"][index].as_f64().expect("a number");
+        let [x, y, z, w] = std::array::from_fn(number);
+        assert!(x.abs() < 2e-4 && z.abs() < 2e-4, "{reading}");
+        assert!((y.hypot(w) - 1.0).abs() < 1e-3, "{reading}");
+        // A degree per line, and two after a request that has failed.
+        let degrees = 2.0 * y.atan2(w).to_degrees();
+        let turned = degrees.rem_euclid(360.0) - latest.max(0.0);
+        assert!(latest < 0.0 || turned > 0.5, "{degrees} after {latest}");
+        latest = degrees.rem_euclid(360.0);
+    }
+    assert!(latest > 45.0, "{latest}");
+}

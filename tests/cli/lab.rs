@@ -1,0 +1,165 @@
+//! `ademan lab`: layouts are scored and compared, and results are checked.
+
+use super::{file, run, text};
+
+#[test]
+fn a_score_is_printed_written_and_verified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (json, csv, html) = (path("a.json"), path("a.csv"), path("a.html"));
+    let ended = run([
+        "lab",
+        "score",
+        "qwerty-flat",
+        "--people",
+        "3",
+        "--count",
+        "2",
+        "--tier",
+        "T1",
+        "--json",
+        text(&json),
+        "--csv",
+        text(&csv),
+        "--html",
+        text(&html),
+    ])
+    .done();
+    for words in [
+        "qwerty-flat: 3 simulated people, tier T1",
+        "wrong characters (CER), %",
+        "an input",
+        "keys hit worst",
+    ] {
+        assert!(ended.out.contains(words), "{}", ended.out);
+    }
+    let table = std::fs::read_to_string(&csv).expect("a table");
+    assert_eq!(table.lines().count(), 4, "{table}");
+    let page = std::fs::read_to_string(&html).expect("a page");
+    assert!(
+        page.contains("<svg") && page.contains("heat-") && page.contains("prefers-color-scheme")
+    );
+    for reference in ["src=", "href=", "@import", "url("] {
+        assert!(!page.contains(reference), "{reference}");
+    }
+    let ended = run(["lab", "verify", text(&json), "--jobs", "2"]).done();
+    assert!(
+        ended.out.contains("the same figures for 3 people"),
+        "{}",
+        ended.out
+    );
+
+    let result = std::fs::read_to_string(&json).expect("a result");
+    let refused = |changed: &str, words: &str| {
+        let changed = file(&folder, "changed.json", changed);
+        let ended = run(["lab", "verify", &changed]);
+        assert!(
+            ended.code == Some(1) || ended.code == Some(2),
+            "{:?}",
+            ended.code
+        );
+        assert!(ended.err.contains(words), "{}", ended.err);
+    };
+    let hits = result.find("\"hits\": ").expect("a figure of a person");
+    let last = result
+        .rfind("\"keystrokes\": ")
+        .expect("a figure of a person");
+    assert!(hits < last);
+    let changed = result[..last].to_owned() + "\"keystrokes\": 9" + &result[last + 14..];
+    refused(&changed, "the figures differ, first of person");
+    refused(
+        &result.replacen("\"format_version\": 1", "\"format_version\": 2", 1),
+        "version 2 of the format",
+    );
+    let own = format!("\"program_version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    refused(
+        &result.replacen(&own, "\"program_version\": \"9.9.9\"", 1),
+        "version 9.9.9 of the program",
+    );
+    refused(
+        &result.replacen("the kettle", "the teapot", 1),
+        "do not have the hash",
+    );
+    refused("{}", "this is no result of the lab");
+}
+
+#[test]
+fn two_layouts_are_compared_with_the_same_people() {
+    let ended = run([
+        "lab",
+        "compare",
+        "qwerty-flat",
+        "qwerty-flat-22",
+        "--people",
+        "6",
+        "--count",
+        "2",
+    ])
+    .done();
+    assert!(
+        ended.out.contains("qwerty-flat-22 minus qwerty-flat"),
+        "{}",
+        ended.out
+    );
+    assert!(ended.out.contains("hands up to"), "{}", ended.out);
+    let ended = run([
+        "lab",
+        "compare",
+        "qwerty-flat",
+        "qwerty-flat",
+        "--people",
+        "3",
+        "--count",
+        "1",
+    ])
+    .done();
+    let verdict = "is not clearly faster or slower and makes not clearly more or fewer errors";
+    assert!(ended.out.contains(verdict), "{}", ended.out);
+    let ended = run([
+        "lab",
+        "compare",
+        "qwerty-flat",
+        "workshop",
+        "--people",
+        "1",
+        "--count",
+        "1",
+    ]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(ended.err.contains("scored by tasks"), "{}", ended.err);
+}
+
+#[test]
+fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = file(&folder, "phrases.txt", "¿qué tal?\n");
+    let arguments = [
+        "lab",
+        "score",
+        "qwerty-flat",
+        "--people",
+        "1",
+        "--count",
+        "1",
+        "--text",
+    ];
+    let ended = run(arguments.into_iter().chain([phrases.as_str()])).done();
+    assert!(
+        ended.err.contains("left out of the phrases: ¿ é"),
+        "{}",
+        ended.err
+    );
+    let empty = file(&folder, "empty.txt", "\n \n");
+    let ended = run(arguments.into_iter().chain([empty.as_str()]));
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("no phrase"), "{}", ended.err);
+    let ended = run(["lab", "score", "no-such-layout"]);
+    assert_eq!(ended.code, Some(2));
+}
+
+#[test]
+fn a_layout_that_does_not_type_is_scored_by_tasks() {
+    let ended = run(["lab", "score", "workshop", "--people", "2", "--tier", "T0"]).done();
+    assert!(ended.out.contains("tasks done, %"), "{}", ended.out);
+    assert!(ended.out.contains("error of a value"), "{}", ended.out);
+}

@@ -1,0 +1,37 @@
+//! The page of `web/` from `ademan serve` in a headless Chromium, and layouts in links.
+
+mod links;
+mod page;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+use crate::ademan;
+use crate::support::process::Process;
+
+/// Returns the folder of the page; `None` if it is not built.
+fn folder() -> Option<PathBuf> {
+    // The folder for temporary files is in that of the build.
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../web");
+    if folder.join("index.html").is_file() {
+        return Some(folder);
+    }
+    println!("SKIPPED: the page is not built; web/build makes it");
+    None
+}
+
+/// Serves the page. Returns the server, and the address of the page.
+fn serve(folder: &Path) -> (Process, String) {
+    let folder = crate::text(folder);
+    let mut command = ademan(["serve", "--port", "0", "--dir", folder]);
+    command.stderr(Stdio::piped());
+    let mut process = Process::start(&mut command).expect("the program starts");
+    let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
+    let mut lines = stderr.lines().map_while(Result::ok);
+    let address = lines.find_map(|line| {
+        let (_, rest) = line.split_once("the page is at ")?;
+        Some(rest.split(';').next()?.to_owned())
+    });
+    (process, address.expect("a message with the address"))
+}

@@ -1,0 +1,286 @@
+//! The page itself.
+
+use serde_json::{Value, json};
+
+use super::{folder, serve};
+use crate::browser::Browser;
+use crate::run;
+
+/// The state of the page.
+const LOOK: &str = r##"({
+  ready: document.documentElement.dataset.ready ?? "",
+  typed: document.getElementById("typed")?.value,
+  state: document.getElementById("state")?.textContent,
+  layout: document.getElementById("layout")?.textContent,
+  latency: document.getElementById("latency")?.textContent,
+  faults: document.getElementById("faults")?.textContent,
+  wrong: [...document.querySelectorAll("#gutter .is-wrong")].map((it) => Number(it.textContent)),
+  notice: document.getElementById("notice")?.textContent,
+  keys: document.querySelectorAll("#plan .plan-key").length,
+  text: document.getElementById("editor")?.value,
+  overflow: document.documentElement.scrollWidth - innerWidth,
+})"##;
+
+/// Opens the page and waits until it runs.
+fn open(browser: &mut Browser, url: &str) {
+    browser.call("Page.navigate", json!({ "url": url }));
+    browser.wait_for(LOOK, "the page runs", |look| {
+        look["ready"] == "true" && look["layout"] != "" && look["keys"].as_u64() > Some(10)
+    });
+}
+
+fn is_typed(browser: &mut Browser, text: &str) {
+    browser.wait_for(LOOK, "the text is typed", |look| look["typed"] == text);
+}
+
+/// Sends an event of the mouse to a point of the page.
+fn mouse(browser: &mut Browser, kind: &str, at: [f64; 2]) {
+    let buttons = u32::from(kind != "mouseReleased");
+    let event = json!({"type": kind, "x": at[0], "y": at[1], "button": "left", "buttons": buttons, "clickCount": 1});
+    browser.call("Input.dispatchMouseEvent", event);
+}
+
+/// Returns the point at which an expression is.
+fn point(browser: &mut Browser, expression: &str) -> [f64; 2] {
+    let point = browser.evaluate(expression);
+    [0, 1].map(|axis| point[axis].as_f64().expect("a point"))
+}
+
+/// Replaces the text of the editor as a person does.
+fn edit(browser: &mut Browser, expression: &str) {
+    browser.evaluate(&format!(
+        "(() => {{ const it = document.getElementById('editor'); it.value = {expression}; it.dispatchEvent(new Event('input')); }})()"
+    ));
+}
+
+#[test]
+fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    browser.call("Network.enable", json!({}));
+    open(&mut browser, &address);
+    browser.evaluate("document.getElementById('type').click()");
+    is_typed(&mut browser, "hello");
+
+    // A fault is shown at its line, and the board stays.
+    let before = browser.evaluate(LOOK);
+    edit(&mut browser, "it.value.replace('keys:', 'kyes:')");
+    let broken = browser.wait_for(LOOK, "a fault", |look| look["wrong"] != json!([]));
+    let text = broken["text"].as_str().expect("a text");
+    let line = 1 + text[..text.find("kyes").expect("it is there")]
+        .matches('\n')
+        .count();
+    assert_eq!(broken["wrong"], json!([line]));
+    assert!(
+        broken["faults"]
+            .as_str()
+            .expect("a text")
+            .contains("`kyes`"),
+        "{broken}"
+    );
+    assert_eq!(broken["keys"], before["keys"]);
+    browser.evaluate("document.getElementById('type').click()");
+    is_typed(&mut browser, "hellohello");
+    edit(&mut browser, "it.value.replace('kyes:', 'keys:')");
+    browser.wait_for(LOOK, "no fault", |look| {
+        look["faults"] == "" && look["wrong"] == json!([])
+    });
+
+    // A key is dragged by 20 pixels, and only its numbers change.
+    let key = "document.querySelector('#plan [data-name=\"Enter\"]')";
+    let center = format!(
+        "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
+    );
+    let at = point(&mut browser, &center);
+    mouse(&mut browser, "mousePressed", at);
+    mouse(&mut browser, "mouseMoved", [at[0] + 10.0, at[1] + 5.0]);
+    mouse(&mut browser, "mouseMoved", [at[0] + 20.0, at[1] + 5.0]);
+    mouse(&mut browser, "mouseReleased", [at[0] + 20.0, at[1] + 5.0]);
+    let moved = browser.wait_for(LOOK, "a key is moved", |look| {
+        look["text"] != before["text"]
+    });
+    let lines = |look: &Value| -> Vec<String> {
+        let text = look["text"].as_str().expect("a text");
+        text.lines().map(str::to_owned).collect()
+    };
+    let (old, new) = (lines(&before), lines(&moved));
+    let changed = old.iter().zip(&new).filter(|(old, new)| old != new);
+    let changed: Vec<_> = changed.collect();
+    assert_eq!((changed.len(), old.len()), (1, new.len()), "{changed:?}");
+    assert!(changed[0].1.contains("Enter"), "{changed:?}");
+    assert_eq!(
+        (&moved["faults"], &moved["keys"]),
+        (&json!(""), &before["keys"])
+    );
+    browser.evaluate("document.getElementById('undo').click()");
+    browser.wait_for(LOOK, "undone", |look| look["text"] == before["text"]);
+
+    // A key of a row becomes a single one, and keeps the focus.
+    browser.evaluate("document.querySelector('#plan [data-name=\"G\"]').focus()");
+    let up = json!({"type": "keyDown", "key": "ArrowUp", "code": "ArrowUp"});
+    browser.call("Input.dispatchKeyEvent", up);
+    let moved = browser.wait_for(LOOK, "a key is moved by a key", |look| {
+        look["text"] != before["text"]
+    });
+    assert!(
+        moved["text"]
+            .as_str()
+            .is_some_and(|it| it.contains("code: \"G\"")),
+        "{moved}"
+    );
+    assert_eq!(moved["faults"], "");
+    assert_eq!(browser.evaluate("document.activeElement.dataset.name"), "G");
+
+    // The mouse is a fingertip.
+    browser.evaluate("document.getElementById('clear').click()");
+    let on_screen = |key: &str| {
+        format!(
+            r#"(async () => {{
+                const [{{ camera }}, {{ session }}, {{ move }}] = await Promise.all(["/camera.js", "/session.js", "/vectors.js"].map((it) => import(it)));
+                const target = session.layout.boards[0].targets.find((it) => it.label === "{key}");
+                const [x, y] = camera.project(move(session.boards[0], target.pose));
+                const box = document.getElementById("view").getBoundingClientRect();
+                return [box.left + x, box.top + y];
+            }})()"#
+        )
+    };
+    for (key, typed) in [("Q", "q"), ("M", "qm")] {
+        let at = point(&mut browser, &on_screen(key));
+        mouse(&mut browser, "mousePressed", at);
+        is_typed(&mut browser, typed);
+        mouse(&mut browser, "mouseReleased", at);
+    }
+    let last = browser.evaluate(LOOK);
+    println!("{}", last["latency"]);
+
+    let urls: Vec<String> = browser
+        .events
+        .iter()
+        .filter(|it| it["method"] == "Network.requestWillBeSent")
+        .map(|it| {
+            it["params"]["request"]["url"]
+                .as_str()
+                .unwrap_or_default()
+                .to_owned()
+        })
+        .collect();
+    assert!(urls.len() > 10, "{urls:?}");
+    let foreign: Vec<_> = urls
+        .iter()
+        .filter(|url| !url.starts_with(&address) && !url.starts_with("data:"))
+        .collect();
+    assert_eq!(foreign, [""; 0], "requests to other servers");
+}
+
+#[test]
+fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    edit(
+        &mut browser,
+        "it.value.replace('name: \"', 'name: \"Mine, é, ')",
+    );
+    browser.wait_for(LOOK, "the edited layout", |look| {
+        look["layout"]
+            .as_str()
+            .is_some_and(|name| name.starts_with("Mine"))
+    });
+    browser.evaluate("document.getElementById('share').click()");
+    browser.wait_for("({hash: location.hash})", "a link", |look| {
+        look["hash"]
+            .as_str()
+            .is_some_and(|hash| hash.starts_with("#layout="))
+    });
+    let link = browser.evaluate("location.href");
+    let link = link.as_str().expect("a text");
+    let home = tempfile::tempdir().expect("a folder");
+    let mut shown = crate::ademan(["layout", "show", link]);
+    shown.env("XDG_STATE_HOME", home.path());
+    let shown: crate::Ended = shown.output().expect("the program starts").into();
+    assert!(shown.out.contains("Mine, é, "), "{}", shown.err);
+
+    let link = run(["layout", "share", "numpad", "--page", &address]).out;
+    browser.call("Page.navigate", json!({"url": "about:blank"}));
+    browser.call("Page.navigate", json!({"url": link.trim()}));
+    let look = browser.wait_for(LOOK, "the shared layout", |look| {
+        look["ready"] == "true" && look["text"].as_str().is_some_and(|it| !it.is_empty())
+    });
+    let numpad = run(["layout", "new", "-", "--from", "numpad"]).out;
+    let same = |text: &str| text.lines().skip(4).collect::<Vec<_>>().join("\n");
+    assert_eq!(same(look["text"].as_str().expect("a text")), same(&numpad));
+
+    browser.evaluate("location.hash = '#layout=AAAA'");
+    browser.wait_for(LOOK, "a damaged link", |look| {
+        look["notice"]
+            .as_str()
+            .is_some_and(|it| it.contains("cannot be read"))
+    });
+    let kept = browser.evaluate(LOOK);
+    assert_eq!(kept["text"], look["text"]);
+}
+
+#[test]
+fn the_page_opens_without_a_server_after_the_first_visit() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (server, address) = serve(&folder);
+    open(&mut browser, &address);
+    let controlled = "({controlled: Boolean(navigator.serviceWorker.controller)})";
+    browser.wait_for(controlled, "the files are kept", |look| {
+        look["controlled"] == true
+    });
+    drop(server);
+    browser.call("Page.navigate", json!({"url": "about:blank"}));
+    open(&mut browser, &address);
+    browser.evaluate("document.getElementById('type').click()");
+    is_typed(&mut browser, "hello");
+}
+
+/// Sets the size of the window and the theme.
+fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
+    let size =
+        json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
+    browser.call("Emulation.setDeviceMetricsOverride", size);
+    let features = json!([{"name": "prefers-color-scheme", "value": theme}]);
+    browser.call(
+        "Emulation.setEmulatedMedia",
+        json!({ "features": features }),
+    );
+}
+
+#[test]
+fn the_page_fits_a_phone_and_a_desk_in_both_themes() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    for (width, height) in [(1400, 860), (390, 844)] {
+        for theme in ["dark", "light"] {
+            look_like(&mut browser, width, height, theme);
+            open(&mut browser, &address);
+            browser.evaluate("document.getElementById('type').click()");
+            let look = browser.wait_for(LOOK, "something is typed", |look| {
+                look["typed"].as_str().is_some_and(|it| it.len() >= 3)
+            });
+            browser.save_picture(&format!("web-{width}-{theme}.png"));
+            assert_eq!(look["overflow"], 0, "nothing is wider than {width} pixels");
+        }
+    }
+    // Every control has a name for a screen reader.
+    let unnamed = browser.evaluate(
+        r#"[...document.querySelectorAll("button, input, select, textarea, [role=button]")]
+            .filter((it) => !(it.labels?.length || it.textContent.trim() || it.getAttribute("aria-label") || it.getAttribute("aria-labelledby")))
+            .map((it) => it.id || it.outerHTML)"#,
+    );
+    assert_eq!(unnamed, Value::Array(Vec::new()));
+}

@@ -1,0 +1,27 @@
+// Keeps the files of the page, so that it opens without a network after the first visit. `web/build` fills in the two lines below.
+
+const VERSION = "VERSION";
+const FILES = ["FILES"];
+
+self.addEventListener("install", (event) => {
+  event.waitUntil(
+    caches.open(VERSION)
+      .then((cache) => cache.addAll(FILES.map((file) => new Request(file, { cache: "reload" }))))
+      .then(() => self.skipWaiting()),
+  );
+});
+
+self.addEventListener("activate", (event) => {
+  const isOld = (name) => name.startsWith("ademan-") && name !== VERSION;
+  event.waitUntil(
+    caches.keys()
+      .then((names) => Promise.all(names.filter(isOld).map((name) => caches.delete(name))))
+      .then(() => self.clients.claim()),
+  );
+});
+
+self.addEventListener("fetch", (event) => {
+  if (event.request.method !== "GET" || new URL(event.request.url).origin !== location.origin) return;
+  const wanted = event.request.mode === "navigate" ? "./" : event.request;
+  event.respondWith(caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).then((kept) => kept ?? fetch(event.request)));
+});
