@@ -46,6 +46,7 @@
 //! - [`session`] owns the threads of a run: capture, layouts that are edited while they are used, the control socket, panic
 //!   keys and recordings.
 //! - [`setup`] reads the file that names sources, gloves, layouts and outputs, and loads what it names.
+//! - [`text`] uses the text decoder of `ademan_text` in a run: what is typed with noise is corrected at the end of a word.
 //! - [`doctor`] checks the machine against a setup.
 //! - [`recorder`] writes recordings, and [`trace`] writes the results of each stage as JSON.
 //! - [`share`] gives joint angles and poses to other programs.
@@ -114,6 +115,7 @@ pub mod recorder;
 #[cfg(not(target_family = "wasm"))]
 pub mod share;
 pub mod sim;
+pub mod text;
 #[cfg(not(target_family = "wasm"))]
 pub mod setup;
 #[cfg(not(target_family = "wasm"))]

@@ -454,7 +454,7 @@ fn start_layout_manager(
     let required = setup.required_capabilities();
     let build = move |layout: &Layout| {
         if !has_sink {
-            let needed = layout.required_capabilities();
+            let needed = setup.capabilities_of(layout);
             output::check_layout_change(&setup.setup.output, &required, &needed)
                 .map_err(|reason| format!("{}: not used, as {reason}", escape(&layout.file)))?;
         }

@@ -182,6 +182,7 @@ mod tests {
             commands: &[],
             executed: None,
             lost_hands: Default::default(),
+            text: None,
             stats: &Stats::default(),
             latency: None,
         });

@@ -2,7 +2,7 @@
 
 use super::{ArmSetup, DEFAULT_ARM, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
-use crate::command::ProfileName;
+use crate::command::{ProfileName, TextMode};
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
 use crate::estimate::{
@@ -15,6 +15,7 @@ use crate::message::escape;
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
 use crate::sim::LayoutFeed;
+use crate::text::{self, Language};
 
 /// A setup with all files that it names, checked.
 #[derive(Clone, Debug)]
@@ -43,6 +44,10 @@ pub struct LoadedSetup {
     pub ignored_permissions: Vec<&'static str>,
     estimator: EstimatorSettings,
     pub(super) pipeline: PipelineSettings,
+    /// The language of the text decoder; `None` without one.
+    pub(super) language: Option<Language>,
+    /// The reason why there is no text decoder although the setup asks for one.
+    pub text_error: Option<String>,
     /// The changes of the active layout, for the simulated hands of the setup.
     pub layout_feed: LayoutFeed,
 }
@@ -63,6 +68,8 @@ pub struct Profile {
     pub name: String,
     /// The layout.
     pub layout: Layout,
+    /// The mode of the text decoder, if it differs from that of the setup.
+    pub text: Option<TextMode>,
 }
 
 /// Reads the document of a kind and name.
@@ -161,6 +168,7 @@ impl Loader<'_> {
             profiles.push(Profile {
                 name: name.clone(),
                 layout: self.layout(&kind::profile(name), &profile.layout, fit)?,
+                text: profile.text.map(TextMode::from),
             });
         }
         Ok(profiles)
@@ -192,7 +200,7 @@ impl LoadedSetup {
             let setup = setup.with_simulated_inputs(side);
             return Self::new(setup, read);
         }
-        let loaded = Self {
+        let mut loaded = Self {
             glove,
             arm,
             other_hand,
@@ -208,9 +216,12 @@ impl LoadedSetup {
                 ..EstimatorSettings::default()
             },
             pipeline: setup.pipeline_settings()?,
+            language: None,
+            text_error: None,
             layout_feed: LayoutFeed::default(),
             setup,
         };
+        loaded.add_text_setup();
         loaded.check_roles()?;
         loaded.check_parts()?;
         loaded.check_ranges()?;
@@ -260,7 +271,16 @@ impl LoadedSetup {
     pub fn required_capabilities(&self) -> Capabilities {
         let mut capabilities = Capabilities::default();
         for layout in self.layouts() {
-            capabilities.extend(layout.required_capabilities().iter());
+            capabilities.extend(self.capabilities_of(layout).iter());
+        }
+        capabilities
+    }
+
+    /// Returns everything that a layout, and the text decoder with it, can ever emit.
+    pub fn capabilities_of(&self, layout: &Layout) -> Capabilities {
+        let mut capabilities = layout.required_capabilities();
+        if self.language.is_some() {
+            capabilities.extend(text::capabilities(layout).iter());
         }
         capabilities
     }
@@ -304,7 +324,7 @@ impl LoadedSetup {
     /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
     pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
         self.check_layout(layout)?;
-        Ok(layout_instance(layout))
+        Ok(self.instance(layout, None))
     }
 
     /// Returns a pipeline without readings.
@@ -316,13 +336,13 @@ impl LoadedSetup {
                 self.setup.arm_source.as_ref(),
             ),
             self.arm.clone(),
-            layout_instance(&self.layout),
+            self.instance(&self.layout, None),
             self.pipeline,
         );
         let profiles = self.profiles.iter().map(|profile| {
             let name = ProfileName::from(&profile.name);
             let name = name.expect("the length is checked when the setup is loaded");
-            (name, layout_instance(&profile.layout))
+            (name, self.instance(&profile.layout, profile.text))
         });
         let pipeline = pipeline.with_profiles(profiles);
         let pipeline = match &self.other_hand {

@@ -11,6 +11,7 @@ mod reach_advice;
 mod recorded;
 mod simulated;
 mod sources;
+mod text;
 mod wearer;
 
 pub use first::OWN_SETUP;
@@ -33,6 +34,7 @@ use crate::message::escape_line;
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
+use crate::text::{TextModeSetup, TextSetup};
 
 /// The gloves of a setup that names none, for the right hand and for the left hand.
 const DEFAULT_GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
@@ -72,6 +74,9 @@ pub struct Setup {
     pub share: Vec<ShareTarget>,
     /// Feedback to the gloves while a session runs, when a finger touches or presses.
     pub haptics: Haptics,
+    /// The text decoder. Without one, keys type what they say, and nothing is spent on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub text: Option<TextSetup>,
     /// The filter of the joint angles.
     pub smoothing: SmoothingSetup,
     /// The filter of joint positions, for sources that measure them.
@@ -117,6 +122,9 @@ pub struct ProfileSetup {
     pub name: String,
     /// The layout: a shipped name or a path.
     pub layout: String,
+    /// What the text decoder changes in this layout. Default: as in the setup.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub text: Option<TextModeSetup>,
 }
 
 /// An arm.
@@ -189,6 +197,7 @@ const FORMAT: Format = Format {
             Structure::of::<Setup>("Setup"),
             Structure::of::<OtherHand>("other_hand"),
             Structure::of::<ProfileSetup>("profiles"),
+            Structure::of::<TextSetup>("text"),
         ]
     },
 };
@@ -238,6 +247,7 @@ impl Default for Setup {
             output: "transcript".into(),
             share: Vec::new(),
             haptics: Haptics::Off,
+            text: None,
             smoothing: SmoothingSetup::Default,
             position_smoothing: PositionSmoothingSetup::Default,
             learn_ranges: false,
@@ -269,7 +279,8 @@ impl Setup {
 
     /// Loads all files that the setup names.
     pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
-        let loaded = LoadedSetup::new(self, &|_, name| Document::open(name))?;
+        let mut loaded = LoadedSetup::new(self, &|_, name| Document::open(name))?;
+        loaded.load_language(text::read_model);
         if let Some(note) = loaded.person_note() {
             tracing::info!("{note}");
         }

@@ -63,6 +63,7 @@ impl LoadedSetup {
         };
         let mut loaded = Self::new(setup, &read)?;
         loaded.has_files = false;
+        loaded.load_language(super::text::refuse_model);
         loaded.ignored_permissions = ignored_permissions;
         Ok(loaded)
     }

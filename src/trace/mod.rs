@@ -312,6 +312,7 @@ mod tests {
             }]),
             executed: None,
             lost_hands: Default::default(),
+            text: None,
             stats: Stats::default(),
             latency: None,
         }

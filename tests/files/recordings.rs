@@ -71,6 +71,7 @@ fn snapshot(number: u64) -> Snapshot {
         commands: Default::default(),
         executed: None,
         lost_hands: Default::default(),
+        text: None,
         stats: Stats::default(),
         latency: None,
     }

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
-use ademan::command::CommandOrigin;
+use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::{EventKind, Events};
 use ademan::files::Load;
 use ademan::hand::Side;
@@ -150,6 +150,7 @@ impl FuzzSetup {
     fn new(plan: &Plan) -> Self {
         let further = plan.layouts[1..].iter().map(|layout| ProfileSetup {
             name: (*layout).into(),
+            text: None,
             layout: (*layout).into(),
         });
         let setup = Setup {
@@ -157,6 +158,8 @@ impl FuzzSetup {
             profiles: further.collect(),
             other_hand: plan.has_two_hands.then(OtherHand::default),
             arm_immediately: plan.armed,
+            // The decoder of a layout without letters is none.
+            text: Some("auto".parse().expect("a mode")),
             ..Setup::default()
         };
         let mut loaded = setup.load_files().expect("shipped files");
@@ -324,6 +327,17 @@ impl FuzzRun<'_> {
                     .or_else(|_| pipeline.undo_zero(events))
                     .or_else(|_| pipeline.undo_learning(events));
             }),
+            252 => {
+                let mode = TextMode::ALL[usize::from(bytes.byte()) % TextMode::COUNT];
+                let number = 1 + bytes.byte() % 3;
+                let command = match bytes.byte() {
+                    0..64 => Command::Text { mode },
+                    _ => Command::Candidate { number },
+                };
+                self.command(|pipeline, events| {
+                    let _ = pipeline.execute(&command, CommandOrigin::Client, events);
+                });
+            }
             251 if bytes.byte() < 4 => self.command(CheckedPipeline::stop),
             _ => self.read_next(5_729),
         }

@@ -195,6 +195,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         commands: Default::default(),
         executed: None,
         lost_hands: Default::default(),
+        text: None,
         stats: Stats::default(),
         latency: None,
     }

@@ -76,6 +76,8 @@ pub fn requests() -> Vec<Vec<u8>> {
         r#"{"command":"zero"}"#,
         r#"{"command":"undo-zero"}"#,
         r#"{"command":"undo-learning"}"#,
+        r#"{"command":"text","mode":"auto"}"#,
+        r#"{"command":"candidate","number":2}"#,
         r#"{"command":"save"}"#,
         r#"{"command":"subscribe"}"#,
         r#"{"command":"stop"}"#,

@@ -442,6 +442,27 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
 }
 
 #[test]
+fn corrections_and_candidates_do_not_allocate() {
+    let setup = Setup {
+        text: Some("auto".parse().expect("a mode")),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("the default setup");
+    let line = "teh quikc brown fox jumps over teh lazy dog ";
+    let mut typing = readings(&setup, line);
+    let mut pipeline = setup.pipeline();
+    play(&mut pipeline, &mut typing, 0);
+
+    let before = (allocations(), frees());
+    let sent = play(&mut pipeline, &mut typing, 100_000_000);
+    let after = (allocations(), frees());
+
+    // Each correction deletes and types more than the line has.
+    assert!(sent > 2 * line.len() + 8, "only {sent} events");
+    assert_eq!(after, before);
+}
+
+#[test]
 fn depths_of_analogue_keys_and_releases_do_not_allocate() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
     let mut keyboard = Keyboard::new(arrows.key_bindings());

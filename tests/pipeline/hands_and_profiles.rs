@@ -347,6 +347,7 @@ fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
         layout: layout("main.ron", main),
         profiles: vec![ProfileSetup {
             name: "other".into(),
+            text: None,
             layout: layout("other.ron", other),
         }],
         ..Setup::default()

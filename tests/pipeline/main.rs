@@ -35,6 +35,8 @@ mod scripts;
 mod start;
 mod stops;
 mod taps;
+mod text;
+mod text_taps;
 mod tours;
 mod tracked_hands;
 mod typing;

@@ -338,6 +338,7 @@ fn each_profile_keeps_its_own_board_poses() {
         layout: file("a.ron"),
         profiles: vec![ProfileSetup {
             name: "other".into(),
+            text: None,
             layout: file("b.ron"),
         }],
         ..Setup::default()

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::time::Duration;
 
 use ademan::capture::Reading;
-use ademan::command::CommandOrigin;
+use ademan::command::{Command, CommandOrigin};
 use ademan::device::Events;
 use ademan::estimate::Rejection;
 use ademan::hand::{HandPart, Side};
@@ -13,6 +13,7 @@ use ademan::pipeline::{
     CommandError, LayoutInstance, Pipeline, PipelineSettings, PipelineState, StepOutput,
 };
 use ademan::setup::LoadedSetup;
+use ademan::text;
 use parry3d::math::Vec3;
 
 use super::oracle::{Cause, Observation, Oracle, OutputRules};
@@ -22,6 +23,8 @@ pub struct CheckedPipeline {
     pipeline: Pipeline,
     oracle: Oracle,
     output: Option<StepOutput>,
+    /// The setup has a text decoder.
+    has_text: bool,
 }
 
 impl Deref for CheckedPipeline {
@@ -42,8 +45,14 @@ impl CheckedPipeline {
         };
         Self {
             pipeline: setup.pipeline(),
-            oracle: Oracle::new(setup.layouts().map(OutputRules::from_layout), settings),
+            oracle: Oracle::new(
+                setup.layouts().map(|layout| {
+                    OutputRules::from_layout(layout).with(&setup.capabilities_of(layout))
+                }),
+                settings,
+            ),
             output: None,
+            has_text: setup.setup.text.is_some(),
         }
     }
 
@@ -103,6 +112,21 @@ impl CheckedPipeline {
         });
     }
 
+    /// Executes a command that releases nothing.
+    #[track_caller]
+    pub fn execute(
+        &mut self,
+        command: &Command,
+        origin: CommandOrigin,
+        events: &mut Events,
+    ) -> Result<(), CommandError> {
+        let mut outcome = Ok(());
+        self.command(false, events, |pipeline, events| {
+            outcome = pipeline.execute(command, origin, events);
+        });
+        outcome
+    }
+
     #[track_caller]
     pub fn stop(&mut self, events: &mut Events) {
         self.command(true, events, Pipeline::stop);
@@ -129,8 +153,9 @@ impl CheckedPipeline {
         self.command(releases, events, |pipeline, events| {
             pipeline.replace_profile(profile, instance, events);
         });
-        self.oracle
-            .replace(profile, OutputRules::from_layout(layout));
+        let text = self.has_text.then(|| text::capabilities(layout));
+        let rules = OutputRules::from_layout(layout).with(&text.unwrap_or_default());
+        self.oracle.replace(profile, rules);
     }
 
     #[track_caller]

@@ -11,7 +11,7 @@ use crate::device::{Events, OutputEvent, TimedCommand, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
-use crate::pipeline::{PipelineState, Suppressed};
+use crate::pipeline::{PipelineState, Suppressed, TextState};
 
 /// The results of all stages for one step of the pipeline, by reference: nothing is copied for an observer that only looks.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,8 @@ pub struct StepView<'a> {
     pub executed: Option<&'a TimedCommand>,
     /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
+    /// The text decoder of the active layout; `None` without one.
+    pub text: Option<&'a TextState>,
     /// Statistics of all readings so far.
     pub stats: &'a Stats,
     /// Time from the arrival of the reading to the call of the output; `None` for a step without events.
@@ -68,6 +70,7 @@ impl StepView<'_> {
             commands: self.commands.iter().copied().collect(),
             executed: self.executed.copied(),
             lost_hands: self.lost_hands,
+            text: self.text.cloned(),
             stats: *self.stats,
             latency: self.latency,
         }
@@ -105,6 +108,8 @@ pub struct Snapshot {
     pub executed: Option<TimedCommand>,
     /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
+    /// The text decoder of the active layout; `None` without one.
+    pub text: Option<TextState>,
     /// Statistics of all readings so far.
     pub stats: Stats,
     /// Time from the arrival of the reading to the call of the output; `None` for a step without events.
@@ -129,6 +134,7 @@ impl Snapshot {
             commands: &self.commands,
             executed: self.executed.as_ref(),
             lost_hands: self.lost_hands,
+            text: self.text.as_ref(),
             stats: &self.stats,
             latency: self.latency,
         }

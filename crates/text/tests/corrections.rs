@@ -203,6 +203,45 @@ fn suggest_mode_changes_only_what_is_accepted() {
 }
 
 #[test]
+fn an_accepted_candidate_is_followed_by_a_space_and_not_changed_by_what_follows() {
+    let bytes = english();
+    for mode in [Mode::Suggest, Mode::Auto] {
+        let mut field = Field::new(&bytes, mode);
+        field.types("teh");
+        let candidates = field.corrector.candidates();
+        let index = candidates.iter().position(|one| one.text == "the");
+        let edits = field.corrector.accept(index.expect("the word")).to_vec();
+        Field::apply(&mut field.text, &edits);
+        assert_eq!(field.text, "the ");
+        field.types("cat ");
+        assert_eq!(field.text, "the cat ");
+        field.types("wrdl");
+        let typed = field.corrector.candidates();
+        let typed = typed.iter().position(|one| one.text.ends_with("wrdl"));
+        let edits = field.corrector.accept(typed.expect("it is one")).to_vec();
+        Field::apply(&mut field.text, &edits);
+        assert_eq!(field.text, "the cat wrdl ");
+        field.types("cat ");
+        assert_eq!(field.text, "the cat wrdl cat ");
+    }
+}
+
+#[test]
+fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("cat");
+    field.corrector.leave();
+    field.types("hte teh ");
+    assert_eq!(field.text, "cathte the ");
+    field.types("te");
+    field.corrector.start_word();
+    field.types("teh ");
+    assert_eq!(field.text, "cathte the tethe ");
+    assert_eq!(field.corrector.shown(), "the ");
+}
+
+#[test]
 fn a_pause_drops_what_is_pending() {
     let bytes = english();
     let mut field = Field::new(&bytes, Mode::Auto);

@@ -328,6 +328,7 @@ impl PageSession {
             commands: &[],
             executed: None,
             lost_hands: self.pipeline.lost_hands(),
+            text: self.pipeline.text_state(),
             stats: &Stats::default(),
             latency: None,
         };

@@ -97,8 +97,11 @@ fn subcommand(spec: &CommandSpec) -> Command {
     let fields = spec.fields.iter().map(|field| {
         let arg = Arg::new(field.name).help(field.summary).required(true);
         match field.kind {
-            FieldKind::Number { .. } => arg.value_parser(number).allow_negative_numbers(true),
+            FieldKind::Number { .. } | FieldKind::Whole { .. } => {
+                arg.value_parser(number).allow_negative_numbers(true)
+            }
             FieldKind::Name => arg,
+            FieldKind::OneOf(words) => arg.value_parser(words.to_vec()),
         }
     });
     let values = spec
@@ -127,8 +130,12 @@ impl FromArgMatches for Request {
         let fields = CommandSpec::find(command).map_or(&[][..], |spec| spec.fields);
         for field in fields {
             let value = match field.kind {
-                FieldKind::Number { .. } => arguments.get_one::<f64>(field.name).copied().into(),
-                FieldKind::Name => arguments.get_one::<String>(field.name).cloned().into(),
+                FieldKind::Number { .. } | FieldKind::Whole { .. } => {
+                    arguments.get_one::<f64>(field.name).copied().into()
+                }
+                FieldKind::Name | FieldKind::OneOf(_) => {
+                    arguments.get_one::<String>(field.name).cloned().into()
+                }
             };
             line.insert(field.name.into(), value);
         }

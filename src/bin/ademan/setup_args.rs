@@ -7,6 +7,7 @@ use ademan::files;
 use ademan::message::escape;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{OWN_SETUP, ReplaySettings, Setup};
+use ademan::text::TextSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
@@ -40,6 +41,10 @@ pub struct SetupArgs {
     /// Use the layout of a link, which somebody else made
     #[arg(long)]
     trust: bool,
+    /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
+    /// `auto:MODEL.adm`
+    #[arg(long, value_name = "MODE[:LANGUAGE]")]
+    text: Option<TextSetup>,
     /// Widen the ranges of finger sensors that drift while the glove is worn, within limits; `ademan ctl undo-learning` undoes it
     #[arg(long)]
     learn_ranges: bool,
@@ -111,6 +116,7 @@ impl SetupArgs {
         if let Some(layout) = self.layout.clone() {
             setup.layout = link::trusted(layout, self.trust)?;
         }
+        setup.text = self.text.clone().or(setup.text);
         self.override_permissions(&mut setup);
         Ok(setup)
     }

@@ -287,6 +287,7 @@ mod tests {
             commands: &TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
             executed: None,
             lost_hands: Default::default(),
+            text: None,
             stats: &Stats::default(),
             latency: None,
         };

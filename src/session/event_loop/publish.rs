@@ -40,6 +40,7 @@ impl SessionLoop<'_> {
             commands: output.map_or(&[], |output| &output.commands),
             executed: self.executed.as_ref(),
             lost_hands: self.pipeline.lost_hands(),
+            text: self.pipeline.text_state(),
             stats: &self.stats,
             latency: self.latency.take(),
         };

@@ -222,6 +222,10 @@ impl ViewPublisher {
             keys,
             recent: self.recent.iter().filter_map(key_name).collect(),
             typed: self.typed.text().to_owned(),
+            text_mode: step.text.map(|text| text.mode),
+            candidates: step.text.map_or(Vec::new(), |text| {
+                text.candidates.iter().map(ToString::to_string).collect()
+            }),
             values: self.values.clone(),
             axes: axes.filter(|(_, value)| *value != 0.0).collect(),
             pointer: fractions.map(|position| position.to_array()),

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::CommandOrigin;
+use crate::command::{CommandOrigin, TextMode};
 use crate::contact::TargetId;
 use crate::device::{Axis, KeyCode};
 use crate::hand::{Finger, Side};
@@ -48,6 +48,12 @@ pub struct ViewState {
     /// The end of the text that a field with a US keymap shows, after each Backspace.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub typed: String,
+    /// The mode of the text decoder; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub text_mode: Option<TextMode>,
+    /// The candidates of the text decoder for the word that is typed, the most probable one first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<String>,
     /// Values of controls, since each was first moved: 0..=1, or turns.
     pub values: Vec<(TargetId, f32)>,
     /// Axes that are off zero.
@@ -133,6 +139,8 @@ impl ViewState {
             keys: Vec::new(),
             recent: Vec::new(),
             typed: String::new(),
+            text_mode: None,
+            candidates: Vec::new(),
             values: Vec::new(),
             axes: Vec::new(),
             pointer: None,

@@ -38,6 +38,7 @@ fn step(time: u64) -> SharedStep {
         commands: TimedCommands::new(),
         executed: None,
         lost_hands: [false; Side::COUNT],
+        text: None,
         stats: Stats::default(),
         latency: None,
     };

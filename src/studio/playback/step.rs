@@ -8,7 +8,7 @@ use crate::contact::{Press, TargetNames, Touch};
 use crate::device::{OutputEvent, TimedCommand};
 use crate::hand::{JointAngles, Side};
 use crate::kinematics::HandPose;
-use crate::pipeline::PipelineState;
+use crate::pipeline::{PipelineState, TextState};
 use crate::session::view::View;
 use crate::snapshot::{Snapshot, Stats, StepView};
 use crate::studio::model::StudioModel;
@@ -29,6 +29,7 @@ pub struct RecordedStep {
     commands: Box<[TimedCommand]>,
     executed: Option<TimedCommand>,
     lost_hands: [bool; Side::COUNT],
+    text: Option<Box<TextState>>,
     stats: Box<Stats>,
     view: Option<Arc<View>>,
 }
@@ -54,6 +55,7 @@ impl RecordedStep {
             commands: step.commands.into(),
             executed: step.executed.copied(),
             lost_hands: step.lost_hands,
+            text: step.text.cloned().map(Box::new),
             stats: Box::new(*step.stats),
             view: view.map(Arc::new),
         }
@@ -79,6 +81,7 @@ impl RecordedStep {
             commands: &self.commands,
             executed: self.executed.as_ref(),
             lost_hands: self.lost_hands,
+            text: self.text.as_deref(),
             stats: &self.stats,
             latency: None,
         };

@@ -125,6 +125,7 @@ pub(super) mod tests {
             commands: Default::default(),
             executed: None,
             lost_hands: [false; Side::COUNT],
+            text: None,
             stats: Stats::default(),
             latency: None,
         }

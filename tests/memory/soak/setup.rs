@@ -56,6 +56,7 @@ impl SoakSetup {
     pub fn new(format: Hc11Format) -> Self {
         let named = |(name, _): &(&str, _)| ProfileSetup {
             name: (*name).into(),
+            text: None,
             layout: (*name).into(),
         };
         let setup = |layout: &str| Setup {

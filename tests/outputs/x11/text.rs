@@ -43,3 +43,54 @@ fn a_text_on_two_layers_arrives_byte_for_byte() {
     let text = "Hi 5! (ok)";
     assert_demo_types(text, &["--layout", "qwerty-arc", "--text", text]);
 }
+
+/// What a text field shows after these bytes of a terminal.
+fn shown(bytes: &str) -> String {
+    let mut text = String::new();
+    for character in bytes.chars() {
+        match character {
+            '\u{8}' | '\u{7f}' => _ = text.pop(),
+            other => text.push(other),
+        }
+    }
+    text
+}
+
+#[test]
+fn words_that_a_run_corrects_arrive_corrected_and_those_of_a_literal_run_as_typed() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let line = "teh quikc brown fox ";
+    for (mode, expected) in [("auto", "the quick brown fox "), ("literal", line)] {
+        let Some(terminal) = TerminalWindow::start(&server) else {
+            return;
+        };
+        let source = format!("typist:{line}");
+        let mut program = Program::start(
+            &server,
+            [
+                "run",
+                "--armed",
+                "--control",
+                "off",
+                "--view",
+                "log",
+                "--output",
+                "desktop",
+                "--text",
+                mode,
+                "--source",
+                &source,
+            ],
+        );
+        let status = program.wait_for_exit();
+        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
+        assert_eq!(server.pressed_keys(), [0; 0]);
+        // Each of two corrections deletes and types three characters at least.
+        let least = "x".repeat(line.len() + if mode == "auto" { 8 } else { 0 });
+        let bytes = terminal.typed(&least);
+        assert_eq!(shown(&bytes), expected, "{bytes:?}");
+        assert_eq!(bytes == line, mode == "literal");
+    }
+}

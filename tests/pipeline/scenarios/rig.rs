@@ -68,6 +68,7 @@ fn setup(text: &str) -> Setup {
             "two" => setup.other_hand = Some(OtherHand::default()),
             "profile" => setup.profiles.push(ProfileSetup {
                 name: rest.trim_end_matches(".ron").into(),
+                text: None,
                 layout: path_of(rest),
             }),
             "stall" => setup.stall_timeout_ms = rest.parse().expect("milliseconds"),

@@ -90,6 +90,14 @@ impl OutputRules {
     }
 }
 
+impl OutputRules {
+    /// Adds the events that a text decoder may emit.
+    pub fn with(mut self, more: &Capabilities) -> Self {
+        self.capabilities.extend(more.iter());
+        self
+    }
+}
+
 impl From<Capabilities> for OutputRules {
     /// Creates rules without limits of the pointer.
     fn from(capabilities: Capabilities) -> Self {

@@ -103,7 +103,9 @@ impl OutputCheck {
             EventKind::KeyDown(code) => {
                 let push = self.pressed.try_push(code);
                 push.map_err(|_| Violation::TooManyPressed(code))?;
-                let _ = totals.pressed.try_push(code);
+                if !totals.pressed.contains(&code) {
+                    let _ = totals.pressed.try_push(code);
+                }
                 match self.forbids_system_keys && is_system_chord(&self.pressed) {
                     true => Err(Violation::SystemChord(code)),
                     false => Ok(()),

@@ -5,6 +5,8 @@
 //! all commands with the ranges of their fields; help texts and error messages are made from it.
 
 mod origin;
+mod spec;
+mod text_mode;
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,6 +19,8 @@ use crate::message::{escape, escape_line};
 use crate::names::UnknownName;
 
 pub use origin::CommandOrigin;
+pub use spec::{CommandSpec, FieldKind, FieldSpec, SPECS};
+pub use text_mode::TextMode;
 
 /// The name of one of the layouts of a setup, at most 64 bytes long.
 pub type ProfileName = ArrayString<64>;
@@ -72,173 +76,23 @@ pub enum Command {
     UndoZero,
     /// Returns to the calibrated ranges of the sensors.
     UndoLearning,
+    /// Changes how much the text decoder of the active layout changes.
+    Text {
+        /// The mode.
+        mode: TextMode,
+    },
+    /// Takes a candidate of the text decoder in place of what was typed of a word, with a space behind it.
+    Candidate {
+        /// Its position, 1 to 3, the most probable one first.
+        #[serde(deserialize_with = "whole_number")]
+        number: u8,
+    },
     /// Writes the poses and the size of the boards to the layout file.
     Save,
     /// Reads the layout files again.
     Reload,
     /// Releases everything and ends the session.
     Stop,
-}
-
-/// Name, fields and description of a command, for help texts and error messages.
-#[derive(Clone, Copy, Debug)]
-pub struct CommandSpec {
-    /// Name in JSON and on the command line.
-    pub name: &'static str,
-    /// One sentence without a full stop.
-    pub summary: &'static str,
-    /// Default label of a key that issues the command.
-    pub key_label: &'static str,
-    /// Required fields, in the order of the command line.
-    pub fields: &'static [FieldSpec],
-}
-
-/// A field of a command.
-#[derive(Clone, Copy, Debug)]
-pub struct FieldSpec {
-    /// Name in JSON, with the unit.
-    pub name: &'static str,
-    /// Description for a help text.
-    pub summary: &'static str,
-    /// A value for the example of a help text.
-    pub example: &'static str,
-    /// Accepted values.
-    pub kind: FieldKind,
-}
-
-/// Accepted values of a field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FieldKind {
-    /// A number in a closed range.
-    Number {
-        /// Smallest value.
-        min: f32,
-        /// Largest value.
-        max: f32,
-    },
-    /// A name of at most [`ProfileName`]'s capacity.
-    Name,
-}
-
-/// All commands, in the order of the help text.
-pub const SPECS: &[CommandSpec] = &[
-    plain(
-        "state",
-        "Report the state, the active layout and the statistics",
-        "State",
-    ),
-    plain(
-        "pause",
-        "Release everything and suppress all events",
-        "Pause",
-    ),
-    plain(
-        "resume",
-        "End a pause; output is armed once the hand is clear of every control",
-        "Resume",
-    ),
-    plain("toggle-pause", "Pause, or resume if paused", "Pause"),
-    CommandSpec {
-        name: "profile",
-        summary: "Activate another layout of the setup",
-        key_label: "Profile",
-        fields: &[FieldSpec {
-            name: "name",
-            summary: "Name of the profile",
-            example: "numbers",
-            kind: FieldKind::Name,
-        }],
-    },
-    plain(
-        "next-profile",
-        "Activate the next layout of the setup",
-        "Profile",
-    ),
-    plain(
-        "recenter",
-        "Move the boards below the index fingertip of the hand seen last",
-        "Center",
-    ),
-    CommandSpec {
-        name: "nudge",
-        summary: "Move the boards, in mm",
-        key_label: "Move",
-        fields: &[
-            number("x_mm", "To the right", "0", -1000.0, 1000.0),
-            number("y_mm", "Up", "0", -1000.0, 1000.0),
-            number("z_mm", "Towards you", "-5", -1000.0, 1000.0),
-        ],
-    },
-    CommandSpec {
-        name: "tilt",
-        summary: "Rotate each board about its rows",
-        key_label: "Tilt",
-        fields: &[number(
-            "deg",
-            "Degrees; positive raises the far edge",
-            "2.5",
-            -90.0,
-            90.0,
-        )],
-    },
-    CommandSpec {
-        name: "scale",
-        summary: "Make the boards larger or smaller",
-        key_label: "Size",
-        fields: &[number(
-            "factor",
-            "Ratio of the new size to the present one",
-            "0.9",
-            0.5,
-            2.0,
-        )],
-    },
-    plain(
-        "zero",
-        "Correct a glove that has slipped: make the angles of the resting hand those of its rest pose",
-        "Zero",
-    ),
-    plain(
-        "undo-zero",
-        "Return to the angles of before `zero`",
-        "Undo zero",
-    ),
-    plain(
-        "undo-learning",
-        "Return to the calibrated ranges of the sensors, from what `--learn-ranges` has learned",
-        "Unlearn",
-    ),
-    plain(
-        "save",
-        "Write the poses and the size of the boards to the layout file",
-        "Save",
-    ),
-    plain("reload", "Read the layout files again", "Reload"),
-    plain("stop", "Release everything and end the session", "Stop"),
-];
-
-const fn plain(name: &'static str, summary: &'static str, key_label: &'static str) -> CommandSpec {
-    CommandSpec {
-        name,
-        summary,
-        key_label,
-        fields: &[],
-    }
-}
-
-const fn number(
-    name: &'static str,
-    summary: &'static str,
-    example: &'static str,
-    min: f32,
-    max: f32,
-) -> FieldSpec {
-    FieldSpec {
-        name,
-        summary,
-        example,
-        kind: FieldKind::Number { min, max },
-    }
 }
 
 /// Reason why a text or a value is not a command.
@@ -318,6 +172,8 @@ impl Command {
             Self::Zero => "zero",
             Self::UndoZero => "undo-zero",
             Self::UndoLearning => "undo-learning",
+            Self::Text { .. } => "text",
+            Self::Candidate { .. } => "candidate",
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
@@ -332,6 +188,8 @@ impl Command {
             Self::Zero
                 | Self::UndoZero
                 | Self::UndoLearning
+                | Self::Text { .. }
+                | Self::Candidate { .. }
                 | Self::Recenter
                 | Self::Nudge { .. }
                 | Self::Tilt { .. }
@@ -359,7 +217,9 @@ impl FromStr for Command {
         for field in spec.fields {
             let value;
             (value, values) = match field.kind {
-                FieldKind::Number { .. } => split_word(values),
+                FieldKind::Number { .. } | FieldKind::Whole { .. } | FieldKind::OneOf(_) => {
+                    split_word(values)
+                }
                 // The only field of its command; it may contain blanks.
                 FieldKind::Name => (values, ""),
             };
@@ -371,8 +231,10 @@ impl FromStr for Command {
             }
             let number = || value.parse::<f64>().ok().map(Value::from);
             let value = match field.kind {
-                FieldKind::Number { .. } => number().unwrap_or_else(|| value.into()),
-                FieldKind::Name => value.into(),
+                FieldKind::Number { .. } | FieldKind::Whole { .. } => {
+                    number().unwrap_or_else(|| value.into())
+                }
+                FieldKind::Name | FieldKind::OneOf(_) => value.into(),
             };
             fields.insert(field.name.into(), value);
         }
@@ -405,6 +267,8 @@ impl fmt::Display for Command {
             Self::Nudge { x_mm, y_mm, z_mm } => write!(f, " {x_mm} {y_mm} {z_mm}"),
             Self::Tilt { deg } => write!(f, " {deg}"),
             Self::Scale { factor } => write!(f, " {factor}"),
+            Self::Text { mode } => write!(f, " {mode}"),
+            Self::Candidate { number } => write!(f, " {number}"),
             _ => Ok(()),
         }
     }
@@ -453,6 +317,13 @@ impl FieldSpec {
     }
 }
 
+/// Reads a whole number that may be written with a decimal point.
+fn whole_number<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
+    let number = f64::deserialize(deserializer)?;
+    // Out of range it is refused by the check of its field.
+    Ok(number as u8)
+}
+
 /// Formats a value as JSON, and a whole number without a decimal point.
 fn plain_json(value: &Value) -> String {
     let json = value.to_string();
@@ -465,9 +336,13 @@ impl FieldKind {
             Self::Number { min, max } => value
                 .as_f64()
                 .is_some_and(|number| (f64::from(min)..=f64::from(max)).contains(&number)),
+            Self::Whole { min, max } => value.as_f64().is_some_and(|number| {
+                (f64::from(min)..=f64::from(max)).contains(&number) && number.fract() == 0.0
+            }),
             Self::Name => value
                 .as_str()
                 .is_some_and(|name| ProfileName::from(name).is_ok()),
+            Self::OneOf(words) => value.as_str().is_some_and(|word| words.contains(&word)),
         }
     }
 }
@@ -476,6 +351,8 @@ impl fmt::Display for FieldKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number { min, max } => write!(f, "{min} to {max}"),
+            Self::Whole { min, max } => write!(f, "a whole number, {min} to {max}"),
+            Self::OneOf(words) => write!(f, "`{}`", words.join("`, `")),
             Self::Name => write!(
                 f,
                 "a name of at most {} bytes",

@@ -6,7 +6,9 @@ fn smallest(spec: &CommandSpec) -> String {
     for field in spec.fields {
         line += &match field.kind {
             FieldKind::Number { min, .. } => format!(r#","{}":{min}"#, field.name),
+            FieldKind::Whole { min, .. } => format!(r#","{}":{min}"#, field.name),
             FieldKind::Name => format!(r#","{}":"sofa""#, field.name),
+            FieldKind::OneOf(words) => format!(r#","{}":"{}""#, field.name, words[0]),
         };
     }
     line + "}"
@@ -145,5 +147,32 @@ fn invalid_words_are_explained() {
 fn deeply_nested_json_is_refused() {
     for deep in ["[", "{\"command\":", "{\"deg\":["] {
         error(&deep.repeat(4096 / deep.len()));
+    }
+}
+
+#[test]
+fn the_words_and_whole_numbers_of_text_commands_are_checked() {
+    assert_eq!(
+        "text auto".parse(),
+        Ok(Command::Text {
+            mode: TextMode::Auto
+        })
+    );
+    assert_eq!("candidate 2".parse(), Ok(Command::Candidate { number: 2 }));
+    let names: Vec<&str> = TextMode::ALL.iter().map(|mode| mode.name()).collect();
+    assert_eq!(names, TextMode::NAMES);
+    for (line, expected) in [
+        (
+            "text loud",
+            "`mode` is `literal`, `suggest`, `auto`, not \"loud\"",
+        ),
+        ("candidate 4", "`number` is a whole number, 1 to 3, not 4"),
+        (
+            "candidate 1.5",
+            "`number` is a whole number, 1 to 3, not 1.5",
+        ),
+    ] {
+        let error = line.parse::<Command>().unwrap_err().to_string();
+        assert_eq!(error, expected);
     }
 }

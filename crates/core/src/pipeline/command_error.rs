@@ -34,6 +34,11 @@ pub enum CommandError {
         "no range of a sensor was learned in this run; `--learn-ranges` of `ademan run` learns them"
     )]
     NothingLearned,
+    /// The active layout has no text decoder.
+    #[error(
+        "the active layout has no text decoder; start the run with `--text literal` or `--text auto`, and a layout with letters"
+    )]
+    NoTextDecoder,
     /// The hand cannot be zeroed.
     #[error(transparent)]
     Zero(#[from] ZeroError),

@@ -21,7 +21,9 @@ impl Pipeline {
             | Command::Tilt { .. }
             | Command::Zero
             | Command::UndoZero
-            | Command::UndoLearning => true,
+            | Command::UndoLearning
+            | Command::Text { .. }
+            | Command::Candidate { .. } => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -60,6 +62,8 @@ impl Pipeline {
             Command::Zero => self.zero(events)?,
             Command::UndoZero => self.undo_zero(events)?,
             Command::UndoLearning => self.undo_learning(events)?,
+            Command::Text { mode } => self.text_filter()?.set_mode(mode),
+            Command::Candidate { number } => self.text_filter()?.choose(number),
             Command::State
             | Command::Scale { .. }
             | Command::Save

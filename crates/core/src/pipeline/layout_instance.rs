@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::StepOutput;
 use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
+use super::{PressFilter, StepOutput};
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
@@ -33,6 +33,8 @@ pub struct LayoutInstance {
     layout: Option<Arc<Layout>>,
     /// Whether something is anchored at the start.
     starts_at_hand: bool,
+    /// The text decoder.
+    filter: Option<Box<dyn PressFilter>>,
 }
 
 impl LayoutInstance {
@@ -56,6 +58,7 @@ impl LayoutInstance {
             devices,
             auto_recenter: AutoRecenterState::default(),
             layout: None,
+            filter: None,
         }
     }
 
@@ -97,6 +100,30 @@ impl LayoutInstance {
         Self {
             auto_recenter: AutoRecenterState::new(settings),
             ..self
+        }
+    }
+
+    /// Sets the text decoder, which is the first filter of presses.
+    #[must_use]
+    pub fn with_filter(self, filter: Option<Box<dyn PressFilter>>) -> Self {
+        Self { filter, ..self }
+    }
+
+    /// Returns the text decoder.
+    pub fn filter(&self) -> Option<&dyn PressFilter> {
+        self.filter.as_deref()
+    }
+
+    /// Returns the text decoder.
+    pub(super) fn filter_mut(&mut self) -> Option<&mut (dyn PressFilter + 'static)> {
+        self.filter.as_deref_mut()
+    }
+
+    /// Sets the mode of the text decoder to that of the layout before.
+    pub(super) fn keep_text_mode(&mut self, before: &Self) {
+        let mode = before.filter().and_then(PressFilter::text_state);
+        if let Some((filter, state)) = self.filter.as_mut().zip(mode) {
+            filter.set_mode(state.mode);
         }
     }
 

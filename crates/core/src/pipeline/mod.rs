@@ -17,13 +17,14 @@ mod settings;
 mod stalls;
 mod start;
 mod state;
+mod text;
 mod unreached;
 mod zero;
 
 pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
 pub use permissions::{SourcePermissions, SourceRole};
-pub use press_filter::PressFilter;
+pub use press_filter::{PressFilter, TextState};
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
 pub use state::{PipelineState, Suppressed};
@@ -33,7 +34,7 @@ use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
-use self::press_filter::{FilterInput, PressFilters};
+use self::press_filter::PressFilters;
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
@@ -283,7 +284,9 @@ impl Pipeline {
         if profile == self.active_profile {
             self.release_all(self.time, events);
         }
-        std::mem::swap(&mut self.profiles[profile].layout, layout);
+        let active = &mut self.profiles[profile].layout;
+        layout.keep_text_mode(active);
+        std::mem::swap(active, layout);
     }
 
     /// Copies the board poses of a profile to `layout`, if both have the same number of boards.
@@ -402,14 +405,15 @@ impl Pipeline {
         let dropped = layout.update_devices(output, pointer_only, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
-        let input = FilterInput {
-            time: output.pose.time,
-            side: output.pose.side,
-            presses: &output.presses,
-        };
-        self.filters.apply(&input, first, events);
-        if !self.gate.filter(index, first, events) && !self.suspend(index) {
-            self.pause(CommandOrigin::RateLimit, events);
+        let step = (output.pose.time, output.pose.side, &output.presses[..]);
+        let filter = layout.filter_mut();
+        let added = self.filters.apply(filter, step, first, events);
+        if !self.gate.filter(index, first, added, events) {
+            // A filter believes that all of it was sent.
+            self.reset_filters();
+            if !self.suspend(index) {
+                self.pause(CommandOrigin::RateLimit, events);
+            }
         }
         self.execute_issued(index, events);
     }
@@ -448,14 +452,15 @@ impl Pipeline {
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let first = events.len();
         let is_paused = self.is_paused();
-        self.filters.reset();
+        self.reset_filters();
+        self.filters.clear_held();
         let layout = self.active_layout();
         match is_paused {
             // The presses of a pause were never emitted.
             true => layout.release_all(time, &mut Events::new()),
             false => layout.release_all(time, events),
         }
-        self.gate.filter(0, first, events);
+        self.gate.filter(0, first, 0, events);
         self.clear_since = None;
     }
 

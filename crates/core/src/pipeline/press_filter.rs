@@ -6,7 +6,11 @@
 //! - A release that the devices emit leaves in the same step. A filter that drops it does not hold it back.
 //! - A key that a filter presses while no control holds it is released at once.
 //! - A pause, a loss and a stall [reset](PressFilter::reset) the filters: what they hold is never emitted.
+//! - Presses that a filter adds do not count against the rate limit of the source.
 
+use arrayvec::{ArrayString, ArrayVec};
+
+use crate::command::TextMode;
 use crate::contact::Press;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, Events, OutputEvent};
@@ -23,7 +27,12 @@ pub struct FilterInput<'a> {
     /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as that of a
     /// chord.
     pub presses: &'a [Press],
+    /// The keys that the devices hold before the events of this step.
+    pub held: &'a PressedKeys,
 }
+
+/// The step of one hand that filters see.
+pub(super) type FilteredStep<'a> = (Timestamp, Side, &'a [Press]);
 
 /// A stage that may hold, replace or add key events.
 ///
@@ -35,6 +44,32 @@ pub trait PressFilter: Send {
 
     /// Forgets the presses that it holds.
     fn reset(&mut self);
+
+    /// Changes how much it changes, if it decodes text.
+    fn set_mode(&mut self, _: TextMode) {}
+
+    /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step.
+    fn choose(&mut self, _number: u8) {}
+
+    /// Returns what displays show of it, if it decodes text.
+    fn text_state(&self) -> Option<&TextState> {
+        None
+    }
+}
+
+/// The most candidates that displays show.
+pub const MAX_CANDIDATES: usize = 3;
+
+/// A candidate for the word that is typed. What does not fit is cut.
+pub type CandidateText = ArrayString<48>;
+
+/// What displays show of a text decoder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextState {
+    /// The mode.
+    pub mode: TextMode,
+    /// The candidates for the word that is typed, the most probable one first.
+    pub candidates: ArrayVec<CandidateText, MAX_CANDIDATES>,
 }
 
 /// The filters of a pipeline, in order.
@@ -51,20 +86,38 @@ impl PressFilters {
         self.filters.push(filter);
     }
 
+    /// Forgets the keys that the devices hold, because all are released.
+    pub(super) fn clear_held(&mut self) {
+        self.held = PressedKeys::default();
+    }
+
     /// Forgets the presses that filters hold.
     pub(super) fn reset(&mut self) {
-        self.held = PressedKeys::default();
         for filter in &mut self.filters {
             filter.reset();
         }
     }
 
-    /// Passes the events from index `first` through the filters.
-    pub(super) fn apply(&mut self, input: &FilterInput, first: usize, events: &mut Events) {
-        if self.filters.is_empty() {
-            return;
+    /// Passes the events from index `first` through the filter of the active layout and then through the others. Returns the
+    /// number of presses and characters that they added.
+    pub(super) fn apply(
+        &mut self,
+        own: Option<&mut (dyn PressFilter + 'static)>,
+        (time, side, presses): FilteredStep,
+        first: usize,
+        events: &mut Events,
+    ) -> usize {
+        if self.filters.is_empty() && own.is_none() {
+            return 0;
         }
         let emitted: Events = events.drain(first..).collect();
+        let held = self.held.clone();
+        let input = FilterInput {
+            time,
+            side,
+            presses,
+            held: &held,
+        };
         for event in &emitted {
             match event.kind {
                 EventKind::KeyDown(key) => _ = self.held.press(key),
@@ -73,8 +126,11 @@ impl PressFilters {
             }
         }
         let mut filtered = emitted.clone();
+        if let Some(own) = own {
+            own.filter(&input, &mut filtered);
+        }
         for filter in &mut self.filters {
-            filter.filter(input, &mut filtered);
+            filter.filter(&input, &mut filtered);
         }
         for &event in emitted.iter().filter(|event| is_release(event)) {
             if !filtered.contains(&event) {
@@ -86,6 +142,9 @@ impl PressFilters {
             let later = &filtered[index + 1..];
             self.push(event, later, events);
         }
+        let presses =
+            |events: &[OutputEvent]| events.iter().filter(|event| is_press(event)).count();
+        presses(&events[first..]).saturating_sub(presses(&emitted))
     }
 
     /// Appends an event, and its release if nothing else would release the key.
@@ -108,6 +167,10 @@ impl PressFilters {
             events.push(OutputEvent { kind, ..event });
         }
     }
+}
+
+fn is_press(event: &OutputEvent) -> bool {
+    matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_))
 }
 
 fn is_release(event: &OutputEvent) -> bool {
@@ -156,12 +219,7 @@ mod tests {
         filters.add(Box::new(Filter(filter)));
         let apply = |step: &&[OutputEvent]| {
             let mut events = Events::from_iter(step.iter().copied());
-            let input = FilterInput {
-                time: Timestamp(1_000),
-                side: Side::Right,
-                presses: &[],
-            };
-            filters.apply(&input, 0, &mut events);
+            filters.apply(None, (Timestamp(1_000), Side::Right, &[]), 0, &mut events);
             events.to_vec()
         };
         steps.iter().map(apply).collect()

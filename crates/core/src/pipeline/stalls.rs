@@ -133,6 +133,7 @@ impl Pipeline {
 
     /// Passes a hand that lost a part on to the devices, which release what that part held.
     fn release_lost(&mut self, index: usize, events: &mut Events) {
+        self.reset_filters();
         let estimate = &mut self.hands[index].output.estimate;
         estimate.time = estimate.time.max(self.time);
         self.update_pose(index);

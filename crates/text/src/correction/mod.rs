@@ -125,6 +125,24 @@ impl<'m> Corrector<'m> {
         self.decoder.start_anywhere();
     }
 
+    /// Drops what is pending after a key that may have moved the cursor into a word, such as an arrow: what is typed next may be the
+    /// rest of that word.
+    pub fn leave(&mut self) {
+        self.reset();
+        self.is_partial = true;
+    }
+
+    /// Drops what is pending, and starts at the beginning of a word: after a key that ends a line.
+    pub fn start_word(&mut self) {
+        self.reset();
+        self.is_partial = false;
+    }
+
+    /// Returns the text in the field since the last commit.
+    pub fn shown(&self) -> &str {
+        &self.shown
+    }
+
     /// Takes a character key. The tap has to say what it typed; without, it is the nearest key.
     pub fn press(&mut self, tap: Tap) -> &[Edit] {
         self.edits.clear();
@@ -192,11 +210,17 @@ impl<'m> Corrector<'m> {
         if self.restored.touches(&self.shown, prefix, &self.target) {
             return false;
         }
+        self.replace_tail(prefix, removed);
+        true
+    }
+
+    /// Replaces the tail behind a prefix, unless it is too long.
+    fn replace_tail(&mut self, prefix: usize, removed: usize) {
         if removed > MAX_TAIL {
             // Out of reach: what follows starts anew, so that it can be corrected.
             self.decoder.commit();
             self.shown.clear();
-            return true;
+            return;
         }
         let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);
         self.edits.extend(old.chars().map(|_| Edit::Backspace));
@@ -208,7 +232,6 @@ impl<'m> Corrector<'m> {
         // The whole first word of the tail, so that it can be learned.
         self.restored.remember(&self.shown, prefix, &self.target);
         std::mem::swap(&mut self.shown, &mut self.target);
-        true
     }
 
     /// Takes a Backspace.
@@ -253,7 +276,8 @@ impl<'m> Corrector<'m> {
         }
     }
 
-    /// Takes a candidate in place of what is shown. One Backspace takes it back.
+    /// Takes a candidate in place of what is shown, with a space behind it unless it ends a word already. One Backspace takes it
+    /// back. Its words are the context of what follows.
     pub fn accept(&mut self, candidate: usize) -> &[Edit] {
         self.edits.clear();
         self.target.clear();
@@ -267,7 +291,17 @@ impl<'m> Corrector<'m> {
             return &self.edits;
         };
         self.target.push_str(&chosen.text);
-        self.replace();
+        if self.target.is_empty() {
+            return &self.edits;
+        }
+        if !self.target.ends_with(ends_word) {
+            self.target.push(' ');
+        }
+        if let Some(Difference { prefix, removed }) = difference(&self.shown, &self.target) {
+            self.replace_tail(prefix, removed);
+        }
+        self.decoder.commit_behind(Some(&self.shown));
+        self.shown.clear();
         &self.edits
     }
 }

@@ -73,12 +73,18 @@ impl Decoder<'_> {
 
     /// Takes what was typed as meant, and starts anew behind it.
     pub fn commit_typed(&mut self) {
+        self.commit_behind(None);
+    }
+
+    /// Takes a text as meant, or what was typed, without learning from the taps, and starts anew behind it.
+    pub fn commit_behind(&mut self, text: Option<&str>) {
         self.touch.drift = self
             .tokens
             .first()
             .map_or(self.touch.drift, |token| token.drift);
-        learn_words(&mut self.words, &self.model, self.literal.text());
-        let last = self.literal.text().trim_end();
+        let text = text.unwrap_or(self.literal.text());
+        learn_words(&mut self.words, &self.model, text);
+        let last = text.trim_end();
         self.starts_sentence = last.ends_with(['.', '!', '?']);
         let word = last
             .rsplit(' ')

@@ -59,9 +59,15 @@ impl OutputGate {
         self.sources.push(SourceState::new(permissions));
     }
 
-    /// Removes forbidden events from `events`, starting at index `first`. Returns `false` if the rate limit was
-    /// exceeded; the caller must then release everything.
-    pub(super) fn filter(&mut self, source: usize, first: usize, events: &mut Events) -> bool {
+    /// Removes forbidden events from `events`, starting at index `first`. Presses and characters that a filter `added` do not
+    /// count against the rate limit. Returns `false` if it was exceeded; the caller must then release everything.
+    pub(super) fn filter(
+        &mut self,
+        source: usize,
+        first: usize,
+        mut added: usize,
+        events: &mut Events,
+    ) -> bool {
         let source = source.min(self.sources.len() - 1);
         let mut is_within_limit = true;
         let (mut index, mut kept) = (first, first);
@@ -75,6 +81,8 @@ impl OutputGate {
                 continue;
             }
             index += 1;
+            let is_added = added > 0 && is_press(event.kind);
+            added -= usize::from(is_added);
             let is_allowed = match event.kind {
                 EventKind::KeyUp(key) => self.pressed.release(key),
                 kind if !self.check_role(source, kind) => false,
@@ -82,6 +90,7 @@ impl OutputGate {
                     self.suppressed.system_keys += 1;
                     false
                 }
+                _ if is_added => is_within_limit,
                 // The characters of one key have one time stamp and count as one press.
                 EventKind::Character(_)
                     if is_within_limit && last_character == Some(event.time) =>
@@ -98,7 +107,7 @@ impl OutputGate {
             };
             match event.kind {
                 EventKind::KeyDown(key) if is_allowed => _ = self.pressed.press(key),
-                EventKind::Character(_) => last_character = Some(event.time),
+                EventKind::Character(_) if !is_added => last_character = Some(event.time),
                 _ => {}
             }
             if is_allowed {
@@ -183,6 +192,10 @@ impl OutputGate {
         self.suppressed.system_keys += u64::from(is_inserted);
         is_inserted
     }
+}
+
+fn is_press(kind: EventKind) -> bool {
+    matches!(kind, EventKind::KeyDown(_) | EventKind::Character(_))
 }
 
 #[cfg(test)]

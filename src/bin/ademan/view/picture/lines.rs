@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use ademan::command::TextMode;
 use ademan::hand::{Finger, Side};
 use ademan::message::escape;
 use ademan::pipeline::PipelineState;
@@ -62,6 +63,7 @@ impl Picture<'_> {
             ("fingers", self.fingers(width)),
             ("bends", bends::lines(self, width)),
             ("keys", keys),
+            ("words", self.words(width)),
             ("values", values::lines(self.view, width)),
             ("counts", vec![self.counts(width)]),
         ];
@@ -129,6 +131,20 @@ impl Picture<'_> {
             spans.push(Span::styled(format!("   typed {typed}"), self.look.faint()));
         }
         Line::from(spans)
+    }
+
+    /// Returns a line with the candidates of the text decoder, if it changes anything.
+    fn words(&self, width: u16) -> Vec<Line<'static>> {
+        let state = &self.view.state;
+        let Some(mode) = state.text_mode.filter(|mode| *mode != TextMode::Literal) else {
+            return Vec::new();
+        };
+        let words = state.candidates.iter().zip(1..);
+        let words: String = words
+            .map(|(word, number)| format!("   {number} {}", escape(word)))
+            .collect();
+        let line = format!("text {mode}{words}");
+        vec![Line::from(cut(&line, width).into_owned())]
     }
 
     /// Returns the number and rate of readings and everything that went wrong.

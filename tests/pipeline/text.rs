@@ -1,0 +1,236 @@
+//! The text decoder in the whole pipeline: a simulated hand types with it, under the oracle.
+
+use ademan::capture::{Hc11Format, Source, SourceEvent};
+use ademan::command::{Command, CommandOrigin, TextMode};
+use ademan::device::{EventKind, Events};
+use ademan::pipeline::CommandError;
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::sim::UsTextField;
+use ademan::text::{TextModeSetup, TextSetup};
+
+use crate::support::checked::CheckedPipeline;
+
+fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
+    let setup = Setup {
+        text: text.map(|mode| TextSetup {
+            mode,
+            ..TextSetup::default()
+        }),
+        ..Setup::default()
+    };
+    setup.load_files().expect("the shipped layout")
+}
+
+/// What a hand typed.
+#[derive(Debug, Default, PartialEq)]
+struct Typed {
+    text: String,
+    /// All events, as words.
+    events: String,
+}
+
+/// Plays a hand, and calls `each` after each reading with the number of presses and characters so far.
+fn play(
+    setup: &LoadedSetup,
+    mut hand: impl Source,
+    mut each: impl FnMut(usize, &mut CheckedPipeline, &mut Events),
+) -> Typed {
+    let mut pipeline = CheckedPipeline::new(setup);
+    let mut field = UsTextField::new();
+    let mut typed = Typed::default();
+    let mut presses = 0;
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
+        let mut events = Events::new();
+        let _ = pipeline.step(&reading, &mut events);
+        let is_press = |kind| matches!(kind, EventKind::KeyDown(_) | EventKind::Character(_));
+        presses += events.iter().filter(|event| is_press(event.kind)).count();
+        each(presses, &mut pipeline, &mut events);
+        for event in &events {
+            field.handle(event);
+            typed.events += &format!("{event:?}\n");
+        }
+    }
+    assert!(!pipeline.has_pressed(), "a key stays down");
+    typed.text = field.text().to_owned();
+    typed
+}
+
+fn typist(setup: &LoadedSetup, text: &str, noise: f64, seed: u64) -> impl Source + use<> {
+    let format = Hc11Format::default();
+    setup.typist(text, &format, noise, seed).expect("a text")
+}
+
+fn types(text: Option<TextModeSetup>, line: &str) -> Typed {
+    let setup = setup(text);
+    play(&setup, typist(&setup, line, 0.0, 0), |_, _, _| {})
+}
+
+#[test]
+fn words_are_corrected_at_their_end() {
+    let typed = types(Some(TextModeSetup::Auto), "teh quikc brown fox ");
+    assert_eq!(typed.text, "the quick brown fox ");
+}
+
+#[test]
+fn literal_and_no_decoder_are_the_same_events_and_suggest_the_same_text() {
+    let line = "teh quikc brown fox ";
+    let without = types(None, line);
+    assert_eq!(without.text, line);
+    assert_eq!(types(Some(TextModeSetup::Literal), line), without);
+    assert_eq!(types(Some(TextModeSetup::Suggest), line).text, line);
+}
+
+#[test]
+fn passwords_and_numbers_are_left_alone() {
+    for line in ["xk47vq9zt ", "1984 3.14 zyzzogeton kubectl ", "qz7, b2c; "] {
+        assert_eq!(types(Some(TextModeSetup::Auto), line).text, line);
+    }
+}
+
+#[test]
+fn a_pause_in_a_word_drops_it() {
+    let setup = setup(Some(TextModeSetup::Auto));
+    let mut is_paused = false;
+    let typed = play(
+        &setup,
+        typist(&setup, "teh teh teh teh teh ", 0.0, 0),
+        |presses, pipeline, events| {
+            if presses == 2 && !is_paused {
+                is_paused = true;
+                pipeline.pause(CommandOrigin::Client, events);
+                pipeline.resume(CommandOrigin::Client);
+            }
+        },
+    );
+    // What was typed before the pause stays, and what follows until the hand was clear is lost.
+    assert!(typed.text.starts_with("te"), "{typed:?}");
+    assert!(!typed.text.starts_with("the"), "{typed:?}");
+}
+
+#[test]
+fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
+    let setup = setup(Some(TextModeSetup::Suggest));
+    let mut seen = Vec::new();
+    let typed = play(
+        &setup,
+        typist(&setup, "wrold of", 0.0, 0),
+        |presses, pipeline, events| {
+            if presses == 5 && seen.is_empty() {
+                let state = pipeline.text_state().expect("a decoder");
+                seen = state.candidates.iter().map(|it| it.to_string()).collect();
+                let number = seen.iter().position(|it| it == "world").expect("it is one");
+                let number = number as u8 + 1;
+                let command = Command::Candidate { number };
+                pipeline
+                    .execute(&command, CommandOrigin::Client, events)
+                    .unwrap();
+            }
+        },
+    );
+    assert!(seen.contains(&"wrold".to_owned()), "{seen:?}");
+    assert_eq!(typed.text, "world of");
+}
+
+#[test]
+fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
+    let auto = Command::Text {
+        mode: TextMode::Auto,
+    };
+    let literal = setup(Some(TextModeSetup::Literal));
+    let typed = play(
+        &literal,
+        typist(&literal, "teh teh ", 0.0, 0),
+        |presses, pipeline, events| {
+            if presses == 4 && pipeline.text_state().unwrap().mode == TextMode::Literal {
+                pipeline
+                    .execute(&auto, CommandOrigin::Client, events)
+                    .unwrap();
+            }
+        },
+    );
+    assert_eq!(typed.text, "teh the ");
+    let mut without = CheckedPipeline::new(&setup(None));
+    assert_eq!(
+        without.execute(&auto, CommandOrigin::Client, &mut Events::new()),
+        Err(CommandError::NoTextDecoder)
+    );
+}
+
+#[test]
+fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
+    let load = |language: &str, layout: &str| {
+        let text = TextSetup {
+            mode: TextModeSetup::Auto,
+            language: language.into(),
+        };
+        let setup = Setup {
+            text: Some(text),
+            layout: layout.into(),
+            ..Setup::default()
+        };
+        let setup = setup.load_files().expect("it runs all the same");
+        let has_decoder = setup.pipeline().text_state().is_some();
+        (has_decoder, setup.text_note())
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let damaged = folder.path().join("damaged.adm");
+    std::fs::write(&damaged, "ADEMTEXT and more").unwrap();
+    for (language, layout, message) in [
+        (
+            "em",
+            "qwerty-flat",
+            "unknown language `em`, did you mean `en`?",
+        ),
+        (
+            "missing.adm",
+            "qwerty-flat",
+            "cannot read the language model missing.adm",
+        ),
+        (
+            damaged.to_str().unwrap(),
+            "qwerty-flat",
+            "cannot use the language model",
+        ),
+        ("en", "numpad", "no layout has letters"),
+    ] {
+        let (has_decoder, note) = load(language, layout);
+        assert!(!has_decoder, "{language} {layout}");
+        let note = note.expect("a message");
+        assert!(note.contains(message), "{note}");
+    }
+    assert_eq!(load("es", "qwerty-flat"), (true, None));
+}
+
+/// Wrong characters of a text, as the edit distance to what was meant.
+pub fn distance(typed: &str, meant: &str) -> usize {
+    let meant: Vec<char> = meant.chars().collect();
+    let mut row: Vec<usize> = (0..=meant.len()).collect();
+    for (line, left) in typed.chars().enumerate() {
+        let mut corner = std::mem::replace(&mut row[0], line + 1);
+        for (column, right) in meant.iter().enumerate() {
+            let changed = corner + usize::from(left != *right);
+            corner = row[column + 1];
+            row[column + 1] = changed.min(row[column] + 1).min(corner + 1);
+        }
+    }
+    row[meant.len()]
+}
+
+#[test]
+fn a_noisy_glove_types_fewer_wrong_characters() {
+    let line = "the weather was very nice so we went for a long walk in the park and then had some coffee with our friends ";
+    let mut wrong = [0; 2];
+    for (index, text) in [None, Some(TextModeSetup::Auto)].into_iter().enumerate() {
+        let setup = setup(text);
+        for seed in 0..8 {
+            let typed = play(&setup, typist(&setup, line, 2.0, seed), |_, _, _| {});
+            wrong[index] += distance(&typed.text.to_lowercase(), line);
+        }
+    }
+    let characters = 8 * line.len();
+    println!(
+        "wrong of {characters} at 2 counts: literal {}, auto {}",
+        wrong[0], wrong[1]
+    );
+    assert!(wrong[1] * 2 < wrong[0], "{wrong:?}");
+}
