@@ -53,6 +53,59 @@ fn edit(browser: &mut Browser, expression: &str) {
     ));
 }
 
+/// Drags a key by 20 pixels: only its numbers change. Takes it back at the end.
+fn drag_enter(browser: &mut Browser, before: &Value) {
+    let key = "document.querySelector('#plan [data-name=\"Enter\"]')";
+    let center = format!(
+        "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
+    );
+    let at = point(browser, &center);
+    mouse(browser, "mousePressed", at);
+    mouse(browser, "mouseMoved", [at[0] + 10.0, at[1] + 5.0]);
+    mouse(browser, "mouseMoved", [at[0] + 20.0, at[1] + 5.0]);
+    mouse(browser, "mouseReleased", [at[0] + 20.0, at[1] + 5.0]);
+    let moved = browser.wait_for(LOOK, "a key is moved", |look| {
+        look["text"] != before["text"]
+    });
+    let lines = |look: &Value| -> Vec<String> {
+        let text = look["text"].as_str().expect("a text");
+        text.lines().map(str::to_owned).collect()
+    };
+    let (old, new) = (lines(&before), lines(&moved));
+    let changed = old.iter().zip(&new).filter(|(old, new)| old != new);
+    let changed: Vec<_> = changed.collect();
+    assert_eq!((changed.len(), old.len()), (1, new.len()), "{changed:?}");
+    assert!(changed[0].1.contains("Enter"), "{changed:?}");
+    assert_eq!(
+        (&moved["faults"], &moved["keys"]),
+        (&json!(""), &before["keys"])
+    );
+    browser.evaluate("document.getElementById('undo').click()");
+    browser.wait_for(LOOK, "undone", |look| look["text"] == before["text"]);
+}
+
+/// Presses keys with the mouse as a fingertip.
+fn press_with_the_mouse(browser: &mut Browser) {
+    browser.evaluate("document.getElementById('clear').click()");
+    let on_screen = |key: &str| {
+        format!(
+            r#"(async () => {{
+                const [{{ camera }}, {{ session }}, {{ move }}] = await Promise.all(["/camera.js", "/session.js", "/vectors.js"].map((it) => import(it)));
+                const target = session.layout.boards[0].targets.find((it) => it.label === "{key}");
+                const [x, y] = camera.project(move(session.boards[0], target.pose));
+                const box = document.getElementById("view").getBoundingClientRect();
+                return [box.left + x, box.top + y];
+            }})()"#
+        )
+    };
+    for (key, typed) in [("Q", "q"), ("M", "qm")] {
+        let at = point(browser, &on_screen(key));
+        mouse(browser, "mousePressed", at);
+        is_typed(browser, typed);
+        mouse(browser, "mouseReleased", at);
+    }
+}
+
 #[test]
 fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
     let Some(folder) = folder() else { return };
@@ -89,34 +142,7 @@ fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
         look["faults"] == "" && look["wrong"] == json!([])
     });
 
-    // A key is dragged by 20 pixels, and only its numbers change.
-    let key = "document.querySelector('#plan [data-name=\"Enter\"]')";
-    let center = format!(
-        "(({key}).scrollIntoView({{block: 'center'}}), (({{x, y, width, height}}) => [x + width / 2, y + height / 2])(({key}).getBoundingClientRect()))"
-    );
-    let at = point(&mut browser, &center);
-    mouse(&mut browser, "mousePressed", at);
-    mouse(&mut browser, "mouseMoved", [at[0] + 10.0, at[1] + 5.0]);
-    mouse(&mut browser, "mouseMoved", [at[0] + 20.0, at[1] + 5.0]);
-    mouse(&mut browser, "mouseReleased", [at[0] + 20.0, at[1] + 5.0]);
-    let moved = browser.wait_for(LOOK, "a key is moved", |look| {
-        look["text"] != before["text"]
-    });
-    let lines = |look: &Value| -> Vec<String> {
-        let text = look["text"].as_str().expect("a text");
-        text.lines().map(str::to_owned).collect()
-    };
-    let (old, new) = (lines(&before), lines(&moved));
-    let changed = old.iter().zip(&new).filter(|(old, new)| old != new);
-    let changed: Vec<_> = changed.collect();
-    assert_eq!((changed.len(), old.len()), (1, new.len()), "{changed:?}");
-    assert!(changed[0].1.contains("Enter"), "{changed:?}");
-    assert_eq!(
-        (&moved["faults"], &moved["keys"]),
-        (&json!(""), &before["keys"])
-    );
-    browser.evaluate("document.getElementById('undo').click()");
-    browser.wait_for(LOOK, "undone", |look| look["text"] == before["text"]);
+    drag_enter(&mut browser, &before);
 
     // A key of a row becomes a single one, and keeps the focus.
     browser.evaluate("document.querySelector('#plan [data-name=\"G\"]').focus()");
@@ -134,27 +160,7 @@ fn chromium_types_edits_and_drags_on_the_page_and_asks_no_other_server() {
     assert_eq!(moved["faults"], "");
     assert_eq!(browser.evaluate("document.activeElement.dataset.name"), "G");
 
-    // The mouse is a fingertip.
-    browser.evaluate("document.getElementById('clear').click()");
-    let on_screen = |key: &str| {
-        format!(
-            r#"(async () => {{
-                const [{{ camera }}, {{ session }}, {{ move }}] = await Promise.all(["/camera.js", "/session.js", "/vectors.js"].map((it) => import(it)));
-                const target = session.layout.boards[0].targets.find((it) => it.label === "{key}");
-                const [x, y] = camera.project(move(session.boards[0], target.pose));
-                const box = document.getElementById("view").getBoundingClientRect();
-                return [box.left + x, box.top + y];
-            }})()"#
-        )
-    };
-    for (key, typed) in [("Q", "q"), ("M", "qm")] {
-        let at = point(&mut browser, &on_screen(key));
-        mouse(&mut browser, "mousePressed", at);
-        is_typed(&mut browser, typed);
-        mouse(&mut browser, "mouseReleased", at);
-    }
-    let last = browser.evaluate(LOOK);
-    println!("{}", last["latency"]);
+    press_with_the_mouse(&mut browser);
 
     let urls: Vec<String> = browser
         .events

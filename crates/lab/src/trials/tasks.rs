@@ -76,18 +76,21 @@ impl Station {
             };
             let name = format!("\"{}\"", face.name);
             for _ in 0..GOALS {
-                let (from, by, script): (f32, f32, fn(&str, f32, f32) -> String) =
-                    match &control.kind {
-                        ControlKind::Slider(slider) => {
-                            let end = slider.half_length * INNER * 1e3;
-                            (-end, 2.0 * end * draw.between(0.1, 1.0) as f32, slide)
-                        }
-                        ControlKind::Knob(knob) => {
-                            let rim = knob.radius * INNER * 1e3;
-                            (rim, -(draw.between(20.0, 150.0) as f32), turn)
-                        }
-                        _ => break,
-                    };
+                let (from, by) = match &control.kind {
+                    ControlKind::Slider(slider) => {
+                        let end = slider.half_length * INNER * 1e3;
+                        (-end, 2.0 * end * draw.between(0.1, 1.0) as f32)
+                    }
+                    ControlKind::Knob(knob) => {
+                        let rim = knob.radius * INNER * 1e3;
+                        (rim, -(draw.between(20.0, 150.0) as f32))
+                    }
+                    _ => break,
+                };
+                let script = match &control.kind {
+                    ControlKind::Knob(_) => turn,
+                    _ => slide,
+                };
                 let scatter = self.person.scatter[0] as f32 * draw.normal() as f32;
                 // Millimetres along a track, degrees at a rim.
                 let error = match &control.kind {

@@ -119,11 +119,11 @@ mod tests {
 
     /// Returns the center of the topmost handle.
     fn handle(marks: &[FrontMark]) -> Vec2 {
-        let centers = marks.iter().filter_map(|mark| match mark.shape {
+        let mut centers = marks.iter().filter_map(|mark| match mark.shape {
             MarkShape::Box { center, .. } if mark.role == MarkRole::Handle => Some(center),
             _ => None,
         });
-        centers.last().unwrap()
+        centers.next_back().unwrap()
     }
 
     #[test]
@@ -140,13 +140,13 @@ mod tests {
         let knob = "knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: 40, range_deg: 270)]";
         let tip = |value| {
             let marks = marks(knob, Some(value));
-            let lines = marks.iter().filter_map(|mark| match &mark.shape {
+            let mut lines = marks.iter().filter_map(|mark| match &mark.shape {
                 MarkShape::Line(points, _) if mark.role == MarkRole::Value => {
                     points.last().copied()
                 }
                 _ => None,
             });
-            lines.last().unwrap()
+            lines.next_back().unwrap()
         };
         assert!(tip(0.5).y > 10.0, "away from the wearer in the middle");
         assert!(tip(0.0).x < -5.0 && tip(1.0).x > 5.0);
