@@ -47,6 +47,8 @@ pub(super) struct TextFilter {
     last_key: Timestamp,
     /// The time since which the person holds Backspace.
     backspace_since: Option<Timestamp>,
+    /// The last key chose a candidate, which brought its space.
+    is_spaced: bool,
     /// The text in the field, for the candidates.
     shown: String,
     is_changed: bool,
@@ -69,6 +71,7 @@ impl TextFilter {
             choice: None,
             last_key: Timestamp::default(),
             backspace_since: None,
+            is_spaced: false,
             shown: String::with_capacity(4_096),
             is_changed: false,
             tapped: PressedKeys::default(),
@@ -165,7 +168,8 @@ impl TextFilter {
             Ok(edits) => edits,
             Err(burst::TooMany) => return self.corrector.reset(),
         };
-        if !step.append(&edits, &self.keys, time) {
+        self.is_spaced = step.append(&edits, &self.keys, time);
+        if !self.is_spaced {
             self.corrector.reset();
         }
     }
@@ -180,6 +184,7 @@ impl TextFilter {
         if is_shift(key) {
             return step.push(event);
         }
+        let is_spaced = std::mem::take(&mut self.is_spaced);
         if key.is_modifier() || step.has_shortcut() {
             self.leave();
             return step.push(event);
@@ -194,6 +199,8 @@ impl TextFilter {
                 self.is_changed = true;
                 step.push(event);
             }
+            // The candidate before has brought it.
+            Some(' ') if is_spaced => _ = step.tapped.press(key),
             Some(character) => self.type_character(character, event, step),
             None => {
                 self.leave();
@@ -256,6 +263,7 @@ impl PressFilter for TextFilter {
                     EventKind::KeyDown(key) => self.press(key, event, &mut step),
                     EventKind::Character(character) => {
                         self.last_key = event.time;
+                        self.is_spaced = false;
                         let is_same = |other: Option<&OutputEvent>| {
                             other.is_some_and(|other| {
                                 matches!(other.kind, EventKind::Character(_))
@@ -288,6 +296,7 @@ impl PressFilter for TextFilter {
         self.corrector.reset();
         self.evidence.clear();
         self.choice = None;
+        self.is_spaced = false;
         self.backspace_since = None;
         self.state.candidates.clear();
     }

@@ -457,7 +457,7 @@ fn at_most_20_errors_are_listed_and_many_are_not_slow() {
         "rows: [(at_mm: (0, 0), keys: \"{keys}\")]"
     )));
     assert_eq!(lines.len(), 21);
-    assert_eq!(lines[20], " 180 more errors");
+    assert_eq!(lines[20], " 283 more errors");
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub struct SetupArgs {
     /// Correct words at their end (auto), only suggest, or neither until `ademan ctl text` says so (literal): `auto`, `auto:es`, or
     /// `auto:MODEL.adm`
     #[arg(long, value_name = "MODE[:LANGUAGE]")]
-    text: Option<TextSetup>,
+    decoder: Option<TextSetup>,
     /// Widen the ranges of finger sensors that drift while the glove is worn, within limits; `ademan ctl undo-learning` undoes it
     #[arg(long)]
     learn_ranges: bool,
@@ -116,7 +116,7 @@ impl SetupArgs {
         if let Some(layout) = self.layout.clone() {
             setup.layout = link::trusted(layout, self.trust)?;
         }
-        setup.text = self.text.clone().or(setup.text);
+        setup.text = self.decoder.clone().or(setup.text);
         self.override_permissions(&mut setup);
         Ok(setup)
     }

@@ -160,7 +160,7 @@ pub fn streams() -> Vec<Stream> {
                     format!("{cos:.5},{sin:.5},0,0\n")
                 })
                 .collect(),
-            ["\"displacement\":{", "\"angles_rad\":{", TIP],
+            ["\"displacement\":{", "\"angles\":{", TIP],
         ),
         Stream::new(
             "opentrack",

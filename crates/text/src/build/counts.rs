@@ -9,6 +9,8 @@ use crate::model::lexicon::Case;
 const MAX_LETTERS: usize = 30;
 /// How often a word has to occur in the texts to be taken without being in a list.
 const MIN_UNLISTED: u32 = 2;
+/// How many times as often as a word in lower case a name has to occur, so that the word is written as a name: a fox is no `Fox`.
+const COMMON_AS_NAME: u32 = 10;
 
 /// The word that stands for the start of a sentence in pairs.
 pub const SENTENCE_START: &str = "";
@@ -135,7 +137,9 @@ impl Counts {
         known()
             .map(|(word, spelled)| {
                 let [lower, title, upper] = spelled.cases;
-                let case = match (lower >= title.max(upper), title >= upper) {
+                let is_lower =
+                    lower >= title.max(upper) || lower > 0 && COMMON_AS_NAME * lower >= title;
+                let case = match (is_lower, title >= upper) {
                     (true, _) => Case::Lower,
                     (false, true) => Case::Title,
                     (false, false) => Case::Upper,

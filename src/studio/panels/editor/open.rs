@@ -9,6 +9,7 @@ use super::EditorPanel;
 use crate::document::shipped_layouts;
 use crate::files::{self, FileError};
 use crate::layout::Wearer;
+use crate::message::escape_path;
 use crate::studio::texts::text;
 
 /// Width of the question, in points.
@@ -55,7 +56,7 @@ impl EditorPanel {
         };
         self.message = Some(match written {
             Ok(()) => Ok(text("editor-exported")),
-            Err(reason) => Err(format!("{}: {reason}", path.display())),
+            Err(reason) => Err(format!("{}: {reason}", escape_path(&path))),
         });
     }
 }
