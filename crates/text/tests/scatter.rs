@@ -105,7 +105,7 @@ fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {
 fn unknown_words_passwords_and_identifiers_are_not_made_worse() {
     let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
     let keyboard = keyboard();
-    let phrases = unknown_phrases(&model, amount("ADEMAN_TEXT_PHRASES", 60), 77);
+    let phrases = unknown_phrases(&model, amount("ADEMAN_TEXT_PHRASES", 600), 77);
     for scatter in [1.0, 3.0, 5.0] {
         let tier = Tier {
             scatter,
