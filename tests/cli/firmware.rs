@@ -104,8 +104,12 @@ fn curls_of_five_fingers_arrive_as_lines_of_lucidgloves() {
     let Some(readings) = readings(&macros, "lucidgloves&max=1023", 20) else {
         return;
     };
+    // The program joins a stream that runs: its first line may be cut.
+    let readings = &readings[1..];
     let first = counts(&readings[0]);
-    assert!(readings.iter().all(|reading| counts(reading) == first));
+    for reading in readings {
+        assert_eq!(counts(reading), first);
+    }
     // The curls of 3, 7, 11, 15 and 19 of 1023, on the scale of the glove file.
     let expected = [3.0, 7.0, 11.0, 15.0, 19.0].map(|count: f64| count / 1023.0);
     let full_scale = readings[0]["full_scale"].as_f64().expect("a full scale");

@@ -29,19 +29,19 @@ fn the_demo_text_arrives_byte_for_byte() {
 #[test]
 fn ascii_punctuation_before_the_letters_arrives_byte_for_byte() {
     let text = "!\"#$%&'()*+,-./:;<=>?@";
-    assert_demo_types(text, &["--decoder", text]);
+    assert_demo_types(text, &["--text", text]);
 }
 
 #[test]
 fn ascii_punctuation_after_the_letters_arrives_byte_for_byte() {
     let text = "[\\]^_`{|}~";
-    assert_demo_types(text, &["--decoder", text]);
+    assert_demo_types(text, &["--text", text]);
 }
 
 #[test]
 fn a_text_on_two_layers_arrives_byte_for_byte() {
     let text = "Hi 5! (ok)";
-    assert_demo_types(text, &["--layout", "qwerty-arc", "--decoder", text]);
+    assert_demo_types(text, &["--layout", "qwerty-arc", "--text", text]);
 }
 
 /// What a text field shows after these bytes of a terminal.

@@ -109,7 +109,7 @@ impl Prepared {
                     Failure::wrong_use(format!("cannot use {}: {error}", escape_path(path)))
                 };
                 let text = outputs::read_text(path).map_err(cannot)?;
-                let name = path.display().to_string();
+                let name = path.to_string_lossy();
                 Corpus::from_text(&name, &text).map_err(|error| cannot(error.to_string()))?
             }
         };
