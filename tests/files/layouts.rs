@@ -72,9 +72,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
     for (name, layout) in &shipped {
         let folder = match layout {
             Layout { boards, .. } if boards.is_empty() => "pointers",
-            Layout { controls, .. } if controls.is_empty() && !plays.contains(name) => {
-                "keyboards"
-            }
+            Layout { controls, .. } if controls.is_empty() && !plays.contains(name) => "keyboards",
             _ => "panels",
         };
         let path = format!("{}/layouts/{folder}/{name}.ron", env!("CARGO_MANIFEST_DIR"));

@@ -71,7 +71,7 @@ fn drag_enter(browser: &mut Browser, before: &Value) {
         let text = look["text"].as_str().expect("a text");
         text.lines().map(str::to_owned).collect()
     };
-    let (old, new) = (lines(&before), lines(&moved));
+    let (old, new) = (lines(before), lines(&moved));
     let changed = old.iter().zip(&new).filter(|(old, new)| old != new);
     let changed: Vec<_> = changed.collect();
     assert_eq!((changed.len(), old.len()), (1, new.len()), "{changed:?}");

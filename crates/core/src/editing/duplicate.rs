@@ -100,7 +100,7 @@ pub(super) fn repeat(
     Ok(all)
 }
 
-/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for [`paste`]. `None` without a control among the parts.
+/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`. `None` without a control among the parts.
 pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
     let draft = &Draft::new(text).ok()?;
     let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
