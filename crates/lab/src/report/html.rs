@@ -350,7 +350,7 @@ fn write_fingers(summary: &Summary, page: &mut String) -> fmt::Result {
 fn cell(interval: &Interval, factor: f64, digits: usize) -> String {
     let [value, low, high] = [interval.value, interval.low, interval.high].map(|it| it * factor);
     format!(
-        "<td class=\"number\">{value:.digits$} <span class=\"range\">({low:.digits$}–{high:.digits$})</span></td>"
+        "<td class=\"number\">{value:.digits$} <span class=\"range\">({low:.digits$} to {high:.digits$})</span></td>"
     )
 }
 
