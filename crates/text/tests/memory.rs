@@ -70,12 +70,8 @@ fn taps_corrections_and_commits_do_not_allocate() {
     let allocated = ALLOCATIONS.get() - before;
 
     assert!(edits > taps.len());
-    // A word that was restored is stored for good; everything else is free of allocations.
-    let stored = corrector.restored().words().len() as u64;
-    assert!(
-        allocated <= 4 * stored + 4,
-        "{allocated} allocations, {stored} words stored"
-    );
+    assert!(corrector.restored().words().len() > 0, "a word is learned");
+    assert_eq!(allocated, 0);
 }
 
 #[test]

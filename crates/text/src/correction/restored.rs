@@ -1,5 +1,6 @@
 //! Words that the person brought back, which are never changed again.
 
+use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 
 use super::tail::ends_word;
@@ -8,14 +9,25 @@ use super::tail::ends_word;
 const MAX_WORDS: usize = 512;
 /// The longest word in bytes.
 const MAX_BYTES: usize = 64;
+/// Room for the words of one correction, in bytes.
+const PENDING_BYTES: usize = 1_024;
 
-/// Words that are never changed, in lower case.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Words that are never changed, in lower case. Learning one does not allocate.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Vec<String>", into = "Vec<String>")]
 pub struct Restored {
-    words: Vec<String>,
+    words: Vec<ArrayString<MAX_BYTES>>,
     /// The words of the last correction as they were typed, separated by spaces.
     pending: String,
+}
+
+impl Default for Restored {
+    fn default() -> Self {
+        Self {
+            words: Vec::with_capacity(MAX_WORDS),
+            pending: String::with_capacity(PENDING_BYTES),
+        }
+    }
 }
 
 impl From<Vec<String>> for Restored {
@@ -30,7 +42,7 @@ impl From<Vec<String>> for Restored {
 
 impl From<Restored> for Vec<String> {
     fn from(restored: Restored) -> Self {
-        restored.words
+        restored.words.iter().map(ToString::to_string).collect()
     }
 }
 
@@ -55,21 +67,23 @@ fn changed<'a>(shown: &'a str, prefix: usize, target: &str) -> impl Iterator<Ite
 }
 
 impl Restored {
-    /// Returns the words.
-    pub fn words(&self) -> &[String] {
-        &self.words
+    /// Iterates over the words, the oldest first.
+    pub fn words(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.words.iter().map(ArrayString::as_str)
     }
 
-    /// Adds a word.
+    /// Adds a word, unless it is empty or too long.
     pub fn add(&mut self, word: &str) {
-        let word = word.to_lowercase();
-        if word.len() > MAX_BYTES || word.is_empty() || self.words.contains(&word) {
+        let mut lower = ArrayString::new();
+        let mut letters = word.chars().flat_map(char::to_lowercase);
+        let fits = letters.all(|letter| lower.try_push(letter).is_ok());
+        if !fits || lower.is_empty() || self.words.contains(&lower) {
             return;
         }
         if self.words.len() == MAX_WORDS {
             self.words.remove(0);
         }
-        self.words.push(word);
+        self.words.push(lower);
     }
 
     /// Returns `true` if the change from a text to another one would change one of the words.
@@ -85,8 +99,10 @@ impl Restored {
     pub(super) fn remember(&mut self, shown: &str, prefix: usize, target: &str) {
         self.pending.clear();
         for word in changed(shown, prefix, target) {
-            self.pending.push_str(word);
-            self.pending.push(' ');
+            if self.pending.len() + word.len() < PENDING_BYTES {
+                self.pending.push_str(word);
+                self.pending.push(' ');
+            }
         }
     }
 
@@ -124,14 +140,14 @@ mod tests {
             restored.add(&format!("w{number}"));
         }
         assert_eq!(restored.words().len(), MAX_WORDS);
-        assert_eq!(restored.words()[0], "w1");
+        assert_eq!(restored.words().next(), Some("w1"));
     }
 
     #[test]
     fn stored_words_are_checked() {
         let text = format!("[\"Teh\", \"teh\", \"\", \"{}\"]", "x".repeat(100));
         let restored: Restored = serde_json::from_str(&text).expect("words");
-        assert_eq!(restored.words(), ["teh"]);
+        assert!(restored.words().eq(["teh"]));
         assert_eq!(serde_json::to_string(&restored).expect("text"), "[\"teh\"]");
     }
 }
