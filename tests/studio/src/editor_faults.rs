@@ -183,7 +183,7 @@ fn another_layout_is_opened_in_the_window_with_its_handles() {
     assert!(window.has(text("editor-open-title")));
     window.enter(text("editor-open-name"), "media");
     picture::draw(&mut window, "editor-open");
-    window.click("panels/media");
+    window.click("media");
     window.draw(3);
     assert!(!window.has(text("editor-open-title")));
     let canvas = window

@@ -18,8 +18,9 @@ use crate::window::Opening;
 const UNSEEN: i32 = 10;
 
 /// Points of a control that are looked at, as fractions of its half extents.
-const SAMPLES: [(f32, f32); 5] = [
+const SAMPLES: [(f32, f32); 6] = [
     (0.0, 0.0),
+    (0.0, 0.5),
     (0.6, 0.6),
     (-0.6, 0.6),
     (0.6, -0.6),
