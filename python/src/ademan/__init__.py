@@ -4,6 +4,7 @@ Lengths are in metres, angles in radians and times in seconds unless a name says
 right of the wearer, y up and z backward.
 """
 
+from . import lab
 from .layouts import Layout, Target, read_layout
 from .program import ProgramError, find_program
 from .recordings import Recording, read
@@ -14,6 +15,7 @@ __all__ = [
     "Recording",
     "Target",
     "find_program",
+    "lab",
     "read",
     "read_layout",
 ]
