@@ -426,11 +426,6 @@ impl LoadedSetup {
     }
 }
 
-/// Returns the run-time instance of a layout without a setup.
-pub fn layout_instance(layout: &Layout) -> LayoutInstance {
-    LayoutInstance::from_layout(layout)
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;

@@ -15,7 +15,7 @@ mod text;
 mod wearer;
 
 pub use first::OWN_SETUP;
-pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
+pub use loaded::{GloveAndArm, LoadedSetup, Profile};
 pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;
 pub use sources::NamedSource;

@@ -4,13 +4,14 @@ use std::fmt;
 
 use parry3d::math::{Pose, Vec2};
 
-use super::{LoadedSetup, layout_instance, reach_advice};
+use super::{LoadedSetup, reach_advice};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::document::{Document, shipped_layouts};
 use crate::hand::{FingerSet, Side};
 use crate::layout::{ControlKind, Face, Layout, SpaceTargets, scale_boards};
 use crate::message::escape;
+use crate::pipeline::LayoutInstance;
 use crate::sim::{Miss, TypingHand, pressing_fingers};
 
 /// The number of targets that a report names.
@@ -322,7 +323,7 @@ fn recentered(layout: &Layout, hands: &Hands) -> Scene {
     let mut scene = layout.scene.clone();
     for hand in hands.own.iter().chain(&hands.mirrored) {
         let pose = hand.pose(&hand.rest_values());
-        let Ok(offset) = layout_instance(layout).recenter_offset(&pose) else {
+        let Ok(offset) = LayoutInstance::from_layout(layout).recenter_offset(&pose) else {
             continue;
         };
         for (index, surface) in layout.scene.surfaces().iter().enumerate() {

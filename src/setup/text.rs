@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{LoadedSetup, layout_instance};
+use super::LoadedSetup;
 use crate::command::TextMode;
 use crate::layout::Layout;
 use crate::message::escape_path;
@@ -50,7 +50,7 @@ impl LoadedSetup {
             let mode = mode.unwrap_or(setup.mode.into());
             language.filter(layout, mode, self.other_hand.is_some())
         });
-        layout_instance(layout).with_filter(filter)
+        LayoutInstance::from_layout(layout).with_filter(filter)
     }
 }
 

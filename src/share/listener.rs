@@ -2,6 +2,7 @@
 
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -24,40 +25,32 @@ pub(super) struct Connection {
     pub stream: Box<dyn Stream>,
 }
 
-/// A port at which a thread accepts connections, until this is dropped.
-pub(super) struct Listener {
+/// A thread that accepts connections at a port, until this is dropped.
+pub(super) struct AcceptThread {
     address: SocketAddr,
     /// Tells the thread to end.
     is_closed: Arc<AtomicBool>,
 }
 
-impl Listener {
-    /// Listens at an address, and sends the connections to it with the index of the server. With a keeper, those that it
-    /// admits.
+impl AcceptThread {
+    /// Passes each connection and the address of its client to `on_connection`, until that breaks; `address` is the one of the
+    /// listener.
     pub fn start(
-        server: usize,
+        name: &str,
+        listener: TcpListener,
         address: SocketAddr,
-        keeper: Option<Gatekeeper>,
-        connections: Sender<Connection>,
+        mut on_connection: impl FnMut(TcpStream, SocketAddr) -> ControlFlow<()> + Send + 'static,
     ) -> Result<Self, ShareError> {
-        let listen_error = |error| ShareError::Listen { address, error };
-        let listener = TcpListener::bind(address).map_err(listen_error)?;
-        let address = listener.local_addr().map_err(listen_error)?;
         let is_closed = Arc::new(AtomicBool::new(false));
         let closed = Arc::clone(&is_closed);
         let accept = move || {
             while let Some((stream, client)) = accept(&listener, &closed) {
-                if let Some(keeper) = &keeper {
-                    admit(keeper, stream, client.ip(), server, &connections);
-                } else if let Ok(stream) = open(stream)
-                    && connections.send(Connection { server, stream }).is_err()
-                {
+                if on_connection(stream, client).is_break() {
                     return;
                 }
             }
         };
-        let thread = thread::Builder::new().name("share-accept".into());
-        let spawned = thread.spawn(accept);
+        let spawned = thread::Builder::new().name(name.into()).spawn(accept);
         spawned.map_err(|error| ShareError::NoThread(advice::no_thread(&error).to_string()))?;
         Ok(Self { address, is_closed })
     }
@@ -68,12 +61,34 @@ impl Listener {
     }
 }
 
-impl Drop for Listener {
+impl Drop for AcceptThread {
     fn drop(&mut self) {
         self.is_closed.store(true, Ordering::Release);
         // Wakes the thread.
         let _ = TcpStream::connect_timeout(&self.address, RETRY_INTERVAL);
     }
+}
+
+/// Listens at an address, and sends the connections to it with the index of the server. With a keeper, those that it admits.
+pub(super) fn listen(
+    server: usize,
+    address: SocketAddr,
+    keeper: Option<Gatekeeper>,
+    connections: Sender<Connection>,
+) -> Result<AcceptThread, ShareError> {
+    let listen_error = |error| ShareError::Listen { address, error };
+    let listener = TcpListener::bind(address).map_err(listen_error)?;
+    let address = listener.local_addr().map_err(listen_error)?;
+    AcceptThread::start("share-accept", listener, address, move |stream, client| {
+        if let Some(keeper) = &keeper {
+            admit(keeper, stream, client.ip(), server, &connections);
+        } else if let Ok(stream) = open(stream)
+            && connections.send(Connection { server, stream }).is_err()
+        {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    })
 }
 
 /// Waits for a connection. Returns `None` at the end.

@@ -2,30 +2,27 @@
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use super::ShareError;
+use super::listener::AcceptThread;
 use super::web::{Head, PageFolder, Pages};
-use crate::advice;
 
 /// Most connections at once; further ones are closed. A browser opens six.
 const MAX_CLIENTS: usize = 32;
 
-/// Longest time for a read or write, and for the end of the thread.
+/// Longest time for a write, and for the rest of what a client sends.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Pause after a connection that could not be accepted.
-const RETRY_INTERVAL: Duration = Duration::from_millis(50);
+/// Longest time for one read of a request.
+const READ_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A server of a folder, until this is dropped. Each connection has a thread of its own, for one request.
-pub struct PageServer {
-    address: SocketAddr,
-    /// Tells the thread to end.
-    is_closed: Arc<AtomicBool>,
-}
+pub struct PageServer(AcceptThread);
 
 impl PageServer {
     /// Serves a folder at an address of this machine.
@@ -36,38 +33,18 @@ impl PageServer {
         }
         let listener = TcpListener::bind(address).map_err(listen_error)?;
         let address = listener.local_addr().map_err(listen_error)?;
-        let is_closed = Arc::new(AtomicBool::new(false));
-        let closed = Arc::clone(&is_closed);
         let pages = Pages::Folder(Arc::new(folder));
-        let accept = move || {
-            let clients = Arc::new(AtomicUsize::new(0));
-            for stream in listener.incoming() {
-                if closed.load(Ordering::Acquire) {
-                    return;
-                }
-                match stream {
-                    Ok(stream) => serve(stream, address, &pages, &clients),
-                    // Out of descriptors, for instance.
-                    Err(_) => thread::sleep(RETRY_INTERVAL),
-                }
-            }
-        };
-        let spawned = thread::Builder::new().name("page".into()).spawn(accept);
-        spawned.map_err(|error| ShareError::NoThread(advice::no_thread(&error).to_string()))?;
-        Ok(Self { address, is_closed })
+        let clients = Arc::new(AtomicUsize::new(0));
+        let thread = AcceptThread::start("page", listener, address, move |stream, _| {
+            serve(stream, address, &pages, &clients);
+            ControlFlow::Continue(())
+        })?;
+        Ok(Self(thread))
     }
 
     /// Returns the address with the port.
     pub fn address(&self) -> SocketAddr {
-        self.address
-    }
-}
-
-impl Drop for PageServer {
-    fn drop(&mut self) {
-        self.is_closed.store(true, Ordering::Release);
-        // Wakes the thread.
-        let _ = TcpStream::connect_timeout(&self.address, RETRY_INTERVAL);
+        self.0.address()
     }
 }
 
@@ -92,7 +69,7 @@ fn serve(stream: TcpStream, address: SocketAddr, pages: &Pages, clients: &Arc<At
 }
 
 fn answer(mut stream: TcpStream, mut head: Head) -> io::Result<()> {
-    stream.set_read_timeout(Some(RETRY_INTERVAL))?;
+    stream.set_read_timeout(Some(READ_INTERVAL))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     let answer = loop {
         match head.receive(&mut stream) {

@@ -12,8 +12,9 @@ use ademan::files::{Load, MAX_DOCUMENT_BYTES};
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards, write_calibration};
 use ademan::layout_link::{self, layout_in_link};
+use ademan::pipeline::LayoutInstance;
 use ademan::session::control_socket::request;
-use ademan::setup::{ArmSetup, Setup, layout_instance};
+use ademan::setup::{ArmSetup, Setup};
 use ademan::sim::Script;
 
 /// Returns an input as a document; `None` if it is not valid UTF-8, which is refused before parsing.
@@ -43,7 +44,7 @@ pub fn layout(data: &[u8]) -> bool {
             return false;
         }
     };
-    let built = layout_instance(&layout);
+    let built = LayoutInstance::from_layout(&layout);
     assert_eq!(
         layout.target_names().iter().count(),
         built.target_names().iter().count()

@@ -20,9 +20,9 @@ use ademan::files::Load;
 use ademan::hand::{Dof, Finger, HandPart, Joint, JointPositions, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout as Keys;
-use ademan::pipeline::{Pipeline, PipelineState, SourceRole};
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineState, SourceRole};
 use ademan::session::{CommandReceiver, run_pipeline};
-use ademan::setup::{LoadedSetup, Setup, layout_instance};
+use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
@@ -427,7 +427,7 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
     let mut pipeline = setup.pipeline();
     let typed = play(&mut pipeline, &mut typing, 0);
     let dvorak = Keys::load("dvorak-flat").expect("the shipped layout");
-    let mut others = layout_instance(&dvorak);
+    let mut others = LayoutInstance::from_layout(&dvorak);
     let mut events = Events::new();
 
     let before = (allocations(), frees());

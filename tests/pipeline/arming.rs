@@ -9,8 +9,8 @@ use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::files::Load;
 use ademan::layout::Layout;
-use ademan::pipeline::PipelineState;
-use ademan::setup::{Setup, layout_instance};
+use ademan::pipeline::{LayoutInstance, PipelineState};
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -118,8 +118,12 @@ impl Wearer {
     fn replace_with_dvorak(&mut self) {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
-        self.pipeline
-            .replace_profile(0, &mut layout_instance(&layout), &layout, &mut events);
+        self.pipeline.replace_profile(
+            0,
+            &mut LayoutInstance::from_layout(&layout),
+            &layout,
+            &mut events,
+        );
         self.write(&events);
     }
 

@@ -21,7 +21,7 @@ pub fn default_setup() -> LoadedSetup {
 /// Creates a pipeline with this estimator that the first reading arms.
 pub fn pipeline_with(setup: &LoadedSetup, estimator: Estimator) -> Pipeline {
     let arm: ArmModel = setup.arm.clone();
-    let instance: LayoutInstance = ademan::setup::layout_instance(&setup.layout);
+    let instance: LayoutInstance = LayoutInstance::from_layout(&setup.layout);
     let settings = PipelineSettings {
         arm_immediately: true,
         ..PipelineSettings::default()

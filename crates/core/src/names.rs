@@ -4,7 +4,7 @@ use crate::message::escape;
 
 /// Declares a field-less enum whose values have one name in files, messages and output.
 ///
-/// Generates `ALL`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
+/// Generates `ALL`, `NAMES`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
 /// serde support by name.
 #[macro_export]
 macro_rules! named_enum {
@@ -19,6 +19,8 @@ macro_rules! named_enum {
         impl $enum {
             /// All values, in declaration order.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            /// The names of all values, in declaration order.
+            pub const NAMES: &'static [&'static str] = &[$($name),+];
             /// The number of values.
             pub const COUNT: usize = Self::ALL.len();
 

@@ -159,7 +159,7 @@ impl Parameters {
     fn simulated(&self) -> ([Vec<f64>; 2], Vec<f64>) {
         let (mut places, mut times) = ([Vec::new(), Vec::new()], Vec::new());
         let layout = telephone();
-        let arm = ArmModel::anthropometric(Side::Right, &steady(&["index"]).assumed.into());
+        let arm = ArmModel::anthropometric(Side::Right, &steady(&["index"]).assumed);
         let arm = arm.expect("an arm");
         for number in 0..40 {
             let person = self.person(number);

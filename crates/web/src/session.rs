@@ -141,7 +141,7 @@ impl PageSession {
     fn adopt(&mut self, layout: Arc<Layout>) {
         let mut events = Events::new();
         self.lose_hands(&mut events);
-        let mut instance = layout_instance(&layout);
+        let mut instance = LayoutInstance::from_layout(&layout);
         self.pipeline.replace_profile(0, &mut instance, &mut events);
         self.layout = layout;
         self.is_unseen = true;
@@ -472,18 +472,7 @@ fn new_pipeline(right: &ArmModel, left: &ArmModel, layout: &Arc<Layout>) -> Pipe
         arm_delay: Duration::ZERO,
         ..PipelineSettings::default()
     };
-    let instance = layout_instance(layout);
+    let instance = LayoutInstance::from_layout(layout);
     Pipeline::new(estimator(), right.clone(), instance, settings)
         .with_second_hand(estimator(), left.clone())
-}
-
-fn layout_instance(layout: &Arc<Layout>) -> LayoutInstance {
-    LayoutInstance::new(
-        layout.scene.clone(),
-        layout.target_names(),
-        layout.devices(),
-    )
-    .with_texts(layout.texts.clone())
-    .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
-    .with_layout(Arc::clone(layout))
 }

@@ -8,10 +8,10 @@ use crossbeam_channel::{Receiver, bounded, unbounded};
 
 use super::{FilePolicy, LayoutReport, LayoutSource, start};
 use crate::layout::Layout;
+use crate::pipeline::LayoutInstance;
 use crate::session::command_channel::CommandReceiver;
 use crate::session::layout_link::{LayoutOperation, LayoutRequest};
 use crate::session::reply::Reply;
-use crate::setup;
 
 /// Longest wait for something that a busy machine does late.
 pub const TIMEOUT: Duration = Duration::from_secs(60);
@@ -65,7 +65,8 @@ impl TestLoop {
             watch: true,
             is_recorded: false,
         };
-        let build = move |layout: &Layout| accept(layout).map(|()| setup::layout_instance(layout));
+        let build =
+            move |layout: &Layout| accept(layout).map(|()| LayoutInstance::from_layout(layout));
         let report = move |report| sender.send(report).unwrap();
         start([source], commands.link_layouts(), policy, build, report).unwrap();
         Self {

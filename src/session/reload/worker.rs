@@ -303,7 +303,6 @@ mod tests {
     use crate::session::command_channel::CommandReceiver;
     use crate::session::reload::watched_file::WatchedFile;
     use crate::session::reload::watched_file::tests::text;
-    use crate::setup;
     use crossbeam_channel::unbounded;
     use std::{fs, thread};
 
@@ -328,7 +327,7 @@ mod tests {
             }],
             link: commands.link_layouts(),
             is_recorded: false,
-            build: |layout: &Layout| Ok(setup::layout_instance(layout)),
+            build: |layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
             report: move |report| sender.send(report).unwrap(),
         };
         let polling = thread::spawn(move || worker.run());

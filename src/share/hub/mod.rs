@@ -17,7 +17,7 @@ use crate::pipeline::Pipeline;
 use crate::share::broadcast::Broadcast;
 use crate::share::datagrams::DatagramSender;
 use crate::share::lines::LineEncoder;
-use crate::share::listener::{Connection, Listener};
+use crate::share::listener::{AcceptThread, Connection, listen};
 use crate::share::step::SharedStep;
 use crate::share::{ShareError, ShareLink, ShareTarget};
 use crate::snapshot::StepView;
@@ -43,7 +43,7 @@ pub struct ShareHub {
     scene: SceneState,
     started_at: Instant,
     /// They accept connections until they are dropped.
-    _listeners: Vec<Listener>,
+    _listeners: Vec<AcceptThread>,
     /// `None` without targets.
     thread: Option<JoinHandle<()>>,
     /// Disconnected when the thread ends.
@@ -93,7 +93,7 @@ impl ShareHub {
                 }
             };
             let connections = connections.clone();
-            let listener = Listener::start(server, target.address, keeper, connections)?;
+            let listener = listen(server, target.address, keeper, connections)?;
             target.address = listener.address();
             servers.push(*target);
             hub._listeners.push(listener);

@@ -141,7 +141,7 @@ pub const SPECS: &[CommandSpec] = &[
     ),
     CommandSpec {
         name: "text",
-        summary: "Correct words at their end, only suggest, or neither; for a run with --text",
+        summary: "Correct words at their end, only suggest, or neither; for a run with --decoder",
         key_label: "Text",
         fields: &[FieldSpec {
             name: "mode",

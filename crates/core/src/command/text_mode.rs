@@ -13,8 +13,3 @@ named_enum! {
         Auto = "auto",
     }
 }
-
-impl TextMode {
-    /// The names of all modes, in order.
-    pub const NAMES: &'static [&'static str] = &["literal", "suggest", "auto"];
-}

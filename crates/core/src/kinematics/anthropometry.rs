@@ -1,6 +1,7 @@
 //! Anthropometry: bone lengths derived from hand and forearm length, and an arm model with these bones.
 
 use parry3d::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 use super::arm_model::{ArmModel, ArmModelError};
 use super::link::Link;
@@ -16,7 +17,7 @@ const CARPUS: f64 = 0.073;
 const TIP_RADIUS: f32 = 0.005;
 
 /// The bone lengths of an arm and hand, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoneLengths {
     /// Hand length: wrist crease to the end of the middle finger.
     pub hand: f64,

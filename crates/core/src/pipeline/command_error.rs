@@ -36,7 +36,7 @@ pub enum CommandError {
     NothingLearned,
     /// The active layout has no text decoder.
     #[error(
-        "the active layout has no text decoder; start the run with `--text literal` or `--text auto`, and a layout with letters"
+        "the active layout has no text decoder; start the run with `--decoder literal` or `--decoder auto`, and a layout with letters"
     )]
     NoTextDecoder,
     /// The hand cannot be zeroed.

@@ -18,49 +18,6 @@ pub use tier::Tier;
 use crate::hand::{Finger, FingerSet};
 use crate::kinematics::BoneLengths;
 
-/// The lengths of the bones of an arm and hand, in metres; see [`BoneLengths`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bones {
-    /// Hand length.
-    pub hand: f64,
-    /// Forearm length.
-    pub forearm: f64,
-    /// Upper arm length.
-    pub upper_arm: f64,
-    /// Hand breadth.
-    pub breadth: f64,
-    /// Proximal, middle and distal phalanx of index, middle, ring and little finger.
-    pub phalanges: [[f64; 3]; 4],
-    /// Metacarpal, proximal and distal phalanx of the thumb.
-    pub thumb: [f64; 3],
-}
-
-impl From<BoneLengths> for Bones {
-    fn from(bones: BoneLengths) -> Self {
-        Self {
-            hand: bones.hand,
-            forearm: bones.forearm,
-            upper_arm: bones.upper_arm,
-            breadth: bones.breadth,
-            phalanges: bones.phalanges,
-            thumb: bones.thumb,
-        }
-    }
-}
-
-impl From<Bones> for BoneLengths {
-    fn from(bones: Bones) -> Self {
-        Self {
-            hand: bones.hand,
-            forearm: bones.forearm,
-            upper_arm: bones.upper_arm,
-            breadth: bones.breadth,
-            phalanges: bones.phalanges,
-            thumb: bones.thumb,
-        }
-    }
-}
-
 /// One simulated person. Lengths in millimetres unless stated otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Participant {
@@ -69,9 +26,9 @@ pub struct Participant {
     /// The seed of everything that is random about this person.
     pub seed: u64,
     /// The lengths that the pipeline assumes.
-    pub assumed: Bones,
+    pub assumed: BoneLengths,
     /// The lengths of this person.
-    pub own: Bones,
+    pub own: BoneLengths,
     /// The fingers of each hand that press, by name; empty if the layout decides.
     pub fingers: Vec<String>,
     /// `true` if one hand is used where a layout has boards for two.

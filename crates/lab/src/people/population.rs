@@ -1,7 +1,7 @@
 //! Populations: people whose parameters are drawn from ranges with a seed, and repetitions of one person of a file.
 
 use super::draw::{Draw, mix};
-use super::{Bones, Participant, Tier};
+use super::{Participant, Tier};
 use crate::hand::{Finger, FingerSet};
 use crate::kinematics::BoneLengths;
 use crate::layout::{HandUse, Motion, Person};
@@ -59,7 +59,7 @@ fn general(number: u32, seed: u64) -> Participant {
     let hand = (mean + 9.0 * body.normal()).clamp(HANDS.0, HANDS.1) * 1e-3;
     let forearm = hand * FOREARM * (1.0 + 0.03 * body.normal().clamp(-2.0, 2.0));
     let assumed = BoneLengths::from_hand_and_forearm(hand, forearm);
-    let assumed = Bones::from(assumed.expect("the lengths are those of people"));
+    let assumed = assumed.expect("the lengths are those of people");
     let (fingers, pace): (&[Finger], _) = match body.index(3) {
         0 => (&[Finger::Index], (12.0, 30.0)),
         1 => (&[Finger::Index, Finger::Middle], (18.0, 38.0)),
@@ -104,10 +104,10 @@ fn general(number: u32, seed: u64) -> Participant {
 }
 
 /// Returns bones that differ from the assumed ones, each by its own part.
-fn own_bones(assumed: &Bones, seed: u64) -> Bones {
+fn own_bones(assumed: &BoneLengths, seed: u64) -> BoneLengths {
     let mut draw = Draw::new(seed, BONE_ERRORS);
     let mut off = |length: f64| length * (1.0 + draw.between(-BONE_ERROR, BONE_ERROR));
-    Bones {
+    BoneLengths {
         hand: off(assumed.hand),
         forearm: off(assumed.forearm),
         upper_arm: off(assumed.upper_arm),
@@ -120,7 +120,7 @@ fn own_bones(assumed: &Bones, seed: u64) -> Bones {
 /// Takes the size, the fingers and the errors of a person of a file.
 fn adopt(drawn: &mut Participant, person: &Person) {
     if let Some(bones) = person.bones {
-        drawn.assumed = bones.into();
+        drawn.assumed = bones;
         drawn.own = own_bones(&drawn.assumed, drawn.seed);
     }
     let pressing = Finger::ALL.iter();

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::measures::LabResult;
+use crate::message::quote_csv;
 
 /// The columns.
 const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds";
@@ -11,7 +12,7 @@ const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct
 pub fn to_csv(results: &[LabResult]) -> String {
     let mut text = COLUMNS.to_owned() + "\n";
     for result in results {
-        let layout = quoted(&result.layout_file);
+        let layout = quote_csv(&result.layout_file);
         for person in &result.scores {
             let tries: u64 = person.tasks.iter().map(|task| task.tries).sum();
             let done: u64 = person.tasks.iter().map(|task| task.done).sum();
@@ -41,16 +42,4 @@ pub fn to_csv(results: &[LabResult]) -> String {
         }
     }
     text
-}
-
-/// Returns a field in quotes if it needs them. A spreadsheet executes no field as a formula.
-fn quoted(text: &str) -> String {
-    let text = match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        true => format!("'{text}"),
-        false => text.to_owned(),
-    };
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text,
-    }
 }

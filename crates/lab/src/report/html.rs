@@ -5,6 +5,7 @@ use std::fmt::{self, Write};
 use super::{keys_of_all, wrong_of_all};
 use crate::layout::{Heat, Layout, TooManyShapes, heat_style};
 use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
+use crate::message::escape_markup;
 
 /// Rows of the tables of keys, pairs and people.
 const ROWS: usize = 12;
@@ -73,7 +74,10 @@ fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
 }
 
 fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String) -> fmt::Result {
-    let names: Vec<String> = results.iter().map(|it| escape(&it.layout_file)).collect();
+    let names: Vec<String> = results
+        .iter()
+        .map(|it| escape_markup(&it.layout_file))
+        .collect();
     let title = names.join(" and ");
     writeln!(
         page,
@@ -90,7 +94,7 @@ fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String
     }
     for (result, drawings) in results.iter().zip(drawings) {
         if results.len() > 1 {
-            writeln!(page, "<h2>{}</h2>", escape(&result.layout_file))?;
+            writeln!(page, "<h2>{}</h2>", escape_markup(&result.layout_file))?;
         }
         write_result(result, drawings, page)?;
     }
@@ -105,12 +109,12 @@ fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
          program {}. Every figure is simulated; ranges hold 95 % of resampled populations.</p>",
         result.scores.len(),
         result.phrases,
-        escape(&result.corpus),
-        escape(&result.corpus_hash),
-        escape(tier),
-        escape(&result.source),
+        escape_markup(&result.corpus),
+        escape_markup(&result.corpus_hash),
+        escape_markup(tier),
+        escape_markup(&result.source),
         result.seed,
-        escape(&result.program_version)
+        escape_markup(&result.program_version)
     )
 }
 
@@ -120,15 +124,15 @@ fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
         "<p class=\"verdict\">{}</p>\n<div class=\"wide\"><table>\n<tr><th scope=\"col\">difference from {}</th>\
          <th scope=\"col\" class=\"number\">all</th><th scope=\"col\" class=\"number\">hands up to {:.0} mm</th>\
          <th scope=\"col\" class=\"number\">longer hands</th></tr>",
-        escape(&comparison.verdict()),
-        escape(&comparison.first),
+        escape_markup(&comparison.verdict()),
+        escape_markup(&comparison.first),
         comparison.median_hand_mm
     )?;
     for (index, difference) in comparison.differences.iter().enumerate() {
         write!(
             page,
             "<tr><th scope=\"row\">{}</th>{}",
-            escape(difference.measure.name()),
+            escape_markup(difference.measure.name()),
             cell(&difference.interval, 1.0, 2)
         )?;
         for group in &comparison.groups {
@@ -264,7 +268,7 @@ fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {
             "<tr><td>{}</td><td class=\"number\">{:.0}</td><td>{}</td><td class=\"number\">{:.1}</td><td class=\"number\">{:.1}</td></tr>",
             person.number,
             person.hand_mm,
-            escape(&person.style),
+            escape_markup(&person.style),
             person.wpm,
             100.0 * person.cer()
         )?;
@@ -288,7 +292,7 @@ fn write_tables(result: &LabResult, page: &mut String) -> fmt::Result {
                 page,
                 "<tr><td>{}</td><td class=\"number\">{:.1}</td><td class=\"number\">{}</td>\
                  <td class=\"number\">{:+.1} {:+.1}</td><td class=\"number\">{:.1} {:.1}</td></tr>",
-                escape(&key.name),
+                escape_markup(&key.name),
                 rate(key.hit, key.meant),
                 key.meant,
                 key.bias_mm[0],
@@ -310,8 +314,8 @@ fn write_tables(result: &LabResult, page: &mut String) -> fmt::Result {
             writeln!(
                 page,
                 "<tr><td>{}</td><td>{}</td><td class=\"number\">{count}</td></tr>",
-                escape(meant),
-                escape(pressed)
+                escape_markup(meant),
+                escape_markup(pressed)
             )?;
         }
         writeln!(page, "</table>\n</section>")?;
@@ -352,20 +356,4 @@ fn cell(interval: &Interval, factor: f64, digits: usize) -> String {
     format!(
         "<td class=\"number\">{value:.digits$} <span class=\"range\">({low:.digits$} to {high:.digits$})</span></td>"
     )
-}
-
-/// Returns a text as HTML.
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            it if it.is_control() => escaped.push(' '),
-            it => escaped.push(it),
-        }
-    }
-    escaped
 }

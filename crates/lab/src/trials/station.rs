@@ -50,7 +50,7 @@ impl Station {
             arms.map(|&side| ArmModel::anthropometric(side, &bones))
                 .collect::<Result<Vec<_>, _>>()
         };
-        let (assumed, own) = (arms(person.assumed.into())?, arms(person.own.into())?);
+        let (assumed, own) = (arms(person.assumed)?, arms(person.own)?);
         let fit = Fit::new(&assumed[0], assumed.get(1))?;
         let layout = Layout::for_hands(document.clone(), fit)?;
         let map = |&side: &Side| -> Result<Option<ChannelMap>, DocumentError> {

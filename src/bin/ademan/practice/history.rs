@@ -7,7 +7,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::files::{self, FileError};
-use ademan::message::{escape, escape_path};
+use ademan::message::{escape, escape_path, quote_csv};
 use ademan::session::counted;
 use serde::{Deserialize, Serialize};
 
@@ -79,11 +79,11 @@ impl SessionResult {
             chords.map(|(chord, [correct, attempts])| format!("{chord} {correct}/{attempts}"));
         format!(
             "{},{},{},{},{figures},{}",
-            quoted(&self.time),
-            quoted(&self.lesson),
-            quoted(&self.layout),
+            quote_csv(&self.time),
+            quote_csv(&self.lesson),
+            quote_csv(&self.layout),
             self.is_simulated,
-            quoted(&chords.collect::<Vec<_>>().join(" "))
+            quote_csv(&chords.collect::<Vec<_>>().join(" "))
         )
     }
 
@@ -93,18 +93,6 @@ impl SessionResult {
             Some(pointing) => (pointing.throughput, "bit/s", pointing.miss_rate()),
             None => (self.words_per_minute, "words/min", self.error_rate),
         }
-    }
-}
-
-/// Returns a field of CSV: in quotes if it needs them. A spreadsheet executes no field as a formula.
-fn quoted(text: &str) -> String {
-    let text = match text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        true => format!("'{text}"),
-        false => text.to_owned(),
-    };
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text,
     }
 }
 
@@ -401,7 +389,7 @@ mod tests {
             "2026-01-02T03:04:05Z,text,\"My, \"\"board\"\"\",false,10,6.5,12.5,0.1,1,0,0,,,,,,";
         assert_eq!(line, expected);
         assert_eq!(COLUMNS.split(',').count(), 17);
-        assert_eq!(quoted("=1+1"), "'=1+1");
+        assert_eq!(quote_csv("=1+1"), "'=1+1");
     }
 
     #[test]

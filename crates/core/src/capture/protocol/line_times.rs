@@ -1,6 +1,7 @@
 //! The order of lines by the times that they state.
 
 use super::{InvalidPacket, PacketError};
+use crate::time::Timestamp;
 
 /// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
 const MAX_TIME_US: u64 = 1 << 53;
@@ -18,8 +19,11 @@ pub(super) struct LineTimes {
 }
 
 impl LineTimes {
-    /// Accepts a time that is later than all before it, or of a sender that has started again.
-    pub fn check(&mut self, time: u64) -> Result<(), PacketError> {
+    /// Accepts the time of a line, if it states one, that is later than all before it, or of a sender that has started again.
+    pub fn check(&mut self, time_us: Option<u64>) -> Result<Option<Timestamp>, PacketError> {
+        let Some(time) = time_us else {
+            return Ok(None);
+        };
         if time > MAX_TIME_US {
             let text = format!("`time_us` is beyond {MAX_TIME_US}");
             return Err(PacketError::new(InvalidPacket::NotFinite, text));
@@ -30,7 +34,7 @@ impl LineTimes {
             Some(..=MAX_DELAY_US) => InvalidPacket::TooOld,
             _ => {
                 self.latest = Some(time);
-                return Ok(());
+                return Ok(Some(Timestamp(time)));
             }
         };
         let text = "`time_us` is not later than that of an earlier line";

@@ -296,6 +296,15 @@ impl Packet {
             part: None,
         }
     }
+
+    /// Creates the packet of a line; `time` is the time that it states.
+    fn of_line(sample: Sample, time: Option<Timestamp>) -> Self {
+        Self {
+            time,
+            sent_at: time,
+            ..Self::new(sample, 0)
+        }
+    }
 }
 
 /// Decoder of one byte stream.

@@ -179,15 +179,8 @@ impl LineParser for TextLineParser {
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let (numbers, time) = split_time(std::str::from_utf8(line)?)?;
         let angles = angles(&parse(numbers)?);
-        if let Some(time) = time {
-            self.times.check(time)?;
-        }
-        let time = time.map(Timestamp);
-        emit(Packet {
-            time,
-            sent_at: time,
-            ..Packet::new(Sample::Angles { angles }, 0)
-        });
+        let time = self.times.check(time)?;
+        emit(Packet::of_line(Sample::Angles { angles }, time));
         Ok(())
     }
 

@@ -130,12 +130,9 @@ impl TrackedHands {
 
     /// Returns the times of the next line, which states `time_us`.
     pub fn start_line(&mut self, time_us: Option<u64>) -> Result<LineTime, PacketError> {
-        if let Some(time) = time_us {
-            self.times.check(time)?;
-        }
+        let stated = self.times.check(time_us)?;
         self.lines += 1;
         let nominal = Timestamp::from_seconds(self.lines as f64 / self.rate_hz);
-        let stated = time_us.map(Timestamp);
         Ok(LineTime {
             time: stated.unwrap_or(nominal),
             stated,

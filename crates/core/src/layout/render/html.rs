@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::svg::{Part, TooManyShapes, escape};
+use super::svg::{Part, TooManyShapes};
 use super::wearer::Wearer;
 use crate::layout::model::Layout;
+use crate::message::escape_markup;
 
 /// The style of the page. The colours of the drawings are in the style sheet that follows.
 const STYLE: &str = "\
@@ -33,7 +34,7 @@ impl Layout {
     }
 
     fn write_html(&self, parts: &[Part], page: &mut String) -> std::fmt::Result {
-        let name = escape(&self.name);
+        let name = escape_markup(&self.name);
         let style = super::svg::coloured(STYLE) + &self.layer_rules();
         writeln!(
             page,
@@ -41,7 +42,7 @@ impl Layout {
              <meta name=\"viewport\" content=\"width=device-width\"/>\n<title>{name}</title>\n\
              <style>\n{style}{}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>",
             super::svg::sheet(),
-            escape(&self.description)
+            escape_markup(&self.description)
         )?;
         self.write_choices(page)?;
         for part in parts {
@@ -61,7 +62,7 @@ impl Layout {
                 Part::List { heading, rows } => {
                     writeln!(page, "<h2>{heading}</h2>\n<table>")?;
                     for (name, description) in rows {
-                        let (name, description) = (escape(name), escape(description));
+                        let (name, description) = (escape_markup(name), escape_markup(description));
                         writeln!(
                             page,
                             "<tr><th scope=\"row\">{name}</th><td>{description}</td></tr>"
@@ -91,7 +92,7 @@ impl Layout {
             writeln!(
                 page,
                 "<label><input type=\"radio\" name=\"layer\" id=\"layer-{layer}\"{checked}/> {}</label>",
-                escape(name)
+                escape_markup(name)
             )?;
         }
         writeln!(

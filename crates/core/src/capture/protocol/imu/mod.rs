@@ -25,7 +25,6 @@ use super::{
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Displacement, Joint};
 use crate::message::escape;
-use crate::time::Timestamp;
 
 /// The protocol of inertial sensors.
 pub const PROTOCOL: Protocol = Protocol {
@@ -174,21 +173,14 @@ impl LineParser for ImuParser {
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let (text, time) = split_time(std::str::from_utf8(line)?)?;
         let quaternion = self.quaternion(numbers(text)?)?;
-        if let Some(time) = time {
-            self.times.check(time)?;
-        }
+        let time = self.times.check(time)?;
         let neutral = *self.neutral.get_or_insert(quaternion);
         let since = neutral.inverse() * quaternion;
         let rotation = self.world_from_sensor * since * self.world_from_sensor.inverse();
         let [x, y, z, w] = rotation.to_array().map(|number| number as f32);
         let rotation = Quat::from_xyzw(x, y, z, w);
         let displacement = Displacement::new(self.joint, Vec3::ZERO, rotation);
-        let time = time.map(Timestamp);
-        emit(Packet {
-            time,
-            sent_at: time,
-            ..Packet::new(Sample::Displacement { displacement }, 0)
-        });
+        emit(Packet::of_line(Sample::Displacement { displacement }, time));
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::capture::protocol::Decoder;
+use crate::time::Timestamp;
 
 /// The orientation of a sensor with any north and up, and later ones: turned by 30° about its own X, Y and Z, and by 50° about Z,
 /// then -20° about Y, then 70° about X. A program of its own has multiplied the quaternions.

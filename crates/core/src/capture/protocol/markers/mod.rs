@@ -34,7 +34,6 @@ use super::{
 use crate::capture::markers::{MarkerTracker, Observation};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
-use crate::time::Timestamp;
 
 pub use self::encode::encode;
 
@@ -160,9 +159,7 @@ impl LineParser for MarkerParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let line: Line = serde_json::from_slice(line)?;
-        if let Some(time) = line.time_us {
-            self.times.check(time)?;
-        }
+        let time = self.times.check(line.time_us)?;
         self.follow(&line)?;
         let seen = self.seen();
         let positions = self.markers.joints(&seen);
@@ -170,12 +167,9 @@ impl LineParser for MarkerParser {
             let text = "no labelled marker of the hand is seen by two cameras";
             return Err(PacketError::new(InvalidPacket::Unknown, text));
         }
-        let time = line.time_us.map(Timestamp);
         emit(Packet {
-            time,
-            sent_at: time,
             side: Some(self.hand),
-            ..Packet::new(Sample::Joints { positions }, 0)
+            ..Packet::of_line(Sample::Joints { positions }, time)
         });
         Ok(())
     }

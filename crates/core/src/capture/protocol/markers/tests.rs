@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::hand::{Joint, JointPositions};
+use crate::time::Timestamp;
 
 const CAMERAS: [DVec3; 4] = [
     DVec3::new(2.0, 2.0, 2.0),

@@ -4,8 +4,9 @@ use std::fmt::{self, Write};
 
 use parry3d::math::Vec2;
 
-use super::text::{HALF_CAPITAL_HEIGHT, escape, width_em};
+use super::text::{HALF_CAPITAL_HEIGHT, width_em};
 use crate::layout::render::front::{FrontMark, MarkRole, MarkShape};
+use crate::message::escape_markup;
 
 /// The distance of a stroke beyond the outline that it is drawn along, in millimetres.
 const STROKE_PADDING: f32 = 0.4;
@@ -252,7 +253,7 @@ impl Canvas {
             Number(at.x),
             Number(at.y + size * HALF_CAPITAL_HEIGHT),
             Number(size),
-            escape(text)
+            escape_markup(text)
         ));
     }
 
@@ -274,7 +275,7 @@ impl Canvas {
         }
         self.push(format_args!("<g transform=\"{transform}\">"));
         if let Some(name) = name {
-            self.push(format_args!("<title>{}</title>", escape(name)));
+            self.push(format_args!("<title>{}</title>", escape_markup(name)));
         }
         let mut inner = Self {
             marks: drawing.marks.clone(),

@@ -25,10 +25,10 @@ use super::words::{self, List};
 use crate::layout::draft::LayoutFault;
 use crate::layout::model::{ControlKind, Face, Layout};
 use crate::layout::render::front::FrontMark;
+use crate::message::escape_markup;
 
 pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
-pub(super) use self::text::escape;
 
 /// Blank space around the drawing, in millimetres.
 const MARGIN: f32 = 8.0;
@@ -249,7 +249,7 @@ fn document(name: &str, drawing: &Canvas) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" viewBox=\"0 0 {width} {height}\">\n\
          <title>{}</title>\n<style>\n{}</style>\n\
          <rect class=\"ground\" width=\"100%\" height=\"100%\"/>\n{}</svg>\n",
-        escape(name),
+        escape_markup(name),
         sheet(),
         page.elements()
     )

@@ -1,6 +1,4 @@
-//! Text in drawings: its width, its size inside a shape, and its escapes.
-
-use crate::message::is_escaped;
+//! Text in drawings: its width and its size inside a shape.
 
 use parry3d::math::Vec2;
 
@@ -77,25 +75,6 @@ pub fn wrap(text: &str, width: f32, size: f32) -> Vec<String> {
     lines
 }
 
-/// Escapes a text for use between tags or in quotes. Characters that XML does not allow, and those that act on the text around
-/// them, become U+FFFD.
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\t' | '\n' => escaped.push(' '),
-            '\u{fffe}' | '\u{ffff}' => escaped.push(char::REPLACEMENT_CHARACTER),
-            other if is_escaped(other) => escaped.push(char::REPLACEMENT_CHARACTER),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,12 +97,5 @@ mod tests {
             assert!(width_em(&line) * 3.0 <= 60.0, "{line}");
         }
         assert!(wrap("", 10.0, 3.0).is_empty());
-    }
-
-    #[test]
-    fn what_xml_forbids_is_replaced() {
-        assert_eq!(escape("<a & \"b\">"), "&lt;a &amp; &quot;b&quot;&gt;");
-        assert_eq!(escape("\u{1}\u{ffff}\t"), "\u{fffd}\u{fffd} ");
-        assert_eq!(escape("a\u{202e}b\u{2066}"), "a\u{fffd}b\u{fffd}");
     }
 }
