@@ -43,9 +43,9 @@ pub struct TextSetup {
 pub enum TextModeSetup {
     /// Nothing; the mode can be changed while the session runs.
     Literal,
-    /// What is chosen of the candidates.
+    /// The candidate that is chosen, nothing else.
     Suggest,
-    /// What is chosen of the candidates, and words at their end.
+    /// The candidate that is chosen, and words at their end.
     Auto,
 }
 

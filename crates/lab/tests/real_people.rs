@@ -59,7 +59,7 @@ fn real_people() -> Option<Vec<Real>> {
     Some(people)
 }
 
-/// What is known of a group of people.
+/// The known facts about a group of people.
 #[derive(Clone, Debug)]
 struct Parameters {
     /// Mean and deviation of the offsets of people, in millimetres.

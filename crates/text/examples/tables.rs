@@ -16,7 +16,7 @@ use support::statistics::{ByPhrase, Kinds};
 /// The goal of each tier in percent of wrong characters.
 const GOALS: [f64; 6] = [0.02, 0.10, 1.0, 2.0, 4.0, 0.3];
 
-/// What is measured with.
+/// The instrument.
 struct Bench<'m> {
     model: Model<'m>,
     keyboard: Keyboard,

@@ -183,11 +183,11 @@ pub struct TouchModel {
     pub keys: Vec<KeySums>,
     /// The last known drift of each hand.
     pub drift: [Millimetres; 2],
-    /// How often taps are missed or mean nothing.
+    /// The rates of taps that are missed or mean nothing.
     pub errors: ErrorSums,
 }
 
-/// How many taps the prior of the errors is worth.
+/// The number of taps that the prior of the errors is worth.
 const ERROR_TAPS: f32 = 150.0;
 
 /// Counts of taps that were missed and of taps that mean nothing, older ones counted less.

@@ -31,7 +31,7 @@ const PROTOCOLS: [&Protocol; 3] = [
 /// Most readings of a recording that wait.
 const MAX_WAITING: usize = 200_000;
 
-/// What the hands do.
+/// The activity of the hands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HandState {

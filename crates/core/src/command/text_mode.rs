@@ -3,13 +3,13 @@
 use crate::names::named_enum;
 
 named_enum! {
-    /// How much the text decoder changes.
+    /// The extent of what the text decoder changes.
     pub enum TextMode ("text mode") {
         /// Nothing: every press passes as it is, and the decoder does not see it.
         Literal = "literal",
-        /// What is chosen of the candidates.
+        /// The candidate that is chosen, nothing else.
         Suggest = "suggest",
-        /// What is chosen of the candidates, and words at their end.
+        /// The candidate that is chosen, and words at their end.
         Auto = "auto",
     }
 }

@@ -1,4 +1,4 @@
-//! Pressure: the depth of a press on a key as a value, such as that of a gas pedal.
+//! Pressure: the depth of a press on a key as a value, such as the position of a gas pedal.
 
 use super::target_index::TargetIndex;
 use super::value_output::{ValueEmitter, ValueOutput};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::contact::TargetId;
 
-/// What a control sends beside its events.
+/// The messages that a control sends beside its events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// Address of its OSC messages, such as `/mixer/1`; `None` if it sends none.

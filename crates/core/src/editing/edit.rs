@@ -72,7 +72,7 @@ pub enum Edit {
     Place {
         /// Keys, controls or rows.
         parts: Vec<Part>,
-        /// Where and how large.
+        /// Place and size.
         place: PlaceTo,
     },
     /// Copies parts in columns and rows at equal distances. The selected parts are the first of both.

@@ -57,7 +57,7 @@ schema! {
         /// Targets in space.
         #[serde(borrow, default)]
         spaces: Vec<SpaceSchema<'a>>,
-        /// What controls send to music and stage programs, by name of the control: `{"C4": (note: 60)}`.
+        /// Messages of controls to music and stage programs, by name of the control: `{"C4": (note: 60)}`.
         #[serde(borrow, default)]
         signals: Pairs<'a, SignalSchema<'a>>,
     }

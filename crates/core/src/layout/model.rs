@@ -76,7 +76,7 @@ pub struct Layout {
     pub pointer: Option<PointerSettings>,
     /// Targets in space.
     pub spaces: Vec<SpaceTargets>,
-    /// What controls send to music and stage programs.
+    /// The messages of controls to music and stage programs.
     pub signals: Signals,
 }
 

@@ -14,7 +14,7 @@ const MAX_ADDRESS_LENGTH: usize = 100;
 const PATTERN_CHARACTERS: &[char] = &[' ', '#', '*', ',', '?', '[', ']', '{', '}'];
 
 schema! {
-    /// What a control sends to music and stage programs, through the outputs `osc` and `midi`.
+    /// The messages of a control to music and stage programs, through the outputs `osc` and `midi`.
     #[derive(Clone, Copy, Debug, Deserialize)]
     #[serde(rename = "Signal", deny_unknown_fields)]
     pub(super) struct SignalSchema<'a> {

@@ -63,7 +63,7 @@ pub const MAX_CANDIDATES: usize = 3;
 /// A candidate for the word that is typed. What does not fit is cut.
 pub type CandidateText = ArrayString<48>;
 
-/// What displays show of a text decoder.
+/// The state of a text decoder for displays.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextState {
     /// The mode.

@@ -50,7 +50,7 @@ pub struct LabResult {
     pub people: PeopleSpec,
     /// The tier; `None` for the errors of the people.
     pub tier: Option<String>,
-    /// What measured their hands.
+    /// The sensor that measured their hands.
     pub source: String,
     /// The seed.
     pub seed: u64,
@@ -64,7 +64,7 @@ pub struct LabResult {
     pub corpus_phrases: Vec<String>,
     /// The figures of all people.
     pub summary: Summary,
-    /// What each person did.
+    /// The figures of each person.
     pub scores: Vec<PersonScore>,
     /// The people with all their parameters.
     pub participants: Vec<Participant>,

@@ -16,18 +16,18 @@ use crate::trials::{
     Cancelled, KeyTally, Observed, Station, TaskKind, TrialError, for_each, speed,
 };
 
-/// What is scored, by whom and how.
+/// The layout, people and conditions of a score.
 #[derive(Clone, Debug)]
 pub struct Conditions<'a> {
     /// The layout.
     pub document: &'a Document,
     /// The people.
     pub people: &'a [Participant],
-    /// What they type.
+    /// The phrases that they type.
     pub corpus: &'a Corpus,
     /// The number of phrases of each person; each person begins at another one.
     pub phrases: usize,
-    /// What measures their hands.
+    /// The sensor that measures their hands.
     pub source: SourceKind,
     /// The seed of all runs.
     pub seed: u64,
@@ -46,7 +46,7 @@ pub enum ScoreError {
     Cancelled(#[from] Cancelled),
 }
 
-/// What one person did on a layout.
+/// The figures of one person on a layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PersonScore {
     /// The number of the person.

@@ -1,4 +1,4 @@
-//! What simulated people type: phrases that were written for this project (CC0), and texts of files.
+//! Texts for simulated people: phrases that were written for this project (CC0), and texts of files.
 
 use crate::names::named_enum;
 

@@ -1,4 +1,4 @@
-//! What was observed of a person.
+//! Observations of a person.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ pub struct KeyTally {
     pub places: u64,
 }
 
-/// What one person did.
+/// The observations of one person.
 #[derive(Clone, Debug, Default)]
 pub struct Observed {
     /// The characters of all phrases.

@@ -64,7 +64,7 @@ struct Step {
     is_bent: bool,
 }
 
-/// What happens when in a phrase.
+/// The times of what happens in a phrase.
 struct Session {
     pipeline: Pipeline,
     events: Events,

@@ -36,7 +36,7 @@ pub enum TaskKind {
     Value,
 }
 
-/// What a person did in a task.
+/// The result of a person in a task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaskResult {
     /// The name of the control.
@@ -53,7 +53,7 @@ pub struct TaskResult {
     pub error: Option<f64>,
 }
 
-/// What happened while a script was played.
+/// The observations of a script that was played.
 #[derive(Default)]
 struct Played {
     pressed: Vec<TargetId>,

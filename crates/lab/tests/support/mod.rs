@@ -1,4 +1,4 @@
-//! What the tests of the lab share.
+//! Helpers that the tests of the lab share.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use std::num::NonZeroUsize;

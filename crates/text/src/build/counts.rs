@@ -9,7 +9,7 @@ use crate::model::lexicon::Case;
 const MAX_LETTERS: usize = 30;
 /// How often a word has to occur in the texts to be taken without being in a list.
 const MIN_UNLISTED: u32 = 2;
-/// How many times as often as a word in lower case a name has to occur, so that the word is written as a name: a fox is no `Fox`.
+/// The least ratio of a name to the same word in lower case at which the word is written as a name: a fox is no `Fox`.
 const COMMON_AS_NAME: u32 = 10;
 
 /// The word that stands for the start of a sentence in pairs.

@@ -19,7 +19,7 @@ const MIN_TRIPLES: u32 = 2;
 /// The node behind the last one.
 const LAST: u32 = 0xff_ffff;
 
-/// What follows a word, or two.
+/// The words behind a word, or two.
 #[derive(Default)]
 struct Row {
     total: u32,

@@ -217,7 +217,7 @@ impl<'m> Corrector<'m> {
     /// Replaces the tail behind a prefix, unless it is too long.
     fn replace_tail(&mut self, prefix: usize, removed: usize) {
         if removed > MAX_TAIL {
-            // Out of reach: what follows starts anew, so that it can be corrected.
+            // Out of reach: what follows starts afresh, so that it can be corrected.
             self.decoder.commit();
             self.shown.clear();
             return;

@@ -32,7 +32,7 @@ pub struct Beam {
     limit: f32,
     /// The score of the upper edge of the first bin.
     ceiling: f32,
-    /// How many hypotheses of each bin were collected.
+    /// The number of hypotheses that were collected of each bin.
     bins: Vec<u32>,
     /// The last bin that is kept, and the hypotheses until there.
     cut: usize,

@@ -1,4 +1,4 @@
-//! What is learned from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
+//! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
 use super::finish::Finished;
@@ -12,12 +12,12 @@ use crate::model::lexicon::ROOT;
 
 /// The share of a word that is left after one more word: names, code and passwords come in groups.
 const WORD_MEMORY: f32 = 0.95;
-/// How many words the belief of the options is worth.
+/// The number of words that the belief of the options is worth.
 const PRIOR_WORDS: f32 = 12.0;
 /// The most that a cost is changed by what was learned, in nats.
 const MAX_CHANGE: f32 = 2.5;
 
-/// How many of the last words the lexicon lacks.
+/// The part of the last words that the lexicon lacks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WordRates {
     words: f32,
@@ -40,7 +40,7 @@ impl WordRates {
 }
 
 impl Decoder<'_> {
-    /// Takes the most probable text as meant: learns from its taps, and starts anew behind it.
+    /// Takes the most probable text as meant: learns from its taps, and starts afresh behind it.
     pub fn commit(&mut self) {
         self.finish();
         let Some(best) = self.finished.first().copied() else {
@@ -71,12 +71,12 @@ impl Decoder<'_> {
         self.restart();
     }
 
-    /// Takes what was typed as meant, and starts anew behind it.
+    /// Takes what was typed as meant, and starts afresh behind it.
     pub fn commit_typed(&mut self) {
         self.commit_behind(None);
     }
 
-    /// Takes a text as meant, or what was typed, without learning from the taps, and starts anew behind it.
+    /// Takes a text as meant, or what was typed, without learning from the taps, and starts afresh behind it.
     pub fn commit_behind(&mut self, text: Option<&str>) {
         self.touch.drift = self
             .tokens

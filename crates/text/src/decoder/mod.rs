@@ -54,7 +54,7 @@ pub const MAX_TAPS: usize = 512;
 pub const CANDIDATES: usize = 3;
 /// The complete hypotheses of which the candidates are chosen.
 const FINISHED: usize = 16;
-/// What the score of a hypothesis gains at most with a word that is likelier after the one before than alone.
+/// The most that the score of a hypothesis gains with a word that is likelier after the one before than alone.
 const GAIN: f32 = 8.0;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
@@ -102,7 +102,7 @@ pub struct Decoder<'m> {
     literal: Literal,
     row: Row,
     starts_sentence: bool,
-    /// What the touches knew before the first tap, for [`untap`](Self::untap).
+    /// The knowledge of the touches before the first tap, for [`untap`](Self::untap).
     before: Carried,
     words: WordRates,
     finished: Vec<Finished>,

@@ -14,7 +14,7 @@ struct KeyTouch {
     /// The logarithm of the density at the mean.
     peak: f32,
     hand: usize,
-    /// How much of a residual is drift, on each axis; nothing along a space bar.
+    /// The part of a residual that is drift, on each axis; nothing along a space bar.
     gain: Millimetres,
     /// The largest residual that is taken for drift.
     reach: Millimetres,
@@ -22,7 +22,7 @@ struct KeyTouch {
     size: Millimetres,
 }
 
-/// What is known from the taps before.
+/// The knowledge from the taps before.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried {
     /// The variance of the drift of each hand.
@@ -66,7 +66,7 @@ pub struct Touches {
     tap: Millimetres,
     near: Vec<Near>,
     likeliest: f32,
-    /// What the tap is worth if it means nothing, without its cost.
+    /// The score of the tap if it means nothing, without its cost.
     stray: f32,
     /// The largest log-likelihood of a key that ends a word.
     separator: f32,
@@ -74,7 +74,7 @@ pub struct Touches {
     bounds: Vec<f32>,
 }
 
-/// How much more likely a hypothesis of the drift makes a tap than the best one does, at most.
+/// The most by which a hypothesis of the drift makes a tap likelier than the best one does.
 pub const SLACK: f32 = 1.0;
 /// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
 const STRAY_NEAR: f32 = 0.8;

@@ -106,7 +106,7 @@ fn tried(prior: Prior) -> Prior {
     serde_json::from_value(values).expect("a prior")
 }
 
-/// What a decoder reads from a phrase.
+/// The reading of a phrase by a decoder.
 pub struct Read {
     /// The text that is shown: the most probable one if it is likelier by the margin.
     pub shown: String,

@@ -10,7 +10,7 @@ use crate::layout::model::{ControlKind, Layout};
 /// the front.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontMark {
-    /// What it is a part of, which tells its color.
+    /// The part that it belongs to, which tells its color.
     pub role: MarkRole,
     /// Its outline.
     pub shape: MarkShape,

@@ -18,7 +18,7 @@ const CLEARANCE: f32 = 0.015;
 /// The distance from the centers of all keys at which another finger is beside the board, in metres.
 const BESIDE: f32 = 0.03;
 
-/// What a person has learned about a target and a finger.
+/// Experience of a person with a target and a finger.
 #[derive(Clone, Debug)]
 pub(super) struct Aim {
     /// The posture at the center of the target, pressed.

@@ -101,7 +101,7 @@ pub enum StartPosture {
     Open,
 }
 
-/// What makes a hand.
+/// The parts of a hand.
 #[derive(Clone, Copy, Debug)]
 pub struct HandSetup<'a> {
     /// The arm that the pipeline assumes.

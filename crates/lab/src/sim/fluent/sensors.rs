@@ -13,7 +13,7 @@ use crate::sim::noise::Noise;
 use crate::sim::sensor::JointSensor;
 
 named_enum! {
-    /// What measures the hands.
+    /// The sensor that measures the hands.
     pub enum SourceKind ("source") {
         /// The joint angles, exactly, 175 times a second.
         Ideal = "ideal",

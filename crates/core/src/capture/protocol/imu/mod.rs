@@ -102,7 +102,7 @@ const MAX_LENGTH_ERROR: f64 = 0.1;
 pub struct ImuParser {
     joint: Joint,
     is_w_first: bool,
-    /// Turns the axes of the sensor in the neutral pose to those of the world.
+    /// Turns the axes of the sensor in the neutral pose to the axes of the world.
     world_from_sensor: DQuat,
     neutral: Option<DQuat>,
     times: LineTimes,

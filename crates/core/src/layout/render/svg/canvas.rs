@@ -19,7 +19,7 @@ pub struct Canvas {
     elements: String,
     bounds: Option<(Vec2, Vec2)>,
     shapes: usize,
-    /// What is drawn on a front, y down.
+    /// The drawing on a front, y down.
     marks: Vec<FrontMark>,
 }
 
