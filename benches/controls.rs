@@ -36,7 +36,7 @@ const HALVES: [(&str, i32, [&str; 4]); 2] = [
 ];
 
 /// The other kinds of controls; `{name}` and `{at}` are replaced.
-const KINDS: [(&str, &str); 7] = [
+const KINDS: [(&str, &str); 9] = [
     (
         "toggles",
         "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), hold: Key(\"F1\"))",
@@ -60,6 +60,14 @@ const KINDS: [(&str, &str); 7] = [
     (
         "joysticks",
         "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, pointer_px_per_s: 400)",
+    ),
+    (
+        "scroll_rings",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, output: ScrollY(24))",
+    ),
+    (
+        "radial_menus",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 30, sectors: [(name: \"a\", tap: Key(\"A\")), (name: \"b\", tap: Key(\"B\"))])",
     ),
     (
         "touch_surfaces",
@@ -86,8 +94,8 @@ fn layout(controls: usize) -> String {
         for (kind, (list, form)) in KINDS.iter().enumerate() {
             let _ = write!(text, "{list}: [");
             for number in (0..others).filter(|number| number % KINDS.len() == kind) {
-                let (column, row) = (number % 80, number / 80);
-                let at = format!("({}, {})", 24 * column as i32 - 960, 80 + 24 * row as i32);
+                let (column, row) = (number % 120, number / 120);
+                let at = format!("({}, {})", 32 * column as i32 - 1904, 80 + 32 * row as i32);
                 let control = form
                     .replace("{name}", &format!("{hand} {number}"))
                     .replace("{at}", &at);

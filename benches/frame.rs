@@ -372,6 +372,7 @@ fn f_keyboard(bencher: Bencher) {
         let seen = DeviceInput {
             scene: &scene,
             angles: &typing().estimates[0].angles,
+            bends: &Default::default(),
             inputs: &Default::default(),
             pose: &pose,
             touches,

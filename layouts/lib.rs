@@ -1,4 +1,4 @@
-//! The files of this folder as text: layouts, gloves, arms and persons.
+//! The files of this folder as text: layouts, gloves, arms, persons, and meshes of layouts.
 //!
 //! A crate of its own, because a published package contains only what lies in its folder, and the stages need the files without a disk.
 
@@ -27,6 +27,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/qwerty-flat-22"
     "keyboards/qwerty-two-arc"
     "keyboards/qwerty-two-flat"
+    "keyboards/qwerty-words"
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
     "keyboards/webcam-qwerty"
@@ -35,6 +36,8 @@ pub const FILES: &[(&str, &str)] = files! {
     "panels/media"
     "panels/mixer"
     "panels/piano"
+    "panels/radial"
+    "panels/scroll-rings"
     "panels/switches"
     "panels/touch-pad"
     "panels/workshop"
@@ -42,7 +45,10 @@ pub const FILES: &[(&str, &str)] = files! {
     "persons/left-small"
     "pointers/arm-6dof"
     "pointers/arm-gamepad"
+    "pointers/claws"
     "pointers/direct"
+    "pointers/drive"
+    "pointers/gestures"
     "pointers/joint"
     "pointers/lucidgloves-controller"
     "pointers/rate"
@@ -50,3 +56,6 @@ pub const FILES: &[(&str, &str)] = files! {
     "pointers/space"
     "pointers/webcam-mouse"
 };
+
+/// The name and the text of each mesh that a shipped layout draws.
+pub const MESHES: &[(&str, &str)] = &[("claw.obj", include_str!("pointers/claw.obj"))];

@@ -11,8 +11,8 @@
 //!                                                                         └───View──▶ terminal, control socket
 //! ```
 //!
-//! The stages, in the order of the data flow. All but the sources and [`output`] are the crate `ademan_core`, which touches no file,
-//! thread or clock:
+//! This library re-exports the crates of the workspace. The stages, in the order of the data flow; all but the sources and [`output`]
+//! are the crate `ademan_core`, which touches no file, thread or clock:
 //!
 //! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s. A source that has to
 //!   block, such as a recording, several sources at once, or any outside Linux, has a thread and a bounded channel.
@@ -41,7 +41,7 @@
 //! - [`priority`] raises the priority of the threads that press and release keys.
 //! - [`network`] connects machines: TLS, tokens with roles, and routers of zenoh.
 //!
-//! Parts around the pipeline:
+//! Parts around the pipeline, most of them in the crate `ademan_runtime`:
 //!
 //! - [`session`] owns the threads of a run: capture, layouts that are edited while they are used, the control socket, panic
 //!   keys and recordings.
@@ -54,9 +54,10 @@
 //! - `cameras`, with the feature `cli`, calibrates cameras that see markers.
 //! - `layout_link`, with the feature `cli`, puts a layout into a link and reads it from one.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
-//! - [`people`], [`phrases`], [`trials`], [`measures`] and [`report`] are the lab: simulated people score layouts.
+//! - [`people`], [`phrases`], [`trials`], [`measures`], [`shards`], [`study`] and [`report`] are the lab: simulated people score layouts,
+//!   and real ones in a study.
 //! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
-//! - `studio`, with the feature of that name, shows a session in a window.
+//! - `studio`, with the feature of that name, shows a session in a window; it is the crate `ademan_studio`.
 //!
 //! # Example
 //!
@@ -87,40 +88,17 @@ pub use ademan_core::{
     layout, message, names, objects, pipeline, snapshot, time,
 };
 
-pub use ademan_lab::{batch, measures, people, phrases, report, trials};
+pub use ademan_lab::{
+    batch, import, improve, measures, people, phrases, readings, report, shards, study, trials,
+};
 
-// Types shared by every part.
-pub mod files;
-pub mod message_limits;
-pub mod advice;
-pub mod priority;
-#[cfg(not(target_family = "wasm"))]
-pub mod network;
+pub use ademan_runtime::{
+    advice, capture, doctor, files, message_limits, network, output, priority, recorder, session,
+    setup, share, sim, text, trace,
+};
 
-// The ends of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
-// for WebAssembly.
-pub mod capture;
 #[cfg(feature = "cli")]
-pub mod cameras;
-#[cfg(feature = "cli")]
-pub mod layout_link;
-#[cfg(not(target_family = "wasm"))]
-pub mod output;
+pub use ademan_runtime::{cameras, layout_link};
 
-// Parts around the pipeline.
-#[cfg(not(target_family = "wasm"))]
-pub mod trace;
-#[cfg(not(target_family = "wasm"))]
-pub mod recorder;
-#[cfg(not(target_family = "wasm"))]
-pub mod share;
-pub mod sim;
-pub mod text;
-#[cfg(not(target_family = "wasm"))]
-pub mod setup;
-#[cfg(not(target_family = "wasm"))]
-pub mod session;
-#[cfg(not(target_family = "wasm"))]
-pub mod doctor;
 #[cfg(feature = "studio")]
-pub mod studio;
+pub use ademan_studio as studio;

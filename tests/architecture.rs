@@ -16,7 +16,7 @@ mod security_table;
 #[path = "architecture/sources.rs"]
 mod sources;
 
-use sources::{CORE, PROGRAM, modules, shipped};
+use sources::{CORE, modules, program, shipped};
 
 /// The places that may read a clock. The core may not: its lints forbid it.
 const MAY_READ_A_CLOCK: &[&str] = &[
@@ -53,7 +53,7 @@ fn a_stage_imports_only_earlier_stages() {
 
 #[test]
 fn only_the_ends_of_the_flow_and_a_played_glove_read_a_clock() {
-    for (name, code) in shipped(PROGRAM) {
+    for (name, code) in program() {
         let may = MAY_READ_A_CLOCK
             .iter()
             .any(|prefix| name.starts_with(prefix));
@@ -68,7 +68,7 @@ fn only_the_ends_of_the_flow_and_a_played_glove_read_a_clock() {
 /// results of practice tell their time.
 #[test]
 fn nothing_depends_on_the_wall_clock() {
-    for (name, code) in shipped(PROGRAM) {
+    for (name, code) in program() {
         let depends = code.contains("SystemTime") || code.contains("ClockId::Realtime");
         let tells = [
             "bin/ademan/messages/log_file.rs",
@@ -82,14 +82,14 @@ fn nothing_depends_on_the_wall_clock() {
 /// `Path::display` writes control characters as they are. A path is escaped in a message, and as data it is a text.
 #[test]
 fn a_path_becomes_part_of_a_message_by_being_escaped() {
-    for (name, code) in shipped(PROGRAM).into_iter().chain(shipped(CORE)) {
+    for (name, code) in program().into_iter().chain(shipped(CORE)) {
         assert!(!code.contains(".display()"), "{name}: use `escape_path`");
     }
 }
 
 #[test]
 fn a_poisoned_lock_is_used_all_the_same() {
-    for (name, code) in shipped(PROGRAM) {
+    for (name, code) in program() {
         for panics in [".lock().unwrap()", ".lock().expect("] {
             assert!(!code.contains(panics), "{name} panics at a poisoned lock");
         }

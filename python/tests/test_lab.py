@@ -16,6 +16,8 @@ def test_people_with_more_scatter_make_more_errors(program):
         assert row["value"] == pytest.approx(errors / score.people["characters"].sum())
         assert score.keys["meant"].sum() == score.people["strokes"].sum()
         assert score.keys["hit_rate"].between(0, 1).all()
+        assert score.phrases["errors"].sum() == errors
+        assert score.phrases.groupby("person")["phrase"].max().eq(1).all()
     assert unsteady.figures.loc["cer", "value"] > steady.figures.loc["cer", "value"] + 0.1
 
 

@@ -22,7 +22,7 @@ use Coverage::{Missing, Tests};
 const CHARACTERS: &str = "tests/outputs/x11/characters.rs";
 const FLOODS: &str = "tests/cli/share/floods.rs";
 const FORGED: &str = "tests/cli/faults/forged_messages.rs";
-const GATEKEEPER: &str = "src/network/secure/gatekeeper/tests.rs";
+const GATEKEEPER: &str = "crates/runtime/src/network/secure/gatekeeper/tests.rs";
 const NETWORK: &str = "tests/cli/network.rs";
 const STRANGERS: &str = "tests/cli/security/strangers.rs";
 
@@ -51,7 +51,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/wrong_use.rs", "invalid_sources_are_refused_with_a_remedy"),
         ("tests/capture/serial.rs", "an_absent_port_is_reported_with_the_present_ones"),
         ("tests/cli/signals.rs", "a_run_waits_for_a_device_and_reports_it_once"),
-        ("src/capture/reconnect.rs", "the_interval_doubles_up_to_two_seconds"),
+        ("crates/runtime/src/capture/reconnect.rs", "the_interval_doubles_up_to_two_seconds"),
     ])),
     fault(2, "port in use by another program", Tests(&[
         ("tests/cli/faults/lines.rs", "a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on"),
@@ -59,7 +59,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(3, "port without permission", Tests(&[
         ("tests/cli/faults/lines.rs", "a_port_without_permission_names_the_group_and_never_asks_for_root"),
-        ("src/advice.rs", "advice_never_suggests_root_or_open_permissions"),
+        ("crates/runtime/src/advice.rs", "advice_never_suggests_root_or_open_permissions"),
     ])),
     fault(4, "the cable is pulled while a key is held", Tests(&[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_after_the_cable_is_pulled"),
@@ -68,7 +68,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/vm/typing.rs", "pulling the cable releases all keys"),
     ])),
     fault(5, "unplugged, visible only as end of stream", Tests(&[
-        ("src/capture/stream/tests.rs", "each_end_of_a_live_stream_is_one_loss_and_reconnection_backs_off"),
+        ("crates/runtime/src/capture/stream/tests.rs", "each_end_of_a_live_stream_is_one_loss_and_reconnection_backs_off"),
         ("tests/capture/tcp.rs", "a_connection_that_breaks_inside_a_packet_is_lost_once_and_reconnected"),
     ])),
     fault(6, "unplugged, visible only as silence", Tests(&[
@@ -77,13 +77,13 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(7, "plugged in again under another device name", Tests(&[
         ("tests/capture/serial.rs", "an_unplugged_glove_is_lost_once_and_followed_to_its_next_terminal"),
-        ("src/capture/transport/usb_port.rs", "a_lost_device_is_chosen_by_identity"),
+        ("crates/runtime/src/capture/transport/usb_port.rs", "a_lost_device_is_chosen_by_identity"),
         ("tests/outputs/vm/typing.rs", "after a reconnection at another port the glove types again"),
     ])),
     fault(8, "another device under the old name", Tests(&[
-        ("src/capture/transport/serial.rs", "another_device_and_ambiguous_devices_are_rejected_by_name"),
-        ("src/capture/transport/usb_port.rs", "a_lost_device_is_chosen_by_identity"),
-        ("src/capture/reconnect.rs", "each_reason_is_reported_once_in_a_row_until_the_connection_opens"),
+        ("crates/runtime/src/capture/transport/serial.rs", "another_device_and_ambiguous_devices_are_rejected_by_name"),
+        ("crates/runtime/src/capture/transport/usb_port.rs", "a_lost_device_is_chosen_by_identity"),
+        ("crates/runtime/src/capture/reconnect.rs", "each_reason_is_reported_once_in_a_row_until_the_connection_opens"),
         ("tests/outputs/vm/typing.rs", "after a reconnection at another port the glove types again"),
     ])),
     fault(9, "the first read starts in the middle of a packet", Tests(&[
@@ -107,7 +107,7 @@ pub const FAULTS: &[Fault] = &[
         ("crates/core/src/capture/protocol/hc11/tests.rs", "the_vectors_decode_alike_in_pieces_of_any_size"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_9600_baud"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_115200_baud"),
-        ("src/capture/stream/tests.rs", "readings_of_one_read_are_a_packet_period_apart"),
+        ("crates/runtime/src/capture/stream/tests.rs", "readings_of_one_read_are_a_packet_period_apart"),
     ])),
     fault(14, "the microcontroller restarts in the middle of the stream", Tests(&[
         ("tests/cli/faults/lines.rs", "a_microcontroller_restart_releases_everything_and_disarms"),
@@ -121,11 +121,11 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/estimator.rs", "a_broken_wrist_sensor_makes_all_fingers_untrusted"),
     ])),
     fault(17, "closing a dead port blocks", Tests(&[
-        ("src/capture/stream/tests.rs", "a_port_that_blocks_while_closing_does_not_block_the_source"),
-        ("src/capture/thread/tests.rs", "dropping_leaves_a_blocked_thread_behind"),
+        ("crates/runtime/src/capture/stream/tests.rs", "a_port_that_blocks_while_closing_does_not_block_the_source"),
+        ("crates/runtime/src/capture/thread/tests.rs", "dropping_leaves_a_blocked_thread_behind"),
     ])),
     fault(18, "interrupted and empty reads", Tests(&[
-        ("src/capture/stream/tests.rs", "interrupted_reads_and_timeouts_lose_nothing"),
+        ("crates/runtime/src/capture/stream/tests.rs", "interrupted_reads_and_timeouts_lose_nothing"),
     ])),
     // Capture, network and recordings.
     fault(19, "a datagram too short or too long", Tests(&[
@@ -144,7 +144,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/capture/network_poses.rs", "datagrams_of_another_sender_are_dropped_until_the_first_is_silent"),
     ])),
     fault(22, "a valid packet sent again", Tests(&[
-        ("src/network/secure/gatekeeper/tests.rs", "what_a_client_has_sent_admits_no_one_who_sends_it_again"),
+        ("crates/runtime/src/network/secure/gatekeeper/tests.rs", "what_a_client_has_sent_admits_no_one_who_sends_it_again"),
     ])),
     fault(23, "half-open TCP connection", Tests(&[
         ("tests/capture/tcp.rs", "a_silent_peer_is_lost_after_five_seconds"),
@@ -152,11 +152,11 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(24, "one byte a second", Tests(&[
         ("tests/capture/websocket.rs", "a_second_client_and_one_that_sends_no_request_do_not_disturb_the_first"),
-        ("src/network/secure/gatekeeper/tests.rs", "silent_clients_are_closed_and_take_no_place_of_another_address"),
+        ("crates/runtime/src/network/secure/gatekeeper/tests.rs", "silent_clients_are_closed_and_take_no_place_of_another_address"),
     ])),
     fault(25, "a length of 4 GiB", Tests(&[
         ("tests/cli/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_memory_is_allocated"),
-        ("src/capture/recording/lengths.rs", "any_length_beyond_its_record_is_detected"),
+        ("crates/runtime/src/capture/recording/lengths.rs", "any_length_beyond_its_record_is_detected"),
     ])),
     fault(26, "a thousand connections", Tests(&[
         ("tests/cli/faults/clients.rs", "a_thousand_connections_end_and_the_first_client_is_served"),
@@ -226,7 +226,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(35, "the sender's clock jumps", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "a_clock_that_jumps_or_stops_releases_everything_and_is_counted"),
-        ("src/capture/packet_clock.rs", "packets_of_one_read_are_dated_back_by_the_bytes_after_them"),
+        ("crates/runtime/src/capture/packet_clock.rs", "packets_of_one_read_are_dated_back_by_the_bytes_after_them"),
     ])),
     fault(36, "the wall clock is set back", Tests(&[
         ("tests/architecture.rs", "nothing_depends_on_the_wall_clock"),
@@ -240,7 +240,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(38, "a recording too fast, or with a gap of a year", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "a_million_readings_a_second_stay_within_the_press_rate_limit"),
-        ("src/capture/pace.rs", "a_gap_of_a_year_takes_two_seconds"),
+        ("crates/runtime/src/capture/pace.rs", "a_gap_of_a_year_takes_two_seconds"),
         ("tests/pipeline/arming.rs", "a_stall_by_clock_and_by_time_stamps_gives_the_same_events"),
     ])),
     // Pipeline, configuration, process.
@@ -277,14 +277,14 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(46, "a file is saved a hundred times in a second", Tests(&[
         ("tests/cli/reload.rs", "after_a_hundred_saves_in_a_second_the_last_is_active_and_no_key_is_stuck"),
-        ("src/session/reload/mod.rs", "of_many_fast_saves_the_last_is_activated_and_few_others"),
+        ("crates/runtime/src/session/reload/mod.rs", "of_many_fast_saves_the_last_is_activated_and_few_others"),
         ("tests/pipeline/arming.rs", "a_hundred_new_layouts_release_a_pressed_key_once"),
     ])),
     fault(47, "a panic in any thread", Tests(&[
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_the_source"),
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_a_device"),
         ("tests/outputs/x11/panics.rs", "all_keys_are_released_after_a_panic_of_the_observer"),
-        ("src/output/desktop/tests/mod.rs", "a_panic_of_the_connection_releases_all_keys"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_panic_of_the_connection_releases_all_keys"),
         ("src/bin/ademan/panics.rs", "a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure"),
     ])),
     fault(48, "a panic while panicking, a poisoned lock", Tests(&[
@@ -316,39 +316,39 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(53, "the watchdog is killed", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "a_killed_watchdog_is_restarted_once_and_the_run_pauses"),
-        ("src/output/uinput/linux/tests/watchdog.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
+        ("crates/runtime/src/output/uinput/linux/tests/watchdog.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
     ])),
     fault(54, "the system is suspended while a key is held", Tests(&[
-        ("src/capture/thread/tests.rs", "a_suspend_is_a_loss_of_a_live_source_before_the_next_reading"),
-        ("src/capture/suspend/linux.rs", "a_suspend_is_reported_once"),
+        ("crates/runtime/src/capture/thread/tests.rs", "a_suspend_is_a_loss_of_a_live_source_before_the_next_reading"),
+        ("crates/runtime/src/capture/suspend/linux.rs", "a_suspend_is_reported_once"),
         ("tests/pipeline/arming.rs", "after_a_stall_the_hand_must_be_clear_of_every_key"),
     ])),
     fault(55, "no uinput, or no permission for it", Tests(&[
         ("tests/cli/faults/disks.rs", "uinput_without_a_device_node_or_permission_is_refused_with_a_remedy"),
-        ("src/output/uinput/linux/tests/mod.rs", "an_open_error_contains_the_remedy"),
+        ("crates/runtime/src/output/uinput/linux/tests/mod.rs", "an_open_error_contains_the_remedy"),
     ])),
     fault(56, "the system accepts no more events", Tests(&[
-        ("src/output/uinput/linux/tests/mod.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
-        ("src/output/uinput/linux/tests/mod.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
-        ("src/output/desktop/tests/mod.rs", "a_call_that_fails_three_times_is_repeated"),
-        ("src/output/desktop/tests/mod.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
+        ("crates/runtime/src/output/uinput/linux/tests/mod.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
+        ("crates/runtime/src/output/uinput/linux/tests/mod.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_call_that_fails_three_times_is_repeated"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
         ("tests/outputs/x11/ends.rs", "a_dead_display_ends_the_run_with_an_error_at_the_next_key"),
         ("tests/outputs/x11/sink.rs", "a_dead_server_is_an_error"),
     ])),
     fault(57, "two sessions at once", Tests(&[
         ("tests/cli/control.rs", "a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced"),
         ("tests/cli/faults/lines.rs", "a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on"),
-        ("src/output/socket/linux.rs", "a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced"),
+        ("crates/runtime/src/output/socket/linux.rs", "a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced"),
     ])),
     fault(58, "the queue to the output is full", Tests(&[
-        ("src/output/desktop/tests/mod.rs", "a_full_queue_drops_presses_but_no_release"),
-        ("src/output/desktop/tests/mod.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_full_queue_drops_presses_but_no_release"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
     ])),
     fault(59, "a client of the joint-angle server stops reading", Tests(&[
-        ("src/share/hub/tests.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
-        ("src/share/hub/tests.rs", "a_client_that_sends_is_disconnected"),
-        ("src/share/client.rs", "a_client_that_reads_late_is_told_how_many_lines_it_has_missed"),
-        ("src/share/outbox.rs", "a_slow_client_loses_whole_lines_and_never_the_one_that_was_begun"),
+        ("crates/runtime/src/share/hub/tests.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
+        ("crates/runtime/src/share/hub/tests.rs", "a_client_that_sends_is_disconnected"),
+        ("crates/runtime/src/share/client.rs", "a_client_that_reads_late_is_told_how_many_lines_it_has_missed"),
+        ("crates/runtime/src/share/outbox.rs", "a_slow_client_loses_whole_lines_and_never_the_one_that_was_begun"),
     ])),
     fault(60, "disk full, log closed", Tests(&[
         ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),
@@ -361,9 +361,9 @@ pub const FAULTS: &[Fault] = &[
     fault(61, "another client grabs the X server around a press, or the server is frozen, then the program dies", Tests(&[
         ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_after_a_press_during_a_grab"),
         ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_after_a_press_while_the_server_hangs"),
-        ("src/output/watchdog_process/linux/release_thread.rs", "a_press_that_the_display_executes_after_the_release_is_released_too"),
-        ("src/output/watchdog_process/linux/release_thread.rs", "a_key_is_released_at_every_fault_until_the_client_reports_its_release"),
-        ("src/output/watchdog_process/linux/client_state.rs", "a_key_and_an_axis_stay_in_the_record_until_the_client_reports_their_release"),
+        ("crates/runtime/src/output/watchdog_process/release_thread.rs", "a_press_that_the_display_executes_after_the_release_is_released_too"),
+        ("crates/runtime/src/output/watchdog_process/release_thread.rs", "a_key_is_released_at_every_fault_until_the_client_reports_its_release"),
+        ("crates/runtime/src/output/watchdog_process/linux/client_state.rs", "a_key_and_an_axis_stay_in_the_record_until_the_client_reports_their_release"),
     ])),
     fault(62, "a grab of another client while a key is down", Tests(&[
         ("tests/outputs/x11/grabs.rs", "a_release_passes_the_grab_of_another_client"),
@@ -373,13 +373,13 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/spacenav/mod.rs", "a_lever_returns_to_its_center_while_nobody_reads_the_standard_streams"),
         ("tests/cli/faults/blocked_streams.rs", "a_run_with_full_streams_executes_commands_and_ends_in_order_on_one_signal"),
         ("tests/outputs/vm/killed.rs", "pulling the cable releases uinput keys while standard error is full"),
-        ("src/output/transcript/thread.rs", "a_dropping_transcript_never_waits_and_writes_the_count_and_the_releases_later"),
+        ("crates/runtime/src/output/transcript/thread.rs", "a_dropping_transcript_never_waits_and_writes_the_count_and_the_releases_later"),
         ("src/bin/ademan/messages/queue.rs", "a_reader_that_reads_nothing_blocks_nobody_and_gets_the_count_later"),
     ])),
     fault(64, "program and watchdog killed in the same instant", Tests(&[
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_of_the_unit"),
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_next_run"),
-        ("src/output/pressed_key_file/linux.rs", "keys_are_abandoned_when_the_lock_ends_and_only_on_their_display"),
+        ("crates/runtime/src/output/pressed_key_file/linux.rs", "keys_are_abandoned_when_the_lock_ends_and_only_on_their_display"),
         ("tests/outputs/vm/service.rs", "keys_are_released_when_systemd_kills_the_unit"),
         ("tests/outputs/x11/service_manager.rs", "a_service_manager_that_does_not_reply_delays_neither_a_press_nor_a_release"),
         ("tests/outputs/vm/killed.rs", "the kernel releases uinput keys when both processes are killed"),
@@ -392,7 +392,7 @@ pub const FAULTS: &[Fault] = &[
     fault(66, "the watchdog is stopped by a signal", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "a_stopped_watchdog_is_noticed_and_replaced"),
         ("tests/outputs/vm/killed.rs", "the program releases uinput keys when its watchdog is stopped"),
-        ("src/output/uinput/linux/tests/watchdog.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
+        ("crates/runtime/src/output/uinput/linux/tests/watchdog.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
     ])),
     fault(67, "a busy machine", Tests(&[
         ("tests/outputs/x11/priority.rs", "the_loop_the_output_and_the_watchdog_have_the_priority_that_the_doctor_reports"),
@@ -401,12 +401,12 @@ pub const FAULTS: &[Fault] = &[
     fault(68, "a pause, a stall or a lost watchdog while presses are queued", Tests(&[
         ("tests/outputs/x11/grabs.rs", "presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause"),
         ("tests/outputs/x11/grabs.rs", "presses_that_a_server_accepts_too_late_are_dropped_and_reported_once"),
-        ("src/output/desktop/tests/mod.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
-        ("src/output/desktop/tests/mod.rs", "a_press_that_has_waited_too_long_is_not_sent"),
-        ("src/output/desktop/tests/mod.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_press_that_has_waited_too_long_is_not_sent"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),
         ("tests/outputs/x11/sink.rs", "a_press_that_a_server_has_not_read_in_time_is_revoked_while_it_hangs"),
         ("tests/outputs/x11/sink.rs", "a_press_that_becomes_void_while_a_server_hangs_is_revoked_at_once"),
-        ("src/output/desktop/tests/direct.rs", "what_was_written_together_with_a_revoked_press_is_revoked_too"),
+        ("crates/runtime/src/output/desktop/tests/direct.rs", "what_was_written_together_with_a_revoked_press_is_revoked_too"),
     ])),
     fault(69, "a system chord in any order, by any controls", Tests(&[
         ("crates/core/src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
@@ -424,19 +424,19 @@ pub const FAULTS: &[Fault] = &[
         ("tests/capture/gap.rs", "a_key_is_released_in_the_gap_of_a_paced_replay_with_the_time_of_the_stall"),
         ("tests/cli/determinism/gap.rs", "a_recording_with_a_gap_gives_the_same_bytes_at_any_speed"),
         ("tests/outputs/x11/gap.rs", "the_transcript_of_a_replay_with_a_gap_agrees_with_the_display"),
-        ("src/capture/pace.rs", "the_clock_passes_through_a_gap_and_stays_before_the_next_reading"),
+        ("crates/runtime/src/capture/pace.rs", "the_clock_passes_through_a_gap_and_stays_before_the_next_reading"),
     ])),
     fault(72, "a peer that causes messages", Tests(&[
         ("tests/cli/faults/message_floods.rs", "text_between_packets_causes_one_message_in_ten_seconds_and_a_count"),
-        ("src/message_limits.rs", "one_message_per_key_and_interval_is_sent_and_the_others_are_counted"),
-        ("src/message_limits.rs", "ever_new_sources_share_a_bounded_number_of_counters"),
+        ("crates/runtime/src/message_limits.rs", "one_message_per_key_and_interval_is_sent_and_the_others_are_counted"),
+        ("crates/runtime/src/message_limits.rs", "ever_new_sources_share_a_bounded_number_of_counters"),
     ])),
     fault(73, "a recording of a stranger with permissions, limits and paths", Tests(&[
         ("tests/cli/security/recordings.rs", "no_file_is_opened_because_a_recording_names_it"),
         ("tests/cli/security/recordings.rs", "a_replay_neither_writes_nor_reads_the_layout_file_that_a_recording_names"),
         ("tests/cli/security/recordings.rs", "system_chords_of_a_replay_need_the_permission_of_the_person_who_replays_it"),
         ("tests/cli/security/recordings.rs", "a_layout_with_system_keys_is_refused_for_an_output_that_types"),
-        ("src/setup/recorded.rs", "permissions_are_those_of_the_person_and_never_those_of_the_recording"),
+        ("crates/runtime/src/setup/recorded.rs", "permissions_are_those_of_the_person_and_never_those_of_the_recording"),
     ])),
     fault(74, "escape sequences and line breaks in names from files and peers", Tests(&[
         ("tests/cli/faults/names.rs", "names_of_layouts_files_and_sources_are_printed_escaped"),
@@ -447,7 +447,7 @@ pub const FAULTS: &[Fault] = &[
     fault(75, "an existing transcript: another owner, a symbolic link, mode 0666", Tests(&[
         ("tests/cli/security/files.rs", "an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refused"),
         ("tests/cli/security/files.rs", "a_layout_of_another_user_is_not_saved"),
-        ("src/files/tests.rs", "an_existing_file_becomes_private_before_it_is_written"),
+        ("crates/runtime/src/files/tests.rs", "an_existing_file_becomes_private_before_it_is_written"),
     ])),
     fault(76, "a FIFO, device or folder as an input file; a foreign control server; silent clients", Tests(&[
         ("tests/cli/security/files.rs", "a_pipe_or_a_device_is_refused_as_any_file"),
@@ -469,8 +469,8 @@ pub const FAULTS: &[Fault] = &[
     fault(79, "a congested network delays readings by seconds", Tests(&[
         ("tests/capture/late_readings.rs", "readings_that_the_network_held_back_are_dropped_and_counted_and_later_ones_pass"),
         ("tests/cli/zenoh.rs", "a_hand_behind_a_congested_router_types_nothing_until_its_readings_are_young_again"),
-        ("src/capture/sender_clock.rs", "readings_of_a_growing_delay_are_too_old_beyond_the_limit_and_young_ones_pass_again"),
-        ("src/capture/sender_clock.rs", "a_clock_that_jumps_is_followed_at_once_or_after_ten_seconds"),
+        ("crates/runtime/src/capture/sender_clock.rs", "readings_of_a_growing_delay_are_too_old_beyond_the_limit_and_young_ones_pass_again"),
+        ("crates/runtime/src/capture/sender_clock.rs", "a_clock_that_jumps_is_followed_at_once_or_after_ten_seconds"),
     ])),
 
     // Network, files and parsers, found by attack.
@@ -479,7 +479,7 @@ pub const FAULTS: &[Fault] = &[
         (STRANGERS, "a_transcript_of_a_setup_is_a_new_private_file_in_a_folder_of_its_own"),
         (STRANGERS, "names_in_a_transcript_start_no_program_in_a_shell"),
         (STRANGERS, "files_in_a_setup_are_relative_to_it_and_never_to_the_working_folder"),
-        ("src/output/transcript/line.rs", "names_and_characters_mean_nothing_to_a_shell"),
+        ("crates/runtime/src/output/transcript/line.rs", "names_and_characters_mean_nothing_to_a_shell"),
     ])),
     fault(81, "a WebSocket client floods frames that are not requests", Tests(&[
         (FLOODS, "a_client_that_floods_frames_is_disconnected_and_the_others_are_served"),
@@ -499,8 +499,8 @@ pub const FAULTS: &[Fault] = &[
     fault(83, "connections that close at once, stay idle or send half a handshake", Tests(&[
         (FLOODS, "connections_that_close_at_once_leave_their_places_and_descriptors"),
         (FLOODS, "a_command_gets_through_while_clients_take_all_descriptors"),
-        ("src/share/hub/tests.rs", "the_client_that_has_been_silent_for_the_longest_time_makes_room_for_another"),
-        ("src/share/client.rs", "a_client_that_asks_for_nothing_in_time_is_told_the_reason_and_disconnected"),
+        ("crates/runtime/src/share/hub/tests.rs", "the_client_that_has_been_silent_for_the_longest_time_makes_room_for_another"),
+        ("crates/runtime/src/share/client.rs", "a_client_that_asks_for_nothing_in_time_is_told_the_reason_and_disconnected"),
     ])),
     fault(84, "token operations side by side, on a full disk, killed in between", Tests(&[
         (NETWORK, "tokens_that_are_revoked_beside_commands_that_make_others_stay_revoked"),
@@ -542,20 +542,20 @@ pub const FAULTS: &[Fault] = &[
         (GATEKEEPER, "a_valid_token_resets_no_count_of_wrong_ones"),
     ])),
     fault(90, "IPv6 forms of IPv4 addresses", Tests(&[
-        ("src/network/address.rs", "other_machines_need_tls_and_an_address_of_one_network"),
-        ("src/network/address.rs", "only_addresses_of_this_machine_are_read_as_such_in_their_shortest_form"),
-        ("src/share/target.rs", "a_target_is_a_format_and_a_loopback_address"),
+        ("crates/runtime/src/network/address.rs", "other_machines_need_tls_and_an_address_of_one_network"),
+        ("crates/runtime/src/network/address.rs", "only_addresses_of_this_machine_are_read_as_such_in_their_shortest_form"),
+        ("crates/runtime/src/share/target.rs", "a_target_is_a_format_and_a_loopback_address"),
         (NETWORK, "servers_without_tls_a_token_or_an_address_of_one_network_do_not_start"),
     ])),
     fault(91, "root, records of other users and links, in every command", Tests(&[
         ("tests/cli/doctor.rs", "root_is_refused_without_allow_root_but_may_use_other_commands"),
-        ("src/output/pressed_key_file/linux.rs", "a_record_that_another_user_may_have_written_is_ignored"),
+        ("crates/runtime/src/output/pressed_key_file/linux.rs", "a_record_that_another_user_may_have_written_is_ignored"),
         (STRANGERS, "manual_pages_and_pictures_replace_files_but_are_not_written_through_links"),
     ])),
     fault(92, "words of megabytes, and request targets of other servers", Tests(&[
         (FORGED, "no_command_prints_a_line_of_a_long_word"),
         ("crates/core/src/message/escape.rs", "a_megabyte_becomes_the_start_of_a_line"),
-        ("src/capture/transport/websocket/admission.rs", "only_a_path_of_this_server_is_a_request_target"),
+        ("crates/runtime/src/capture/transport/websocket/admission.rs", "only_a_path_of_this_server_is_a_request_target"),
         ("tests/cli/share/websocket.rs", "only_the_pages_of_this_address_are_served_and_only_to_it"),
     ])),
     fault(93, "recipes of the guides that open a port", Tests(&[
@@ -566,8 +566,8 @@ pub const FAULTS: &[Fault] = &[
     fault(94, "a press is dropped, or the watchdog releases a key, while the layout holds a lock", Tests(&[
         ("tests/outputs/x11/output_stalls.rs", "no_bare_key_follows_a_lock_that_the_server_has_not_executed"),
         ("tests/outputs/x11/output_stalls.rs", "no_bare_key_follows_a_lock_that_the_watchdog_has_released"),
-        ("src/output/desktop/tests/mod.rs", "after_a_dropped_press_nothing_is_pressed_until_the_loop_has_noticed"),
-        ("src/output/uinput/linux/tests/watchdog.rs", "no_key_is_pressed_beside_one_that_the_watchdog_may_have_released"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "after_a_dropped_press_nothing_is_pressed_until_the_loop_has_noticed"),
+        ("crates/runtime/src/output/uinput/linux/tests/watchdog.rs", "no_key_is_pressed_beside_one_that_the_watchdog_may_have_released"),
     ])),
     fault(95, "the keymap changes while characters are typed; a death after characters", Tests(&[
         (CHARACTERS, "a_keymap_that_the_user_changes_after_a_text_stays_unchanged"),
@@ -585,11 +585,11 @@ pub const FAULTS: &[Fault] = &[
     fault(97, "a receiver that reads the keymap late; few spare keys", Tests(&[
         (CHARACTERS, "a_receiver_that_reads_the_keymap_late_reads_the_right_characters"),
         (CHARACTERS, "a_text_that_needs_more_keys_than_the_keymap_has_unused_is_dropped_entirely"),
-        ("src/output/desktop/tests/mod.rs", "a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure"),
     ])),
     fault(98, "the output file exists", Tests(&[
         (STRANGERS, "no_command_writes_to_a_file_that_exists_or_through_a_link"),
-        ("src/files/tests.rs", "a_new_file_replaces_none_and_is_not_created_through_a_link"),
+        ("crates/runtime/src/files/tests.rs", "a_new_file_replaces_none_and_is_not_created_through_a_link"),
     ])),
     fault(99, "the disk fills during a recording", Tests(&[
         ("tests/cli/faults/disks.rs", "a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_on"),
@@ -616,14 +616,14 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/idle.rs", "the_death_of_the_server_while_no_reading_arrives_ends_the_run"),
     ])),
     fault(105, "one hand floods", Tests(&[
-        ("src/capture/event_queue.rs", "a_hand_that_floods_the_queue_displaces_no_reading_of_the_other"),
-        ("src/capture/merge/tests.rs", "no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it"),
-        ("src/capture/merge/tests.rs", "a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods"),
+        ("crates/runtime/src/capture/event_queue.rs", "a_hand_that_floods_the_queue_displaces_no_reading_of_the_other"),
+        ("crates/runtime/src/capture/merge/tests.rs", "no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_overtakes_it"),
+        ("crates/runtime/src/capture/merge/tests.rs", "a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods"),
         ("tests/pipeline/hands_and_profiles.rs", "a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_other_types"),
     ])),
     fault(106, "SIGTSTP and SIGCONT in a row; files that are replaced or left", Tests(&[
         ("tests/cli/signals.rs", "a_run_that_is_continued_before_it_has_stopped_goes_on"),
-        ("src/files/tests.rs", "a_replaced_file_keeps_its_group_mode_attributes_and_access_list"),
-        ("src/output/socket/linux.rs", "a_socket_that_is_closed_or_refused_leaves_no_file_behind"),
+        ("crates/runtime/src/files/tests.rs", "a_replaced_file_keeps_its_group_mode_attributes_and_access_list"),
+        ("crates/runtime/src/output/socket/linux.rs", "a_socket_that_is_closed_or_refused_leaves_no_file_behind"),
     ])),
 ];

@@ -27,10 +27,11 @@ const fn requirement(number: usize, name: &'static str, status: Status) -> Requi
     }
 }
 
-const GATEKEEPER_TESTS: &str = "src/network/secure/gatekeeper/tests.rs";
-const TOKEN_TESTS: &str = "src/network/secure/tokens/tests.rs";
-const FAILED_TRIES: &str = "src/network/secure/failed_tries.rs";
+const GATEKEEPER_TESTS: &str = "crates/runtime/src/network/secure/gatekeeper/tests.rs";
+const TOKEN_TESTS: &str = "crates/runtime/src/network/secure/tokens/tests.rs";
+const FAILED_TRIES: &str = "crates/runtime/src/network/secure/failed_tries.rs";
 const NETWORK_TESTS: &str = "tests/cli/network.rs";
+const LAN_TESTS: &str = "tests/cli/web/lan.rs";
 const FUZZING: &str = "tests/fuzzing/main.rs";
 
 pub const REQUIREMENTS: &[Requirement] = &[
@@ -51,7 +52,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "an_address_that_others_can_reach_is_refused",
             ),
             (
-                "src/network/address.rs",
+                "crates/runtime/src/network/address.rs",
                 "other_machines_need_tls_and_an_address_of_one_network",
             ),
             (
@@ -76,6 +77,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 (
                     GATEKEEPER_TESTS,
                     "what_a_client_has_sent_admits_no_one_who_sends_it_again",
+                ),
+                (
+                    LAN_TESTS,
+                    "the_page_types_into_the_program_once_keys_are_allowed_until_its_token_is_revoked",
                 ),
                 (
                     FUZZING,
@@ -108,7 +113,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                     "openssl_receives_lines_with_a_token_and_nothing_without_one",
                 ),
                 (
-                    "src/network/zenoh/mod.rs",
+                    "crates/runtime/src/network/zenoh/mod.rs",
                     "a_router_is_one_of_this_machine",
                 ),
             ],
@@ -120,7 +125,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         "no web page reaches a port",
         Status::Met(&[
             (
-                "src/share/hub/tests.rs",
+                "crates/runtime/src/share/hub/tests.rs",
                 "a_client_that_sends_is_disconnected",
             ),
             (
@@ -151,6 +156,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 NETWORK_TESTS,
                 "openssl_receives_lines_with_a_token_and_nothing_without_one",
             ),
+            (
+                LAN_TESTS,
+                "a_client_without_the_token_or_of_another_page_is_refused",
+            ),
         ]),
     ),
     requirement(
@@ -158,11 +167,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         "a joint-angle server is read-only",
         Status::Met(&[
             (
-                "src/share/hub/tests.rs",
+                "crates/runtime/src/share/hub/tests.rs",
                 "a_client_that_sends_is_disconnected",
             ),
             (
-                "src/share/target.rs",
+                "crates/runtime/src/share/target.rs",
                 "a_target_is_a_format_and_a_loopback_address",
             ),
             (
@@ -204,6 +213,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_source_on_the_network_types_with_a_role_that_allows_it",
             ),
             (
+                "tests/cli/roles.rs",
+                "a_source_on_the_network_types_between_allow_keys_and_forbid_keys",
+            ),
+            (
                 NETWORK_TESTS,
                 "a_source_has_no_more_than_the_role_of_its_token",
             ),
@@ -230,7 +243,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_system_chord_is_never_down_in_any_order_of_its_keys",
             ),
             (
-                "src/output/uinput/linux/spec.rs",
+                "crates/runtime/src/output/uinput/linux/spec.rs",
                 "each_device_has_the_required_capabilities_only",
             ),
         ]),
@@ -414,7 +427,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_client_without_a_subscription_receives_no_events",
             ),
             (
-                "src/output/tests.rs",
+                "crates/runtime/src/output/tests.rs",
                 "a_transcript_is_readable_by_its_owner_only",
             ),
         ]),
@@ -430,7 +443,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_token_is_made_once_listed_without_its_secret_and_revoked",
             ),
             (
-                "src/network/secure/token.rs",
+                "crates/runtime/src/network/secure/token.rs",
                 "tokens_differ_and_are_not_printed",
             ),
             (

@@ -5,8 +5,12 @@ use std::path::Path;
 
 use crate::security::{files, root};
 
-/// The folder of the library and the program.
-pub const PROGRAM: &str = "src";
+/// The folders of the program and of the crates that may wait, and what stands before the names of their files.
+const PROGRAM: [(&str, &str); 3] = [
+    ("src", ""),
+    ("crates/runtime/src", ""),
+    ("crates/studio/src", "studio/"),
+];
 
 /// The folder of the stages.
 pub const CORE: &str = "crates/core/src";
@@ -30,6 +34,15 @@ pub fn shipped(folder: &str) -> Vec<(String, String)> {
         .map(|(path, text)| (name(&folder, &path), without_tests(&text)))
         .filter(|(name, _)| !name.ends_with("tests.rs") && !name.contains("/tests/"))
         .collect()
+}
+
+/// Returns the same for all files of the program, without the core and the lab: `bin/…`, `session/…`, `studio/…`.
+pub fn program() -> Vec<(String, String)> {
+    let files = PROGRAM.into_iter().flat_map(|(folder, prefix)| {
+        let named = move |(name, code)| (format!("{prefix}{name}"), code);
+        shipped(folder).into_iter().map(named)
+    });
+    files.collect()
 }
 
 fn name(folder: &Path, path: &Path) -> String {

@@ -1,7 +1,6 @@
 //! Datagrams of opentrack and VMC on real sockets; the package python-osc makes datagrams of VMC too.
 
 use std::net::{SocketAddr, UdpSocket};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
@@ -10,6 +9,7 @@ use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, 
 use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
 use glam::{Quat, Vec3};
 
+use crate::support::python::python;
 use crate::text_line::{TIMEOUT, samples, uri};
 
 /// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port.
@@ -245,31 +245,9 @@ client.send(bundle(
 ))
 "##;
 
-/// Returns a Python with python-osc, installed once per build folder, or the reason why there is none.
-fn python() -> Result<PathBuf, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("osc-sender");
-    let python = folder.join("bin/python");
-    let run = |program: &Path, arguments: &[&str]| {
-        let output = Command::new(program).args(arguments).output();
-        match output {
-            Ok(output) if output.status.success() => Ok(()),
-            Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
-            Err(error) => Err(error.to_string()),
-        }
-    };
-    if run(&python, &["-c", "import pythonosc"]).is_ok() {
-        return Ok(python);
-    }
-    let folder = folder.display().to_string();
-    run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
-    let pip = "-m pip install --quiet --timeout 10 --retries 1 python-osc==1.10.2";
-    run(&python, &pip.split(' ').collect::<Vec<_>>())?;
-    Ok(python)
-}
-
 #[test]
 fn bundles_of_python_osc_are_read_and_bad_messages_left_out() {
-    let python = match python() {
+    let python = match python("osc-sender", "pythonosc", &["python-osc==1.10.2"]) {
         Ok(python) => python,
         Err(reason) => {
             println!("SKIPPED: cannot install the package python-osc: {reason}");

@@ -191,6 +191,21 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
         "direction, lengths, rotation and angle: {line}"
     );
     assert!(line["right"]["index_vector"].is_array());
+
+    // Without the elbow, the hand has its vectors.
+    let mut rows = case["half_pose"].clone();
+    rows[2] = Value::Null;
+    let pose = file(&folder, "elbow.json", rows.to_string());
+    let hand = run(["arm", "attributes", &pose, "--image-size", &size]).done();
+    let hand = &lines(&hand.out)[0]["left"];
+    for (reference, name) in NAMES {
+        if name.ends_with("_vector") {
+            let expected = &case["attributes"][format!("left_{reference}")];
+            assert_close(&hand[name], expected, 1e-6, name);
+        } else {
+            assert!(hand[name].is_null(), "{name}: {hand}");
+        }
+    }
     let back = file(&folder, "attributes.jsonl", &printed.out);
     let refused = run(["arm", "landmarks", &back]);
     assert_eq!(refused.code, Some(2));

@@ -87,6 +87,23 @@ fn a_pose_without_a_point_is_refused_by_its_name_and_line() {
     assert!(ended.err.contains(expected), "{}", ended.err);
 }
 
+#[test]
+fn a_pose_with_an_arm_of_no_length_is_left_out_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut pose = vectors()[0]["points"].clone();
+    let whole = pose.to_string();
+    pose["left_elbow"] = pose["left_shoulder"].clone();
+    let path = file(&folder, "poses.jsonl", format!("{pose}\n{whole}\n"));
+    let ended = run(["body", "angles", path.as_str()]).done();
+    assert_eq!(lines(&ended.out).len(), 1);
+    let expected = "1 of 2 poses have no angles and are left out";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+    let path = file(&folder, "none.jsonl", pose.to_string());
+    let ended = run(["body", "angles", path.as_str()]);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("no pose has angles"), "{}", ended.err);
+}
+
 /// Returns the bytes of an array of NumPy of 64-bit numbers.
 fn npy(shape: &str, numbers: &[f64]) -> Vec<u8> {
     let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");

@@ -16,17 +16,15 @@ use crate::support::process::Process;
 /// Longest wait for a state of the page.
 pub const TIMEOUT: Duration = Duration::from_secs(120);
 
-const FLAGS: [&str; 12] = [
+const FLAGS: [&str; 10] = [
     "--headless",
     "--no-sandbox",
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
     "--disable-dev-shm-usage",
-    "--window-size=1280,800",
     "--remote-debugging-port=0",
     "about:blank",
 ];
@@ -46,10 +44,16 @@ pub struct Browser {
 impl Browser {
     /// Starts the browser; `None` if it is not installed.
     pub fn start() -> Option<Self> {
+        Self::start_with(&["--disable-gpu", "--window-size=1280,800"])
+    }
+
+    /// Starts the browser with more flags; `None` if it is not installed.
+    pub fn start_with(flags: &[&str]) -> Option<Self> {
         let profile = tempfile::tempdir().expect("a folder");
         let mut command = Command::new("chromium");
         command
             .arg(format!("--user-data-dir={}", profile.path().display()))
+            .args(flags)
             .args(FLAGS)
             .stderr(Stdio::piped());
         let Ok(mut process) = Process::start(&mut command) else {
@@ -81,6 +85,13 @@ impl Browser {
 
     /// Calls a method, and returns its result.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        let answer = self.answer(method, parameters);
+        assert!(answer.get("error").is_none(), "{method}: {answer}");
+        answer["result"].clone()
+    }
+
+    /// Calls a method, and returns the answer, which may be an error.
+    fn answer(&mut self, method: &str, parameters: Value) -> Value {
         self.calls += 1;
         let mut call = json!({"id": self.calls, "method": method, "params": parameters});
         if self.session.is_string() {
@@ -92,8 +103,7 @@ impl Browser {
             let message = self.socket.read().expect("the browser runs");
             let answer: Value = serde_json::from_slice(&message.into_data()).expect("JSON");
             if answer["id"] == self.calls {
-                assert!(answer.get("error").is_none(), "{method}: {answer}");
-                return answer["result"].clone();
+                return answer;
             }
             if answer["method"].is_string() {
                 self.events.push(answer);
@@ -103,9 +113,7 @@ impl Browser {
 
     /// Evaluates an expression in the page.
     pub fn evaluate(&mut self, expression: &str) -> Value {
-        let parameters =
-            json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        self.call("Runtime.evaluate", parameters)["result"]["value"].clone()
+        self.call("Runtime.evaluate", evaluation(expression))["result"]["value"].clone()
     }
 
     /// Waits until what an expression says of the page is as expected.
@@ -117,14 +125,24 @@ impl Browser {
     ) -> Value {
         let start = Instant::now();
         loop {
-            let look = self.evaluate(look);
-            if is_expected(&look) {
+            let answer = self.answer("Runtime.evaluate", evaluation(look));
+            let look = answer["result"]["result"]["value"].clone();
+            // A page that is being replaced by another one answers with an error.
+            if answer.get("error").is_none() && is_expected(&look) {
                 println!("{expected}: {look}");
                 return look;
             }
             assert!(start.elapsed() < TIMEOUT, "{expected}: {look}");
             std::thread::sleep(Duration::from_millis(20));
         }
+    }
+
+    /// Returns the addresses that the page has requested, if the events of the network are on.
+    pub fn requests(&self) -> Vec<String> {
+        let sent = self.events.iter();
+        let sent = sent.filter(|it| it["method"] == "Network.requestWillBeSent");
+        let url = |it: &Value| it["params"]["request"]["url"].as_str().map(str::to_owned);
+        sent.filter_map(url).collect()
     }
 
     /// Saves a picture of the page in the folder of the build.
@@ -157,4 +175,9 @@ fn decode_base64(text: &str) -> Vec<u8> {
         [a, b, c].into_iter().take(digits.len() - 1)
     });
     bytes.collect()
+}
+
+/// Returns the parameters of the evaluation of an expression, and of the promise that it may be.
+fn evaluation(expression: &str) -> Value {
+    json!({"expression": expression, "returnByValue": true, "awaitPromise": true})
 }

@@ -124,3 +124,18 @@ fn a_camera_that_never_sees_the_wand_with_another_one_is_named() {
     assert!(ended.err.contains(expected), "{}", ended.err);
     assert!(!path.exists());
 }
+
+#[test]
+fn a_camera_that_is_there_twice_is_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = room().remove(0);
+    let twin = Camera {
+        name: "twin".to_owned(),
+        ..first.clone()
+    };
+    let wand = file(&folder, "wand.jsonl", wand_lines(&[first, twin]).join("\n"));
+    let ended = calibrate(&wand, &folder.path().join("cameras.ron"));
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let expected = "`cam0` and `twin`: both see the points from one place";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+}

@@ -89,7 +89,7 @@ fn rust_log_is_honoured_and_an_invalid_one_is_reported() {
         ended.err.contains("comes with the program")
     };
     assert!(reported("", "") && reported("info", ""));
-    assert!(!reported("warn", "") && !reported("ademan::files=off,info", ""));
+    assert!(!reported("warn", "") && !reported("ademan_runtime::files=off,info", ""));
     assert!(reported("warn", "-v "), "a flag precedes the variable");
     let ended = run_with("ademan=loud", "layouts").done();
     assert!(

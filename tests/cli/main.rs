@@ -11,6 +11,7 @@ mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
 mod calibrate_interrupted;
+mod camera_pictures;
 mod cameras;
 #[cfg(target_os = "linux")]
 mod completion;
@@ -35,6 +36,11 @@ mod home_made_gloves;
 #[cfg(target_os = "linux")]
 mod idle;
 mod lab;
+mod lab_designs;
+#[cfg(unix)]
+mod lab_shards;
+#[cfg(unix)]
+mod lab_study;
 mod language_models;
 #[cfg(unix)]
 mod learning;
@@ -56,10 +62,12 @@ mod recorded_messages;
 mod reload;
 #[cfg(unix)]
 mod roles;
+mod schema;
 #[cfg(target_os = "linux")]
 mod security;
 #[cfg(target_os = "linux")]
 mod senders;
+mod sensor_parameters;
 mod share;
 mod signals;
 mod simulated_hand;

@@ -46,7 +46,7 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
     assert_eq!(
         hint,
         "on the network and only a pointer: it presses no keys of the layout; `role: Both` next to this source in \
-         the setup or `--role both` lets it type"
+         the setup or `--role both` lets it type, and `ademan ctl allow-keys` does until the session ends"
     );
     run.wait_for_message(ARMED);
     for _ in 0..3 {
@@ -73,6 +73,30 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
     assert_eq!(request(&run, r#"{"command":"stop"}"#)["ok"], true);
     let stats = message_with(&run, " readings: ");
     assert!(stats.ends_with("; suppressed: 3 by `role`"), "{stats}");
+    assert!(run.events.is_empty(), "no key was pressed");
+}
+
+#[test]
+fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
+    let run = Run::with_setup(NO_ROLE, &["--control", "c.sock"]);
+    run.wait_for_message(ARMED);
+    let reply = |command: &str| request(&run, &format!(r#"{{"command":"{command}"}}"#));
+    assert_eq!(reply("allow-keys")["ok"], true);
+    // The hand has to be clear of every key first.
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down H");
+    // The key is down: it comes up at once.
+    assert_eq!(reply("forbid-keys")["ok"], true);
+    assert_eq!(run.next_event(), "up H");
+    run.lift();
+    thread::sleep(2 * MOVE_TIME);
+    run.press();
+    thread::sleep(MOVE_TIME);
+    run.lift();
+    thread::sleep(MOVE_TIME);
+    let state = request(&run, r#"{"command":"state"}"#);
+    assert_eq!(state["stats"]["suppressed"]["keys_by_role"], 1, "{state}");
     assert!(run.events.is_empty(), "no key was pressed");
 }
 

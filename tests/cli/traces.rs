@@ -164,3 +164,92 @@ fn a_closed_standard_output_ends_the_program_without_an_error() {
         );
     }
 }
+
+#[test]
+fn the_angles_of_a_body_are_traced_as_those_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let pose = |name: &str| format!("{}/examples/poses/{name}.jsonl", env!("CARGO_MANIFEST_DIR"));
+    let movement = run(["arm", "between", &pose("rest"), &pose("wave")])
+        .done()
+        .out;
+    let movement = file(&folder, "movement.jsonl", movement);
+    let lines = |out: &str| -> Vec<serde_json::Value> {
+        let lines = out.lines().map(serde_json::from_str);
+        lines.collect::<Result<_, _>>().expect("JSON")
+    };
+    // The movement has no legs.
+    let with_legs: Vec<String> = lines(&std::fs::read_to_string(movement).unwrap())
+        .into_iter()
+        .map(|mut line| {
+            for (landmark, place) in [
+                (25_usize, [0.12, 0.4]),
+                (26, [-0.12, 0.4]),
+                (27, [0.12, 0.8]),
+                (28, [-0.12, 0.8]),
+            ] {
+                line["pose_world_landmarks"][landmark] =
+                    serde_json::json!([place[0], place[1], 0.05, 1.0]);
+            }
+            line.to_string()
+        })
+        .collect();
+    let body = file(&folder, "body.jsonl", with_legs.join("\n"));
+    let source = format!("file:{body}?protocol=body-landmarks");
+    for order in ["zxy", "xyz"] {
+        let traced = run(["trace", "body", "--euler", order, "--source", &source]).done();
+        let traced = lines(&traced.out);
+        let expected = lines(&run(["body", "angles", &body, "--order", order]).done().out);
+        assert!(traced.len() > 40 && traced.len() == expected.len());
+        for (traced, expected) in traced.iter().zip(&expected) {
+            assert_eq!(traced["order"], expected["order"]);
+            for (joint, angles) in expected["angles_deg"].as_object().unwrap() {
+                for axis in 0..3_usize {
+                    let [found, expected] =
+                        [&traced["angles_deg"][joint], angles].map(|it| it[axis].as_f64().unwrap());
+                    let difference = (found - expected + 180.0).rem_euclid(360.0) - 180.0;
+                    assert!(difference.abs() < 1e-3, "{joint}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn euler_angles_of_the_joints_are_those_that_turn_them() {
+    let trace = [
+        "trace",
+        "angles",
+        "--source",
+        "typist:hola",
+        "--euler",
+        "yzx",
+    ];
+    let traced = run(trace).done().out;
+    let mut largest: f64 = 0.0;
+    for line in traced.lines() {
+        let line: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert_eq!(line["order"], "YZX");
+        for (joint, turns) in [
+            ("elbow", ["elbow-flexion", "", "forearm-supination"]),
+            ("wrist", ["wrist-deviation", "wrist-flexion", ""]),
+            (
+                "index-finger-phalanx-intermediate",
+                ["", "index-pip-flexion", ""],
+            ),
+        ] {
+            for (axis, turn) in turns.into_iter().enumerate() {
+                let expected = line["angles"][turn].as_f64().unwrap_or(0.0).to_degrees();
+                let found = line["euler_deg"][joint][axis].as_f64().unwrap();
+                assert!(
+                    (found - expected).abs() < 1e-3,
+                    "{joint}: {found} {expected}"
+                );
+                largest = largest.max(expected);
+            }
+        }
+    }
+    assert!(largest > 30.0, "{largest}");
+    let refused = run(["trace", "pose", "--source", "typist:hola", "--euler", "yzx"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("`--euler` is for"), "{}", refused.err);
+}

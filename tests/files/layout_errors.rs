@@ -39,7 +39,7 @@ fn an_unknown_name_on_a_board_has_its_position() {
         ),
         (
             "xylophone: []".into(),
-            "3:1: unknown field `xylophone`, expected one of: pose, hand, contact, gaps, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
+            super::layouts::with_board_fields("3:1: unknown field `xylophone`, expected one of: "),
         ),
         (
             key("lable: \"x\""),

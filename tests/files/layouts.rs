@@ -13,7 +13,7 @@ use ademan::document::Document;
 use ademan::files::{Load, OpenDocument};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::layout::{KeySize, Layout};
+use ademan::layout::{KeySize, Layout, field_tables};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
@@ -22,6 +22,16 @@ const POSE: &str = "pose: (anchor: elbow)";
 /// Returns a layout whose board has these fields.
 fn board(fields: &str) -> String {
     format!("Layout(name: \"t\", boards: [(\n{POSE},\n{fields}\n)])")
+}
+
+/// Returns a message with the names of all fields of a board at its end.
+pub fn with_board_fields(message: &str) -> &'static str {
+    let tables = field_tables();
+    let board = tables.iter().find(|table| table.name == "Board");
+    let rows = board.expect("boards have fields").rows.iter();
+    let names: Vec<&str> = rows.map(|row| row.name.as_str()).collect();
+    assert!(names.contains(&"rows") && names.contains(&"knobs"));
+    format!("{message}{}", names.join(", ")).leak()
 }
 
 fn code(name: &str) -> KeyCode {
@@ -46,6 +56,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "qwerty-flat-22",
             "qwerty-two-arc",
             "qwerty-two-flat",
+            "qwerty-words",
             "qwertz-flat",
             "spanish-flat",
             "webcam-qwerty",
@@ -54,12 +65,17 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "media",
             "mixer",
             "piano",
+            "radial",
+            "scroll-rings",
             "switches",
             "touch-pad",
             "workshop",
             "arm-6dof",
             "arm-gamepad",
+            "claws",
             "direct",
+            "drive",
+            "gestures",
             "joint",
             "lucidgloves-controller",
             "rate",
@@ -401,6 +417,14 @@ fn drawings_of_shipped_layouts_have_whole_labels_and_fit_into_80_columns() {
 fn controls_gestures_and_chords_are_listed_below_the_boards() {
     let cases = [
         ("workshop", "Water  valve, 3 turns"),
+        (
+            "scroll-rings",
+            "Page    scroll ring, 24 detents a turn, wheel -24 up",
+        ),
+        (
+            "radial",
+            "Edit  radial menu, clockwise: Copy Ctrl+C, Paste Ctrl+V,",
+        ),
         (
             "media",
             "Volume  knob, 270°, 20 steps, 20 taps of Vol+ or Vol-",

@@ -7,3 +7,4 @@ mod layouts;
 mod pictures;
 mod recordings;
 mod schema;
+mod setups;

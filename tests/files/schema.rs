@@ -2,7 +2,10 @@
 
 use std::process::Command;
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capture/recording/message");
+const FOLDER: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/crates/runtime/src/capture/recording/message"
+);
 
 #[test]
 fn the_schema_in_recordings_is_what_protoc_makes_of_its_text() {

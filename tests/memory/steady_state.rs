@@ -275,6 +275,7 @@ fn update(
     let input = DeviceInput {
         scene: &ademan::contact::surface::Scene::new(),
         angles: &JointAngles::default(),
+        bends: &Default::default(),
         inputs: &Default::default(),
         pose,
         touches,
@@ -395,6 +396,7 @@ fn controls_and_gestures_do_not_allocate() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
+            bends: &Default::default(),
             inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
@@ -535,6 +537,9 @@ fn handles_do_not_allocate_and_return_to_rest() {
         knobs: [(name: "c", at_mm: (0, 90), diameter_mm: 50, output: Axis("TurnZ"))],
         valves: [(name: "d", at_mm: (0, 150), diameter_mm: 50,
             output: Taps(increase: Key("A"), decrease: Key("B"), steps: 30))],
+        scroll_rings: [(name: "f", at_mm: (0, 280), diameter_mm: 50, output: ScrollY(24))],
+        radial_menus: [(name: "g", at_mm: (0, 350), diameter_mm: 60, sectors: [(name: "h", tap: Key("F"), with: "Control"),
+            (name: "i", menu: [(name: "j", tap: Key("G")), (name: "k", tap: Key("H"), with: "Shift Alt")])])],
         joysticks: [(name: "e", at_mm: (0, 210), diameter_mm: 50, travel_mm: 20, axes: ("LeftX", "LeftY"),
             direction_keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")),
             push_action: Key("E"), pointer_px_per_s: 500)])])"#;
@@ -562,7 +567,7 @@ fn handles_do_not_allocate_and_return_to_rest() {
                 time: pose.time,
                 side: Side::Right,
                 finger,
-                target: TargetId((random() * 5.0) as u32),
+                target: TargetId((random() * 7.0) as u32),
                 phase: Phase::ALL[(random() * Phase::COUNT as f32) as usize],
                 depth: random(),
                 position: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,
@@ -586,6 +591,7 @@ fn handles_do_not_allocate_and_return_to_rest() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &JointAngles::default(),
+            bends: &Default::default(),
             inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
@@ -665,6 +671,7 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
+            bends: &Default::default(),
             inputs: &Default::default(),
             pose: &pose,
             touches: &[],

@@ -5,6 +5,8 @@ mod support;
 
 #[cfg(target_os = "linux")]
 mod chaos;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod ime;
 #[cfg(target_os = "linux")]
 mod music;
 #[cfg(target_os = "linux")]

@@ -3,11 +3,12 @@
 use std::fs;
 
 use ademan::capture::{Hc11Format, Source, SourceEvent};
+use ademan::command::{Command, CommandOrigin};
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
 use ademan::files::Load;
 use ademan::layout::Layout;
-use ademan::pipeline::{Pipeline, PipelineState, SourceRole, Suppressed};
+use ademan::pipeline::{CommandError, Pipeline, PipelineState, SourceRole, Suppressed};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 
 fn load(setup: Setup) -> LoadedSetup {
@@ -145,6 +146,30 @@ fn an_unknown_role_and_a_role_without_a_source_are_refused() {
         error,
         "`other_hand` has a `role` but no `source`; set the `role` of the first source, which provides both hands"
     );
+}
+
+#[test]
+fn the_person_allows_keys_while_the_session_runs_and_a_layout_cannot() {
+    let setup = load(Setup {
+        source: Some("tcp:10.0.0.7:4001".parse().expect("a source")),
+        ..Setup::default()
+    });
+    let mut pipeline = setup.pipeline();
+    let execute = |pipeline: &mut Pipeline, command, origin| {
+        pipeline.execute(&command, origin, &mut Events::new())
+    };
+    let refused = execute(&mut pipeline, Command::AllowKeys, CommandOrigin::Layout);
+    assert_eq!(refused, Err(CommandError::Permission));
+    assert!(type_with(&setup, &mut pipeline, "a").is_empty());
+    for (command, typed) in [
+        (Command::AllowKeys, &["A", "/A"][..]),
+        (Command::ForbidKeys, &[]),
+    ] {
+        let mut pipeline = setup.pipeline();
+        execute(&mut pipeline, Command::AllowKeys, CommandOrigin::Client).expect("it is allowed");
+        execute(&mut pipeline, command, CommandOrigin::Client).expect("it is allowed");
+        assert_eq!(type_with(&setup, &mut pipeline, "a"), typed, "{command:?}");
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ use serde_json::Value;
 const TOLERANCE_DEG: f64 = 1e-4;
 
 /// Returns the path of a recording and its content.
-fn recording(name: &str) -> Option<(PathBuf, Value)> {
+pub fn recording(name: &str) -> Option<(PathBuf, Value)> {
     let folder = match std::env::var_os("ADEMAN_PEERS") {
         Some(folder) => folder.into(),
         None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),

@@ -157,11 +157,33 @@ fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
 }
 
 #[test]
+fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
+    let typed = |output: &str| {
+        let setup = Setup {
+            text: Some(TextSetup {
+                mode: TextModeSetup::Auto,
+                language: "es".into(),
+                ..TextSetup::default()
+            }),
+            output: output.into(),
+            ..Setup::default()
+        };
+        let setup = setup.load_files().expect("the shipped layout");
+        let hand = typist(&setup, "la cancion de mi corazon ", 0.0, 1);
+        play(&setup, hand, |_, _, _| {}).text
+    };
+    assert_eq!(typed("transcript"), "la canción de mi corazón ");
+    // A keyboard of the kernel has no characters.
+    assert_eq!(typed("uinput"), "la cancion de mi corazon ");
+}
+
+#[test]
 fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
     let load = |language: &str, layout: &str| {
         let text = TextSetup {
             mode: TextModeSetup::Auto,
             language: language.into(),
+            ..TextSetup::default()
         };
         let setup = Setup {
             text: Some(text),

@@ -86,7 +86,7 @@ fn wrong(mode: Option<TextMode>, scatter: f32, seed: u64) -> usize {
     let mut typist = Typist::new(seed);
     let language = Language::load("en", |_| Err(String::new())).expect("it comes with the program");
     let mut filter: Option<Box<dyn PressFilter>> =
-        mode.and_then(|mode| language.filter(&typist.layout, mode, false));
+        mode.and_then(|mode| language.filter(&typist.layout, mode, false, false));
     assert_eq!(filter.is_some(), mode.is_some());
     let mut devices = typist.layout.devices();
     let mut arbiter = KeyArbiter::new(typist.layout.texts.clone());
@@ -106,6 +106,7 @@ fn wrong(mode: Option<TextMode>, scatter: f32, seed: u64) -> usize {
                 let input = DeviceInput {
                     scene,
                     angles: &JointAngles::default(),
+                    bends: &Default::default(),
                     inputs: &Default::default(),
                     pose: &pose,
                     touches: &touches,

@@ -24,7 +24,8 @@ pub struct CheckedPipeline {
     oracle: Oracle,
     output: Option<StepOutput>,
     /// The setup has a text decoder.
-    has_text: bool,
+    /// The text decoder of the setup types accents, if there is one.
+    accents: Option<bool>,
 }
 
 impl Deref for CheckedPipeline {
@@ -52,7 +53,7 @@ impl CheckedPipeline {
                 settings,
             ),
             output: None,
-            has_text: setup.setup.text.is_some(),
+            accents: setup.setup.text.as_ref().map(|text| text.accents),
         }
     }
 
@@ -153,7 +154,9 @@ impl CheckedPipeline {
         self.command(releases, events, |pipeline, events| {
             pipeline.replace_profile(profile, instance, events);
         });
-        let text = self.has_text.then(|| text::capabilities(layout));
+        let text = self
+            .accents
+            .map(|accents| text::capabilities(layout, accents));
         let rules = OutputRules::from_layout(layout).with(&text.unwrap_or_default());
         self.oracle.replace(profile, rules);
     }

@@ -7,18 +7,22 @@ use std::sync::{Mutex, PoisonError};
 /// Held during an installation. Tests of one binary share a folder, and a second `venv --clear` empties the folder of the first.
 static INSTALLATION: Mutex<()> = Mutex::new(());
 
-/// Returns a Python that can import `modules`, with `packages` installed once per build folder in the virtual environment
-/// `name`, or the reason why there is none.
+/// Returns a Python that can import `modules`: the one of the system, or else one with `packages` installed once per build folder in
+/// the virtual environment `name`. An error is the reason why there is none.
 pub fn python(name: &str, modules: &str, packages: &[&str]) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let python = folder.join("bin/python");
     let import = format!("import {modules}");
+    let system = PathBuf::from("python3");
+    if run(&system, &["-c", &import]).is_ok() {
+        return Ok(system);
+    }
     let _installation = INSTALLATION.lock().unwrap_or_else(PoisonError::into_inner);
     if run(&python, &["-c", &import]).is_ok() {
         return Ok(python);
     }
     let folder = folder.display().to_string();
-    run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
+    run(&system, &["-m", "venv", "--clear", &folder])?;
     let options = "-m pip install --quiet --timeout 15 --retries 3";
     let mut install: Vec<&str> = options.split(' ').collect();
     install.extend(packages);

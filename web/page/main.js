@@ -1,12 +1,16 @@
 // The page: a layout, the hands over it, and what they type.
 
+import "./completion.js";
 import * as editor from "./editor.js";
 import { layoutIn, linkTo } from "./fragment.js";
+import { hear, offerHeadset, pass } from "./headset.js";
+import { clearScore, drawHeat, prepareScore } from "./heat.js";
 import { followPointer } from "./pointing.js";
 import { onChange, planPicture, showPlan, showPressed } from "./plan.js";
 import { session } from "./session.js";
 import { loadStages } from "./stages.js";
 import { redraw, show, view } from "./view.js";
+import { isRunning, prepareWebcam, showHolding } from "./webcam.js";
 
 const FIRST_LAYOUT = "qwerty-flat";
 const MAX_EVENTS = 12;
@@ -18,22 +22,14 @@ const stages = await loadStages();
 
 let sides = [];
 let faultsShown = [];
+/** The text of the last layout without faults. */
+let valid = "";
 
 /** Uses a layout if it has no faults; otherwise the last valid one stays. */
 function useLayout(text) {
-  for (const message of stages.setLayout(text)) {
-    if (message.kind === "faults") {
-      faultsShown = message.faults;
-      editor.setFaults(message.faults);
-      if (message.plan) {
-        sides = message.plan.map((board) => board.side);
-        showPlan(message.plan);
-        measureSoon();
-      }
-    } else {
-      (receivers[message.kind] ?? show)(message);
-    }
-  }
+  clearScore();
+  for (const message of stages.setLayout(text)) (receivers[message.kind] ?? show)(message);
+  if (faultsShown.length === 0) valid = text;
 }
 
 function openLayout(text) {
@@ -106,27 +102,37 @@ element("clear").addEventListener("click", () => {
   element("events").replaceChildren();
   notify("");
 });
-element("person").addEventListener("change", (event) => {
-  const name = event.target.value;
+function choosePerson() {
+  const name = element("person").value;
   sayFaults(stages.setPerson(name && stages.fileText(`persons/${name}`)));
+}
+element("person").addEventListener("change", choosePerson);
+element("words").addEventListener("change", async (event) => {
+  const { correctWords } = await import("./words.js");
+  await correctWords(stages, event.target.value, notify, () => {
+    useLayout(valid);
+    useLayout(editor.text());
+    choosePerson();
+  });
 });
 
 const MAX_RECORDING_BYTES = 15e6;
 
-/** Plays a file with lines of JSON, whose protocol the first line shows; a layout is opened. */
+/** Plays a motion capture file or one with lines of JSON, whose protocol the first line shows; a layout is opened. */
 async function play(file) {
   if (!file) return;
   if (file.size > MAX_RECORDING_BYTES) return notify("the file is larger than 15 MB; cut it");
   const text = await file.text();
   if (file.name.endsWith(".ron")) return openLayout(text);
   const protocol = protocolOf(text);
-  if (!protocol) return notify("the file has no lines with hands of a headset or webcam; a layout ends with .ron");
-  const { readings, error } = stages.push(protocol, text);
-  notify(error ?? `${readings} readings of ${protocol}`);
+  if (!protocol) return notify("the file is no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
+  const { readings, refused, error } = stages.playFile(protocol, text);
+  notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
 }
 
-/** Returns the protocol of lines of JSON; undefined if they have no hands. */
+/** Returns the protocol of a file; undefined if it has no hands. */
 function protocolOf(text) {
+  if (/^\s*HIERARCHY\b/i.test(text)) return sides.every((side) => side === "left") ? "bvh?hand=left" : "bvh";
   for (const line of text.split("\n", 200)) {
     try {
       const [hand] = JSON.parse(line).hands ?? [];
@@ -141,13 +147,23 @@ function protocolOf(text) {
 
 let hand = "resting";
 followPointer(
-  ({ point, normal, travel, board }, isDown) => stages.point(sides[board] === "left", point, normal, travel, isDown),
+  ({ point, normal, travel, board }, isDown) => isRunning() || stages.point(sides[board] === "left", point, normal, travel, isDown),
   () => hand === "resting" || hand === "pointing",
 );
 
 // ---- What comes of them.
 
 const receivers = {
+  faults({ faults, plan }) {
+    faultsShown = faults;
+    editor.setFaults(faults);
+    if (!plan) return;
+    sides = plan.map((board) => board.side);
+    showPlan(plan);
+    measureSoon();
+    drawHeat();
+  },
+  live: showHolding,
   session(message) {
     hand = message.hand;
     const field = element("typed");
@@ -157,6 +173,7 @@ const receivers = {
     }
   },
   notice: (message) => notify(message.text),
+  candidates: async (message) => (await import("./words.js")).showCandidates(stages, message),
   touches() {},
   events(message) {
     show(message);
@@ -172,6 +189,9 @@ const receivers = {
     showPressed(message.pressed);
   },
 };
+
+prepareScore(() => editor.text());
+prepareWebcam(stages, () => (sides.includes("left") ? 2 : 1));
 
 let measuring = 0;
 
@@ -191,11 +211,20 @@ function measureSoon() {
 
 let lastFrame = performance.now();
 
+/** Moves the stages on: in the frames of the window, and in those of a headset. */
+function advance(now) {
+  const elapsed = Math.max(now - lastFrame, 0);
+  lastFrame = Math.max(now, lastFrame);
+  pass(elapsed);
+  for (const message of stages.advance(elapsed)) {
+    hear(message);
+    (receivers[message.kind] ?? show)(message);
+  }
+}
+
 function frame(now) {
   requestAnimationFrame(frame);
-  const messages = stages.advance(Math.max(now - lastFrame, 0));
-  lastFrame = now;
-  for (const message of messages) (receivers[message.kind] ?? show)(message);
+  advance(now);
 }
 
 const STATES = { starting: "ready", stalled: "ready" };
@@ -272,6 +301,7 @@ addEventListener("hashchange", openFragment);
 if (!(await openFragment())) openShipped(FIRST_LAYOUT);
 if (session.layout === null) openShipped(FIRST_LAYOUT);
 requestAnimationFrame(frame);
+offerHeadset({ stages, advance, notify, openLayout });
 redraw();
 document.documentElement.dataset.ready = "true";
 navigator.serviceWorker?.register("offline.js").catch(() => {});

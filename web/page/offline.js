@@ -20,8 +20,18 @@ self.addEventListener("activate", (event) => {
   );
 });
 
+/** Loads a file, and keeps it if it is one that is loaded on demand: what few visitors use is large. */
+async function load(request) {
+  const answer = await fetch(request);
+  if (answer.ok && /\/(vision_|hand_landmarker|score\.wasm|words\.|e[ns]\.adm)/.test(new URL(request.url).pathname)) {
+    const cache = await caches.open(VERSION);
+    await cache.put(request, answer.clone()).catch(() => {});
+  }
+  return answer;
+}
+
 self.addEventListener("fetch", (event) => {
   if (event.request.method !== "GET" || new URL(event.request.url).origin !== location.origin) return;
   const wanted = event.request.mode === "navigate" ? "./" : event.request;
-  event.respondWith(caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).then((kept) => kept ?? fetch(event.request)));
+  event.respondWith(caches.match(wanted, { cacheName: VERSION, ignoreSearch: true }).then((kept) => kept ?? load(event.request)));
 });

@@ -18,6 +18,7 @@
 //! - [`decoder`] finds the text that taps most probably mean.
 //! - [`correction`] turns it into edits of a text field.
 //! - [`languages`] are the models that come with the crate.
+//! - [`filter`] puts all of it between the devices of a layout and the output of a pipeline of `ademan_core`.
 //!
 //! # Model
 //!
@@ -57,6 +58,7 @@ pub mod touch;
 pub mod decoder;
 pub mod correction;
 pub mod languages;
+pub mod filter;
 
 pub use correction::{Corrector, Edit, Mode};
 pub use decoder::{Candidate, Decoder, Options};

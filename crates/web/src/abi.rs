@@ -13,13 +13,14 @@ use std::time::Duration;
 use ademan_core::contact::TargetId;
 use ademan_core::document::Document;
 use ademan_core::hand::Side;
+use ademan_lab::sim::Pointed;
 use glam::Vec3;
 use serde::Deserialize;
 use serde_json::json;
 
 use crate::plan::PlanEdit;
-use crate::pointer::Pointed;
-use crate::session::{PageSession, Rehearsal, preview, shipped};
+use crate::rehearsal::Rehearsal;
+use crate::session::{PageSession, preview, shipped};
 
 /// The largest text that a page passes, in bytes.
 const MAX_INPUT_BYTES: usize = 16 << 20;
@@ -55,7 +56,10 @@ impl Page {
 }
 
 /// Calls a function with the session and the input; its result is the output. Without a session, the output is empty.
-fn with_session(length: usize, call: impl FnOnce(&mut PageSession, &str) -> String) -> usize {
+pub(crate) fn with_session(
+    length: usize,
+    call: impl FnOnce(&mut PageSession, &str) -> String,
+) -> usize {
     PAGE.with_borrow_mut(|page| {
         let text = page.text(length).to_owned();
         match &mut page.session {
@@ -66,6 +70,14 @@ fn with_session(length: usize, call: impl FnOnce(&mut PageSession, &str) -> Stri
             None => page.put(""),
         }
     })
+}
+
+/// Returns the bytes of the input, and empties it.
+#[cfg(feature = "words")]
+pub(crate) fn take_input(length: usize) -> Vec<u8> {
+    let mut bytes = PAGE.with_borrow_mut(|page| std::mem::take(&mut page.input));
+    bytes.truncate(length);
+    bytes
 }
 
 /// Returns the address of an input buffer of this length, at most 16 MiB.
@@ -203,6 +215,43 @@ pub extern "C" fn page_push(length: usize) -> usize {
             Err(error) => json!({ "error": error }).to_string(),
         }
     })
+}
+
+/// Plays a file: the name of a protocol, a line end, and its bytes. Returns `{"readings":12}`, with the error in what was left out, or
+/// `{"error":"…"}`.
+#[unsafe(no_mangle)]
+pub extern "C" fn page_play_file(length: usize) -> usize {
+    with_session(length, |session, text| {
+        let (protocol, rest) = text.split_once('\n').unwrap_or((text, ""));
+        match session.play_file(protocol, rest.as_bytes()) {
+            Ok((readings, refused)) => {
+                json!({ "readings": readings, "refused": refused }).to_string()
+            }
+            Err(error) => json!({ "error": error }).to_string(),
+        }
+    })
+}
+
+/// Receives a protocol with its options, such as `hand-landmarks?mirrored=yes`, a line end, and what a sensor measures now. Returns
+/// `{"readings":2}`, with the error in a refused line, or `{"error":"…"}`.
+#[unsafe(no_mangle)]
+pub extern "C" fn page_push_live(length: usize) -> usize {
+    with_session(length, |session, text| {
+        let (format, rest) = text.split_once('\n').unwrap_or((text, ""));
+        match session.push_live(format, rest.as_bytes()) {
+            Ok(pushed) => json!(pushed).to_string(),
+            Err(error) => json!({ "error": error }).to_string(),
+        }
+    })
+}
+
+/// Puts the boards under the hands that are held open and still next.
+#[unsafe(no_mangle)]
+pub extern "C" fn page_place_under_hands() {
+    with_session(0, |session, _| {
+        session.place_under_hands();
+        String::new()
+    });
 }
 
 /// Receives `{"targets":[3],"edit":{"move":{"by_mm":[1,0]}}}`. Returns `{"text":"…"}` or `{"error":"…"}`.

@@ -4,25 +4,25 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use ademan_core::capture::protocol::{Decoder, Protocol, hand_landmarks, joint_sets};
+use ademan_core::capture::protocol::{Decoder, Packet, Protocol, bvh, hand_landmarks, joint_sets};
 use ademan_core::capture::{Reading, Sample, StreamFormat};
 use ademan_core::hand::Side;
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Layout, Person};
 use ademan_core::time::Timestamp;
 use ademan_lab::sim::{
-    HandTask, JointSensor, LayoutFeed, Sensor, SimulatedTypist, TypingKeys, TypistError,
-    TypistSettings,
+    HandTask, JointSensor, LayoutFeed, PointerHand, Sensor, SimulatedTypist, TypingKeys,
+    TypistError, TypistSettings,
 };
 use serde::Serialize;
-
-use crate::pointer::PointerHand;
 
 /// Time between two readings of a simulated hand and of a pointer.
 pub const PERIOD: Duration = Duration::from_millis(10);
 
-/// The protocols of headsets and webcams, which a browser reads. The others would double the size of the module.
-const PROTOCOLS: [&Protocol; 3] = [
+/// The protocols of headsets and webcams, which a browser reads, and of motion capture files. The others would double the size of
+/// the module.
+const PROTOCOLS: [&Protocol; 4] = [
+    &bvh::PROTOCOL,
     &joint_sets::WEBXR,
     &joint_sets::OPENXR,
     &hand_landmarks::PROTOCOL,
@@ -30,6 +30,25 @@ const PROTOCOLS: [&Protocol; 3] = [
 
 /// Most readings of a recording that wait.
 const MAX_WAITING: usize = 200_000;
+
+/// The longest delay that readings of a sensor that measures now keep, in microseconds: pages draw at 60 Hz.
+const MAX_DELAY_US: i64 = 100_000;
+
+/// Returns the format of a name such as `hand-landmarks?mirrored=yes&view_deg=70`.
+fn format_of(text: &str) -> Result<StreamFormat, String> {
+    let (name, options) = text.split_once('?').unwrap_or((text, ""));
+    let known = PROTOCOLS.into_iter().find(|it| it.name == name);
+    let known =
+        known.ok_or("this page reads `webxr`, `openxr`, `hand-landmarks` and `bvh` only")?;
+    let mut format = StreamFormat::new(known);
+    for pair in options.split('&').filter(|it| !it.is_empty()) {
+        let (option, value) = pair.split_once('=').unwrap_or((pair, ""));
+        let found = known.options.iter().find(|it| it.name == option);
+        let found = found.ok_or_else(|| format!("`{name}` has no such option"))?;
+        format.options.set(found, value)?;
+    }
+    Ok(format)
+}
 
 /// The activity of the hands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -67,11 +86,14 @@ pub struct SimulatedPerson {
 
 /// A sensor that sends lines, and its readings that wait for their time.
 pub struct FollowedHand {
-    protocol: &'static str,
+    /// The protocol, with its options if they are not the defaults.
+    format: String,
     decoder: Box<dyn Decoder>,
     waiting: VecDeque<(Timestamp, Option<Side>, Sample)>,
-    /// The difference between the clock of the page and that of the sensor, in microseconds.
-    offset: Option<u64>,
+    /// The time of the page minus that of the sensor, in microseconds.
+    offset: Option<i64>,
+    /// The time of the latest bytes of a sensor that measures now; `None` for a recording.
+    live: Option<Timestamp>,
 }
 
 impl Hand {
@@ -157,41 +179,97 @@ impl SimulatedPerson {
 }
 
 impl FollowedHand {
-    /// Creates the hand of a sensor that speaks a protocol.
-    pub fn new(protocol: &str) -> Result<Self, String> {
-        let mut protocols = PROTOCOLS.into_iter();
-        let known = protocols.find(|it| it.name == protocol);
-        let known = known.ok_or("this page reads `webxr`, `openxr` and `hand-landmarks` only")?;
+    /// Creates the hand of a recording: its readings come at their own times.
+    pub fn new(format: &str) -> Result<Self, String> {
         Ok(Self {
-            protocol: known.name,
-            decoder: StreamFormat::new(known).decoder(),
+            format: format.to_owned(),
+            decoder: format_of(format)?.decoder(),
             waiting: VecDeque::new(),
             offset: None,
+            live: None,
         })
     }
 
-    /// The protocol.
-    pub fn protocol(&self) -> &'static str {
-        self.protocol
+    /// Creates the hand of a recording with the bytes of its whole file, and returns it with the error in what was left out. Its first
+    /// reading is due now. The error says why there is no reading.
+    pub fn of_file(
+        format: &str,
+        bytes: &[u8],
+        now: Timestamp,
+    ) -> Result<(Self, Option<String>), String> {
+        let mut hand = Self::new(format)?;
+        let count = hand.decode(bytes, true, now);
+        let error = hand.decoder.take_error().or_else(|| hand.last_error());
+        match count {
+            0 => Err(error.unwrap_or_else(|| "the file shows no hand".to_owned())),
+            _ => Ok((hand, error)),
+        }
+    }
+
+    /// Returns the number of readings that wait.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Creates the hand of a sensor that measures now, at a time of the page.
+    pub fn live(format: &str, now: Timestamp) -> Result<Self, String> {
+        Ok(Self {
+            live: Some(now),
+            ..Self::new(format)?
+        })
+    }
+
+    /// Returns whether it is the hand of this format, of a recording or of a sensor that measures now.
+    pub fn is_of(&self, format: &str, is_live: bool) -> bool {
+        self.format == format && self.live.is_some() == is_live
+    }
+
+    /// Returns the time since the latest bytes of a sensor that measures now; `None` for a recording.
+    pub fn silence(&self, now: Timestamp) -> Option<Duration> {
+        self.live.map(|last| now.since(last))
+    }
+
+    /// Returns the error in the latest line, if it was refused.
+    pub fn last_error(&self) -> Option<String> {
+        self.decoder.last_error().map(ToString::to_string)
     }
 
     /// Receives bytes. Returns the number of readings in them.
     pub fn push(&mut self, bytes: &[u8], now: Timestamp) -> usize {
+        self.decode(bytes, false, now)
+    }
+
+    /// Decodes bytes, which may be the last ones. Returns the number of readings in them.
+    fn decode(&mut self, bytes: &[u8], is_end: bool, now: Timestamp) -> usize {
         let before = self.waiting.len();
         let (waiting, offset) = (&mut self.waiting, &mut self.offset);
-        self.decoder.push(bytes, &mut |packet| {
+        let is_live = self.live.is_some();
+        if is_live {
+            self.live = Some(now);
+        }
+        let mut receive = |packet: Packet| {
             let own = packet.time.or(packet.sent_at);
             let time = match own {
                 Some(own) => {
-                    let offset = *offset.get_or_insert(now.0.saturating_sub(own.0));
-                    Timestamp(own.0.saturating_add(offset))
+                    let arrival = now.0.cast_signed().wrapping_sub(own.0.cast_signed());
+                    let known = *offset.get_or_insert(arrival);
+                    // The clock of the page stands still in the background, and a reading of now must not wait.
+                    if is_live && !(arrival.saturating_sub(MAX_DELAY_US)..=arrival).contains(&known)
+                    {
+                        *offset = Some(arrival);
+                    }
+                    Timestamp(own.0.saturating_add_signed(offset.unwrap_or(arrival)))
                 }
                 None => now,
             };
             if waiting.len() < MAX_WAITING {
                 waiting.push_back((time, packet.side, packet.sample));
             }
-        });
+        };
+        self.decoder.push(bytes, &mut receive);
+        if is_end {
+            self.decoder.finish(&mut receive);
+        }
         self.waiting.len() - before
     }
 

@@ -6,20 +6,35 @@
 //! ```
 //!
 //! - [`PageSession`] is the session. It has no clock: the page says how much time has passed.
-//! - [`abi`] is the boundary to JavaScript: functions that take numbers, and texts in one buffer for each direction.
+//! - [`Scoring`] lets simulated people type on a layout.
+//! - [`abi`] is the boundary to JavaScript: functions that take numbers, and texts in one buffer for each direction. [`abi_score`] is
+//!   the same for scores, and [`abi_words`] for the text decoder. `web/build` makes a module of the page without the decoder, one with
+//!   it and one of scores: a page loads the second and the third one when a person asks for what they do.
 //!
 //! Objects are those of `ademan share` (`docs/sharing.md`), one per line, so that its viewer draws both.
 
+#[cfg(feature = "page")]
 pub mod abi;
+#[cfg(feature = "score")]
+pub mod abi_score;
+#[cfg(feature = "words")]
+pub mod abi_words;
 mod faults;
 mod hand;
+mod live;
 mod objects;
 mod plan;
-mod pointer;
+mod rehearsal;
+mod score;
 mod session;
+mod under_hand;
+mod words;
 
+pub use ademan_lab::sim::Pointed;
 pub use faults::Fault;
 pub use hand::HandState;
 pub use plan::PlanEdit;
-pub use pointer::Pointed;
-pub use session::{PageSession, Rehearsal};
+pub use rehearsal::Rehearsal;
+pub use score::{LayoutScore, Scoring};
+pub use session::{PageSession, preview, shipped};
+pub use words::DecoderOf;

@@ -3,7 +3,9 @@
 use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::Shape;
 use ademan_core::document::read_tree;
-use ademan_core::editing::{Edit, EditError, Part, edit, part_of, targets};
+use ademan_core::editing::{
+    EditError, Part, delete_parts, duplicate_parts, move_parts, part_of, targets,
+};
 use ademan_core::hand::Side;
 use ademan_core::layout::{Board, Face, Layout};
 use serde::{Deserialize, Serialize};
@@ -78,16 +80,10 @@ pub fn edit_targets(
     let tree = read_tree(text).ok_or(EditError::Unreadable)?;
     let all = targets(text, &tree);
     let parts: Vec<Part> = ids.iter().filter_map(|&id| part_of(&all, id)).collect();
-    let wanted = match plan_edit {
-        PlanEdit::Move { by_mm: [x, y] } => Edit::Move {
-            parts,
-            by_mm: [x, y, 0.0],
-        },
-        PlanEdit::Delete => Edit::Delete { parts },
-        PlanEdit::Duplicate => Edit::Duplicate {
-            parts,
-            by_mm: COPY_OFFSET_MM,
-        },
+    let edited = match plan_edit {
+        PlanEdit::Move { by_mm: [x, y] } => move_parts(text, &parts, [x, y, 0.0]),
+        PlanEdit::Delete => delete_parts(text, &parts),
+        PlanEdit::Duplicate => duplicate_parts(text, &parts, COPY_OFFSET_MM),
     };
-    edit(text, &wanted).map(|edited| edited.text)
+    edited.map(|edited| edited.text)
 }

@@ -15,17 +15,18 @@ use ademan_core::objects::{EventObject, SceneState, TouchObject, layout_object, 
 use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan_core::snapshot::{Stats, StepView};
 use ademan_core::time::Timestamp;
-use ademan_lab::sim::{HandTask, Script, UsTextField};
+use ademan_lab::sim::{HandTask, Pointed, PointerHand, Script, UsTextField};
 use serde::Serialize;
 
 use crate::faults::{Fault, fault, faults};
 use crate::hand::{FollowedHand, Hand, HandState, PERIOD, SimulatedPerson};
+use crate::live::{Live, MAX_SILENCE};
 use crate::objects::Lines;
 use crate::plan::{PlanBoard, PlanEdit, edit_targets, plan};
-use crate::pointer::{Pointed, PointerHand};
+use crate::words::Words;
 
 /// The name of the layout in messages.
-const NAME: &str = "layout.ron";
+pub(crate) const NAME: &str = "layout.ron";
 
 /// Longest time that one call catches up with: a page in the background stops.
 const MAX_ELAPSED: Duration = Duration::from_millis(100);
@@ -34,31 +35,33 @@ const MAX_ELAPSED: Duration = Duration::from_millis(100);
 const MAX_TEXT_BYTES: usize = 4096;
 
 /// The time of the first reading, so that a hand may show times before it.
-const START: Timestamp = Timestamp(1_000_000);
+pub(crate) const START: Timestamp = Timestamp(1_000_000);
 
 /// The session of a page: a layout, hands, and what they type.
 pub struct PageSession {
-    right: ArmModel,
-    left: ArmModel,
+    pub(crate) right: ArmModel,
+    pub(crate) left: ArmModel,
     /// What a sensor measures of the hands at rest.
-    idle: [(Side, Sample); Side::COUNT],
+    pub(crate) idle: [(Side, Sample); Side::COUNT],
     /// No hand was seen on this layout yet, so that its boards have no places in the world.
     is_unseen: bool,
-    fit: Fit,
-    layout: Arc<Layout>,
+    pub(crate) fit: Fit,
+    pub(crate) layout: Arc<Layout>,
     person: Person,
-    pipeline: Pipeline,
-    hand: Hand,
-    scene: SceneState,
+    pub(crate) pipeline: Pipeline,
+    pub(crate) hand: Hand,
+    pub(crate) scene: SceneState,
     field: UsTextField,
-    time: Timestamp,
+    pub(crate) time: Timestamp,
     /// Elapsed time for which no reading was made yet.
     rest: Duration,
     /// The poses of the hands since the last call, by side.
     poses: [Option<HandPose>; Side::COUNT],
     /// Length of the typed text, in characters, when the task of the simulated person began.
     typed_before: usize,
-    lines: Lines,
+    pub(crate) live: Live,
+    pub(crate) lines: Lines,
+    pub(crate) words: Words,
     buffer: Vec<u8>,
 }
 
@@ -86,7 +89,7 @@ impl PageSession {
         let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
         let idle = [&right, &left].map(|arm| (arm.side(), PointerHand::new(arm).advance(0.0)));
         Ok(Self {
-            pipeline: new_pipeline(&right, &left, &layout),
+            pipeline: new_pipeline(&right, &left, LayoutInstance::from_layout(&layout)),
             idle,
             is_unseen: true,
             right,
@@ -101,7 +104,9 @@ impl PageSession {
             rest: Duration::ZERO,
             poses: [None; Side::COUNT],
             typed_before: 0,
+            live: Live::default(),
             lines: Lines::default(),
+            words: Words::default(),
             buffer: Vec::new(),
         })
     }
@@ -109,7 +114,7 @@ impl PageSession {
     /// Exchanges the layout, unless the text has faults; a simulated person goes on with the rest of its text. Returns lines: the
     /// faults and the boards in the plane, and the object of the layout.
     pub fn set_layout(&mut self, text: &str) -> String {
-        match Layout::for_hands(Document::new(NAME, text), self.fit) {
+        match self.layout_of(text) {
             Ok(layout) => {
                 self.adopt(Arc::new(layout));
                 // The boards have their places in the world once a hand is seen.
@@ -138,10 +143,10 @@ impl PageSession {
         self.lines.take()
     }
 
-    fn adopt(&mut self, layout: Arc<Layout>) {
+    pub(crate) fn adopt(&mut self, layout: Arc<Layout>) {
         let mut events = Events::new();
         self.lose_hands(&mut events);
-        let mut instance = LayoutInstance::from_layout(&layout);
+        let mut instance = self.words.instance(&layout);
         self.pipeline.replace_profile(0, &mut instance, &mut events);
         self.layout = layout;
         self.is_unseen = true;
@@ -233,15 +238,37 @@ impl PageSession {
 
     /// Receives bytes of a sensor, which move the hands. Returns the number of readings in them.
     pub fn push(&mut self, protocol: &str, bytes: &[u8]) -> Result<usize, String> {
-        if !matches!(&self.hand, Hand::Followed(hand) if hand.protocol() == protocol) {
+        if !matches!(&self.hand, Hand::Followed(hand) if hand.is_of(protocol, false)) {
             let hand = FollowedHand::new(protocol)?;
             self.release();
-            self.hand = Hand::Followed(Box::new(hand));
+            self.follow(hand);
         }
         match &mut self.hand {
             Hand::Followed(hand) => Ok(hand.push(bytes, self.time)),
             _ => Ok(0),
         }
+    }
+
+    /// Lets a recording move the hands: the bytes of a file, in place of the one before. Returns the number of readings, and the
+    /// error in what was left out.
+    pub fn play_file(
+        &mut self,
+        protocol: &str,
+        bytes: &[u8],
+    ) -> Result<(usize, Option<String>), String> {
+        let (hand, error) = FollowedHand::of_file(protocol, bytes, self.time)?;
+        let count = hand.waiting();
+        self.release();
+        self.follow(hand);
+        Ok((count, error))
+    }
+
+    /// Lets a sensor move the hands.
+    pub(crate) fn follow(&mut self, hand: FollowedHand) {
+        // An estimator that has seen the elbow of a simulated arm does not trust the fingers of a hand without one.
+        let instance = self.words.instance(&self.layout);
+        self.pipeline = new_pipeline(&self.right, &self.left, instance);
+        self.hand = Hand::Followed(Box::new(hand));
     }
 
     /// Releases everything; the hands rest.
@@ -250,6 +277,7 @@ impl PageSession {
         self.lose_hands(&mut events);
         self.write_events(&events);
         self.hand = Hand::Resting;
+        self.end_live();
     }
 
     /// Empties the text field.
@@ -291,10 +319,14 @@ impl PageSession {
                     self.push_idle(&mut readings);
                 }
             }
+            if readings.is_empty() {
+                readings.extend(self.held_reading(self.time));
+            }
             self.is_unseen &= readings.is_empty();
             for reading in &readings {
                 self.step(reading);
             }
+            self.follow_live(&readings);
         }
         self.write_news()
     }
@@ -309,6 +341,7 @@ impl PageSession {
     }
 
     fn step(&mut self, reading: &Reading) {
+        self.words.keep(reading);
         let mut events = Events::new();
         let is_accepted = self.pipeline.step(reading, &mut events).is_ok();
         let output = self.pipeline.output_for(reading);
@@ -349,7 +382,7 @@ impl PageSession {
     }
 
     /// Follows events of a step without a reading.
-    fn write_events(&mut self, events: &Events) {
+    pub(crate) fn write_events(&mut self, events: &Events) {
         let names = self.pipeline.target_names();
         for event in events {
             self.field.handle(event);
@@ -369,64 +402,14 @@ impl PageSession {
             text: self.field.text(),
         };
         self.lines.add("session", news);
+        self.write_candidates();
         self.lines.take()
     }
 
-    fn lose_hands(&mut self, events: &mut Events) {
+    pub(crate) fn lose_hands(&mut self, events: &mut Events) {
         for side in [Side::Right, Side::Left] {
             self.pipeline.lose(Some(side), None, events);
         }
-    }
-}
-
-/// The steps of a person who types, to measure their speed: nothing of them is shown.
-pub struct Rehearsal {
-    pipeline: Pipeline,
-    readings: Vec<Reading>,
-    time: Timestamp,
-}
-
-/// What the rehearsed person types: keys that every keyboard for one hand or both has.
-const REHEARSED: &str = "asdf jkl";
-
-/// Most readings of a rehearsal.
-const MAX_REHEARSED: usize = 400;
-
-impl PageSession {
-    /// Prepares a rehearsal on the layout in use.
-    pub fn rehearsal(&self) -> Rehearsal {
-        let task = HandTask::Text(REHEARSED.to_owned());
-        let arms = [self.right.clone()];
-        let person = SimulatedPerson::new(task, &self.layout, &arms, &Person::default());
-        let mut readings = Vec::new();
-        if let Ok(person) = person {
-            let mut hand = Hand::Simulated(Box::new(person));
-            while readings.len() < MAX_REHEARSED && !hand.advance(START, &mut readings) {}
-        }
-        if readings.is_empty() {
-            let (side, sample) = &self.idle[0];
-            readings.push(Reading::new(START, Some(*side), sample.clone()));
-        }
-        Rehearsal {
-            pipeline: new_pipeline(&self.right, &self.left, &self.layout),
-            readings,
-            time: START,
-        }
-    }
-}
-
-impl Rehearsal {
-    /// Makes all steps once. Returns their number.
-    pub fn run(&mut self) -> usize {
-        let mut events = Events::new();
-        for reading in &mut self.readings {
-            self.time = self.time + PERIOD;
-            reading.time = self.time;
-            events.clear();
-            // A reading that is rejected is a step, too.
-            let _ = self.pipeline.step(reading, &mut events);
-        }
-        self.readings.len()
     }
 }
 
@@ -460,7 +443,11 @@ pub fn shipped() -> String {
     serde_json::to_string(&names).expect("names are texts")
 }
 
-fn new_pipeline(right: &ArmModel, left: &ArmModel, layout: &Arc<Layout>) -> Pipeline {
+pub(crate) fn new_pipeline(
+    right: &ArmModel,
+    left: &ArmModel,
+    instance: LayoutInstance,
+) -> Pipeline {
     let estimator = || {
         Estimator::new(EstimatorSettings {
             rest_pose: half_bent_fingers(),
@@ -470,9 +457,9 @@ fn new_pipeline(right: &ArmModel, left: &ArmModel, layout: &Arc<Layout>) -> Pipe
     // The hands of a page appear above the keys, and what they type stays in it.
     let settings = PipelineSettings {
         arm_delay: Duration::ZERO,
+        stall_timeout: MAX_SILENCE,
         ..PipelineSettings::default()
     };
-    let instance = LayoutInstance::from_layout(layout);
     Pipeline::new(estimator(), right.clone(), instance, settings)
         .with_second_hand(estimator(), left.clone())
 }

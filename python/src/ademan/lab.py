@@ -24,6 +24,8 @@ class Score:
     figures: pd.DataFrame
     #: One row for each person.
     people: pd.DataFrame
+    #: One row for each phrase of each person, in the order in which they were typed: a learning curve of what learns.
+    phrases: pd.DataFrame
     #: One row for each key: how often it was meant and hit, by all people.
     keys: pd.DataFrame
 
@@ -58,6 +60,11 @@ def score(
 def _score(result: dict[str, Any]) -> Score:
     intervals = {name: figure for name, figure in result["summary"].items() if isinstance(figure, dict)}
     people = [{name: value for name, value in person.items() if not isinstance(value, list)} for person in result["scores"]]
+    phrases = [
+        {"person": person["number"], "phrase": number, **phrase}
+        for person in result["scores"]
+        for number, phrase in enumerate(person.get("by_phrase", []))
+    ]
     keys = pd.DataFrame([key for person in result["scores"] for key in person["keys"]])
     if len(keys):
         keys = keys.groupby("name")[["meant", "hit", "nothing"]].sum()
@@ -66,5 +73,6 @@ def _score(result: dict[str, Any]) -> Score:
         result=result,
         figures=pd.DataFrame.from_dict(intervals, orient="index"),
         people=pd.DataFrame(people),
+        phrases=pd.DataFrame(phrases, columns=["person", "phrase", "characters", "correct", "errors", "seconds"]),
         keys=keys,
     )

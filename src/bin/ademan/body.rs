@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use ademan::capture::body::BodyLandmarks;
 use ademan::capture::markers::median;
 use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
 use ademan::geometry::EulerOrder;
@@ -73,7 +74,7 @@ struct PositionsArgs {
 /// A line of angles.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct AnglesLine {
+pub struct AnglesLine {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     time_us: Option<u64>,
     order: EulerOrder,
@@ -92,13 +93,21 @@ pub fn run(args: Args) -> Result<(), Failure> {
 fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     let mut largest: f64 = 0.0;
     let mut lines = Vec::new();
+    let mut left_out = Vec::new();
     let lengths = args.fit.then(|| median_lengths(&args.files)).transpose()?;
     for_each_line(&args.files, |text| {
         let (time_us, mut body) = parse_body(text)?;
         if let Some(lengths) = &lengths {
             body = body.fitted(lengths);
         }
-        let line = AnglesLine::new(time_us, args.order, &body)?;
+        let line = match AnglesLine::new(time_us, args.order, &body) {
+            Ok(line) => line,
+            // One hidden limb says nothing about the other poses.
+            Err(reason) => {
+                left_out.push(reason);
+                return Ok(());
+            }
+        };
         let back = line.body()?;
         for &point in BodyPoint::ALL {
             largest = largest.max(back.get(point).distance(body.get(point)));
@@ -106,6 +115,16 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
         lines.push(line);
         Ok(())
     })?;
+    if let Some(reason) = left_out.first() {
+        let (count, all) = (left_out.len(), left_out.len() + lines.len());
+        if lines.is_empty() {
+            let message = format!("no pose has angles: {reason}");
+            return Err(Failure::wrong_use(message));
+        }
+        complain!(
+            "{count} of {all} poses have no angles and are left out; the first one: {reason}"
+        );
+    }
     let mut out = args.output.open()?;
     if args.csv {
         write_csv(&lines, &mut out)?;
@@ -184,7 +203,8 @@ fn at_line(file: &Path, number: usize, reason: &str) -> Failure {
 }
 
 impl AnglesLine {
-    fn new(time_us: Option<u64>, order: EulerOrder, body: &BodyPoints) -> Result<Self, String> {
+    /// Returns the line of a body; an error if its points do not determine all joints.
+    pub fn new(time_us: Option<u64>, order: EulerOrder, body: &BodyPoints) -> Result<Self, String> {
         let rotations = body.rotations().map_err(|error| error.to_string())?;
         let lengths = body.lengths();
         let joints = || BodyJoint::ALL.iter();
@@ -235,8 +255,25 @@ const LANDMARKS: [(usize, BodyPoint); BodyPoint::COUNT] = [
     (28, BodyPoint::RightFoot),
 ];
 
+/// Returns the points of a body of 33 landmarks, which have y down and z away from the camera.
+pub fn body_of_landmarks(landmarks: &BodyLandmarks) -> BodyPoints {
+    let mut positions = [DVec3::NAN; BodyPoint::COUNT];
+    for (row, point) in LANDMARKS {
+        if let Some(landmark) = landmarks.points.get(row) {
+            let position = DVec3::from(landmark.position.map(f64::from));
+            positions[point.index()] = position * DVec3::new(1.0, -1.0, -1.0);
+        }
+    }
+    BodyPoints { positions }
+}
+
 fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
-    let value: Value = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
+    let value: Value = serde_json::from_str(text).map_err(|error| {
+        format!(
+            "neither an object with the twelve points, a list of them, nor `pose_world_landmarks`: {error}; `ademan body angles --help` lists \
+             the formats"
+        )
+    })?;
     let time_us = value.get("time_us").and_then(Value::as_u64);
     let mut positions = [DVec3::NAN; BodyPoint::COUNT];
     if let Some(landmarks) = value.get("pose_world_landmarks") {
@@ -296,11 +333,13 @@ fn write_csv(lines: &[AnglesLine], out: &mut dyn Write) -> std::io::Result<()> {
     Ok(())
 }
 
-fn json(value: &impl Serialize) -> String {
+/// Returns a value as JSON.
+pub fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("every key is a string")
 }
 
-fn order(text: &str) -> Result<EulerOrder, String> {
+/// Reads the order of Euler angles.
+pub fn order(text: &str) -> Result<EulerOrder, String> {
     let order = text.to_ascii_uppercase().parse::<EulerOrder>();
     order.map_err(|error| error.to_string())
 }

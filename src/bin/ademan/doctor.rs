@@ -51,6 +51,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             .named_sources()
             .filter_map(|it| doctor::check_source(&it)),
     );
+    findings.extend(doctor::check_headset(&setup.setup));
     findings.extend(doctor::check_panic_keys(&setup.setup));
     findings.push(check_outputs(&setup)?);
     let test = |backend: &&'static Backend| {

@@ -71,7 +71,9 @@ mod release_keys;
 mod replay;
 mod root_args;
 mod run;
+mod schema;
 mod script;
+mod sensor_tables;
 mod serve;
 mod session;
 mod setup;
@@ -144,6 +146,7 @@ subcommands! {
     Glove(glove),
     Person(person),
     Setup(setup),
+    Schema(schema),
     Script(script),
     Text(text),
     Token(token),

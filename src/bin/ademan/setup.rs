@@ -20,7 +20,7 @@ pub struct Args {
 enum Action {
     /// Create a setup file with all fields and their defaults
     #[command(
-        after_help = "Examples:\n  ademan setup new my-setup\n  ademan setup new ~/.config/ademan/setup.ron    (found by every run that names no setup)"
+        after_help = "Examples:\n  ademan setup new my-setup\n  ademan setup new ~/.config/ademan/setup.ron    (found by every run that names no setup; on Windows %APPDATA%\\ademan\\setup.ron)"
     )]
     New {
         /// File to create (.ron is added), or `-` for the standard output; an existing file is not overwritten

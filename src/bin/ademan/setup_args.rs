@@ -73,6 +73,14 @@ impl SetupArgs {
         }
     }
 
+    /// Returns the flags with a layout.
+    pub fn with_layout(self, layout: String) -> Self {
+        Self {
+            layout: Some(layout),
+            ..self
+        }
+    }
+
     /// Returns whether a layout is named.
     pub fn names_layout(&self) -> bool {
         self.layout.is_some()

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 /// Manage the tokens with which programs on other machines connect to this one
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan token new desk --role type\n  ademan token list\n  ademan token revoke desk\n\nThe file of a token belongs on the machine that connects, whose source names it: 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token'. This machine shares with `--share text-line+tls:192.168.1.7:10002`. Tokens and the certificate of this machine are in the folder `network` of the configuration folder: ~/.config/ademan on Linux."
+    after_help = "Examples:\n  ademan token new desk --role type\n  ademan token list\n  ademan token revoke desk\n\nThe file of a token belongs on the machine that connects, whose source names it: 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token'. This machine shares with `--share text-line+tls:192.168.1.7:10002`. Tokens and the certificate of this machine are in the folder `network` of the configuration folder: ~/.config/ademan, on Windows %APPDATA%\\ademan."
 )]
 pub struct Args {
     #[command(subcommand)]
@@ -49,7 +49,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             writeln!(out, "wrote {}", escape_path(&path))?;
             writeln!(
                 out,
-                "move this file to the machine that connects, into ~/.config/ademan/network there, and keep no copy: it is a password"
+                "move this file to the machine that connects, into the folder `network` of its configuration folder (~/.config/ademan, on Windows %APPDATA%\\ademan), and keep no copy: it is a password"
             )?;
         }
         Action::List => {

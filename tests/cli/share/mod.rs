@@ -1,6 +1,7 @@
 //! A hand shared with other programs.
 
 mod blender;
+mod blender_bridge;
 mod command;
 mod datagrams;
 #[cfg(target_os = "linux")]

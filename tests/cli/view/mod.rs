@@ -19,7 +19,11 @@ const LONG_TEXT: &str = "typist:hello hello hello hello hello hello hello hello 
 
 /// A run of a simulated hand, in a UTF-8 locale with colours.
 fn run(arguments: &[&str]) -> Command {
-    let mut command = ademan(["run", "--source", LONG_TEXT, "--control", "off"]);
+    run_typing(LONG_TEXT, arguments)
+}
+
+fn run_typing(source: &str, arguments: &[&str]) -> Command {
+    let mut command = ademan(["run", "--source", source, "--control", "off"]);
     command.args(arguments);
     set_terminal(&mut command);
     command
@@ -121,7 +125,12 @@ fn a_small_window_shows_small_keys_and_says_what_it_leaves_out() {
 
 #[test]
 fn labels_are_cut_at_their_end_only() {
-    let screen = Screen::start(&run(&["--layout", "qwerty-two-flat"]), 80, 24);
+    // Keys of the right hand only: this run has no other hand.
+    let command = run_typing(
+        "typist:hill hill hill hill",
+        &["--layout", "qwerty-two-flat"],
+    );
+    let screen = Screen::start(&command, 80, 24);
     let text = screen.wait_for_text("│ Q ");
     println!("{text}");
     for line in text.lines().filter(|line| line.contains('│')) {

@@ -1,7 +1,16 @@
 //! The page of `web/` from `ademan serve` in a headless Chromium, and layouts in links.
 
+mod completion;
+mod files;
+mod hand_picture;
+mod headset;
+#[cfg(feature = "tls")]
+mod lan;
 mod links;
 mod page;
+mod score;
+mod webcam;
+mod words;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -34,4 +43,15 @@ fn serve(folder: &Path) -> (Process, String) {
         Some(rest.split(';').next()?.to_owned())
     });
     (process, address.expect("a message with the address"))
+}
+
+#[cfg(not(feature = "tls"))]
+#[test]
+fn without_tls_the_page_for_a_headset_is_refused_with_the_remedy() {
+    let ended = crate::run(["serve", "--lan", "127.0.0.1"]);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("--features tls"), "{}", ended.err);
+    let source = "headset:127.0.0.1:8443?page=target/web";
+    let ended = crate::run(["run", "--source", source, "--output", "none"]);
+    assert!(ended.err.contains("--features tls"), "{}", ended.err);
 }

@@ -22,7 +22,7 @@ const LOOK: &str = r##"({
 })"##;
 
 /// Opens the page and waits until it runs.
-fn open(browser: &mut Browser, url: &str) {
+pub fn open(browser: &mut Browser, url: &str) {
     browser.call("Page.navigate", json!({ "url": url }));
     browser.wait_for(LOOK, "the page runs", |look| {
         look["ready"] == "true" && look["layout"] != "" && look["keys"].as_u64() > Some(10)
@@ -47,7 +47,7 @@ fn point(browser: &mut Browser, expression: &str) -> [f64; 2] {
 }
 
 /// Replaces the text of the editor as a person does.
-fn edit(browser: &mut Browser, expression: &str) {
+pub fn edit(browser: &mut Browser, expression: &str) {
     browser.evaluate(&format!(
         "(() => {{ const it = document.getElementById('editor'); it.value = {expression}; it.dispatchEvent(new Event('input')); }})()"
     ));
@@ -252,7 +252,7 @@ fn the_page_opens_without_a_server_after_the_first_visit() {
 }
 
 /// Sets the size of the window and the theme.
-fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
+pub fn look_like(browser: &mut Browser, width: u32, height: u32, theme: &str) {
     let size =
         json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
     browser.call("Emulation.setDeviceMetricsOverride", size);

@@ -143,6 +143,8 @@ fn labels_of_any_characters_make_a_valid_picture() {
 fn each_kind_of_control_has_a_shape_of_its_own() {
     let kinds = [
         ("workshop", "Water", "3 turns"),
+        ("scroll-rings", "Page", "Page"),
+        ("radial", "Edit", "Copy"),
         ("workshop", "Lathe", "Lathe"),
         ("media", "Volume", "Volume"),
         ("media", "Seek", "Seek"),

@@ -63,6 +63,7 @@ fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis,
         let pose = pose(index as u64 * 10_000, side, place, finger);
         let input = DeviceInput {
             scene: &layout.scene,
+            bends: &Default::default(),
             inputs: &Default::default(),
             touches: &[],
             presses: &[],

@@ -47,6 +47,7 @@ fn axis_values(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &JointAngles::default(),
+            bends: &Default::default(),
             inputs: &Default::default(),
             pose: &HandPose::new(time, Side::Right, 0.005),
             touches: touches.as_slice(),

@@ -14,7 +14,9 @@ mod pointer;
 mod pointer_clicks;
 mod pointer_modes;
 mod random_pointer;
+mod radial_menus;
 mod radios;
+mod scroll_rings;
 mod shipped;
 mod reach;
 mod sliders;
@@ -24,6 +26,7 @@ mod toggles;
 mod touch_surfaces;
 mod triggers;
 mod valves;
+mod hand_gestures;
 mod handle_errors;
 mod pointer_errors;
 

@@ -3,7 +3,7 @@
 use ademan::contact::surface::Scene;
 use ademan::contact::{ContactTracker, TargetId, TargetName, TargetNames, Touch, Touches};
 use ademan::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice};
-use ademan::estimate::JointAngles;
+use ademan::estimate::{BendRanges, JointAngles};
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
@@ -186,6 +186,7 @@ impl Rig {
         let input = DeviceInput {
             scene: &self.scene,
             angles: &angles,
+            bends: &BendRanges::human().bends(&angles),
             inputs: &Default::default(),
             pose,
             touches,

@@ -151,9 +151,7 @@ fn new_copied_and_pasted_controls_go_to_free_room() {
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::K);
     assert!(window.has(text("editor-palette-hint")) || window.has(text("editor-palette")));
     picture::draw(&mut window, "editor-palette");
-    window
-        .harness
-        .event(egui::Event::Text(text("editor-kind-slider").to_owned()));
+    window.harness.event(egui::Event::Text("slider".to_owned()));
     window.draw(3);
     window.press_key(egui::Key::Enter);
     window.click(text("editor-fit"));

@@ -43,6 +43,24 @@ fn bones_and_reach_are_as_reviewed() {
 }
 
 #[test]
+fn blades_come_out_of_a_fist() {
+    // The script holds a fist.
+    let mut window = open("claws", egui::Theme::Dark, 230);
+    let blades = window.model().view.layout.shapes.len();
+    assert_eq!(blades, 3);
+    assert_eq!(
+        window
+            .model()
+            .values
+            .values()
+            .filter(|value| **value > 0.7)
+            .count(),
+        blades
+    );
+    picture::draw(&mut window, "studio-claws");
+}
+
+#[test]
 fn targets_in_space_are_as_reviewed() {
     let mut window = open("space", egui::Theme::Dark, 120);
     compare(&mut window, "studio-targets");
@@ -70,4 +88,28 @@ fn the_text_so_far_is_shown_with_backspace_applied() {
     }
     window.draw_until("four characters", |window| window.has("hola"));
     picture::draw(&mut window, "studio-typed");
+}
+
+#[test]
+fn a_click_takes_a_candidate_of_the_decoder() {
+    let mut opening = Opening {
+        readings: 20,
+        size: SIZE,
+        ..Opening::on_layout("qwerty-flat")
+    };
+    opening.setup.text = Some("suggest:es".parse().expect("a mode and a language"));
+    let mut window = opening.open();
+    window.show_space_only();
+    while window.model().view.state.typed.len() < 3 {
+        window.play(5);
+    }
+    let candidates = |window: &StudioWindow| window.model().view.state.candidates.clone();
+    window.draw_until("candidates", |window| !candidates(window).is_empty());
+    picture::draw(&mut window, "studio-candidates");
+    let second = candidates(&window)[1].clone();
+    window.click(&format!("2 {second}"));
+    window.play(5);
+    window.draw_until("the candidate and a space", |window| {
+        window.model().view.state.typed == format!("{second} ")
+    });
 }

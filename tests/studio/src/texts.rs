@@ -137,7 +137,7 @@ fn sources(folder: &Path) -> Vec<String> {
 #[test]
 fn the_fonts_have_every_sign_of_the_window() {
     let window = Opening::default().open();
-    let studio = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../src/studio");
+    let studio = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../crates/studio/src");
     let mut shown: String = sources(&studio.join("panels"))
         .iter()
         .map(|it| strings(it))

@@ -130,7 +130,7 @@ impl Opening {
         StudioWindow {
             harness: builder.build_ui_state(show, app),
             limit: Arc::default(),
-            _session: session,
+            session,
         }
     }
 }
@@ -150,7 +150,7 @@ pub struct StudioWindow {
     pub harness: Harness<'static, StudioApp>,
     /// Number of readings after which the hand keeps still.
     limit: Arc<AtomicUsize>,
-    _session: SessionHandle,
+    session: SessionHandle,
 }
 
 impl StudioWindow {
@@ -163,6 +163,16 @@ impl StudioWindow {
     pub fn open_in_editor(&mut self, name: &str) {
         let app = self.harness.state_mut();
         app.edit(name).expect("the layout can be opened");
+    }
+
+    /// Replaces the layout of the session, as an edit that is tried does.
+    pub fn change_layout(&self, text: &str) {
+        let trial = self
+            .session
+            .layout_trial()
+            .expect("the session has layouts");
+        let file = &self.model().view.layout.file;
+        assert!(trial.start(file, text).is_some());
     }
 
     /// Draws `count` pictures.

@@ -168,9 +168,10 @@ impl PoseCapture {
         let observed = observe(&rows, &self.channels, self.unsent, full_scale);
         let still = observed.iter().filter(|channel| channel.is_still).count();
         let is_strict = waited < STRICT_TIME;
-        let needed = match is_strict {
-            true => observed.len(),
-            false => (observed.len() as f64 * MOST).ceil() as usize,
+        let needed = if is_strict {
+            observed.len()
+        } else {
+            (observed.len() as f64 * MOST).ceil() as usize
         };
         if self.window.len() < MIN_READINGS {
             self.state = CaptureState::Moving;
@@ -185,9 +186,10 @@ impl PoseCapture {
                 .map_or(Duration::ZERO, |(first, last)| last.since(first));
             // The first reading of a full window is up to one packet late.
             let fraction = held.as_secs_f32() / (HOLD.as_secs_f32() * 0.9);
-            self.state = match fraction >= 1.0 {
-                true => CaptureState::Captured,
-                false => CaptureState::Holding(fraction),
+            self.state = if fraction >= 1.0 {
+                CaptureState::Captured
+            } else {
+                CaptureState::Holding(fraction)
             };
             if fraction >= 1.0 {
                 self.observation = Some(PoseObservation {

@@ -244,9 +244,12 @@ mod tests {
     #[test]
     fn channels_are_assigned_to_the_joints_that_they_follow() {
         let bent = |finger: Finger, from: f64, to: f64| {
-            move |pose: Pose| match pose.bent_finger() == Some(finger) {
-                true => to,
-                false => from,
+            move |pose: Pose| {
+                if pose.bent_finger() == Some(finger) {
+                    to
+                } else {
+                    from
+                }
             }
         };
         let wrist = |pose: Pose| match pose {

@@ -9,6 +9,8 @@
 //! fault, and rates the result. [`observe_recording`] finds the same observations in a recording. [`discover`] finds the joints of
 //! the channels of a glove without a file.
 //!
+//! A [`SensorRecording`] of repeated poses gives jitter, hysteresis, repeatability and drift of each sensor.
+//!
 //! Sources that measure [`positions`] need lengths, a table and a place for the board instead of gains.
 //!
 //! Everything here is free of clocks, files and terminals: the same readings give the same result.
@@ -23,6 +25,7 @@ pub mod positions;
 mod problem;
 mod procedure;
 mod recorded;
+mod sensors;
 
 pub use capture::{CaptureState, LiveChannel, PoseCapture};
 pub use discovery::{DISCOVERY_POSES, Discovery, discover};
@@ -33,3 +36,4 @@ pub use pose::{CalibrationPose, ExpectedAngle};
 pub use problem::{Problem, Severity};
 pub use procedure::{Procedure, ProcedureState};
 pub use recorded::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text, observe_recording};
+pub use sensors::{Drift, HoldCounts, MIN_CYCLES, SensorParameters, SensorRecording};

@@ -45,9 +45,10 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
         let time = |text: &str| text.parse().map(Timestamp).map_err(|_| invalid(line));
         let (start, end) = (time(start)?, time(end)?);
         let pose = pose.parse().map_err(|_| invalid(line))?;
-        match start <= end {
-            true => Ok(PoseMark { pose, start, end }),
-            false => Err(invalid(line)),
+        if start <= end {
+            Ok(PoseMark { pose, start, end })
+        } else {
+            Err(invalid(line))
         }
     };
     text.lines().map(mark).collect()
@@ -84,9 +85,10 @@ pub fn observe_recording(
         });
     }
     let recording = Recording::new(readings, map);
-    let marks = match marks.is_empty() {
-        true => recording.still_poses(map)?,
-        false => marks.to_vec(),
+    let marks = if marks.is_empty() {
+        recording.still_poses(map)?
+    } else {
+        marks.to_vec()
     };
     let mut observations = Observations::default();
     for mark in marks {

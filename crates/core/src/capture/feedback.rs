@@ -3,20 +3,23 @@
 use serde::{Deserialize, Serialize};
 
 use super::Sample;
+use crate::document::schema;
 use crate::hand::Finger;
 
-/// The kinds of feedback that a glove has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Haptics {
-    /// None.
-    #[default]
-    Off,
-    /// Force feedback: a finger that presses is held from curling further.
-    Force,
-    /// Haptic pulses: a finger that touches or presses feels a vibration.
-    Pulse,
-    /// Both.
-    Both,
+schema! {
+    /// The kinds of feedback that a glove has.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum Haptics {
+        /// None.
+        #[default]
+        Off,
+        /// Force feedback: a finger that presses is held from curling further.
+        Force,
+        /// Haptic pulses: a finger that touches or presses feels a vibration.
+        Pulse,
+        /// Both.
+        Both,
+    }
 }
 
 impl Haptics {

@@ -87,6 +87,10 @@ pub enum Command {
         #[serde(deserialize_with = "whole_number")]
         number: u8,
     },
+    /// Lets all sources of the session press keys, also those on the network. A layout cannot issue it.
+    AllowKeys,
+    /// Lets the sources of the session only point.
+    ForbidKeys,
     /// Writes the poses and the size of the boards to the layout file.
     Save,
     /// Reads the layout files again.
@@ -177,6 +181,8 @@ impl Command {
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
+            Self::AllowKeys => "allow-keys",
+            Self::ForbidKeys => "forbid-keys",
         }
     }
 

@@ -34,9 +34,10 @@ impl CommandOrigin {
     /// Returns the origin of a pause that `self` has requested when `other` requests one too: the stronger of both.
     #[must_use]
     pub const fn or_stronger(self, other: Self) -> Self {
-        match self.may_end_pause_of(other) {
-            true => self,
-            false => other,
+        if self.may_end_pause_of(other) {
+            self
+        } else {
+            other
         }
     }
 

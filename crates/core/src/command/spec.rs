@@ -162,6 +162,16 @@ pub const SPECS: &[CommandSpec] = &[
         }],
     },
     plain(
+        "allow-keys",
+        "Let the sources press keys, also a headset or another source on the network; until the session ends",
+        "Keys",
+    ),
+    plain(
+        "forbid-keys",
+        "Release everything, and let the sources only point",
+        "No keys",
+    ),
+    plain(
         "save",
         "Write the poses and the size of the boards to the layout file",
         "Save",

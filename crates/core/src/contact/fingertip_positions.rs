@@ -34,9 +34,10 @@ impl Fingertips {
     /// Sets the center of a fingertip. One that is not finite is unknown.
     fn set(&mut self, finger: Finger, center: Vec3A) {
         self.centers[finger.index()] = center;
-        self.known = match center.is_finite() {
-            true => self.known.with(finger),
-            false => self.known.without(finger),
+        self.known = if center.is_finite() {
+            self.known.with(finger)
+        } else {
+            self.known.without(finger)
         };
     }
 
@@ -100,9 +101,10 @@ impl FingertipPositions {
     ) {
         // Field by field: a copy of the whole loads bytes at once that were just stored one by one.
         self.previous.centers = self.current.centers;
-        self.previous.known = match pose.jumped {
-            true => FingerSet::NONE,
-            false => self.current.known,
+        self.previous.known = if pose.jumped {
+            FingerSet::NONE
+        } else {
+            self.current.known
         };
         let is_placed = self.current.place(tips, surface, pose);
         let mut held = FingerSet::NONE;

@@ -2,15 +2,20 @@
 
 mod bend_tracker;
 pub mod board_pose;
+pub mod finger_taps;
 pub mod hit_test;
 pub mod press;
+pub mod ray;
 pub mod surface;
 pub mod sweep;
 pub mod tracker;
 pub mod volume;
 mod fingertip_positions;
+mod flexion;
 mod front_grid;
 mod front_index;
+mod strike;
+mod stroke;
 mod target;
 mod target_names;
 

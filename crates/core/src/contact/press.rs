@@ -68,9 +68,10 @@ impl Press {
             target: touch.target,
             point,
             depth,
-            speed: match seconds > 0.0 {
-                true => (inward / seconds).max(0.0) as f32,
-                false => 0.0,
+            speed: if seconds > 0.0 {
+                (inward / seconds).max(0.0) as f32
+            } else {
+                0.0
             },
             neighbors: neighbors(surface, touch.target, point),
         }

@@ -44,6 +44,8 @@ pub struct Surface {
     targets: Vec<Target>,
     /// The fingers that press the targets by bending, in their order; empty if fingertips press them by touch.
     bent_by: Vec<Finger>,
+    /// `true` for each target that strokes press; empty if there is none.
+    struck: Vec<bool>,
     fronts: FrontIndex,
 }
 
@@ -111,6 +113,16 @@ impl Surface {
         Some((self.target_id(index as u32), &self.targets[index]))
     }
 
+    /// Returns whether the target with this index on the surface is pressed by strokes.
+    pub(super) fn is_struck(&self, index: u32) -> bool {
+        self.struck.get(index as usize).is_some_and(|it| *it)
+    }
+
+    /// Returns whether any target is pressed by strokes.
+    pub fn has_struck_targets(&self) -> bool {
+        !self.struck.is_empty()
+    }
+
     /// Returns the index of the fronts, in the surface's frame.
     pub(super) fn fronts(&self) -> &FrontIndex {
         &self.fronts
@@ -123,9 +135,10 @@ impl Surface {
 
     /// Returns heights below and above all fronts, in the surface's frame (metres).
     pub fn front_heights(&self) -> [f32; 2] {
-        match self.targets.is_empty() || self.is_bent() {
-            true => [f32::INFINITY, f32::NEG_INFINITY],
-            false => self.fronts.heights(),
+        if self.targets.is_empty() || self.is_bent() {
+            [f32::INFINITY, f32::NEG_INFINITY]
+        } else {
+            self.fronts.heights()
         }
     }
 
@@ -183,6 +196,7 @@ impl Scene {
             first: 0,
             targets,
             bent_by: Vec::new(),
+            struck: Vec::new(),
             fronts,
         })
     }
@@ -205,6 +219,7 @@ impl Scene {
             first: 0,
             targets,
             bent_by,
+            struck: Vec::new(),
             // No fingertip enters a front.
             fronts: FrontIndex::new(&[]),
         })
@@ -253,6 +268,26 @@ impl Scene {
     pub fn set_surface_pose(&mut self, index: usize, anchor_from_surface: Pose) {
         if let Some(surface) = self.surfaces.get_mut(index) {
             surface.anchor_from_surface = anchor_from_surface;
+        }
+    }
+
+    /// Takes the surface with this index off its anchor and fixes it in the world; does nothing if there is none. The advice about
+    /// [moved surfaces](Self::set_surface_pose) applies.
+    pub fn place_in_world(&mut self, index: usize, world_from_surface: Pose) {
+        if let Some(surface) = self.surfaces.get_mut(index) {
+            surface.anchor = Anchor::World;
+            surface.anchor_from_surface = world_from_surface;
+        }
+    }
+
+    /// Makes a target pressed by strokes: by the lowest point of a fingertip that goes through its front and turns. Otherwise the
+    /// target whose front a fingertip enters is pressed, at the press depth.
+    pub fn set_struck(&mut self, target: TargetId) {
+        for surface in &mut self.surfaces {
+            if surface.target(target).is_some() {
+                surface.struck.resize(surface.targets.len(), false);
+                surface.struck[(target.0 - surface.first) as usize] = true;
+            }
         }
     }
 

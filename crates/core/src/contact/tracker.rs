@@ -3,9 +3,11 @@
 use parry3d::math::{Vec2, Vec3};
 
 use super::fingertip_positions::{FingertipPositions, Fingertips, trusted_fingertip};
+use super::flexion::Flexion;
 use super::hit_test::{self, Crossing};
 use super::press::{self, Press, Presses};
-use super::surface::{Scene, Shape, Target};
+use super::stroke::Stroke;
+use super::surface::{Scene, Shape, Surface, Target};
 use super::sweep::{self, Sweep};
 use super::{Phase, TargetId, Touch, Touches};
 use crate::hand::{Finger, Side};
@@ -35,6 +37,9 @@ pub struct ContactTracker {
     /// The fingertip positions, for each surface of the scene.
     positions: Vec<FingertipPositions>,
     fingers: [FingerState; Finger::COUNT],
+    /// `true` if strokes press the targets.
+    has_strokes: bool,
+    flexion: Flexion,
 }
 
 /// Properties of a hand at a pose that a tracker needs beside the positions of its fingertips.
@@ -49,27 +54,29 @@ pub struct PlacedHand {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct FingerState {
-    contact: Option<Contact>,
+pub(super) struct FingerState {
+    pub(super) contact: Option<Contact>,
     /// The target that the finger slid off, until it may touch again.
     slid_off: Option<TargetLocation>,
+    /// The stroke that has not pressed yet.
+    pub(super) stroke: Option<Stroke>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Contact {
-    location: TargetLocation,
-    is_pressed: bool,
+pub(super) struct Contact {
+    pub(super) location: TargetLocation,
+    pub(super) is_pressed: bool,
     /// The last reported depth, as a fraction of the travel.
-    depth: f32,
+    pub(super) depth: f32,
     /// The last reported position on the front, in metres.
-    position: Vec2,
+    pub(super) position: Vec2,
 }
 
 /// The id of a target and the index of its surface, which saves the search for the surface.
-#[derive(Clone, Copy, Debug)]
-struct TargetLocation {
-    surface: usize,
-    target: TargetId,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TargetLocation {
+    pub(super) surface: usize,
+    pub(super) target: TargetId,
 }
 
 impl ContactTracker {
@@ -80,6 +87,8 @@ impl ContactTracker {
             span: [Timestamp::default(); 2],
             positions: vec![FingertipPositions::default(); scene.surfaces().len()],
             fingers: [FingerState::default(); Finger::COUNT],
+            has_strokes: scene.surfaces().iter().any(Surface::has_struck_targets),
+            flexion: Flexion::default(),
         }
     }
 
@@ -95,6 +104,9 @@ impl ContactTracker {
         for (positions, surface) in self.positions.iter_mut().zip(scene.surfaces()) {
             positions.push(&tips, surface, pose, gap);
         }
+        if self.has_strokes {
+            self.flexion.push(pose, gap);
+        }
         let hand = PlacedHand {
             side: pose.side,
             tip_radius: pose.tip_radius,
@@ -107,7 +119,7 @@ impl ContactTracker {
     }
 
     /// Does the same as [`update`](Self::update) for one finger, whose centers on each surface, in the last pose and in this
-    /// one, the caller has computed. Returns whether a later update has no effect unless the fingertip enters a front.
+    /// one, the caller has computed. Whether a finger follows another one is not known then. Returns whether a later update has no effect unless the fingertip enters a front.
     pub fn update_finger(
         &mut self,
         finger: Finger,
@@ -122,7 +134,7 @@ impl ContactTracker {
         let (fingers, mut step) = self.begin_step(scene, hand, touches);
         let state = &mut fingers[finger.index()];
         state.update(finger, &mut step);
-        state.contact.is_none() && state.slid_off.is_none()
+        state.contact.is_none() && state.slid_off.is_none() && state.stroke.is_none()
     }
 
     /// Begins a step: returns the fingers, to be moved to their present positions, and what they share.
@@ -142,6 +154,12 @@ impl ContactTracker {
             radius: hand.tip_radius,
             start,
             end,
+            flexion: &self.flexion,
+            first_waiting: self
+                .fingers
+                .iter()
+                .filter_map(FingerState::waits_since)
+                .min(),
             touches,
         };
         (&mut self.fingers, step)
@@ -162,6 +180,7 @@ impl ContactTracker {
         }
         self.fingers = [FingerState::default(); Finger::COUNT];
         self.positions.fill(FingertipPositions::default());
+        self.flexion = Flexion::default();
         self.span = [time; 2];
     }
 
@@ -247,13 +266,16 @@ fn push(
 }
 
 /// The data of one step that the fingers share.
-struct StepContext<'a> {
+pub(super) struct StepContext<'a> {
     side: Side,
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     positions: &'a [FingertipPositions],
     radius: f32,
-    start: Timestamp,
-    end: Timestamp,
+    pub(super) start: Timestamp,
+    pub(super) end: Timestamp,
+    pub(super) flexion: &'a Flexion,
+    /// The time at which the first of the strokes that wait for their turn passed the press depth.
+    pub(super) first_waiting: Option<Timestamp>,
     touches: &'a mut Touches,
 }
 
@@ -271,7 +293,11 @@ impl<'a> StepContext<'a> {
     }
 
     /// Returns a target and the sweep of a finger's pad over it, if both centers are known.
-    fn sweep(&self, location: TargetLocation, finger: Finger) -> Option<(&'a Target, Sweep)> {
+    pub(super) fn sweep(
+        &self,
+        location: TargetLocation,
+        finger: Finger,
+    ) -> Option<(&'a Target, Sweep)> {
         let centers = self.centers(location.surface, finger)?;
         let target = self
             .scene
@@ -307,7 +333,7 @@ impl<'a> StepContext<'a> {
         })
     }
 
-    fn emit(&mut self, t: f32, finger: Finger, phase: Phase, contact: &Contact) {
+    pub(super) fn emit(&mut self, t: f32, finger: Finger, phase: Phase, contact: &Contact) {
         let time = self.start.lerp(self.end, t);
         push(self.touches, time, (self.side, finger), phase, contact);
     }
@@ -322,6 +348,12 @@ impl FingerState {
                 None => return,
             }
         }
+        if let Some(stroke) = self.stroke.take() {
+            match self.strike(stroke, finger, since, step) {
+                Some(t) => since = t,
+                None => return,
+            }
+        }
         if self.is_locked_out(finger, step) {
             return;
         }
@@ -329,6 +361,11 @@ impl FingerState {
             return;
         };
         let Crossing { t, sweep, .. } = entry.crossing;
+        if step.is_struck(entry.location, entry.crossing.index) {
+            let stroke = Stroke::new(entry.location, sweep.from, sweep.point_at(t));
+            self.strike(stroke, finger, t, step);
+            return;
+        }
         let contact = Contact {
             location: entry.location,
             is_pressed: false,

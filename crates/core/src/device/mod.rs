@@ -8,6 +8,7 @@ use parry3d::math::Vec3;
 use crate::command::Command;
 use crate::contact::surface::Scene;
 use crate::contact::{Press, TargetId, Touch};
+use crate::estimate::FingerBends;
 use crate::hand::{InputValues, JointAngles};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
@@ -31,6 +32,8 @@ pub mod radio;
 pub mod slider;
 pub mod knob;
 pub mod joystick;
+pub mod scroll_ring;
+pub mod radial_menu;
 pub mod touch_surface;
 pub mod trigger;
 pub mod pointer;
@@ -71,7 +74,8 @@ pub enum EventKind {
     /// Depth of a press on a target, as a fraction of its travel, for outputs with analog controls.
     Depth(TargetId, f32),
     /// Value of a control that keeps its position, such as a slider: 0..=1 of its range. The value of an
-    /// endless knob is the number of its turns, negative for counter-clockwise.
+    /// endless knob is the number of its turns, negative for counter-clockwise. The value of a radial menu tells which of its
+    /// sectors is highlighted, see [`RadialMenu::value`](radial_menu::RadialMenu::value).
     Value(TargetId, f32),
     /// Press of a key with a [signal](signals::Signal): its velocity, the speed of the fingertip as a fraction of a fast press, above
     /// 0 to 1; 0 for its release.
@@ -154,6 +158,8 @@ pub struct DeviceInput<'a> {
     pub scene: &'a Scene,
     /// The joint angles of the hand.
     pub angles: &'a JointAngles,
+    /// The bends of the fingers; none unless a device [needs](VirtualDevice::needs_bends) them or a target depends on them.
+    pub bends: &'a FingerBends,
     /// The sticks, triggers and buttons of the glove.
     pub inputs: &'a InputValues,
     /// The pose of the hand, and its time.
@@ -238,6 +244,11 @@ pub struct CursorPosition {
 pub trait VirtualDevice: Send {
     /// Adds the capabilities that an output needs for every event the device can emit.
     fn add_capabilities(&self, required: &mut Capabilities);
+
+    /// Returns whether it depends on the [bends](DeviceInput::bends) of the fingers.
+    fn needs_bends(&self) -> bool {
+        false
+    }
 
     /// Updates the device for one hand and one step.
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput);

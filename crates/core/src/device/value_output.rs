@@ -117,6 +117,19 @@ impl ValueEmitter {
         self.emit_output(value, time, out);
     }
 
+    /// Sets a value that wraps around at 1 and emits what changed. Returns the number of turns that were taken off the value.
+    pub(super) fn turn_to(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) -> f32 {
+        if !value.is_finite() {
+            return 0.0;
+        }
+        let turns = value.floor();
+        let wrapped = value - turns;
+        self.emit_value(wrapped, time, out);
+        self.emit_output(value, time, out);
+        self.emitted += self.units(wrapped) - self.units(value);
+        turns
+    }
+
     /// Sets the value as a new starting point: emits the value, but no scrolling, motion or taps for the
     /// distance. The axis returns to 0 until the next [`set`](Self::set).
     pub(super) fn restart_at(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {

@@ -16,16 +16,18 @@ mod shipped;
 mod spanned;
 mod tree;
 
+pub use crate::schema;
 pub use error::byte_offset;
 pub(crate) use error::line_number;
 pub use error::{DocumentError, DocumentFault};
 pub use field_names::Structure;
-pub(crate) use fields::{Attributes, FieldType, Values, add_table, attributes, doc_line, schema};
-pub use fields::{Row, Table};
+#[doc(hidden)]
+pub use fields::{Attributes, Values, add_table};
+pub use fields::{FieldType, Row, Shape, Table, json_form, json_schema, tables_of};
 pub use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
-pub use shipped::{shipped_gloves, shipped_layouts, shipped_persons};
+pub use shipped::{shipped_gloves, shipped_layouts, shipped_mesh, shipped_persons};
 pub use spanned::Spanned;
 pub use tree::{Item, Node, quote, quoted_content, read_tree};
 

@@ -29,8 +29,14 @@ macro_rules! ranged_numbers {
         )?
 
         impl $crate::document::FieldType for $name {
-            fn values() -> String {
-                format!(concat!("{} to {}", $unit), Self::RANGE.start(), Self::RANGE.end())
+            fn shape() -> $crate::document::Shape {
+                let default: &[f64] = &[$($default)?];
+                $crate::document::Shape::Number {
+                    min: $min,
+                    max: $max,
+                    unit: $unit,
+                    default: default.first().copied(),
+                }
             }
 
             fn default_text() -> String {

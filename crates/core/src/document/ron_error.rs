@@ -269,10 +269,12 @@ fn different_length(expected: &str, found: usize) -> String {
 /// Returns the bytes of the `#` of a comment as in shells, if the error is at or behind it.
 fn hash_comment(text: &str, offset: usize) -> Option<Range<usize>> {
     let before = text[..offset].trim_end();
-    let hash = match text[offset..].starts_with('#') {
-        true => offset,
-        false if before.ends_with('#') => before.len() - 1,
-        false => return None,
+    let hash = if text[offset..].starts_with('#') {
+        offset
+    } else if before.ends_with('#') {
+        before.len() - 1
+    } else {
+        return None;
     };
     // `#![enable(…)]` and `r#"…"#` are RON.
     let is_ron = text[hash..].starts_with("#!") || text[..hash].ends_with(['r', '"', '#']);

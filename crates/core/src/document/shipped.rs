@@ -1,6 +1,6 @@
 //! The files under `layouts/`, compiled into the program.
 
-use ademan_layouts::FILES;
+use ademan_layouts::{FILES, MESHES};
 
 use super::{Document, DocumentError};
 use crate::message::escape;
@@ -24,6 +24,16 @@ pub fn shipped_gloves() -> impl Iterator<Item = &'static str> {
 pub fn shipped_persons() -> impl Iterator<Item = &'static str> {
     let paths = FILES.iter();
     paths.filter_map(|(path, _)| path.strip_prefix("persons/"))
+}
+
+/// Returns the mesh that a shipped layout with this text names, in OBJ.
+pub fn shipped_mesh(layout: &str, name: &str) -> Option<&'static str> {
+    let mut files = FILES.iter();
+    let is_shipped = files.any(|(_, text)| *text == layout);
+    let mut meshes = MESHES.iter().filter(|_| is_shipped);
+    meshes
+        .find(|(file, _)| *file == name)
+        .map(|(_, text)| *text)
 }
 
 /// Returns the shipped file with that name; the folder and `.ron` are optional.

@@ -3,6 +3,7 @@
 use super::bind::{Binding, free_code};
 use super::draft::{Draft, written};
 use super::error::EditError;
+use super::fields::field_row;
 use super::names::{taken, unique};
 use super::part::{ControlKind, Part};
 use crate::document::quote;
@@ -91,9 +92,10 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
         }
         NewPart::Board { right_mm } => {
             let key = control(draft, ControlKind::Key, [0.0; 2], None)?;
-            let right = match *right_mm == 0.0 {
-                true => String::new(),
-                false => format!(", right_mm: {}", written(*right_mm)),
+            let right = if *right_mm == 0.0 {
+                String::new()
+            } else {
+                format!(", right_mm: {}", written(*right_mm))
             };
             let pose =
                 format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})");
@@ -186,42 +188,27 @@ fn control(
     if kind == ControlKind::Key {
         return key(&mut names, at_mm, binding);
     }
-    let mut named = |name: &str| format!("name: {}", quote(&unique(&mut names, name)));
-    let at = format!("at_mm: {}", point(&at_mm));
-    let tap = binding.map_or(String::new(), |binding| {
-        format!(", tap: {}", binding.to_ron())
-    });
-    Ok(match kind {
-        ControlKind::Key | ControlKind::Toggle => format!("({}, {at}{tap})", named("Switch")),
-        ControlKind::Radio => {
-            let group = named("Choice");
-            let second = point(&[at_mm[0] + OPTION_PITCH_MM, at_mm[1]]);
-            let options = [named("Option 1"), named("Option 2")];
-            let [first_name, second_name] = options;
-            format!("({group}, options: [({first_name}, {at}), ({second_name}, at_mm: {second})])")
-        }
-        ControlKind::TouchSurface => {
-            format!(
-                "({}, {at}, size_mm: Box(80, 50), mode: Touchpad)",
-                named("Touchpad")
-            )
-        }
-        ControlKind::Slider => format!("({}, {at}, length_mm: 60)", named("Slider")),
-        ControlKind::Knob => format!("({}, {at}, diameter_mm: 40)", named("Knob")),
-        ControlKind::Lever => {
-            format!(
-                "({}, {at}, length_mm: 60, rotation_deg: 90)",
-                named("Lever")
-            )
-        }
-        ControlKind::Valve => format!("({}, {at}, diameter_mm: 60)", named("Valve")),
-        ControlKind::Joystick => {
-            format!(
-                "({}, {at}, diameter_mm: 30, pointer_px_per_s: 800)",
-                named("Joystick")
-            )
-        }
-    })
+    let mut text = with_unique_names(kind.spec().new, &mut names);
+    let second = [at_mm[0] + OPTION_PITCH_MM, at_mm[1]];
+    text = text.replace("AT_RIGHT", &point(&second));
+    text = text.replace("AT", &point(&at_mm));
+    if let Some(binding) = binding
+        && field_row(kind.spec().table, "tap").is_some()
+    {
+        text.insert_str(text.len() - 1, &format!(", tap: {}", binding.to_ron()));
+    }
+    Ok(text)
+}
+
+/// Returns a new control with names that are free.
+fn with_unique_names(new: &str, names: &mut std::collections::BTreeSet<String>) -> String {
+    let mut parts = new.split("name: \"");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once('"').unwrap_or((part, ""));
+        text += &format!("name: {}{rest}", quote(&unique(names, name)));
+    }
+    text
 }
 
 fn key(
@@ -239,9 +226,10 @@ fn key(
         .filter(|name| !name.trim().is_empty());
     let wanted = implied.clone().unwrap_or_else(|| binding.to_ron());
     let name = unique(names, &wanted);
-    let name = match Some(&name) == implied.as_ref() {
-        true => String::new(),
-        false => format!(", name: {}", quote(&name)),
+    let name = if Some(&name) == implied.as_ref() {
+        String::new()
+    } else {
+        format!(", name: {}", quote(&name))
     };
     Ok(format!(
         "({field}: {value}{name}, at_mm: {})",

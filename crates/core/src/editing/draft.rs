@@ -180,12 +180,11 @@ impl Draft {
                 .collect();
             return self.set(part, list, &format!("[{lines}\n{indent}]"));
         };
-        let (range, text) = match node.items().is_empty() {
-            false => {
-                let separator = separator_in(&self.text, node);
-                appended(&self.text, node, &values.join(&separator))
-            }
-            true => appended(&self.text, node, &values.join(", ")),
+        let (range, text) = if node.items().is_empty() {
+            appended(&self.text, node, &values.join(", "))
+        } else {
+            let separator = separator_in(&self.text, node);
+            appended(&self.text, node, &values.join(&separator))
         };
         self.replace(range, text);
         Ok(())

@@ -156,7 +156,7 @@ pub(super) fn paste(
     let source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
     let mut names = taken(draft);
     let mut new_parts = Vec::new();
-    for kind in ControlKind::ALL {
+    for &kind in ControlKind::ALL {
         let count = |draft: &Draft, board| {
             let list = draft.field(Part::Board(board), kind.list());
             list.map_or(0, |list| list.items().len())
@@ -175,9 +175,10 @@ pub(super) fn paste(
         }
         draft.push(Part::Board(board), kind.list(), &texts)?;
     }
-    match new_parts.is_empty() {
-        true => Err(nothing()),
-        false => draft.commit().map(|()| new_parts),
+    if new_parts.is_empty() {
+        Err(nothing())
+    } else {
+        draft.commit().map(|()| new_parts)
     }
 }
 

@@ -146,8 +146,30 @@ pub fn edit(text: &str, edit: &Edit) -> Result<Edited, EditError> {
             parts: Vec::new(),
         });
     }
+    changed(text, |draft| apply(draft, edit))
+}
+
+/// Returns what [`Edit::Move`] changes. A program that calls only this and its siblings, such as a page, contains no other edits.
+pub fn move_parts(text: &str, parts: &[Part], by_mm: [f64; 3]) -> Result<Edited, EditError> {
+    changed(text, |draft| geometry::shift(draft, parts, by_mm))
+}
+
+/// Returns what [`Edit::Duplicate`] changes.
+pub fn duplicate_parts(text: &str, parts: &[Part], by_mm: [f64; 2]) -> Result<Edited, EditError> {
+    changed(text, |draft| duplicate::duplicate(draft, parts, by_mm))
+}
+
+/// Returns what [`Edit::Delete`] changes.
+pub fn delete_parts(text: &str, parts: &[Part]) -> Result<Edited, EditError> {
+    changed(text, |draft| delete::delete(draft, parts))
+}
+
+fn changed(
+    text: &str,
+    change: impl FnOnce(&mut Draft) -> Result<Vec<Part>, EditError>,
+) -> Result<Edited, EditError> {
     let mut draft = Draft::new(text)?;
-    let parts = apply(&mut draft, edit)?;
+    let parts = change(&mut draft)?;
     draft.finish(parts)
 }
 

@@ -1,12 +1,15 @@
 //! The fields of parts: their types and ranges for forms, and their values in the text.
 
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
 use super::draft::Draft;
 use super::error::EditError;
 use super::part::{ControlKind, Part};
 use super::rename::rename;
 use super::rows::take_out;
-use crate::document::{quoted_content, read_tree};
-use crate::layout::quantity as q;
+use crate::document::{Row, Shape, Table, quote, quoted_content, read_tree};
+use crate::layout::field_tables;
 
 /// A field that a part can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +18,10 @@ pub struct FieldSpec {
     pub name: &'static str,
     /// Type of its value.
     pub field_type: FieldType,
+    /// Unit as it is written behind a number, such as ` mm`; empty without one.
+    pub unit: &'static str,
+    /// Description, a sentence without its full stop.
+    pub help: &'static str,
 }
 
 /// The type of the value of a field.
@@ -50,282 +57,121 @@ pub enum FieldType {
     Ron,
 }
 
-/// Returns a field with a number: its name, its type, and its default if it has one.
-macro_rules! number {
-    ($name:literal, $quantity:ident) => {
-        number!($name, $quantity, None)
-    };
-    ($name:literal, $quantity:ident, default) => {
-        number!($name, $quantity, Some(q::$quantity::default().get()))
-    };
-    ($name:literal, $quantity:ident, $default:expr) => {
-        FieldSpec {
-            name: $name,
-            field_type: FieldType::Number {
-                min: *q::$quantity::RANGE.start(),
-                max: *q::$quantity::RANGE.end(),
-                default: $default,
-            },
-        }
-    };
+/// The tables of a layout file.
+fn tables() -> &'static [Table] {
+    static TABLES: LazyLock<Vec<Table>> = LazyLock::new(field_tables);
+    &TABLES
 }
 
-const fn field(name: &'static str, field_type: FieldType) -> FieldSpec {
-    FieldSpec { name, field_type }
+/// Returns the row of a field.
+pub(super) fn field_row(table: &str, field: &str) -> Option<&'static Row> {
+    let table = tables().iter().find(|other| other.name == table)?;
+    table.rows.iter().find(|row| row.name == field)
 }
 
-const FINGERS: &[&str] = &[
-    "\"thumb\"",
-    "\"index\"",
-    "\"middle\"",
-    "\"ring\"",
-    "\"little\"",
-];
-const SIDES: &[&str] = &["\"left\"", "\"right\""];
-const LATCHES: &[&str] = &["Momentary", "OneShot", "Lock"];
+/// Returns the name of the table with the fields of a part.
+pub(super) const fn table_of(part: Part) -> &'static str {
+    match part {
+        Part::Layout => "Layout",
+        Part::Board(_) => "Board",
+        Part::Row { .. } => "Row",
+        Part::RowKey { .. } => ControlKind::Key.spec().table,
+        Part::Control { kind, .. } => kind.spec().table,
+        Part::RadioOption { .. } => "RadioOption",
+        Part::Trigger(_) => "Trigger",
+        Part::Pointer => "Pointer",
+        Part::Space(_) => "Space",
+        Part::SpaceTarget { .. } => "Target",
+        Part::Layer(_) => "Layer",
+        Part::Chord(_) => "Chord",
+    }
+}
 
-/// Returns the fields that a part can have, those with its name and position first.
+/// Returns `true` if the file gives a part a rotation in the plane of its board.
+pub fn can_turn(part: Part) -> bool {
+    let is_on_board = matches!(part, Part::RowKey { .. } | Part::Control { .. });
+    is_on_board && field_row(table_of(part), "rotation_deg").is_some()
+}
+
+/// Returns the fields that a part can have, those with its name and position first. Lists of other parts are not among them.
 pub fn fields_of(part: Part) -> Vec<FieldSpec> {
-    use FieldType::{Action, Choice, Outline, Output, Point, Ron, Text};
-    let at = field("at_mm", Point { count: 2 });
-    let of_part: Vec<FieldSpec> = match part {
-        Part::Layout => {
-            return vec![
-                field("name", Text),
-                field("description", Text),
-                number!("chord_timeout_ms", ChordTimeout, default),
-            ];
+    static FIELDS: LazyLock<BTreeMap<&str, Vec<FieldSpec>>> = LazyLock::new(|| {
+        let tables = tables().iter();
+        tables.map(|table| (table.name, fields(table))).collect()
+    });
+    FIELDS.get(table_of(part)).cloned().unwrap_or_default()
+}
+
+/// Returns the fields of a table, of its pose, and the radius of its shape.
+fn fields(table: &'static Table) -> Vec<FieldSpec> {
+    /// The fields that are shown first.
+    const FIRST: [&str; 3] = ["name", "label", "at_mm"];
+    let has_parts = matches!(table.name, "Layout" | "Board" | "Space");
+    let mut fields = Vec::new();
+    for row in &table.rows {
+        match row.shapes.first() {
+            None => {}
+            Some(Shape::List(_) | Shape::Map(_)) if has_parts => {}
+            Some(Shape::Table("Pointer")) => {}
+            Some(Shape::Table("Pose")) if has_parts => {
+                let pose = tables().iter().find(|table| table.name == "Pose");
+                let rows = pose.map_or(&[][..], |pose| &pose.rows);
+                fields.extend(rows.iter().filter_map(|row| field(row, "pose.")));
+            }
+            Some(Shape::Table("BoardShape")) => {
+                fields.extend(field(row, ""));
+                let radius = field_row("BoardShape", "Arc(radius_mm)");
+                fields.extend(radius.and_then(|row| field(row, "shape.")));
+            }
+            Some(_) => fields.extend(field(row, "")),
         }
-        Part::Board(_) => return board_fields(),
-        Part::Row { .. } => {
-            return vec![
-                at,
-                field("keys", Text),
-                number!("pitch_mm", Pitch),
-                field("size_mm", Outline),
-            ];
-        }
-        Part::RowKey { .. } => key_fields(),
-        Part::RadioOption { .. } => vec![
-            at,
-            field("size_mm", Outline),
-            field("hold", Action),
-            field("tap", Action),
-        ],
-        Part::Trigger(_) => {
-            return vec![
-                field("name", Text),
-                field("hand", Choice(SIDES)),
-                field("held", Ron),
-                field("when", Ron),
-                field("action", Action),
-                field("output", Output),
-            ];
-        }
-        Part::Pointer => return pointer_fields(),
-        Part::Space(_) => return pose_fields(),
-        Part::SpaceTarget { .. } => {
-            return vec![
-                field("name", Text),
-                field("at_mm", Point { count: 3 }),
-                field("shape", Ron),
-                field("action", Action),
-            ];
-        }
-        Part::Layer(_) => {
-            return vec![
-                field("name", Text),
-                field("keys", Ron),
-                field("chords", Ron),
-            ];
-        }
-        Part::Chord(_) => {
-            return vec![
-                field("keys", Text),
-                field("action", Action),
-                field("latch", Choice(LATCHES)),
-                field("activate_on", Choice(&["Press", "Release"])),
-                field("hold", Ron),
-                number!("hold_after_ms", HoldAfter, default),
-            ];
-        }
-        Part::Control { kind, .. } => return control_fields(kind),
+    }
+    let rank = |spec: &FieldSpec| {
+        let first = FIRST.iter().position(|name| *name == spec.name);
+        first.unwrap_or(FIRST.len())
     };
-    named(of_part)
+    fields.sort_by_key(rank);
+    fields
 }
 
-/// Returns fields with the name and the label of a control before them.
-fn named(fields: Vec<FieldSpec>) -> Vec<FieldSpec> {
-    let named = [
-        field("name", FieldType::Text),
-        field("label", FieldType::Text),
-    ];
-    named.into_iter().chain(fields).collect()
-}
-
-fn control_fields(kind: ControlKind) -> Vec<FieldSpec> {
-    use FieldType::{Action, Bool, Choice, Outline, Output, Point, Ron, Text};
-    let at = field("at_mm", Point { count: 2 });
-    let output = field("output", Output);
-    let steps = number!("steps", Steps);
-    let initial = number!("initial", Fraction, Some(0.0));
-    named(match kind {
-        ControlKind::Key => key_fields(),
-        ControlKind::Toggle => vec![
-            at,
-            field("size_mm", Outline),
-            field("hold", Action),
-            field("tap", Action),
-        ],
-        ControlKind::Radio => {
-            return vec![
-                field("name", Text),
-                field("options", Ron),
-                field("initial", Text),
-            ];
+/// Returns the field of a row.
+fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
+    let name = row
+        .name
+        .split_once('(')
+        .map_or(row.name.as_str(), |(_, name)| name);
+    let name = format!("{path}{}", name.trim_end_matches(')'));
+    let default = row.default.parse().ok();
+    let (field_type, unit) = match row.shapes.first()? {
+        Shape::Bool => (FieldType::Bool, ""),
+        &Shape::Number { min, max, unit, .. } => (FieldType::Number { min, max, default }, unit),
+        Shape::Text { .. } => (FieldType::Text, ""),
+        Shape::Words(words) => {
+            let words = words.iter().map(|(word, _)| word.as_str());
+            (choice(words.map(str::to_owned)), "")
         }
-        ControlKind::TouchSurface => vec![
-            at,
-            field("size_mm", Outline),
-            field("mode", Choice(&["Touchscreen", "Touchpad"])),
-            number!("px_per_mm", PixelsPerMm, default),
-            number!("acceleration", Acceleration, default),
-            number!("mm_per_detent", MmPerDetent, default),
-            field("natural_scrolling", Bool),
-        ],
-        ControlKind::Slider => vec![
-            at,
-            number!("length_mm", Size, None),
-            number!("width_mm", Size, default),
-            number!("rotation_deg", Rotation, default),
-            field("grab", Choice(&["Absolute", "Relative"])),
-            steps,
-            initial,
-            output,
-        ],
-        ControlKind::Lever => vec![
-            at,
-            number!("length_mm", Size, None),
-            number!("width_mm", Size, default),
-            number!("rotation_deg", Rotation, default),
-            number!("throw_deg", Throw, default),
-            number!("detents", Steps),
-            number!("rest", Fraction, Some(0.5)),
-            field("springs_back", Bool),
-            output,
-        ],
-        ControlKind::Knob => vec![
-            at,
-            number!("diameter_mm", Size, None),
-            number!("range_deg", KnobRange, default),
-            field("endless", Bool),
-            steps,
-            initial,
-            output,
-        ],
-        ControlKind::Valve => vec![
-            at,
-            number!("diameter_mm", Size, None),
-            number!("turns", Turns, default),
-            steps,
-            initial,
-            output,
-        ],
-        ControlKind::Joystick => vec![
-            at,
-            number!("diameter_mm", Size, None),
-            number!("travel_mm", Travel),
-            number!("max_deflection_mm", MaxDeflection, default),
-            number!("dead_zone", StickDeadZone, default),
-            number!("exponent", StickExponent, default),
-            field("axes", Ron),
-            field("direction_keys", Ron),
-            field("push_action", Action),
-            number!("pointer_px_per_s", StickSpeed),
-        ],
+        Shape::Names(names, _) => (choice(names.iter().map(|name| quote(name))), ""),
+        Shape::Tuple(parts) if parts.iter().all(|it| matches!(it, Shape::Number { .. })) => {
+            let count = parts.len();
+            (FieldType::Point { count }, "")
+        }
+        Shape::Table("Outline") => (FieldType::Outline, ""),
+        Shape::Table("Action") => (FieldType::Action, ""),
+        Shape::Table("Output") => (FieldType::Output, ""),
+        _ => (FieldType::Ron, ""),
+    };
+    Some(FieldSpec {
+        name: name.leak(),
+        field_type,
+        unit,
+        help: &row.meaning,
     })
 }
 
-fn key_fields() -> Vec<FieldSpec> {
-    use FieldType::{Action, Bool, Choice, Outline, Output, Point, Ron, Text};
-    vec![
-        field("at_mm", Point { count: 2 }),
-        field("code", Text),
-        field("layer", Text),
-        field("action", Action),
-        number!("lift_mm", Offset, default),
-        field("rotation_deg", Point { count: 3 }),
-        field("finger", Choice(FINGERS)),
-        field("size_mm", Outline),
-        number!("travel_mm", Travel),
-        number!("press_at", PressAt),
-        number!("release_at", ReleaseAt),
-        number!("debounce_ms", Debounce),
-        field("reports_depth", Bool),
-        field("output", Output),
-        field("latch", Choice(LATCHES)),
-        field("activate_on", Choice(&["Press", "Release"])),
-        field("hold", Ron),
-        number!("hold_after_ms", HoldAfter, default),
-        number!("dwell_ms", DwellTime),
-    ]
-}
-
-fn pose_fields() -> Vec<FieldSpec> {
-    use FieldType::Choice;
-    vec![
-        field("pose.anchor", Choice(&["world", "elbow", "wrist"])),
-        number!("pose.bearing_deg", Bearing, default),
-        number!("pose.right_mm", Offset, default),
-        number!("pose.forward_mm", Offset),
-        number!("pose.height_mm", Offset, default),
-        number!("pose.tilt_deg", Tilt, default),
-        number!("pose.scale", BoardScale, default),
-        field("pose.fit", Choice(&["Hand", "Off"])),
-    ]
-}
-
-fn board_fields() -> Vec<FieldSpec> {
-    use FieldType::{Bool, Choice, Outline, Ron};
-    let own = [
-        field("hand", Choice(SIDES)),
-        field("contact", Choice(&["Touch", "Bend"])),
-        field("shape", Ron),
-        number!("shape.radius_mm", Radius),
-        field("auto_recenter", Ron),
-        number!("pitch_mm", Pitch, default),
-        field("size_mm", Outline),
-        number!("travel_mm", Travel, default),
-        number!("press_at", PressAt, default),
-        // The default depends on the contact.
-        number!("release_at", ReleaseAt),
-        number!("debounce_ms", Debounce, default),
-        field("reports_depth", Bool),
-    ];
-    pose_fields().into_iter().chain(own).collect()
-}
-
-fn pointer_fields() -> Vec<FieldSpec> {
-    use FieldType::{Choice, Output, Point, Ron};
-    vec![
-        field("hand", Choice(SIDES)),
-        field("mode", Ron),
-        field("output", Choice(&["Absolute", "Relative", "Off"])),
-        field("screen_px", Point { count: 2 }),
-        number!("max_step_px", MaxStep, default),
-        field("smoothing", Ron),
-        number!("dead_zone_px", PixelDistance, default),
-        field("acceleration", Ron),
-        field("precision", Ron),
-        number!("precision_factor", PrecisionFactor, default),
-        field("clutch", Ron),
-        field("pinch_mm", Ron),
-        field("clicks", Ron),
-        field("dwell", Ron),
-        number!("drag_threshold_px", PixelDistance, Some(30.0)),
-        field("scroll", Ron),
-        field("z_output", Output),
-    ]
+/// Returns a choice of words, which are kept for the rest of the run: each schema is read once.
+fn choice(words: impl Iterator<Item = String>) -> FieldType {
+    let words: Vec<&'static str> = words.map(|word| &*word.leak()).collect();
+    FieldType::Choice(words.leak())
 }
 
 /// Writes or removes a field of parts.
@@ -354,4 +200,67 @@ pub(super) fn set_field(
     }
     draft.commit()?;
     Ok(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editing::{Edit, NewPart, edit};
+    use crate::layout::Layout;
+
+    const BOARD: &str = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))])])";
+
+    #[test]
+    fn a_new_control_of_each_kind_is_valid_and_has_the_fields_of_its_schema() {
+        for &kind in ControlKind::ALL {
+            let new = NewPart::Control {
+                board: 0,
+                kind,
+                at_mm: [0.0, 120.0],
+                binding: None,
+            };
+            let edited = edit(BOARD, &Edit::Add(new)).unwrap();
+            Layout::parse(&edited.text, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+            let fields = fields_of(edited.parts[0]);
+            assert_eq!(fields[0].name, "name", "{kind:?}");
+            let table = tables()
+                .iter()
+                .find(|table| table.name == kind.spec().table);
+            let names = fields.iter().map(|field| field.name);
+            for row in &table.unwrap().rows {
+                assert!(
+                    names.clone().any(|name| name == row.name),
+                    "{kind:?}: {}",
+                    row.name
+                );
+            }
+            assert!(
+                fields.iter().all(|field| !field.help.is_empty()),
+                "{kind:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_field_has_the_range_the_unit_and_the_default_of_its_schema() {
+        let of_board = fields_of(Part::Board(0));
+        let field = |name: &str| of_board.iter().find(|field| field.name == name).copied();
+        let pitch = field("pitch_mm").unwrap();
+        let number = FieldType::Number {
+            min: 1.0,
+            max: 500.0,
+            default: Some(19.0),
+        };
+        assert_eq!((pitch.field_type, pitch.unit), (number, " mm"));
+        assert_eq!(
+            field("hand").unwrap().field_type,
+            FieldType::Choice(&["\"left\"", "\"right\""])
+        );
+        assert_eq!(
+            field("pose.fit").unwrap().field_type,
+            FieldType::Choice(&["Hand", "Off"])
+        );
+        assert!(field("shape.radius_mm").is_some());
+        assert_eq!(field("keys"), None, "keys are parts of their own");
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::draft::{Draft, written};
 use super::error::EditError;
+use super::fields::{can_turn, field_row, table_of};
 use super::part::{ControlKind, Part};
 use super::rows::{SourceRow, take_out};
 use crate::layout::quantity::Size;
@@ -129,9 +130,10 @@ fn shift_pose(
             .field(part, "shape")
             .is_some_and(|shape| shape.name(draft.text()) == Some("Arc"));
         // The default of a board on arcs.
-        let default = match is_arc {
-            true => draft.number(part, "shape.radius_mm", 0.0)?,
-            false => 0.0,
+        let default = if is_arc {
+            draft.number(part, "shape.radius_mm", 0.0)?
+        } else {
+            0.0
         };
         let old = draft.number(part, "pose.forward_mm", default)?;
         draft.set_number(part, "pose.forward_mm", old + forward, default)?;
@@ -151,9 +153,10 @@ pub(super) fn resize(
     for &part in &parts {
         let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
         let limit = |value: f64| value.clamp(*Size::RANGE.start(), *Size::RANGE.end());
-        let new = match is_round(draft, part) {
-            true => [limit(old[0] + by_mm[0]); 2],
-            false => [limit(old[0] + by_mm[0]), limit(old[1] + by_mm[1])],
+        let new = if is_round(draft, part) {
+            [limit(old[0] + by_mm[0]); 2]
+        } else {
+            [limit(old[0] + by_mm[0]), limit(old[1] + by_mm[1])]
         };
         set_size(draft, part, new)?;
         let (sin, cos) = rotation(draft, part)?.to_radians().sin_cos();
@@ -174,9 +177,10 @@ pub(super) fn set_size_one(
     let old = size(draft, part)?.ok_or_else(|| unsupported(part, "resized", ""))?;
     let limit = |value: f64| value.clamp(*Size::RANGE.start(), *Size::RANGE.end());
     let new = [0, 1].map(|axis| limit(new_mm[axis].unwrap_or(old[axis])));
-    let new = match is_round(draft, part) {
-        true => [new_mm[0].or(new_mm[1]).map_or(old[0], limit); 2],
-        false => new,
+    let new = if is_round(draft, part) {
+        [new_mm[0].or(new_mm[1]).map_or(old[0], limit); 2]
+    } else {
+        new
     };
     set_size(draft, part, new)
 }
@@ -201,10 +205,7 @@ pub(super) fn turn(
                 let [x, y, z] = draft.numbers(part, "rotation_deg")?.unwrap_or_default();
                 draft.set_numbers(part, "rotation_deg", [x, y, wrapped(z + degrees)])?;
             }
-            Part::Control {
-                kind: ControlKind::Slider | ControlKind::Lever,
-                ..
-            } => {
+            _ if can_turn(part) => {
                 let old = draft.number(part, "rotation_deg", 0.0)?;
                 draft.set_number(part, "rotation_deg", wrapped(old + degrees), 0.0)?;
             }
@@ -278,9 +279,10 @@ pub(super) fn extent(draft: &Draft, part: Part) -> Result<Extent, EditError> {
             half: [(last[0] - at[0] + size[0]) / 2.0, size[1] / 2.0],
         });
     }
-    let (sin, cos) = match is_round(draft, part) {
-        true => (0.0, 1.0),
-        false => rotation(draft, part)?.to_radians().sin_cos(),
+    let (sin, cos) = if is_round(draft, part) {
+        (0.0, 1.0)
+    } else {
+        rotation(draft, part)?.to_radians().sin_cos()
     };
     let [width, depth] = size;
     Ok(Extent {
@@ -352,18 +354,20 @@ pub(super) fn without_children(parts: &[Part]) -> Vec<Part> {
 }
 
 fn size_fields(part: Part) -> Option<SizeFields> {
-    use ControlKind::{Joystick, Key, Knob, Lever, Slider, Toggle, TouchSurface, Valve};
-    match part {
-        Part::Row { .. } | Part::RadioOption { .. } => Some(SizeFields::Outline),
-        Part::SpaceTarget { .. } => Some(SizeFields::Volume),
-        Part::Control { kind, .. } => match kind {
-            Key | Toggle | TouchSurface => Some(SizeFields::Outline),
-            Slider | Lever => Some(SizeFields::Track),
-            Knob | Valve | Joystick => Some(SizeFields::Diameter),
-            ControlKind::Radio => None,
-        },
-        _ => None,
+    if matches!(part, Part::SpaceTarget { .. }) {
+        return Some(SizeFields::Volume);
     }
+    let (Part::Row { .. } | Part::RadioOption { .. } | Part::Control { .. }) = part else {
+        return None;
+    };
+    let has = |name| field_row(table_of(part), name).is_some();
+    [
+        ("diameter_mm", SizeFields::Diameter),
+        ("length_mm", SizeFields::Track),
+        ("size_mm", SizeFields::Outline),
+    ]
+    .into_iter()
+    .find_map(|(name, fields)| has(name).then_some(fields))
 }
 
 /// Returns the value with the outline: the part's own, or that of its board.
@@ -431,22 +435,25 @@ fn set_size(draft: &mut Draft, part: Part, [width, depth]: [f64; 2]) -> Result<(
         Some(SizeFields::Diameter) => draft.set_number(part, "diameter_mm", width, default),
         Some(SizeFields::Volume) => {
             draft.set_number(part, "shape.0", width, default)?;
-            match is_round(draft, part) {
-                true => Ok(()),
-                false => draft.set_number(part, "shape.2", depth, default),
+            if is_round(draft, part) {
+                Ok(())
+            } else {
+                draft.set_number(part, "shape.2", depth, default)
             }
         }
         _ if draft.field(part, "size_mm").is_some() => {
             draft.set_number(part, "size_mm.0", width, default)?;
-            match is_round(draft, part) {
-                true => Ok(()),
-                false => draft.set_number(part, "size_mm.1", depth, default),
+            if is_round(draft, part) {
+                Ok(())
+            } else {
+                draft.set_number(part, "size_mm.1", depth, default)
             }
         }
         _ => {
-            let value = match is_round(draft, part) {
-                true => format!("Disc({})", written(width)),
-                false => format!("Box({}, {})", written(width), written(depth)),
+            let value = if is_round(draft, part) {
+                format!("Disc({})", written(width))
+            } else {
+                format!("Box({}, {})", written(width), written(depth))
             };
             draft.set(part, "size_mm", &value)
         }
@@ -463,19 +470,17 @@ fn rotation(draft: &Draft, part: Part) -> Result<f64, EditError> {
             let [_, _, z] = draft.numbers(part, "rotation_deg")?.unwrap_or_default();
             Ok(z)
         }
-        Part::Control {
-            kind: ControlKind::Slider | ControlKind::Lever,
-            ..
-        } => draft.number(part, "rotation_deg", 0.0),
+        _ if can_turn(part) => draft.number(part, "rotation_deg", 0.0),
         _ => Ok(0.0),
     }
 }
 
 /// Returns an angle from −180° to 180°.
 fn wrapped(degrees: f64) -> f64 {
-    match (-180.0..=180.0).contains(&degrees) {
-        true => degrees,
-        false => (degrees + 180.0).rem_euclid(360.0) - 180.0,
+    if (-180.0..=180.0).contains(&degrees) {
+        degrees
+    } else {
+        (degrees + 180.0).rem_euclid(360.0) - 180.0
     }
 }
 

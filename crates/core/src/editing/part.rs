@@ -2,6 +2,8 @@
 
 use crate::contact::TargetId;
 use crate::document::Node;
+use crate::layout::KindSpec;
+use crate::layout::controls::{self, with_control_kinds};
 
 /// A part of a layout, by its indices in the file, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,71 +65,56 @@ pub enum Part {
     Chord(usize),
 }
 
-/// The kinds of controls on a board: one list of the board each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ControlKind {
-    /// Single keys.
-    Key,
-    /// Toggle switches.
-    Toggle,
-    /// Radio groups.
-    Radio,
-    /// Touchscreens and touchpads.
-    TouchSurface,
-    /// Sliders.
-    Slider,
-    /// Knobs.
-    Knob,
-    /// Levers.
-    Lever,
-    /// Valves.
-    Valve,
-    /// Joysticks.
-    Joystick,
+/// A key, for editors.
+const KEY: KindSpec = KindSpec {
+    table: "Key",
+    name: "key",
+    words: ["Key", "Tecla"],
+    new: "",
+};
+
+/// Declares the kinds of controls.
+macro_rules! control_kind {
+    ($($kind:ident $list:ident: $module:ident::$schema:ident,)+) => {
+        /// The kinds of controls on a board: one list of the board each.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum ControlKind {
+            /// Single keys.
+            Key,
+            $(
+                #[doc = concat!("The controls of the list `", stringify!($list), "`.")]
+                $kind,
+            )+
+        }
+
+        impl ControlKind {
+            /// All kinds, in the order in which a layout numbers their targets.
+            pub const ALL: &[Self] = &[Self::Key, $(Self::$kind),+];
+
+            /// The field of a board that lists them.
+            pub const fn list(self) -> &'static str {
+                match self {
+                    Self::Key => "keys",
+                    $(Self::$kind => stringify!($list),)+
+                }
+            }
+
+            /// Names, the table of fields, and a new control.
+            pub const fn spec(self) -> KindSpec {
+                match self {
+                    Self::Key => KEY,
+                    $(Self::$kind => controls::$module::KIND,)+
+                }
+            }
+        }
+    };
 }
+with_control_kinds!(control_kind);
 
 impl ControlKind {
-    /// All kinds, in the order in which a layout numbers their targets.
-    pub const ALL: [Self; 9] = [
-        Self::Key,
-        Self::Toggle,
-        Self::Radio,
-        Self::TouchSurface,
-        Self::Slider,
-        Self::Knob,
-        Self::Lever,
-        Self::Valve,
-        Self::Joystick,
-    ];
-
-    /// The field of a board that lists them.
-    pub const fn list(self) -> &'static str {
-        match self {
-            Self::Key => "keys",
-            Self::Toggle => "toggles",
-            Self::Radio => "radios",
-            Self::TouchSurface => "touch_surfaces",
-            Self::Slider => "sliders",
-            Self::Knob => "knobs",
-            Self::Lever => "levers",
-            Self::Valve => "valves",
-            Self::Joystick => "joysticks",
-        }
-    }
-
     /// The name in messages.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Key => "key",
-            Self::Toggle => "toggle switch",
-            Self::Radio => "radio group",
-            Self::TouchSurface => "touch surface",
-            Self::Slider => "slider",
-            Self::Knob => "knob",
-            Self::Lever => "lever",
-            Self::Valve => "valve",
-            Self::Joystick => "joystick",
-        }
+        self.spec().name
     }
 }
 
@@ -231,7 +218,7 @@ pub fn targets(text: &str, tree: &Node) -> Vec<Part> {
             let columns = 0..codes.split_whitespace().count();
             targets.extend(columns.map(|column| Part::RowKey { board, row, column }));
         }
-        for kind in ControlKind::ALL {
+        for &kind in ControlKind::ALL {
             for index in 0..list(node, kind.list()) {
                 let control = Part::Control { board, kind, index };
                 let options = match kind {
@@ -285,7 +272,7 @@ pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
         if let Some(row) = index_in(node, "rows") {
             return row_part_at(text, tree, board, row, offset);
         }
-        for kind in ControlKind::ALL {
+        for &kind in ControlKind::ALL {
             let Some(index) = index_in(node, kind.list()) else {
                 continue;
             };
@@ -322,9 +309,10 @@ pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
         return Part::Chord(index);
     }
     let pointer = root.field(text, "pointer");
-    match pointer.is_some_and(|node| node.range.contains(&offset)) {
-        true => Part::Pointer,
-        false => Part::Layout,
+    if pointer.is_some_and(|node| node.range.contains(&offset)) {
+        Part::Pointer
+    } else {
+        Part::Layout
     }
 }
 

@@ -154,9 +154,10 @@ impl SourceRow {
             .rfind('\n')
             .map_or(0, |newline| newline + 1);
         let indent = &text[line..row.start];
-        let separator = match indent.trim().is_empty() {
-            true => format!(",\n{indent}"),
-            false => ", ".to_owned(),
+        let separator = if indent.trim().is_empty() {
+            format!(",\n{indent}")
+        } else {
+            ", ".to_owned()
         };
         let rows: Result<Vec<String>, EditError> = runs
             .iter()

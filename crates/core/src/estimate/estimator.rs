@@ -349,9 +349,10 @@ impl RawAngles {
             (Some((joint, now)), Some((same, before))) if joint == same => now.distance(before),
             _ => 0.0,
         };
-        let is_turned = match self.tips.is_empty() || tips.is_empty() {
-            true => !angles.is_within(reach.rotation, &self.angles),
-            false => self.tips.are_all_out_of_reach(tips, reach.rotation),
+        let is_turned = if self.tips.is_empty() || tips.is_empty() {
+            !angles.is_within(reach.rotation, &self.angles)
+        } else {
+            self.tips.are_all_out_of_reach(tips, reach.rotation)
         };
         f64::from(distance) <= reach.distance && !is_turned
     }

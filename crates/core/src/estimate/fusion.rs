@@ -134,6 +134,7 @@ impl FusedEstimator {
         if let Some(arm) = arm {
             estimate.root = arm.root;
             estimate.displacement = arm.displacement;
+            estimate.inputs = arm.inputs;
             for (dof, radians) in arm.angles.known() {
                 if dof.finger().is_none() {
                     estimate.angles.set(dof, radians);
@@ -159,7 +160,8 @@ fn add_fingers(fingers: &Estimate, estimate: &mut Estimate) {
             estimate.angles.set(dof, radians);
         }
     }
-    estimate.inputs = fingers.inputs;
+    let of_arm = std::mem::replace(&mut estimate.inputs, fingers.inputs);
+    estimate.inputs.add_angles_of(&of_arm);
     let wrist = |measured: &MeasuredJoints| measured.get(Joint::Wrist);
     let (Some(to), Some(from)) = (wrist(&estimate.measured), wrist(&fingers.measured)) else {
         return;

@@ -193,9 +193,10 @@ fn set_finger(angles: &mut JointAngles, palm: &Palm, bones: &Bones, finger: Fing
     let in_palm = first.x.hypot(first.z);
     // A finger that is bent by more than a right angle points backwards.
     let forward = 1_f64.copysign(first.x);
-    let spread = match in_palm < MIN_SINE {
-        true => 0.0,
-        false => (-first.z * forward).atan2(first.x * forward),
+    let spread = if in_palm < MIN_SINE {
+        0.0
+    } else {
+        (-first.z * forward).atan2(first.x * forward)
     };
     angles.set(dofs[0], palm.sign * spread);
     angles.set(dofs[1], first.y.atan2(in_palm * forward));

@@ -108,9 +108,10 @@ impl Estimate {
         self.root = *root;
         self.displacement = *displacement;
         self.inputs = *inputs;
-        match measured.is_empty() {
-            true => self.measured.known = 0,
-            false => self.measured = *measured,
+        if measured.is_empty() {
+            self.measured.known = 0
+        } else {
+            self.measured = *measured
         }
     }
 

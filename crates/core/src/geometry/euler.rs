@@ -141,9 +141,10 @@ mod tests {
                 let mut angles: [f64; 3] = std::array::from_fn(|_| (random.f64() * 2.0 - 1.0) * PI);
                 let proper = order.is_proper();
                 if round % 5 == 0 {
-                    angles[1] = match proper {
-                        true => [0.0, PI][round % 2],
-                        false => FRAC_PI_2.copysign(angles[1]),
+                    angles[1] = if proper {
+                        [0.0, PI][round % 2]
+                    } else {
+                        FRAC_PI_2.copysign(angles[1])
                     };
                 }
                 let rotation = order.rotation(angles);
@@ -167,9 +168,10 @@ mod tests {
             for half_turn in [[PI, 0.0, 0.0], [0.0, 0.0, PI]] {
                 let rotation = order.rotation(half_turn.map(|angle| -angle));
                 let exact = DMat3::from_cols_array(&rotation.to_cols_array().map(f64::round));
-                let expected = match order.is_proper() {
-                    true => [PI, 0.0, 0.0],
-                    false => half_turn,
+                let expected = if order.is_proper() {
+                    [PI, 0.0, 0.0]
+                } else {
+                    half_turn
                 };
                 assert_eq!(order.angles(&exact), Some(expected), "{order}");
             }

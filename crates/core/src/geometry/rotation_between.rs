@@ -22,9 +22,10 @@ pub fn rotation_between(from: DVec3, to: DVec3) -> Option<DMat3> {
         let axis = cross - from * cross.dot(from);
         return Some(rotation(axis.normalize(), sine, cosine));
     }
-    Some(match cosine > 0.0 {
-        true => DMat3::IDENTITY,
-        false => half_turn(from.cross(furthest_axis(from)).normalize()),
+    Some(if cosine > 0.0 {
+        DMat3::IDENTITY
+    } else {
+        half_turn(from.cross(furthest_axis(from)).normalize())
     })
 }
 

@@ -1,12 +1,15 @@
 //! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles, joint
-//! positions, rotations of bones, displacements, and the inputs of a glove.
+//! positions, rotations of bones, displacements, the inputs of a glove, and angles of the body.
 
+mod body_angles;
 mod bone_rotations;
 mod displacement;
 mod inputs;
 mod joint_angles;
 mod joint_positions;
+pub(crate) mod open_hand;
 
+pub use body_angles::BodyAngle;
 pub use bone_rotations::{ArmBone, ArmRotations, BoneRotations};
 pub use displacement::Displacement;
 pub use inputs::{Input, InputValues};

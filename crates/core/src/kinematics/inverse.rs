@@ -1,11 +1,13 @@
 //! Inverse kinematics: the angles that move a fingertip to a target.
 
 use arrayvec::ArrayVec;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Quat};
 use parry3d::math::{Pose, Vec3};
 
 use super::arm_model::ArmModel;
-use super::link::{MAX_LINKS, far_end};
+use super::joint_rotations::{half_angle, rotation_about};
+use super::link::{Link, MAX_LINKS, far_end};
+use super::principal_axis::PrincipalAxis;
 use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Finger};
 
@@ -78,29 +80,32 @@ pub fn solve_ik(
     finger: Finger,
     target: Vec3,
 ) -> IkSolution {
-    let chain = Chain::to_fingertip(model, finger);
-    let mut values: ArrayVec<f64, MAX_IK_VARIABLES> = start.iter().copied().collect();
+    let chain = Chain::to_fingertip(model, finger, variables, fixed);
+    let problem = Problem {
+        variables,
+        scales: variables.iter().map(IkVariable::scale).collect(),
+    };
+    let mut poses = ArrayVec::new();
+    let mut values: Values = start.iter().copied().collect();
     let mut best = IkSolution {
         values: values.clone(),
         distance: f64::INFINITY,
     };
     for _ in 0..MAX_ITERATIONS {
-        let angles = angles_from_variables(variables, &values, fixed);
-        let poses = model.link_poses(&angles);
-        let error = (target - chain.fingertip(model, &poses)).as_dvec3();
+        let fingertip = chain.forward(&values, &mut poses);
+        let error = (target - fingertip).as_dvec3();
         if error.length() < best.distance - TOLERANCE / 10.0 {
             best.distance = error.length();
             best.values.clone_from(&values);
         } else if best.distance < TOLERANCE {
             break;
         }
-        let jacobian = chain.jacobian(model, &poses, variables);
-        step(
-            variables,
-            &jacobian,
-            error.clamp_length_max(MAX_STEP),
-            &mut values,
-        );
+        let jacobian = chain.jacobian(fingertip, &poses, &problem.scales);
+        let error = error.clamp_length_max(MAX_STEP);
+        if !problem.step(&jacobian, error, &mut values) {
+            // All further iterations would be the same.
+            break;
+        }
     }
     best
 }
@@ -120,116 +125,204 @@ pub fn angles_from_variables(
     angles
 }
 
-/// Changes the values by one iteration. A variable that would leave its range stops at the limit, and the step is
-/// solved again for the others.
-fn step(variables: &[IkVariable], jacobian: &[DVec3], error: DVec3, values: &mut [f64]) {
-    let mut free: ArrayVec<bool, MAX_IK_VARIABLES> = variables.iter().map(|_| true).collect();
-    for _ in 0..variables.len() {
-        let active: ArrayVec<DVec3, MAX_IK_VARIABLES> = jacobian
-            .iter()
-            .zip(&free)
-            .map(|(column, free)| if *free { *column } else { DVec3::ZERO })
+/// One number for each variable.
+type Values = ArrayVec<f64, MAX_IK_VARIABLES>;
+
+/// The displacement of the fingertip for each variable, in metres per radian of its fastest angle.
+type Jacobian = ArrayVec<DVec3, MAX_IK_VARIABLES>;
+
+/// The variables, and their scales.
+struct Problem<'a> {
+    variables: &'a [IkVariable],
+    scales: Values,
+}
+
+impl Problem<'_> {
+    /// Changes the values by one iteration. A variable that would leave its range stops at the limit, and the step is
+    /// solved again for the others. Returns whether a value has changed.
+    fn step(&self, jacobian: &Jacobian, error: DVec3, values: &mut Values) -> bool {
+        let pulls = self.variables.iter().zip(&self.scales).zip(&*values);
+        let pulls: Values = pulls
+            .map(|((variable, scale), value)| REST_GAIN * (variable.rest - value) * scale)
             .collect();
-        let changes = changes(variables, &active, error, values);
-        let limited = (0..variables.len()).find(|&index| {
-            let (low, high) = variables[index].range;
-            free[index] && !(low..=high).contains(&(values[index] + changes[index]))
-        });
-        let Some(index) = limited else {
-            for ((value, change), free) in values.iter_mut().zip(&changes).zip(&free) {
-                *value += if *free { *change } else { 0.0 };
-            }
-            return;
-        };
-        let (low, high) = variables[index].range;
-        values[index] = (values[index] + changes[index]).clamp(low, high);
-        free[index] = false;
+        let mut free: ArrayVec<usize, MAX_IK_VARIABLES> = (0..self.variables.len()).collect();
+        let mut has_changed = false;
+        while !free.is_empty() {
+            let weights = weights(jacobian, &pulls, &free, error);
+            let goal = |index: usize, value: f64| {
+                let change = jacobian[index].dot(weights) + pulls[index];
+                value + change / self.scales[index]
+            };
+            let limited = free.iter().position(|&index| {
+                let (low, high) = self.variables[index].range;
+                !(low..=high).contains(&goal(index, values[index]))
+            });
+            let Some(place) = limited else {
+                for &index in &free {
+                    let old = values[index];
+                    values[index] = goal(index, old);
+                    has_changed |= old != values[index];
+                }
+                break;
+            };
+            let index = free.remove(place);
+            let (low, high) = self.variables[index].range;
+            let old = values[index];
+            values[index] = goal(index, old).clamp(low, high);
+            has_changed |= old != values[index];
+        }
+        has_changed
     }
 }
 
-/// Solves Δ = J⁺ · error + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each variable.
-fn changes(
-    variables: &[IkVariable],
-    jacobian: &[DVec3],
-    error: DVec3,
-    values: &[f64],
-) -> ArrayVec<f64, MAX_IK_VARIABLES> {
+/// Returns the weights of the columns in Δ = J⁺ · error + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each
+/// variable: Δ is the product of a column with them, and its pull.
+fn weights(jacobian: &Jacobian, pulls: &Values, free: &[usize], error: DVec3) -> DVec3 {
     let mut square = DMat3::from_diagonal(DVec3::splat(DAMPING * DAMPING));
-    for column in jacobian {
-        square += DMat3::from_cols(*column * column.x, *column * column.y, *column * column.z);
+    let mut pulled = DVec3::ZERO;
+    for &index in free {
+        let column = jacobian[index];
+        square += DMat3::from_cols(column * column.x, column * column.y, column * column.z);
+        pulled += column * pulls[index];
     }
-    let inverse = square.inverse();
-    let pulls: ArrayVec<f64, MAX_IK_VARIABLES> = variables
-        .iter()
-        .zip(values)
-        .map(|(variable, value)| REST_GAIN * (variable.rest - value) * variable.scale())
-        .collect();
-    let pulled: DVec3 = jacobian
-        .iter()
-        .zip(&pulls)
-        .map(|(column, pull)| *column * *pull)
-        .sum();
-    let weights = inverse * (error - pulled);
-    jacobian
-        .iter()
-        .zip(&pulls)
-        .zip(variables)
-        .map(|((column, pull), variable)| (column.dot(weights) + pull) / variable.scale())
-        .collect()
+    square.inverse() * (error - pulled)
 }
 
-/// The links from a fingertip to the root.
+/// The links from the root to a fingertip. Other links do not move the fingertip.
 struct Chain {
-    links: ArrayVec<usize, MAX_LINKS>,
+    /// The pose of the last link before the first one that a variable turns.
+    base: Pose,
+    /// The links after it.
+    links: ArrayVec<ChainLink, MAX_LINKS>,
+    /// For each variable and link that it turns, in this order and from the fingertip to the root: their indices, the latter in
+    /// `links`, and the gain.
+    turns: Vec<(usize, usize, f64)>,
+    /// The length of the last link, in metres.
+    length: f32,
+}
+
+/// A link of a chain.
+struct ChainLink {
+    offset: Vec3,
+    axis: Vec3,
+    turn: Turn,
+}
+
+/// The rotation of a link.
+enum Turn {
+    Fixed(Option<Quat>),
+    /// By the value of a variable, about an axis of the frame of the link if there is one.
+    Driven(usize, AffineMap, Option<(PrincipalAxis, f32)>),
+}
+
+impl ChainLink {
+    fn new(link: &Link, variables: &[IkVariable], fixed: &JointAngles) -> Self {
+        let driving = |dof: Dof| {
+            let mut mappings = variables.iter().enumerate().flat_map(|(index, variable)| {
+                let mappings = variable.mappings.iter();
+                mappings.map(move |(own, map)| (*own, index, *map))
+            });
+            // Of several, the last one counts.
+            let last = mappings.rfind(|(own, ..)| *own == dof);
+            let axis = PrincipalAxis::from_vector(link.axis);
+            last.map(|(_, index, map)| Turn::Driven(index, map, axis))
+        };
+        let still = |dof: Dof| Turn::Fixed(Some(rotation_about(link.axis, fixed.get(dof))));
+        let turn = link
+            .dof
+            .map(|dof| driving(dof).unwrap_or_else(|| still(dof)));
+        Self {
+            offset: link.offset,
+            axis: link.axis,
+            turn: turn.unwrap_or(Turn::Fixed(None)),
+        }
+    }
+
+    fn pose(&self, parent: &Pose, values: &[f64]) -> Pose {
+        let rotation = match self.turn {
+            Turn::Fixed(None) => parent.rotation,
+            Turn::Fixed(Some(rotation)) => parent.rotation * rotation,
+            Turn::Driven(index, map, None) => {
+                parent.rotation * rotation_about(self.axis, map.apply(values[index]))
+            }
+            Turn::Driven(index, map, Some((axis, sense))) => {
+                let (sine, cosine) = half_angle(map.apply(values[index]));
+                axis.rotate(parent.rotation, sine * sense, cosine)
+            }
+        };
+        let translation = parent.translation + parent.rotation * self.offset;
+        Pose::from_parts(translation, rotation)
+    }
 }
 
 impl Chain {
-    fn to_fingertip(model: &ArmModel, finger: Finger) -> Self {
+    fn to_fingertip(
+        model: &ArmModel,
+        finger: Finger,
+        variables: &[IkVariable],
+        fixed: &JointAngles,
+    ) -> Self {
         let last = model
             .links()
             .iter()
             .position(|link| link.fingertip == Some(finger));
-        let mut links = ArrayVec::new();
-        let mut next = Some(last.expect("the model has the finger"));
-        while let Some(index) = next {
-            links.push(index);
-            next = model.links()[index].parent;
+        let last = last.expect("the model has the finger");
+        let parent = |index: &usize| model.links()[*index].parent;
+        let mut all: ArrayVec<usize, MAX_LINKS> =
+            std::iter::successors(Some(last), parent).collect();
+        all.reverse();
+        let mut chain = Self {
+            base: model.world_from_root(),
+            links: ArrayVec::new(),
+            turns: Vec::with_capacity(all.len()),
+            length: model.links()[last].length,
+        };
+        let mut dofs = ArrayVec::<Option<Dof>, MAX_LINKS>::new();
+        for index in all {
+            let link = &model.links()[index];
+            let own = ChainLink::new(link, variables, fixed);
+            if chain.links.is_empty() && matches!(own.turn, Turn::Fixed(_)) {
+                chain.base = own.pose(&chain.base, &[]);
+            } else {
+                chain.links.push(own);
+                dofs.push(link.dof);
+            }
         }
-        Self { links }
+        for (variable, driven) in variables.iter().enumerate() {
+            for (place, dof) in dofs.iter().enumerate().rev() {
+                let mut mappings = driven.mappings.iter();
+                if let Some((_, map)) = mappings.find(|(own, _)| *dof == Some(*own)) {
+                    chain.turns.push((variable, place, map.gain));
+                }
+            }
+        }
+        chain
     }
 
-    fn fingertip(&self, model: &ArmModel, poses: &[Pose]) -> Vec3 {
-        let last = self.links[0];
-        far_end(model.links()[last].length, &poses[last]).translation
+    /// Computes the poses of the links as [`ArmModel::link_poses`] does, and returns the position of the fingertip.
+    fn forward(&self, values: &[f64], poses: &mut ArrayVec<Pose, MAX_LINKS>) -> Vec3 {
+        poses.clear();
+        let mut parent = self.base;
+        for link in &self.links {
+            parent = link.pose(&parent, values);
+            poses.push(parent);
+        }
+        far_end(self.length, &parent).translation
     }
 
     /// Returns the displacement of the fingertip per radian of each variable's fastest angle.
-    fn jacobian(
-        &self,
-        model: &ArmModel,
-        poses: &[Pose],
-        variables: &[IkVariable],
-    ) -> ArrayVec<DVec3, MAX_IK_VARIABLES> {
-        let fingertip = self.fingertip(model, poses);
-        variables
-            .iter()
-            .map(|variable| {
-                let columns = self.links.iter().map(|&index| {
-                    let link = &model.links()[index];
-                    let Some((_, map)) = variable
-                        .mappings
-                        .iter()
-                        .find(|(dof, _)| link.dof == Some(*dof))
-                    else {
-                        return DVec3::ZERO;
-                    };
-                    let axis = poses[index].rotation * link.axis;
-                    let lever = fingertip - poses[index].translation;
-                    axis.cross(lever).as_dvec3() * map.gain
-                });
-                columns.sum::<DVec3>() / variable.scale()
-            })
-            .collect()
+    fn jacobian(&self, fingertip: Vec3, poses: &[Pose], scales: &Values) -> Jacobian {
+        let mut columns: Jacobian = scales.iter().map(|_| DVec3::ZERO).collect();
+        for &(variable, place, gain) in &self.turns {
+            let pose = &poses[place];
+            let axis = pose.rotation * self.links[place].axis;
+            let lever = fingertip - pose.translation;
+            columns[variable] += axis.cross(lever).as_dvec3() * gain;
+        }
+        for (column, scale) in columns.iter_mut().zip(scales) {
+            *column /= *scale;
+        }
+        columns
     }
 }
 
@@ -254,6 +347,30 @@ mod tests {
         let variables = dofs.map(|(dof, rest)| IkVariable::from_dof(dof, limits.range(dof), rest));
         let model = ArmModel::anthropometric(Side::Right, &bones).unwrap();
         (model, variables.to_vec())
+    }
+
+    #[test]
+    fn the_links_of_a_chain_are_where_those_of_the_whole_arm_are() {
+        let (model, variables) = arm();
+        let values = [0.7, -0.2, 0.1, 0.6, 0.9];
+        let angles = angles_from_variables(&variables, &values, &JointAngles::default());
+        let all = model.link_poses(&angles);
+        for &finger in Finger::ALL {
+            let chain = Chain::to_fingertip(&model, finger, &variables, &JointAngles::default());
+            let mut poses = ArrayVec::new();
+            let fingertip = chain.forward(&values, &mut poses);
+            let links = model.links();
+            let last = links.iter().position(|link| link.fingertip == Some(finger));
+            let mut next = last;
+            for (number, pose) in poses.iter().rev().enumerate() {
+                let link = next.expect("a chain is no longer than the arm");
+                assert_eq!(*pose, all[link], "{finger} {number}");
+                next = links[link].parent;
+            }
+            let last = last.expect("an arm has five fingers");
+            let expected = far_end(links[last].length, &all[last]).translation;
+            assert_eq!(fingertip, expected, "{finger}");
+        }
     }
 
     #[test]

@@ -48,8 +48,7 @@ impl JointRotations {
 
     /// Returns the rotation by the angle of `dof` about a unit axis.
     pub(super) fn about(&self, axis: Vec3, dof: Dof) -> Quat {
-        let (sine, cosine) = self.sine_and_cosine(dof);
-        Quat::from_vec4((axis * sine).extend(cosine))
+        rotation(axis, self.sine_and_cosine(dof))
     }
 
     /// Returns the sine and cosine of half the angle of `dof`.
@@ -63,6 +62,20 @@ impl JointRotations {
         let cosines = angles.map(|index| self.cosines[index]);
         (Vec4::from_array(sines), Vec4::from_array(cosines))
     }
+}
+
+/// Returns the rotation by an angle in radians about a unit axis, the same as that of [`JointRotations::about`].
+pub(super) fn rotation_about(axis: Vec3, radians: f64) -> Quat {
+    rotation(axis, half_angle(radians))
+}
+
+/// Returns the sine and cosine of half an angle in radians, the same as [`JointRotations::sine_and_cosine`].
+pub(super) fn half_angle(radians: f64) -> (f32, f32) {
+    sin_cos(radians as f32 * 0.5)
+}
+
+fn rotation(axis: Vec3, (sine, cosine): (f32, f32)) -> Quat {
+    Quat::from_vec4((axis * sine).extend(cosine))
 }
 
 /// Returns the sine and cosine of an angle in radians: the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to the nearest quarter turn.

@@ -3,53 +3,93 @@
 use parry3d::math::{Mat3, Pose, Vec3};
 use serde::Deserialize;
 
-use crate::document::{Document, DocumentError};
+use super::shape::{Shape, ShapeSchema};
+use crate::document::{Document, DocumentError, Table, schema, tables_of};
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, Link};
 
 const METRES_PER_CM: f32 = 0.01;
 
-#[derive(Deserialize)]
-#[serde(rename = "Arm", deny_unknown_fields)]
-struct ArmSchema<'a> {
-    #[serde(rename = "name")]
-    _name: String,
-    side: Side,
-    tip_radius_mm: f32,
-    mount: MountSchema,
-    #[serde(borrow)]
-    links: Vec<LinkSchema<'a>>,
+schema! {
+    /// An arm model file.
+    #[derive(Deserialize)]
+    #[serde(rename = "Arm", deny_unknown_fields)]
+    struct ArmSchema<'a> {
+        /// Name for displays.
+        #[serde(rename = "name")]
+        _name: String,
+        /// The arm of this hand.
+        side: Side,
+        /// Radius of a fingertip, 0.1 to 30.
+        tip_radius_mm: f32,
+        /// Pose of the arm in the world.
+        mount: MountSchema,
+        /// The links, each after its parent.
+        #[serde(borrow)]
+        links: Vec<LinkSchema<'a>>,
+        /// Meshes in place of the skin.
+        #[serde(borrow, default)]
+        shapes: Vec<ShapeSchema<'a>>,
+    }
 }
 
-/// The pose of the arm in the world: origin and axes.
-#[derive(Deserialize)]
-#[serde(rename = "Mount", deny_unknown_fields)]
-struct MountSchema {
-    at_cm: [f32; 3],
-    x: [f32; 3],
-    y: [f32; 3],
-    z: [f32; 3],
+schema! {
+    /// The pose of an arm in the world. The axes are unit vectors at right angles, right-handed.
+    #[derive(Deserialize)]
+    #[serde(rename = "Mount", deny_unknown_fields)]
+    struct MountSchema {
+        /// Origin.
+        at_cm: [f32; 3],
+        /// X axis of the arm.
+        x: [f32; 3],
+        /// Y axis of the arm.
+        y: [f32; 3],
+        /// Z axis of the arm.
+        z: [f32; 3],
+    }
 }
 
-#[derive(Deserialize)]
-#[serde(rename = "Link", deny_unknown_fields)]
-struct LinkSchema<'a> {
-    name: &'a str,
-    parent: Option<&'a str>,
-    offset_cm: [f32; 3],
-    axis: AxisSchema,
-    dof: Option<Dof>,
-    length_cm: f32,
-    joint: Option<Joint>,
-    fingertip: Option<Finger>,
+schema! {
+    /// A link of an arm.
+    #[derive(Deserialize)]
+    #[serde(rename = "Link", deny_unknown_fields)]
+    struct LinkSchema<'a> {
+        /// Name, by which its children name it.
+        name: &'a str,
+        /// Name of the link to which it is attached. Default: the mount.
+        parent: Option<&'a str>,
+        /// Position of its joint in the frame of the parent.
+        offset_cm: [f32; 3],
+        /// Axis of its joint.
+        axis: AxisSchema,
+        /// Angle of its joint. Default: the joint does not move.
+        dof: Option<Dof>,
+        /// Length along its x axis.
+        length_cm: f32,
+        /// Point of the hand at its end.
+        joint: Option<Joint>,
+        /// Finger whose tip is at its end.
+        fingertip: Option<Finger>,
+    }
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "Axis")]
-enum AxisSchema {
-    X,
-    Y,
-    Z,
+schema! {
+    /// The axis of a joint.
+    #[derive(Clone, Copy, Deserialize)]
+    #[serde(rename = "Axis")]
+    enum AxisSchema {
+        /// The x axis.
+        X,
+        /// The y axis.
+        Y,
+        /// The z axis.
+        Z,
+    }
+}
+
+/// Returns the tables of the fields of an arm model file.
+pub fn arm_field_tables() -> Vec<Table> {
+    tables_of::<ArmSchema>()
 }
 
 impl ArmModel {
@@ -70,6 +110,7 @@ impl ArmModel {
             let link = link.build(&links, document)?;
             links.push(link);
         }
+        schema.shapes(document)?;
         Self::new(
             schema.side,
             links,
@@ -77,6 +118,19 @@ impl ArmModel {
             schema.tip_radius_mm * 1e-3,
         )
         .map_err(|error| document.error_at(&document.text, error))
+    }
+}
+
+/// Returns the meshes of the limbs in an arm file; none if the limbs have the skin of the program. They have the value 0.
+pub fn arm_shapes(document: &Document) -> Result<Vec<Shape>, DocumentError> {
+    let schema: ArmSchema = document.parse()?;
+    schema.shapes(document)
+}
+
+impl ArmSchema<'_> {
+    fn shapes(&self, document: &Document) -> Result<Vec<Shape>, DocumentError> {
+        let shapes = self.shapes.iter();
+        shapes.map(|shape| shape.build(document)).collect()
     }
 }
 
@@ -147,6 +201,28 @@ mod tests {
         assert_eq!(
             arm.world_from_root().rotation,
             ArmModel::palm_down_pose().rotation
+        );
+    }
+
+    #[test]
+    fn meshes_of_limbs_are_checked_and_a_shipped_arm_has_none() {
+        let shipped = Document::shipped("unam").unwrap();
+        assert_eq!(arm_shapes(&shipped), Ok(Vec::new()));
+        let with = |shapes: &str| {
+            let end = shipped.text.rfind(')').unwrap();
+            Document::new(
+                "a.ron",
+                format!("{}shapes: [{shapes}])", &shipped.text[..end]),
+            )
+        };
+        let own = with("(file: \"palm.glb\", joint: \"wrist\", unit_mm: 1000)");
+        assert_eq!(arm_shapes(&own).unwrap()[0].unit, 1.0);
+        assert!(ArmModel::parse(&own).is_ok());
+        let error = ArmModel::parse(&with("(file: \"../palm.glb\", joint: \"wrist\")"));
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains("a.ron:") && error.contains("in the folder"),
+            "{error}"
         );
     }
 

@@ -1,15 +1,10 @@
 //! The devices of a layout.
 
+use super::controls::with_control_devices;
 use super::model::{ControlKind, Layout};
-use crate::device::joystick::Joysticks;
 use crate::device::keyboard::Keyboard;
-use crate::device::knob::Knobs;
 use crate::device::pointer::Pointer;
 use crate::device::pressure::Pressures;
-use crate::device::radio::Radios;
-use crate::device::slider::Sliders;
-use crate::device::toggle::Toggles;
-use crate::device::touch_surface::TouchSurfaces;
 use crate::device::trigger::Triggers;
 use crate::device::value_output::ValueOutput;
 use crate::device::{Capabilities, VirtualDevice};
@@ -19,34 +14,25 @@ impl Layout {
     ///
     /// Their order is that of their events within a step.
     pub fn devices(&self) -> Vec<Box<dyn VirtualDevice>> {
-        /// The device for all controls of a kind.
-        macro_rules! device {
-            ($kind:ident, $device:ident) => {{
-                let settings: Vec<_> = self
-                    .controls
-                    .iter()
-                    .filter_map(|control| match &control.kind {
-                        ControlKind::$kind(settings) => Some(settings.clone()),
-                        _ => None,
-                    })
-                    .collect();
-                (!settings.is_empty())
-                    .then(|| -> Box<dyn VirtualDevice> { Box::new($device::new(settings)) })
-            }};
+        let mut devices = Vec::from_iter([self.keyboard()]);
+        devices.extend(self.pressure_device());
+        /// Adds the device for all controls of each kind.
+        macro_rules! add_devices {
+            ($($(#[$doc:meta])* $kind:ident: $module:ident::$settings:ident, $device:ident;)+) => {$(
+                let settings = self.controls.iter().filter_map(|control| match &control.kind {
+                    ControlKind::$kind(settings) => Some(settings.clone()),
+                    _ => None,
+                });
+                let settings: Vec<_> = settings.collect();
+                if !settings.is_empty() {
+                    devices.push(Box::new(crate::device::$module::$device::new(settings)));
+                }
+            )+};
         }
-        let devices = [
-            Some(self.keyboard()),
-            self.pressure_device(),
-            device!(Toggle, Toggles),
-            device!(Radio, Radios),
-            device!(TouchSurface, TouchSurfaces),
-            self.trigger_device(),
-            device!(Slider, Sliders),
-            device!(Knob, Knobs),
-            device!(Joystick, Joysticks),
-            self.pointer_device(),
-        ];
-        devices.into_iter().flatten().collect()
+        with_control_devices!(add_devices);
+        devices.extend(self.trigger_device());
+        devices.extend(self.pointer_device());
+        devices
     }
 
     /// Returns everything that the layout can ever emit, including modifiers.

@@ -124,9 +124,10 @@ impl LayoutDraft {
 
     /// Returns the layout, or its faults as an error.
     pub fn into_layout(self) -> Result<Layout, DocumentError> {
-        match self.errors.is_none() {
-            true => Ok(self.layout),
-            false => Err(self.errors),
+        if self.errors.is_none() {
+            Ok(self.layout)
+        } else {
+            Err(self.errors)
         }
     }
 

@@ -173,9 +173,10 @@ impl PoseFit {
 /// A short finger needs keys that are nearer to each other, in proportion to its length. A long finger reaches them in
 /// any case, and its keys grow half as much: the keys of keyboards for all adults are 19 mm apart.
 fn scale(ratio: f32) -> f32 {
-    match ratio < 1.0 {
-        true => ratio.max(MIN_SCALE),
-        false => (1.0 + (ratio - 1.0) / 2.0).min(MAX_SCALE),
+    if ratio < 1.0 {
+        ratio.max(MIN_SCALE)
+    } else {
+        (1.0 + (ratio - 1.0) / 2.0).min(MAX_SCALE)
     }
 }
 

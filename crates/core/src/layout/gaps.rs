@@ -32,11 +32,11 @@ impl<'a> Neighborhood<'a> {
     }
 
     /// Returns the share of the outline with this index: on each side half the way to the nearest other outline beside it, at
-    /// most half its own shorter side, and at most `max` metres.
-    pub fn share(&self, index: usize, max: f32) -> Share {
+    /// most `part` of its own shorter side, and at most `max` metres.
+    pub fn share(&self, index: usize, part: f32, max: f32) -> Share {
         let outline = &self.outlines[index];
         let half = outline.half_extents();
-        let reach = half.min_element().min(max);
+        let reach = (2.0 * part * half.min_element()).min(max);
         // `[side][axis]`, the negative side first.
         let mut free = [[2.0 * reach; 2]; 2];
         for other in self.near(index, 2.0 * reach) {
@@ -116,7 +116,7 @@ mod tests {
 
     /// Returns the share of the first outline in millimetres: left, right, near, far.
     fn share(outlines: &[Outline]) -> [f32; 4] {
-        let Share { low, high } = Neighborhood::new(outlines).share(0, 1.0);
+        let Share { low, high } = Neighborhood::new(outlines).share(0, 0.5, 1.0);
         [low.x, high.x, low.y, high.y].map(|metres| (metres * 1e5).round() * 1e-2)
     }
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::capture::{Channels, MAX_CHANNELS};
+use super::glove_numbers::{Channel, FullScaleCounts, FullScaleRad, OffsetCounts, OffsetRad};
 use crate::document::{
-    Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
+    Document, DocumentError, Format, Spanned, Structure, Table, first_error, schema, tables_of,
 };
 use crate::estimate::{
     AffineMap, ChannelMap, ChannelRow, CountRange, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
@@ -29,119 +29,77 @@ pub struct Glove {
     pub rest_pose: JointAngles,
 }
 
-#[derive(Deserialize)]
-#[serde(rename = "Glove", deny_unknown_fields)]
-struct GloveSchema<'a> {
-    name: String,
-    side: Side,
-    /// The largest count of a channel.
-    full_scale_counts: FullScaleCounts,
-    #[serde(borrow)]
-    rows: Vec<RowSchema<'a>>,
-    /// The sticks, triggers and buttons.
-    #[serde(borrow, default)]
-    inputs: Vec<InputSchema<'a>>,
-    /// The angles that the glove does not measure, in degrees.
-    #[serde(default)]
-    assumed_deg: BTreeMap<Dof, f64>,
-    /// The angles of the hand at rest, in degrees.
-    #[serde(default)]
-    rest_deg: BTreeMap<Dof, f64>,
-    /// The counts by which a channel is above a straight line in the middle of the full scale.
-    #[serde(default)]
-    curvature_counts: BTreeMap<usize, f64>,
-    /// The smallest and the largest count of channels in the poses of the calibration.
-    #[serde(default)]
-    range_counts: BTreeMap<usize, CountRange>,
-    /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
-    #[serde(default)]
-    uses_full_range: bool,
-}
-
-/// The value of an input: (count − zero_counts) / (full_counts − zero_counts), within −1..=1.
-#[derive(Deserialize)]
-#[serde(rename = "Input", deny_unknown_fields)]
-struct InputSchema<'a> {
-    #[serde(borrow)]
-    input: Spanned<'a>,
-    channel: Channel,
-    zero_counts: f64,
-    full_counts: f64,
-}
-
-/// The calibration of an angle: offset_rad + (count + offset_counts) × full_scale_rad / full_scale_counts.
-#[derive(Deserialize)]
-#[serde(rename = "Row", deny_unknown_fields)]
-struct RowSchema<'a> {
-    label: &'a str,
-    dof: Dof,
-    channel: Channel,
-    offset_counts: OffsetCounts,
-    full_scale_rad: FullScaleRad,
-    offset_rad: OffsetRad,
-    /// The reason why the row is disabled.
-    disabled: Option<String>,
-}
-
-ranged_numbers! {
-    /// An offset of a channel, in counts.
-    OffsetCounts = "an offset", -1e6 ..= 1e6, " counts";
-    /// An offset of an angle, in radians.
-    OffsetRad = "an offset", -1e6 ..= 1e6, " rad";
-    /// The change of an angle over the range of a channel, in radians.
-    AngleRange = "an angle", -1e6 ..= 1e6, " rad";
-}
-
-/// Index of a channel.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "i64")]
-struct Channel(usize);
-
-impl TryFrom<i64> for Channel {
-    type Error = String;
-
-    fn try_from(index: i64) -> Result<Self, String> {
-        let channel = usize::try_from(index).ok();
-        let channel = channel.filter(|channel| *channel < MAX_CHANNELS);
-        channel.map(Self).ok_or_else(|| {
-            let last = MAX_CHANNELS - 1;
-            format!("channel {index} does not exist, channels are 0 to {last}")
-        })
+schema! {
+    /// A glove file.
+    #[derive(Deserialize)]
+    #[serde(rename = "Glove", deny_unknown_fields)]
+    struct GloveSchema<'a> {
+        /// Name for displays.
+        name: String,
+        /// The hand that wears it.
+        side: Side,
+        /// The largest count of a channel, such as 255 for 8 bits.
+        full_scale_counts: FullScaleCounts,
+        /// The joint angles that the channels measure.
+        #[serde(borrow)]
+        rows: Vec<RowSchema<'a>>,
+        /// The sticks, triggers and buttons.
+        #[serde(borrow, default)]
+        inputs: Vec<InputSchema<'a>>,
+        /// The angles that the glove does not measure, in degrees.
+        #[serde(default)]
+        assumed_deg: BTreeMap<Dof, f64>,
+        /// The angles of the hand at rest, in degrees.
+        #[serde(default)]
+        rest_deg: BTreeMap<Dof, f64>,
+        /// The counts by which a channel is above a straight line in the middle of the full scale, by channel.
+        #[serde(default)]
+        curvature_counts: BTreeMap<usize, f64>,
+        /// The smallest and the largest count in the poses of the calibration, by channel.
+        #[serde(default)]
+        range_counts: BTreeMap<usize, CountRange>,
+        /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
+        #[serde(default)]
+        uses_full_range: bool,
     }
 }
 
-/// The largest count of a channel.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "i64")]
-struct FullScaleCounts(u16);
-
-impl TryFrom<i64> for FullScaleCounts {
-    type Error = &'static str;
-
-    fn try_from(counts: i64) -> Result<Self, Self::Error> {
-        let counts = u16::try_from(counts).ok();
-        let counts = counts.filter(|counts| (2..Channels::UNKNOWN).contains(counts));
-        counts
-            .map(Self)
-            .ok_or("this is the largest count of a channel, 2 to 65534, such as 255 for 8 bits")
+schema! {
+    /// An input, with the value (count − `zero_counts`) / (`full_counts` − `zero_counts`), within −1 and 1.
+    #[derive(Deserialize)]
+    #[serde(rename = "Input", deny_unknown_fields)]
+    struct InputSchema<'a> {
+        /// Name of the input, such as `"trigger"`.
+        #[serde(borrow)]
+        input: Spanned<'a>,
+        /// Index of the channel.
+        channel: Channel,
+        /// Count at which the value is 0.
+        zero_counts: f64,
+        /// Count at which the value is 1.
+        full_counts: f64,
     }
 }
 
-/// The change of an angle over the range of a channel, in radians, not 0.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "AngleRange")]
-struct FullScaleRad(f64);
-
-impl TryFrom<AngleRange> for FullScaleRad {
-    type Error = &'static str;
-
-    fn try_from(angle: AngleRange) -> Result<Self, Self::Error> {
-        match angle.get() {
-            0.0 => Err(
-                "an angle that does not change is 0: set another value, or `disabled` for the row",
-            ),
-            angle => Ok(Self(angle)),
-        }
+schema! {
+    /// A joint angle: `offset_rad` + (count + `offset_counts`) × `full_scale_rad` / `full_scale_counts`.
+    #[derive(Deserialize)]
+    #[serde(rename = "Row", deny_unknown_fields)]
+    struct RowSchema<'a> {
+        /// Name of the sensor for displays.
+        label: &'a str,
+        /// The angle.
+        dof: Dof,
+        /// Index of the channel.
+        channel: Channel,
+        /// Offset that is added to the count.
+        offset_counts: OffsetCounts,
+        /// Change of the angle over the full scale, not 0.
+        full_scale_rad: FullScaleRad,
+        /// Offset that is added to the angle.
+        offset_rad: OffsetRad,
+        /// The reason why the row is disabled. Default: the row is enabled.
+        disabled: Option<String>,
     }
 }
 
@@ -158,6 +116,11 @@ const FORMAT: Format = Format {
         ]
     },
 };
+
+/// Returns the tables of the fields of a glove file.
+pub fn glove_field_tables() -> Vec<Table> {
+    tables_of::<GloveSchema>()
+}
 
 impl Glove {
     /// Parses a document.
@@ -221,11 +184,12 @@ impl GloveSchema<'_> {
     fn assumed_angles(&self) -> Result<Vec<(Dof, f64)>, String> {
         let check = |(&dof, &degrees): (&Dof, &f64)| {
             let radians = radians_within_limits(dof, degrees)?;
-            match self.rows.iter().any(|row| row.dof == dof) {
-                true => Err(format!(
+            if self.rows.iter().any(|row| row.dof == dof) {
+                Err(format!(
                     "{dof} is both measured and assumed, remove one of them"
-                )),
-                false => Ok((dof, radians)),
+                ))
+            } else {
+                Ok((dof, radians))
             }
         };
         self.assumed_deg.iter().map(check).collect()
@@ -240,11 +204,12 @@ impl GloveSchema<'_> {
                     "`range_counts` has channel {channel}, which no row has"
                 ));
             }
-            match 0.0 <= low && low < high && high <= full_scale {
-                true => Ok((channel, (low, high))),
-                false => Err(format!(
+            if 0.0 <= low && low < high && high <= full_scale {
+                Ok((channel, (low, high)))
+            } else {
+                Err(format!(
                     "the range of channel {channel} is ({low}, {high}); write the smaller count first, both within 0 to {full_scale}"
-                )),
+                ))
             }
         };
         self.range_counts.iter().map(check).collect()
@@ -259,11 +224,12 @@ impl GloveSchema<'_> {
                     "`curvature_counts` has channel {channel}, which no row has"
                 ));
             }
-            match counts.abs() <= limit {
-                true => Ok((channel, counts)),
-                false => Err(format!(
+            if counts.abs() <= limit {
+                Ok((channel, counts))
+            } else {
+                Err(format!(
                     "the curvature of channel {channel} is {counts} counts, at most {limit} are possible"
-                )),
+                ))
             }
         };
         self.curvature_counts.iter().map(check).collect()
@@ -272,11 +238,12 @@ impl GloveSchema<'_> {
 
 fn radians_within_limits(dof: Dof, degrees: f64) -> Result<f64, String> {
     let radians = degrees.to_radians();
-    match radians.is_finite() && JointLimits::human().clamp(dof, radians) == radians {
-        true => Ok(radians),
-        false => Err(format!(
+    if radians.is_finite() && JointLimits::human().clamp(dof, radians) == radians {
+        Ok(radians)
+    } else {
+        Err(format!(
             "{degrees}° for {dof} is outside the range of that joint"
-        )),
+        ))
     }
 }
 

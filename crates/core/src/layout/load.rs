@@ -14,7 +14,7 @@ use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{
     AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
-    PoseSchema,
+    PoseSchema, PressSchema,
 };
 use super::signals::SignalSchema;
 use crate::document::{
@@ -65,7 +65,7 @@ schema! {
 
 /// Declares the schema of a board, with one list for each kind of control.
 macro_rules! board_schema {
-    ($($list:ident: $module:ident::$schema:ident,)+) => {
+    ($($kind:ident $list:ident: $module:ident::$schema:ident,)+) => {
         schema! {
             /// A group of keys and controls that moves as one.
             #[derive(Debug, Deserialize)]
@@ -79,6 +79,9 @@ macro_rules! board_schema {
                 /// Way in which fingers press the keys.
                 #[serde(default)]
                 contact: ContactSchema,
+                /// Moment and place of a press.
+                #[serde(default)]
+                press: PressSchema,
                 /// Owner of the gaps between keys.
                 #[serde(default)]
                 gaps: GapsSchema,
@@ -135,7 +138,7 @@ macro_rules! board_schema {
         }
 
         /// Returns the structures whose fields are easily taken for those of another one.
-        fn structures() -> Vec<Structure> {
+        pub(super) fn structures() -> Vec<Structure> {
             vec![
                 Structure::of::<LayoutSchema>("Layout"),
                 Structure::of::<BoardSchema>("boards"),
@@ -146,6 +149,7 @@ macro_rules! board_schema {
                 Structure::of::<LayerSchema>("layers"),
                 Structure::of::<ChordSchema>("chords"),
                 Structure::of::<TriggerSchema>("triggers"),
+                Structure::of::<super::shape::ShapeSchema>("shape"),
                 Structure::of::<PointerSchema>("pointer"),
                 Structure::of::<SpaceSchema>("spaces"),
                 Structure::of::<SignalSchema>("signals"),
@@ -300,6 +304,7 @@ impl<'a> BoardSchema<'a> {
                 ContactSchema::Bend => ReleaseAt::BEND,
             }),
             contact: self.contact,
+            press: self.press,
             max_share: match (self.gaps, has_neighbors) {
                 (GapsSchema::Dead, _) => 0.0,
                 (GapsSchema::Nearest, true) => SHARE_BESIDE_BOARDS,

@@ -12,7 +12,7 @@ mod arm;
 mod board_overlap;
 mod board_shape;
 mod builder;
-mod controls;
+pub(crate) mod controls;
 mod devices;
 mod draft;
 mod edit;
@@ -21,6 +21,7 @@ mod fit;
 mod gaps;
 mod glove;
 mod glove_edit;
+mod glove_numbers;
 mod hover;
 mod keys;
 mod load;
@@ -32,15 +33,18 @@ mod placement;
 pub mod quantity;
 mod render;
 mod schema;
+mod shape;
 mod signals;
 
+pub use arm::{arm_field_tables, arm_shapes};
 pub use board_overlap::BoardOverlap;
 pub use board_shape::BoardShape;
+pub use controls::{Handle, KindSpec};
 pub use draft::{LayoutDraft, LayoutFault};
 pub use edit::{move_boards, scale_boards};
 pub use fields::field_tables;
 pub use fit::Fit;
-pub use glove::Glove;
+pub use glove::{Glove, glove_field_tables};
 pub use glove_edit::write_calibration;
 pub use hover::Hover;
 pub use mirror::mirror_layout;
@@ -54,3 +58,4 @@ pub use render::{
     Cell, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
     heat_style,
 };
+pub use shape::{Shape, ShapeMove};

@@ -6,20 +6,16 @@ use std::time::Duration;
 use parry3d::math::Vec2;
 
 use super::board_shape::BoardShape;
+use super::controls::{ControlModel, Handle, with_control_devices};
 use super::fit::Fit;
 use super::outline::Outline;
+use super::shape::Shape;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{TargetId, TargetNames};
-use crate::device::joystick::Joystick;
 use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
-use crate::device::knob::Knob;
 use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
-use crate::device::radio::Radio;
 use crate::device::signals::Signals;
-use crate::device::slider::Slider;
-use crate::device::toggle::Toggle;
-use crate::device::touch_surface::TouchSurface;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, TextId};
@@ -72,6 +68,8 @@ pub struct Layout {
     pub chord_timeout: Duration,
     /// Hand postures with an action or value, with their names.
     pub triggers: Vec<(String, Trigger)>,
+    /// The meshes that move with the values of triggers, with their targets.
+    pub shapes: Vec<(TargetId, Shape)>,
     /// The arm as a pointer.
     pub pointer: Option<PointerSettings>,
     /// Targets in space.
@@ -138,21 +136,54 @@ pub struct Control {
     pub kind: ControlKind,
 }
 
-/// The kind and the settings of a control.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ControlKind {
-    /// A toggle switch.
-    Toggle(Toggle),
-    /// A radio group.
-    Radio(Radio),
-    /// A touchscreen or touchpad.
-    TouchSurface(TouchSurface),
-    /// A slider or a lever.
-    Slider(Slider),
-    /// A knob or a valve.
-    Knob(Knob),
-    /// A joystick.
-    Joystick(Joystick),
+/// Declares the kinds of controls that have a device.
+macro_rules! control_kind {
+    ($($(#[$doc:meta])* $kind:ident: $module:ident::$settings:ident, $device:ident;)+) => {
+        /// The kind and the settings of a control.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum ControlKind {
+            $($(#[$doc])* $kind(crate::device::$module::$settings),)+
+        }
+
+        impl ControlKind {
+            pub(super) fn model(&self) -> &dyn ControlModel {
+                match self {
+                    $(Self::$kind(settings) => settings,)+
+                }
+            }
+
+            fn model_mut(&mut self) -> &mut dyn ControlModel {
+                match self {
+                    $(Self::$kind(settings) => settings,)+
+                }
+            }
+        }
+    };
+}
+with_control_devices!(control_kind);
+
+impl ControlKind {
+    /// Returns the part that a finger moves, and its travel.
+    pub fn handle(&self) -> Handle {
+        self.model().handle()
+    }
+
+    /// Returns the value of a front at the start; `None` if it has none until it is used.
+    pub fn initial_value(&self, front: usize) -> Option<f32> {
+        self.model().initial_value(front)
+    }
+
+    /// Returns the label of a value, such as the highlighted sector of a radial menu; `None` for a value that is a quantity or has
+    /// no label.
+    pub fn value_label(&self, value: f32) -> Option<&str> {
+        self.model().value_label(value)
+    }
+
+    /// Returns the control as it is drawn with the value of a front: 0..=1, a number of turns, or 1 for on.
+    pub fn with_value(mut self, front: usize, value: f32) -> Self {
+        self.model_mut().set_value(front, value);
+        self
+    }
 }
 
 /// Targets in space that move as one.
@@ -202,6 +233,18 @@ impl Layout {
                 .is_some_and(PointerSettings::uses_inputs)
     }
 
+    /// Returns the hand of the trigger with this target; `None` for either hand.
+    pub fn trigger_side(&self, target: TargetId) -> Option<Side> {
+        let mut triggers = self.triggers.iter();
+        triggers.find(|(_, it)| it.target == target)?.1.side
+    }
+
+    /// Returns whether an angle of the head, a foot or a knee does something.
+    pub fn uses_body(&self) -> bool {
+        let mut triggers = self.triggers.iter();
+        triggers.any(|(_, it)| matches!(it.measure, Measure::Body(_)))
+    }
+
     /// Returns the bindings of the keys, for the keyboard device.
     pub fn key_bindings(&self) -> Vec<KeyBinding> {
         self.keys
@@ -241,6 +284,15 @@ impl Layout {
         both.unwrap_or_default()
     }
 
+    /// Returns the control of a target and the index of its front; `None` if the target is a key or is on no board.
+    pub fn control_at(&self, target: TargetId) -> Option<(&Control, usize)> {
+        self.controls.iter().find_map(|control| {
+            let mut faces = control.faces.iter();
+            let index = faces.position(|face| face.target == target)?;
+            Some((control, index))
+        })
+    }
+
     /// Returns the face of a target.
     pub fn face(&self, target: TargetId) -> Option<&Face> {
         if let Some(key) = self.key_at(target) {
@@ -270,9 +322,10 @@ impl Layout {
 
     /// Returns the chords of fingers that bend; none if fingertips touch the keys.
     pub fn bend_chords(&self) -> &[Chord] {
-        match self.scene.has_bend_targets() {
-            true => &self.chords,
-            false => &[],
+        if self.scene.has_bend_targets() {
+            &self.chords
+        } else {
+            &[]
         }
     }
 

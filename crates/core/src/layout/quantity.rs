@@ -40,8 +40,18 @@ ranged_numbers! {
     JointAngle = "an angle", -180.0 ..= 180.0, "°";
     /// Distance between two fingertips, in millimetres.
     FingertipGap = "a gap", 0.0 ..= 200.0, " mm";
-    /// Value of a stick, trigger or button of a glove.
-    InputValue = "a value", -1.0 ..= 1.0, "";
+    /// Confidence that a hand has a shape.
+    Confidence = "a confidence", 0.0 ..= 1.0, "";
+    /// Distance that the palm moves in a swipe, in millimetres.
+    SwipeDistance = "a distance", 0.0 ..= 1000.0, " mm";
+    /// Number of times that a palm turns back within a second.
+    Reversals = "a number of reversals", 0.0 ..= 16.0, "";
+    /// Time for which a trigger is held before it turns on, in milliseconds.
+    TriggerHold = "a hold time", 0.0 ..= 5000.0, " ms";
+    /// Time after a trigger turned off in which it does not turn on, in milliseconds.
+    CoolDown = "a cool-down", 0.0 ..= 10000.0, " ms";
+    /// Value of a stick, trigger or button of a glove, -1 to 1, or an angle of the body, in degrees.
+    InputValue = "a value", -180.0 ..= 180.0, "";
     /// Width, height, depth or diameter of a volume or of the range of a pointer, in millimetres.
     Extent = "an extent", 1.0 ..= 2000.0, " mm", or 200.0;
     /// Exponent of the response curve of a pointer.
@@ -114,6 +124,12 @@ ranged_numbers! {
     RecenterDelay = "a recentering delay", 100.0 ..= 60000.0, " ms", or 2000.0;
     /// Maximum offset by auto-recentering, in millimetres.
     RecenterOffset = "a recentering offset", 1.0 ..= 500.0, " mm", or 30.0;
+    /// Length of a unit of a mesh, in millimetres; glTF has metres.
+    MeshUnit = "the unit of a mesh", 0.001 ..= 1000.0, " mm", or 1.0;
+    /// Turn of a mesh, in degrees.
+    MeshTurn = "a turn", -720.0 ..= 720.0, "°";
+    /// Factor of the size of a mesh.
+    Factor = "a factor", 0.0 ..= 100.0, "";
     /// Slope of a board, in degrees.
     Tilt = "a tilt", -90.0 ..= 90.0, "°", or 0.0;
 }

@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error};
 use super::quantity::{
     Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, Size, Tilt,
 };
-use crate::document::{FieldType, Spanned, schema};
+use crate::document::{FieldType, Shape, Spanned, schema};
 
 /// The maximum length of a label, in characters.
 const MAX_LABEL_LENGTH: usize = 16;
@@ -29,8 +29,11 @@ impl Label {
 }
 
 impl FieldType for Label {
-    fn values() -> String {
-        "text".into()
+    fn shape() -> Shape {
+        Shape::Text {
+            min_length: 1,
+            max_length: Some(MAX_LABEL_LENGTH),
+        }
     }
 }
 
@@ -108,6 +111,20 @@ schema! {
         Touch,
         /// A finger bends, wherever the hand is: each key is that of a finger.
         Bend,
+    }
+}
+
+schema! {
+    /// The moment and the place at which a fingertip presses the keys of a board. With `contact: Bend` it has no effect.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename = "Press")]
+    pub enum PressSchema {
+        /// A fingertip presses the key whose plane it passes, at `press_at`.
+        #[default]
+        Plane,
+        /// A fingertip presses the key at the lowest point of its stroke. Fingers that follow a pressing one or sink slowly press
+        /// nothing, and the keys at the edge reach by a whole key.
+        Stroke,
     }
 }
 

@@ -100,11 +100,14 @@ fn check_address(address: &str) -> Result<(), String> {
         !part.is_empty() && part.chars().all(is_plain)
     };
     let parts = address.strip_prefix('/');
-    match parts.is_some_and(|parts| parts.split('/').all(is_valid)) {
-        true if address.len() <= MAX_ADDRESS_LENGTH => Ok(()),
-        _ => Err(format!(
+    if parts.is_some_and(|parts| parts.split('/').all(is_valid))
+        && address.len() <= MAX_ADDRESS_LENGTH
+    {
+        Ok(())
+    } else {
+        Err(format!(
             "an address of OSC is a path such as `/mixer/1`, of at most {MAX_ADDRESS_LENGTH} letters, digits and signs other \
-             than `# * , ? [ ] {{ }}` and blanks"
-        )),
+         than `# * , ? [ ] {{ }}` and blanks"
+        ))
     }
 }

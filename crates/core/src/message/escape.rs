@@ -71,9 +71,10 @@ pub fn escape_json(json: &str) -> Cow<'_, str> {
 pub fn shell_word(word: &str) -> Cow<'_, str> {
     let word = escape(word);
     let is_plain = |c: char| c.is_alphanumeric() || "/._-+:,=@%".contains(c);
-    match !word.is_empty() && word.chars().all(is_plain) {
-        true => word,
-        false => Cow::Owned(format!("'{}'", word.replace('\'', r"'\''"))),
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word
+    } else {
+        Cow::Owned(format!("'{}'", word.replace('\'', r"'\''")))
     }
 }
 

@@ -119,9 +119,10 @@ impl RestDetector {
         };
         let elapsed = pose.time.since(time);
         let is_slow = fingertip.distance(previous) <= MAX_REST_SPEED * elapsed.as_secs_f32();
-        self.resting_since = match is_slow && !pose.jumped {
-            true => self.resting_since.or(Some(pose.time)),
-            false => None,
+        self.resting_since = if is_slow && !pose.jumped {
+            self.resting_since.or(Some(pose.time))
+        } else {
+            None
         };
         elapsed
     }

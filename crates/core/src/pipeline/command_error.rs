@@ -39,6 +39,11 @@ pub enum CommandError {
         "the active layout has no text decoder; start the run with `--decoder literal` or `--decoder auto`, and a layout with letters"
     )]
     NoTextDecoder,
+    /// A layout wants to change what its sources may cause.
+    #[error(
+        "a layout cannot allow or forbid keys; the person at the computer does: `ademan ctl allow-keys`"
+    )]
+    Permission,
     /// The hand cannot be zeroed.
     #[error(transparent)]
     Zero(#[from] ZeroError),

@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::board_move::BoardMove;
-use super::{CommandError, Pipeline};
+use super::{CommandError, Pipeline, SourceRole};
 use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
@@ -23,7 +23,9 @@ impl Pipeline {
             | Command::UndoZero
             | Command::UndoLearning
             | Command::Text { .. }
-            | Command::Candidate { .. } => true,
+            | Command::Candidate { .. }
+            | Command::AllowKeys
+            | Command::ForbidKeys => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -64,6 +66,11 @@ impl Pipeline {
             Command::UndoLearning => self.undo_learning(events)?,
             Command::Text { mode } => self.text_filter()?.set_mode(mode),
             Command::Candidate { number } => self.text_filter()?.choose(number),
+            Command::AllowKeys | Command::ForbidKeys if origin == CommandOrigin::Layout => {
+                return Err(CommandError::Permission);
+            }
+            Command::AllowKeys => self.set_role(SourceRole::Both, events),
+            Command::ForbidKeys => self.set_role(SourceRole::Pointer, events),
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -80,6 +87,12 @@ impl Pipeline {
             _ if command.is_replayed() => self.execute(command, CommandOrigin::Client, events),
             _ => Ok(()),
         }
+    }
+
+    /// Releases everything, and changes what all sources may cause: a key that is touched is pressed by the next touch.
+    fn set_role(&mut self, role: SourceRole, events: &mut Events) {
+        self.release_all(self.time, events);
+        self.gate.set_role(role);
     }
 
     fn profile_index(&self, name: &str) -> Option<usize> {

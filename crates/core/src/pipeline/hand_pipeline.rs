@@ -60,9 +60,10 @@ impl HandPipeline {
 
     /// Counts consecutive rejected readings. Returns `true` when the number reaches the limit.
     pub(super) fn count_rejection(&mut self, is_rejected: bool) -> bool {
-        self.consecutive_rejections = match is_rejected {
-            true => self.consecutive_rejections.saturating_add(1),
-            false => 0,
+        self.consecutive_rejections = if is_rejected {
+            self.consecutive_rejections.saturating_add(1)
+        } else {
+            0
         };
         self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
     }

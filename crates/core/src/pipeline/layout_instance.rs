@@ -26,6 +26,8 @@ pub struct LayoutInstance {
     trackers: [ContactTracker; Side::COUNT],
     /// Whether fingers press targets by bending, instead of by touch.
     is_bent: bool,
+    /// Targets or devices depend on the bends of the fingers.
+    needs_bends: bool,
     bend_trackers: [BendTracker; Side::COUNT],
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
@@ -50,6 +52,7 @@ impl LayoutInstance {
         Self {
             trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
             is_bent: scene.has_bend_targets(),
+            needs_bends: scene.has_bend_targets() || devices.iter().any(|it| it.needs_bends()),
             starts_at_hand: scene.starts_at_hand(),
             bend_trackers: Default::default(),
             scene,
@@ -170,19 +173,22 @@ impl LayoutInstance {
         self.devices.iter().find_map(|device| device.cursor())
     }
 
-    /// Updates the contacts of one hand and replaces its bends, touches and presses. Bends are not measured unless a target
-    /// depends on them, and have no evidence of presses.
+    /// Updates the contacts of one hand and replaces its bends, touches and presses. Bends are not measured unless a target or
+    /// a device depends on them, and have no evidence of presses.
     pub(super) fn track(&mut self, step: &mut StepOutput, ranges: &BendRanges) {
         step.touches.clear();
         step.presses.clear();
+        step.bends = if self.needs_bends {
+            ranges.bends(&step.estimate.angles)
+        } else {
+            FingerBends::default()
+        };
         let side = step.pose.side.index();
         if self.is_bent {
-            step.bends = ranges.bends(&step.estimate.angles);
             let tracker = &mut self.bend_trackers[side];
             tracker.update(&self.scene, &step.pose, &step.bends, &mut step.touches);
             return;
         }
-        step.bends = FingerBends::default();
         let tracker = &mut self.trackers[side];
         tracker.update(&self.scene, &step.pose, &mut step.touches);
         tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
@@ -190,17 +196,19 @@ impl LayoutInstance {
 
     /// Returns whether the hand is clear of every control.
     pub(super) fn is_clear(&self, pose: &HandPose, bends: &FingerBends) -> bool {
-        match self.is_bent {
-            true => bent_fingers(&self.scene, pose, bends) == (FingerSet::NONE, true),
-            false => self.trackers[pose.side.index()].is_clear(&self.scene, pose),
+        if self.is_bent {
+            bent_fingers(&self.scene, pose, bends) == (FingerSet::NONE, true)
+        } else {
+            self.trackers[pose.side.index()].is_clear(&self.scene, pose)
         }
     }
 
     /// Returns the fingers of a hand that are not straight, if they press targets by bending.
     pub(super) fn bent_fingers(&self, pose: &HandPose, bends: &FingerBends) -> FingerSet {
-        match self.is_bent {
-            true => bent_fingers(&self.scene, pose, bends).0,
-            false => FingerSet::NONE,
+        if self.is_bent {
+            bent_fingers(&self.scene, pose, bends).0
+        } else {
+            FingerSet::NONE
         }
     }
 
@@ -232,6 +240,7 @@ impl LayoutInstance {
         let input = DeviceInput {
             scene: &self.scene,
             angles: &step.estimate.angles,
+            bends: &step.bends,
             inputs: &step.estimate.inputs,
             pose: &step.pose,
             touches: &step.touches,

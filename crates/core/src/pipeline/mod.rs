@@ -1,5 +1,6 @@
 //! Stages 2 to 5 for one reading: estimation, kinematics, contact and devices, and the output gate.
 
+mod arming;
 mod auto_recenter;
 mod bends;
 mod board_move;
@@ -328,9 +329,10 @@ impl Pipeline {
 
     /// Returns the state; `Paused` during a requested pause.
     pub fn state(&self) -> PipelineState {
-        match self.is_paused() && self.state != PipelineState::Stopped {
-            true => PipelineState::Paused,
-            false => self.state,
+        if self.is_paused() && self.state != PipelineState::Stopped {
+            PipelineState::Paused
+        } else {
+            self.state
         }
     }
 
@@ -455,46 +457,13 @@ impl Pipeline {
         self.reset_filters();
         self.filters.clear_held();
         let layout = self.active_layout();
-        match is_paused {
+        if is_paused {
             // The presses of a pause were never emitted.
-            true => layout.release_all(time, &mut Events::new()),
-            false => layout.release_all(time, events),
+            layout.release_all(time, &mut Events::new());
+        } else {
+            layout.release_all(time, events);
         }
         self.gate.filter(0, first, 0, events);
         self.clear_since = None;
-    }
-
-    /// Releases everything and sets a state in which no events are emitted.
-    fn disarm(&mut self, time: Timestamp, state: PipelineState, events: &mut Events) {
-        self.release_all(time, events);
-        self.state = state;
-    }
-
-    /// Arms output if all hands have been clear of every control for the arm delay.
-    fn arm_if_clear(&mut self, index: usize) {
-        if self.is_paused() {
-            return;
-        }
-        match self.state {
-            PipelineState::Running | PipelineState::Stopped => return,
-            PipelineState::Starting if self.settings.arm_immediately => {
-                self.state = PipelineState::Running;
-                return;
-            }
-            PipelineState::Starting => self.state = PipelineState::Paused,
-            PipelineState::Paused | PipelineState::Stalled => {}
-        }
-        let hand = &mut self.hands[index];
-        let layout = &self.profiles[self.active_profile].layout;
-        hand.is_clear = layout.is_clear(&hand.output.pose, &hand.output.bends);
-        let is_clear = self.hands.iter().any(|hand| hand.is_clear);
-        if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
-            self.clear_since = None;
-            return;
-        }
-        let since = *self.clear_since.get_or_insert(self.time);
-        if self.time.since(since) >= self.settings.arm_delay {
-            self.state = PipelineState::Running;
-        }
     }
 }

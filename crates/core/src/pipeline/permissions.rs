@@ -4,16 +4,19 @@ use serde::{Deserialize, Serialize};
 
 use super::PressRateLimit;
 use crate::device::{EventKind, KeyKind};
+use crate::document::schema;
 
-/// The kinds of events that a source may cause.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SourceRole {
-    /// Motion, wheel and axes, and the buttons of mice and gamepads.
-    Pointer,
-    /// Keys and characters.
-    Keys,
-    /// All events.
-    Both,
+schema! {
+    /// The kinds of events that a source may cause.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum SourceRole {
+        /// Motion, wheel and axes, and the buttons of mice and gamepads.
+        Pointer,
+        /// Keys and characters.
+        Keys,
+        /// All events.
+        Both,
+    }
 }
 
 /// A class of events that a role permits or not.

@@ -8,21 +8,11 @@ use super::{Pipeline, PipelineState};
 use crate::contact::trusted_fingertip;
 use crate::device::Events;
 use crate::hand::Finger;
+use crate::hand::open_hand::{HOLD, StillTip, is_straight};
 use crate::kinematics::{HandPose, StartPlace};
-use crate::time::Timestamp;
-
-/// The time for which the open hand is held still.
-const HOLD: Duration = Duration::from_secs(1);
-
-/// The largest distance of the index fingertip from where it was at first, in metres: the noise of a webcam and the tremor of
-/// a raised hand are less, and a hand that reaches for something is further away after 0.1 s.
-const STILL: f32 = 0.025;
 
 /// The longest gap between two poses of a hand that is held.
 const MAX_GAP: Duration = Duration::from_millis(250);
-
-/// The smallest distance of a fingertip from its knuckle, as a fraction of the length of the finger: a bend of 60° in all.
-const OPEN: f32 = 0.9;
 
 /// Fingers that are extended in an open hand.
 const FINGERS: [Finger; 4] = [Finger::Index, Finger::Middle, Finger::Ring, Finger::Little];
@@ -34,9 +24,7 @@ pub(super) struct StartDetector(Option<Held>);
 /// An open hand since it is still.
 #[derive(Clone, Copy, Debug)]
 struct Held {
-    since: Timestamp,
-    last: Timestamp,
-    first: Vec3,
+    tip: StillTip,
     sum: Vec3,
     count: f32,
 }
@@ -44,29 +32,23 @@ struct Held {
 impl StartDetector {
     /// Processes the next pose, and returns the mean position of the index fingertip once the hand was held for [`HOLD`].
     fn update(&mut self, pose: &HandPose) -> Option<Vec3> {
-        let tip = open_fingertip(pose);
-        let Some(tip) = tip.filter(|_| !pose.jumped) else {
+        let Some(at) = open_fingertip(pose).filter(|_| !pose.jumped) else {
             self.0 = None;
             return None;
         };
-        let is_held = |held: &Held| {
-            held.first.distance(tip) <= STILL && pose.time.since(held.last) <= MAX_GAP
+        let follow = |held: Held| {
+            let tip = held.tip.at(pose.time, at, MAX_GAP)?;
+            Some(Held { tip, ..held })
         };
-        let held = self.0.filter(is_held).unwrap_or(Held {
-            since: pose.time,
-            last: pose.time,
-            first: tip,
+        let mut held = self.0.and_then(follow).unwrap_or(Held {
+            tip: StillTip::new(pose.time, at),
             sum: Vec3::ZERO,
             count: 0.0,
         });
-        let held = Held {
-            last: pose.time,
-            sum: held.sum + tip,
-            count: held.count + 1.0,
-            ..held
-        };
+        held.sum += at;
+        held.count += 1.0;
         self.0 = Some(held);
-        (pose.time.since(held.since) >= HOLD).then(|| held.sum / held.count)
+        (held.tip.duration() >= HOLD).then(|| held.sum / held.count)
     }
 
     /// Forgets a hand that was held for a while.
@@ -84,14 +66,12 @@ fn open_fingertip(pose: &HandPose) -> Option<Vec3> {
 
 /// Returns whether a finger is straight; `None` if it is not known. Joints that the arm model lacks count as straight.
 fn is_extended(pose: &HandPose, finger: Finger) -> Option<bool> {
-    let tip = trusted_fingertip(pose, finger)?;
+    trusted_fingertip(pose, finger)?;
     let joints = &finger.joints()[1..];
-    let knuckle = pose.position(*joints.first()?)?;
-    let known = joints.iter().filter_map(|joint| pose.position(*joint));
-    let (length, _) = known.fold((0.0, knuckle), |(length, from), to| {
-        (length + from.distance(to), to)
-    });
-    Some(length > 0.0 && tip.distance(knuckle) >= OPEN * length)
+    pose.position(*joints.first()?)?;
+    Some(is_straight(
+        joints.iter().filter_map(|joint| pose.position(*joint)),
+    ))
 }
 
 impl Pipeline {
@@ -144,6 +124,7 @@ mod tests {
 
     use super::*;
     use crate::hand::Side;
+    use crate::time::Timestamp;
 
     /// A hand whose fingers point up, each with bones of 40, 30 and 20 mm; the last two are bent by `bend` radians.
     fn hand(time_ms: u64, place: Vec3, bend: f32) -> HandPose {

@@ -32,6 +32,10 @@ pub enum Measure {
     TaskPoints,
     /// The time of a task, in seconds.
     TaskSeconds,
+    /// Effective throughput of a pointer, in bits per second.
+    Throughput,
+    /// Clicks beside their target, in percentage points.
+    MissPoints,
 }
 
 impl Measure {
@@ -44,12 +48,17 @@ impl Measure {
             Self::UncomfortablePoints => "outside comfortable range, points",
             Self::TaskPoints => "tasks done, points",
             Self::TaskSeconds => "seconds a task",
+            Self::Throughput => "throughput, bit/s",
+            Self::MissPoints => "clicks beside the target, points",
         }
     }
 
     /// Returns whether a higher figure is better.
     pub fn is_higher_better(self) -> bool {
-        matches!(self, Self::WordsPerMinute | Self::TaskPoints)
+        matches!(
+            self,
+            Self::WordsPerMinute | Self::TaskPoints | Self::Throughput
+        )
     }
 
     fn of(self, people: &[&PersonScore]) -> f64 {
@@ -64,6 +73,8 @@ impl Measure {
             Self::UncomfortablePoints => 100.0 * ratio(sum(|it| it.uncomfortable), count),
             Self::TaskPoints => 100.0 * ratio(sum(|it| it.tasks()[1]), sum(|it| it.tasks()[0])),
             Self::TaskSeconds => ratio(sum(|it| it.tasks()[3]), sum(|it| it.tasks()[0])),
+            Self::Throughput => ratio(sum(|it| it.clicks()[2]), count),
+            Self::MissPoints => 100.0 * ratio(sum(|it| it.clicks()[1]), sum(|it| it.clicks()[0])),
         }
     }
 }
@@ -115,6 +126,8 @@ pub fn compare(
     (second, after): (&str, &[PersonScore]),
 ) -> Result<Comparison, NotComparable> {
     let types = |people: &[PersonScore]| people.iter().any(|it| it.characters > 0);
+    let points = |people: &[PersonScore]| people.iter().all(|it| it.pointing.is_some());
+    let works = |people: &[PersonScore]| people.iter().any(|it| !it.tasks.is_empty());
     let measures: &[Measure] = match (types(before), types(after)) {
         (true, true) => &[
             Measure::WordsPerMinute,
@@ -122,6 +135,15 @@ pub fn compare(
             Measure::JointTravel,
             Measure::UncomfortablePoints,
         ],
+        (false, false) if points(before) && points(after) => match works(before) && works(after) {
+            true => &[
+                Measure::Throughput,
+                Measure::MissPoints,
+                Measure::TaskPoints,
+                Measure::TaskSeconds,
+            ],
+            false => &[Measure::Throughput, Measure::MissPoints],
+        },
         (false, false) => &[Measure::TaskPoints, Measure::TaskSeconds],
         (has_text, _) => {
             let (typing, other) = if has_text {
@@ -231,6 +253,18 @@ fn words(difference: &Difference) -> String {
             )
         }
         (Measure::ErrorPoints, false) => "makes not clearly more or fewer errors".into(),
+        (Measure::Throughput, true) => {
+            format!(
+                "has {} bit/s {} throughput",
+                range(2),
+                choose("more", "less")
+            )
+        }
+        (Measure::Throughput, false) => "has not clearly more or less throughput".into(),
+        (Measure::MissPoints, true) => {
+            format!("{} points {} misses", range(1), choose("more", "fewer"))
+        }
+        (Measure::MissPoints, false) => "not clearly more or fewer misses".into(),
         (Measure::TaskPoints, true) => {
             format!(
                 "has {} points {} tasks done",

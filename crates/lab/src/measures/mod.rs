@@ -2,12 +2,19 @@
 
 mod bootstrap;
 mod compare;
+mod pointing;
 mod result_file;
 mod score;
 mod summary;
+mod watch;
 
 pub use bootstrap::{Interval, bootstrap};
 pub use compare::{Comparison, Difference, HandGroup, Measure, NotComparable, compare};
-pub use result_file::{CorpusHash, FORMAT, LabResult, PeopleSpec, ReadError};
-pub use score::{Conditions, KeyScore, PersonScore, ScoreError, TaskScore, Wrong, score};
-pub use summary::{Summary, summarize};
+pub use pointing::{Movement, PointingResult, Ring, distance};
+pub use result_file::{CorpusHash, FORMAT, LabResult, Partial, PeopleSpec, ReadError};
+pub use score::{
+    Conditions, KeyScore, PersonScore, PhraseScore, ScoreError, TaskScore, Wrong, score,
+    score_decoded,
+};
+pub use summary::{PointingSummary, Summary, summarize};
+pub use watch::{Failure, WatchedPhrase, watch_worst_phrase};

@@ -11,7 +11,7 @@ use crate::phrases::Corpus;
 /// The name of the format.
 pub const FORMAT: &str = "ademan-lab-result";
 /// The version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The hash of phrases, in hexadecimal digits.
 pub type CorpusHash = String;
@@ -52,6 +52,12 @@ pub struct LabResult {
     pub tier: Option<String>,
     /// The sensor that measured their hands.
     pub source: String,
+    /// The mode and the language of the text decoder, if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decoder: Option<String>,
+    /// The probability that a person corrects an error.
+    #[serde(default)]
+    pub corrections: f64,
     /// The seed.
     pub seed: u64,
     /// Phrases of each person.
@@ -71,17 +77,31 @@ pub struct LabResult {
     /// The comparison with another layout, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Comparison>,
+    /// The shards that are missing, if this is the result of a part of the people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial: Option<Partial>,
+}
+
+/// What is missing in a result of a part of the people.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Partial {
+    /// The indices of the shards without scores.
+    pub missing: Vec<usize>,
+    /// The number of shards of the plan.
+    pub shards: usize,
+    /// The number of people of the plan.
+    pub people: usize,
 }
 
 /// The reason why a result file cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
     /// It is not JSON of this form.
-    #[error("this is no result of the lab: {0}")]
+    #[error("this is no file of the lab of this kind: {0}")]
     NoResult(String),
     /// It has another version of the format.
     #[error(
-        "the result has version {found} of the format, and this program reads version {VERSION}; run the lab again"
+        "it has version {found} of the format, and this program reads version {VERSION}; run the lab again"
     )]
     OtherFormat {
         /// Its version.
@@ -89,7 +109,7 @@ pub enum ReadError {
     },
     /// Another version of the program wrote it.
     #[error(
-        "version {found} of the program wrote the result, and this is {own}, which may give other figures; run the lab again"
+        "version {found} of the program wrote it, and this is {own}, which may give other figures; run the lab again"
     )]
     OtherProgram {
         /// Its version.
@@ -98,7 +118,7 @@ pub enum ReadError {
         own: String,
     },
     /// The phrases do not have their hash.
-    #[error("the phrases of the result do not have the hash {0}; the file was changed")]
+    #[error("its phrases do not have the hash {0}; the file was changed")]
     OtherCorpus(String),
 }
 
@@ -154,9 +174,15 @@ impl LabResult {
             });
         }
         let result: Self = serde_json::from_str(text).map_err(no_result)?;
-        match Self::hash_of(&result.corpus()) == result.corpus_hash {
-            true => Ok(result),
-            false => Err(ReadError::OtherCorpus(result.corpus_hash)),
+        result.check_corpus()?;
+        Ok(result)
+    }
+
+    /// Checks that the phrases have their hash.
+    pub(crate) fn check_corpus(&self) -> Result<(), ReadError> {
+        match Self::hash_of(&self.corpus()) == self.corpus_hash {
+            true => Ok(()),
+            false => Err(ReadError::OtherCorpus(self.corpus_hash.clone())),
         }
     }
 }

@@ -11,9 +11,12 @@ use crate::document::Document;
 use crate::layout::Layout;
 use crate::people::Participant;
 use crate::phrases::Corpus;
+use crate::readings::{self, Decoding, KeyPlaces, ReadingScore};
+use crate::sim::EditCounts;
 use crate::sim::fluent::SourceKind;
 use crate::trials::{
-    Cancelled, KeyTally, Observed, Station, TaskKind, TrialError, for_each, speed,
+    Cancelled, KeyTally, Observed, PointingScore, Station, Strokes, TaskKind, TrialError, for_each,
+    speed,
 };
 
 /// The layout, people and conditions of a score.
@@ -67,10 +70,21 @@ pub struct PersonScore {
     pub insertions: u64,
     /// Characters that are missing.
     pub deletions: u64,
+    /// Wrong characters of the text that the nearest keys of the taps type: what a perfect detection of taps without a decoder
+    /// makes. `None` if the layout has chords.
+    #[serde(default)]
+    pub nearest_errors: Option<u64>,
+    /// The same for the places at which the pipeline shows the fingertip at the lowest point of each stroke: with the errors of
+    /// the sensors and of the assumed hand.
+    #[serde(default)]
+    pub shown_errors: Option<u64>,
     /// Keys that went down.
     pub keystrokes: u64,
     /// Words of correct text per minute.
     pub wpm: f64,
+    /// The phrases, in the order in which they were typed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_phrase: Vec<PhraseScore>,
     /// The speed of the shortest movements, in words per minute (Fitts's law with the person's own constants).
     pub fitts_wpm: f64,
     /// Strokes that were meant, and those that pressed what was meant.
@@ -98,10 +112,29 @@ pub struct PersonScore {
     pub wrong: Vec<Wrong>,
     /// The tasks, if the layout does not type.
     pub tasks: Vec<TaskScore>,
+    /// Clicks on rings of targets, if the layout does not type and has a pointer that the hand can use.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pointing: Option<PointingScore>,
     /// Controls that no finger of the person reaches, of those that the text needs.
     pub unreached: Vec<String>,
     /// Characters that the layout cannot type, or that need a control out of reach.
     pub untypable: String,
+    /// Readings of the same taps, with a decoder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub text_readings: Vec<ReadingScore>,
+}
+
+/// One phrase of one person.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PhraseScore {
+    /// Characters to be typed.
+    pub characters: u64,
+    /// Characters that are right.
+    pub correct: u64,
+    /// Insertions, deletions and substitutions.
+    pub errors: u64,
+    /// The time from the first to the last event, in seconds.
+    pub seconds: f64,
 }
 
 /// A key of one person.
@@ -159,35 +192,45 @@ pub fn score(
     cancel: &AtomicBool,
     progress: impl FnMut(usize),
 ) -> Result<Vec<PersonScore>, ScoreError> {
-    let work = |index: usize| one(conditions, index);
+    score_decoded(conditions, None, cancel, progress)
+}
+
+/// Scores a layout with a text decoder behind its devices, and with other readings of the same taps. Texts are compared without capitals,
+/// double spaces and punctuation at their end. Each phrase ends with a space.
+pub fn score_decoded(
+    conditions: &Conditions,
+    decoding: Option<&Decoding>,
+    cancel: &AtomicBool,
+    progress: impl FnMut(usize),
+) -> Result<Vec<PersonScore>, ScoreError> {
+    let work = |index: usize| one(conditions, decoding, index);
     let people = conditions.people.len();
     let scores = for_each(people, conditions.jobs, cancel, work, progress)?;
     Ok(scores.into_iter().collect::<Result<_, _>>()?)
 }
 
-fn one(conditions: &Conditions, index: usize) -> Result<PersonScore, TrialError> {
+fn one(
+    conditions: &Conditions,
+    decoding: Option<&Decoding>,
+    index: usize,
+) -> Result<PersonScore, TrialError> {
     let person = &conditions.people[index];
-    let mut station = Station::new(conditions.document, person, conditions.source)?;
-    let all = &conditions.corpus.phrases;
-    let own = (0..conditions.phrases).map(|number| {
-        let place = index * conditions.phrases + number;
-        all[place % all.len()].as_str()
-    });
-    let own: Vec<&str> = own.collect();
-    let strokes = station.strokes_for(all.iter().map(String::as_str));
+    let mut station = station(conditions, decoding, person)?;
+    let strokes = conditions.strokes(&mut station, decoding);
     let mut observed = Observed::default();
-    let seed = |number: usize| {
-        let run = conditions.seed ^ person.seed.rotate_left(17);
-        crate::people::mix(run.wrapping_add(number as u64))
-    };
     if strokes.can_type() {
-        for (number, phrase) in own.iter().enumerate() {
-            station.type_phrase(phrase, &strokes, seed(number), &mut observed);
+        for (number, phrase) in conditions.phrases_of(person).enumerate() {
+            let seed = conditions.seed_of(person, number);
+            station.type_phrase(phrase, &strokes, seed, &mut observed);
         }
     }
-    let tasks = match strokes.can_type() {
-        true => Vec::new(),
-        false => task_scores(&station, seed(0)),
+    let (tasks, pointing) = match strokes.can_type() {
+        true => (Vec::new(), None),
+        false => {
+            let pointing = station.point(conditions.seed_of(person, 1));
+            let seed = conditions.seed_of(person, 0);
+            (task_scores(&station, seed, pointing.is_some()), pointing)
+        }
     };
     let names = station.layout().target_names();
     let unreached = strokes.unreached.iter();
@@ -195,9 +238,52 @@ fn one(conditions: &Conditions, index: usize) -> Result<PersonScore, TrialError>
     let untypable: String = strokes.untypable.iter().collect();
     let mut score = from_observed(person, station.layout(), &observed);
     score.tasks = tasks;
+    score.pointing = pointing;
+    score.text_readings = decoding.map_or_else(Vec::new, |decoding| {
+        let keys = KeyPlaces::new(station.layout());
+        readings::scores(&observed.taps, &keys, decoding.lexicon)
+    });
     score.unreached = unreached.collect();
     score.untypable = untypable;
     Ok(score)
+}
+
+/// Puts a person in front of the layout, with a decoder if there is one.
+pub(super) fn station(
+    conditions: &Conditions,
+    decoding: Option<&Decoding>,
+    person: &Participant,
+) -> Result<Station, TrialError> {
+    let mut station = Station::new(conditions.document, person, conditions.source)?;
+    if let Some(decoding) = decoding
+        && !station.set_decoder(decoding.decoder)
+    {
+        return Err(TrialError::NoLetters);
+    }
+    Ok(station)
+}
+
+impl Conditions<'_> {
+    /// Returns the phrases of a person.
+    pub(super) fn phrases_of(&self, person: &Participant) -> impl Iterator<Item = &str> {
+        let all = &self.corpus.phrases;
+        // By the number of the person, which is the same in a part of the people.
+        let first = person.number as usize * self.phrases;
+        (first..first + self.phrases).map(|place| all[place % all.len()].as_str())
+    }
+
+    /// Returns the seed of a phrase of a person.
+    pub(super) fn seed_of(&self, person: &Participant, phrase: usize) -> u64 {
+        let run = self.seed ^ person.seed.rotate_left(17);
+        crate::people::mix(run.wrapping_add(phrase as u64))
+    }
+
+    /// Finds the strokes for the characters of the phrases of all people.
+    pub(super) fn strokes(&self, station: &mut Station, decoding: Option<&Decoding>) -> Strokes {
+        let space = decoding.map(|_| " ");
+        let all = self.corpus.phrases.iter();
+        station.strokes_for(all.map(String::as_str).chain(space))
+    }
 }
 
 fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> PersonScore {
@@ -213,6 +299,7 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
             count: *count,
         });
     let pairs = observed.pairs;
+    let nearest = !layout.scene.has_bend_targets();
     let strokes: u64 = observed.keys.values().map(|key| key.meant).sum();
     PersonScore {
         number: person.number,
@@ -224,8 +311,11 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         substitutions: observed.edits.substitutions as u64,
         insertions: observed.edits.insertions as u64,
         deletions: observed.edits.deletions as u64,
+        nearest_errors: nearest.then_some(observed.nearest_errors as u64),
+        shown_errors: nearest.then_some(observed.shown_errors as u64),
         keystrokes: observed.keystrokes as u64,
         wpm: speed(observed.edits.correct, observed.phrases, observed.seconds),
+        by_phrase: observed.by_phrase.iter().map(phrase_score).collect(),
         fitts_wpm: speed(
             observed.characters,
             observed.phrases,
@@ -254,8 +344,19 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
             .collect(),
         wrong: wrong.collect(),
         tasks: Vec::new(),
+        pointing: None,
         unreached: Vec::new(),
         untypable: String::new(),
+        text_readings: Vec::new(),
+    }
+}
+
+fn phrase_score((edits, characters, seconds): &(EditCounts, usize, f64)) -> PhraseScore {
+    PhraseScore {
+        characters: *characters as u64,
+        correct: edits.correct as u64,
+        errors: edits.errors() as u64,
+        seconds: *seconds,
     }
 }
 
@@ -287,9 +388,9 @@ fn key_score(name: String, tally: &KeyTally) -> KeyScore {
     }
 }
 
-fn task_scores(station: &Station, seed: u64) -> Vec<TaskScore> {
+fn task_scores(station: &Station, seed: u64, has_pointed: bool) -> Vec<TaskScore> {
     let mut scores: BTreeMap<(String, bool), TaskScore> = BTreeMap::new();
-    for result in station.do_tasks(seed) {
+    for result in station.do_tasks(seed, has_pointed) {
         let key = (result.name.clone(), result.kind == TaskKind::Value);
         let score = scores.entry(key).or_insert_with(|| TaskScore {
             name: result.name.clone(),

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::bootstrap::{Interval, bootstrap};
+use super::pointing::PointingResult;
 use super::score::{PersonScore, ratio};
+use crate::trials::{PointingScore, PointingSeries, TaskKind};
 
 /// The part of the people that counts as the worst.
 const WORST: usize = 10;
@@ -23,6 +25,13 @@ pub struct Summary {
     pub deletions: Interval,
     /// Substitutions by presented characters.
     pub substitutions: Interval,
+    /// Wrong characters of the nearest keys of the taps, by presented characters: the errors that no detection of taps avoids
+    /// without a decoder. `None` if the layout has chords.
+    #[serde(default)]
+    pub nearest_cer: Option<Interval>,
+    /// The same for the taps as the pipeline shows them.
+    #[serde(default)]
+    pub shown_cer: Option<Interval>,
     /// Words of correct text per minute, the mean of the people.
     pub wpm: Interval,
     /// The pace that people intended, in words per minute: an input.
@@ -56,6 +65,36 @@ pub struct Summary {
     pub task_seconds: Interval,
     /// The mean difference from a value, as a part of the range.
     pub task_error: Interval,
+    /// The mean time to set a value, in seconds.
+    #[serde(default)]
+    pub value_seconds: Interval,
+    /// Clicks on rings of targets; `None` if nobody has clicked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pointing: Option<PointingSummary>,
+}
+
+/// The figures of all people with a pointer. Rates are parts, 0..=1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointingSummary {
+    /// The number of people who could use it.
+    pub people: usize,
+    /// Effective throughput in bits per second, the mean of the people.
+    pub throughput: Interval,
+    /// The throughput of the same people by that with a cursor that follows the hand at once and without errors; `None` for a pointer
+    /// whose velocity follows the hand.
+    pub of_ideal: Option<Interval>,
+    /// The mean time from click to click, in seconds.
+    pub movement_s: Interval,
+    /// Clicks beside their target, by clicks.
+    pub misses: Interval,
+    /// Clicks beside the target that began on it, by clicks.
+    pub slips: Interval,
+    /// The part of the way of the cursor that was straight.
+    pub path_efficiency: Interval,
+    /// Targets that were given up, by targets.
+    pub given_up: Interval,
+    /// For each width of targets, the widest first: the width in pixels, the throughput, and the part of the clicks that slipped.
+    pub by_width: Vec<(f64, Interval, Interval)>,
 }
 
 impl PersonScore {
@@ -79,6 +118,31 @@ impl PersonScore {
                 sum[2] + task.wrong as f64,
                 sum[3] + task.seconds * tries,
             ]
+        })
+    }
+
+    /// Returns the clicks with a pointer that follow another one, those beside their target, and the throughput.
+    pub(super) fn clicks(&self) -> [f64; 3] {
+        let Some(pointing) = &self.pointing else {
+            return [0.0; 3];
+        };
+        let misses: usize = pointing.series.iter().map(|it| it.result.misses).sum();
+        [
+            pointing.clicks() as f64,
+            misses as f64,
+            pointing.throughput(),
+        ]
+    }
+
+    /// Returns the seconds and the tries of values.
+    fn values(&self) -> [f64; 2] {
+        let values = self
+            .tasks
+            .iter()
+            .filter(|task| task.kind == TaskKind::Value);
+        values.fold([0.0; 2], |sum, task| {
+            let tries = task.tries as f64;
+            [sum[0] + task.seconds * tries, sum[1] + tries]
         })
     }
 
@@ -108,6 +172,14 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
     let strokes = |it: &PersonScore| it.strokes as f64;
     let tries = |it: &PersonScore| it.tasks()[0];
     let sum = |value: fn(&PersonScore) -> u64| people.iter().map(value).sum::<u64>() as f64;
+    let known = |errors: fn(&PersonScore) -> Option<u64>| {
+        people.iter().all(|it| errors(it).is_some()).then(|| {
+            bootstrap(people, |people| {
+                let errors: u64 = people.iter().filter_map(|it| errors(it)).sum();
+                ratio(errors as f64, people.iter().map(|it| characters(it)).sum())
+            })
+        })
+    };
     let pairs = sum(|it| it.pairs[0]);
     let pair_sums = [
         sum(|it| it.pairs[1]),
@@ -127,6 +199,8 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         insertions: rate(|it| it.insertions as f64, characters),
         deletions: rate(|it| it.deletions as f64, characters),
         substitutions: rate(|it| it.substitutions as f64, characters),
+        nearest_cer: known(|it| it.nearest_errors),
+        shown_cer: known(|it| it.shown_errors),
         wpm: mean(|it| it.wpm),
         pace_wpm: ratio(
             people.iter().map(|it| it.pace_wpm).sum(),
@@ -146,7 +220,62 @@ pub fn summarize(people: &[PersonScore]) -> Summary {
         tasks_wrong: rate(|it| it.tasks()[2], tries),
         task_seconds: rate(|it| it.tasks()[3], tries),
         task_error: rate(|it| it.value_errors()[0], |it| it.value_errors()[1]),
+        value_seconds: rate(|it| it.values()[0], |it| it.values()[1]),
+        pointing: summarize_pointing(people),
     }
+}
+
+fn summarize_pointing(people: &[PersonScore]) -> Option<PointingSummary> {
+    let scores: Vec<&PointingScore> = people
+        .iter()
+        .filter_map(|it| it.pointing.as_ref())
+        .collect();
+    let first = scores.iter().find(|score| score.clicks() > 0)?;
+    let mean = |value: &dyn Fn(&PointingScore) -> f64| {
+        bootstrap(&scores, |people| {
+            let sum: f64 = people.iter().map(|it| value(it)).sum();
+            ratio(sum, people.len() as f64)
+        })
+    };
+    // A rate by the clicks of all series, or of one of them.
+    let rate = |of: Option<usize>,
+                part: &dyn Fn(&PointingSeries) -> f64,
+                all: &dyn Fn(&PointingSeries) -> f64| {
+        bootstrap(&scores, |people| {
+            let series = people.iter().flat_map(|it| it.series.iter().enumerate());
+            let own = series.filter(|(index, _)| of.is_none_or(|of| of == *index));
+            let (parts, whole) = own.fold((0.0, 0.0), |sum, (_, series)| {
+                (sum.0 + part(series), sum.1 + all(series))
+            });
+            ratio(parts, whole)
+        })
+    };
+    let clicks = |it: &PointingSeries| it.result.targets as f64;
+    let series = |value: fn(&PointingResult) -> f64| {
+        rate(None, &|it| value(&it.result) * clicks(it), &clicks)
+    };
+    let widths = first.series.iter().enumerate().map(|(index, width)| {
+        (
+            width.width_px,
+            mean(&|it| it.series.get(index).map_or(0.0, |it| it.result.throughput)),
+            rate(Some(index), &|it| it.slips as f64, &|it| it.clicks as f64),
+        )
+    });
+    let has_ideal = scores.iter().all(|it| it.ideal_throughput.is_some());
+    Some(PointingSummary {
+        people: scores.len(),
+        throughput: mean(&PointingScore::throughput),
+        of_ideal: has_ideal
+            .then(|| mean(&|it| ratio(it.throughput(), it.ideal_throughput.unwrap_or_default()))),
+        movement_s: series(|it| it.movement_s),
+        misses: series(PointingResult::miss_rate),
+        slips: rate(None, &|it| it.slips as f64, &|it| it.clicks as f64),
+        path_efficiency: series(|it| it.path_efficiency),
+        given_up: rate(None, &|it| it.given_up as f64, &|it| {
+            (it.clicks + it.given_up) as f64
+        }),
+        by_width: widths.collect(),
+    })
 }
 
 /// Returns the mean of the lowest tenth of a figure.

@@ -82,6 +82,12 @@ pub struct Participant {
     pub glove_gain_error: f64,
     /// The backlash of the bend sensors of a glove, in degrees.
     pub glove_backlash_deg: f64,
+    /// The probability that an error in the text is corrected: 0 for a person who does not look at it.
+    #[serde(default)]
+    pub corrects: f64,
+    /// The time from an error in the text until the person stops for it, in milliseconds.
+    #[serde(default)]
+    pub notice_ms: f64,
 }
 
 impl Participant {

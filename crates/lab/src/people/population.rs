@@ -100,6 +100,8 @@ fn general(number: u32, seed: u64) -> Participant {
         adaptation: errors.between(0.8, 1.0),
         glove_gain_error: 0.1,
         glove_backlash_deg: errors.between(2.0, 5.0),
+        corrects: 0.0,
+        notice_ms: times.between(250.0, 700.0),
     }
 }
 

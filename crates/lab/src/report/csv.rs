@@ -6,7 +6,7 @@ use crate::measures::LabResult;
 use crate::message::quote_csv;
 
 /// The columns.
-const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds";
+const COLUMNS: &str = "layout,person,hand_mm,fingers,pace_wpm,characters,correct,substitutions,insertions,deletions,cer,keystrokes,wpm,fitts_wpm,strokes,hits,neighbor_slips,joint_travel_deg,uncomfortable,tasks,tasks_done,simulated_seconds,throughput_bits_per_s,misses,clicks";
 
 /// Returns the people of results as CSV, the columns first.
 pub fn to_csv(results: &[LabResult]) -> String {
@@ -16,9 +16,16 @@ pub fn to_csv(results: &[LabResult]) -> String {
         for person in &result.scores {
             let tries: u64 = person.tasks.iter().map(|task| task.tries).sum();
             let done: u64 = person.tasks.iter().map(|task| task.done).sum();
+            let pointing = match &person.pointing {
+                Some(pointing) => {
+                    let misses: usize = pointing.series.iter().map(|it| it.result.misses).sum();
+                    format!("{},{misses},{}", pointing.throughput(), pointing.clicks())
+                }
+                None => ",,".to_owned(),
+            };
             _ = writeln!(
                 text,
-                "{layout},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{tries},{done},{}",
+                "{layout},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{tries},{done},{},{pointing}",
                 person.number,
                 person.hand_mm,
                 person.style,

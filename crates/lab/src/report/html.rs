@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use super::{keys_of_all, wrong_of_all};
+use super::{Row, curves, keys_of_all, task_rows, write_curve, wrong_of_all};
 use crate::layout::{Heat, Layout, TooManyShapes, heat_style};
 use crate::measures::{Comparison, Interval, LabResult, PersonScore, Summary};
 use crate::message::escape_markup;
@@ -12,10 +12,10 @@ const ROWS: usize = 12;
 /// The rate of missed keys with the strongest colour.
 const WORST_RATE: f64 = 0.5;
 
-const STYLE: &str = "\
+pub(crate) const STYLE: &str = "\
 :root{color-scheme:light dark}
 body{margin:1.5rem auto;padding:0 1rem;max-width:70rem;font:1rem/1.45 sans-serif;background:$ground;color:$ink}
-h1{margin:0;font-size:1.5rem;overflow-wrap:anywhere}h2{margin:1.8rem 0 .5rem;font-size:1.15rem}
+h1{margin:0;font-size:1.5rem;overflow-wrap:anywhere}h2{margin:1.8rem 0 .5rem;font-size:1.15rem}h3{margin:1.2rem 0 .3rem;font-size:1rem}
 p{margin:.3rem 0}.note{color:$muted;font-size:.9rem}figure{margin:.8rem 0}
 .verdict{padding:.6rem .8rem;border-left:4px solid $accent;background:$panel}
 svg{max-width:100%;height:auto}
@@ -26,6 +26,8 @@ td,th{padding:.2rem .6rem .2rem 0;text-align:left;font-weight:normal;vertical-al
 td.number,th.number{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap;padding-right:.4rem}
 th[scope=col]{color:$muted;font-size:.85rem}
 .range{color:$muted}
+.level{stroke:$well;fill:none}.value{fill:$muted;stroke:none;font-size:.75rem}
+.band{fill:$accent;opacity:.2}.line{stroke:$accent;stroke-width:2;fill:none}.dot{fill:$accent}
 ";
 
 /// Returns a report of one result, or of several layouts that the same people used. `layouts` are those of the results.
@@ -40,8 +42,8 @@ pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooM
     Ok(page)
 }
 
-/// Returns the colours of a layout: the part of the strokes that did not press what was meant.
-fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
+/// Returns the colours of a layout: the part of the strokes that did not press what was meant, or of the tasks that were not done.
+pub fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
     let names = layout.target_names();
     let keys = keys_of_all(people).into_iter().filter_map(|key| {
         let rate = 1.0 - key.hit as f64 / key.meant.max(1) as f64;
@@ -115,7 +117,18 @@ fn write_conditions(result: &LabResult, page: &mut String) -> fmt::Result {
         escape_markup(&result.source),
         result.seed,
         escape_markup(&result.program_version)
-    )
+    )?;
+    match &result.partial {
+        Some(partial) => writeln!(
+            page,
+            "<p class=\"verdict\">Partial: {} of {} people; {} of {} shards are missing.</p>",
+            result.scores.len(),
+            partial.people,
+            partial.missing.len(),
+            partial.shards
+        ),
+        None => Ok(()),
+    }
 }
 
 fn write_comparison(comparison: &Comparison, page: &mut String) -> fmt::Result {
@@ -168,6 +181,7 @@ fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> f
     writeln!(page, "</table>\n</section><section>")?;
     write_people(result, page)?;
     writeln!(page, "</section></div>")?;
+    write_curves(result, page)?;
     let what = match summary.characters {
         0 => "Tasks that were not done, in colour",
         _ => "Strokes that did not press what was meant, in colour",
@@ -183,27 +197,40 @@ fn write_result(result: &LabResult, drawings: &[String], page: &mut String) -> f
     write_tables(result, page)
 }
 
-/// Returns the figures of a summary with their names, factors and digits.
-fn rows(summary: &Summary) -> Vec<(&'static str, Interval, f64, usize)> {
-    if summary.characters == 0 {
-        return vec![
-            ("tasks done, %", summary.tasks_done, 100.0, 1),
-            (
-                "presses of others, % of tries",
-                summary.tasks_wrong,
-                100.0,
-                1,
-            ),
-            ("time of a task, s", summary.task_seconds, 1.0, 2),
-            (
-                "error of a value, % of the range",
-                summary.task_error,
-                100.0,
-                1,
-            ),
-        ];
+/// Writes the curves over the phrases.
+fn write_curves(result: &LabResult, page: &mut String) -> fmt::Result {
+    let curves = curves(&result.scores);
+    if curves.is_empty() {
+        return Ok(());
     }
-    vec![
+    let learns = match &result.decoder {
+        Some(_) => "Simulated people do not learn; their decoder does.",
+        None => {
+            "Simulated people do not learn a layout: a trend comes from the phrases, or is chance."
+        }
+    };
+    writeln!(
+        page,
+        "<h2>From phrase to phrase</h2>\n<p class=\"note\">{learns} The bands hold 95 % of resampled populations.</p>\n<div class=\"columns\">"
+    )?;
+    for curve in &curves {
+        writeln!(
+            page,
+            "<figure><figcaption>{}</figcaption>",
+            escape_markup(&curve.name)
+        )?;
+        write_curve(curve, page)?;
+        writeln!(page, "</figure>")?;
+    }
+    writeln!(page, "</div>")
+}
+
+/// Returns the figures of a summary with their names, factors and digits.
+fn rows(summary: &Summary) -> Vec<Row> {
+    if summary.characters == 0 {
+        return task_rows(summary);
+    }
+    let rows = [
         ("words of correct text per minute", summary.wpm, 1.0, 1),
         ("wrong characters (CER), %", summary.cer, 100.0, 1),
         ("insertions, %", summary.insertions, 100.0, 1),
@@ -235,7 +262,11 @@ fn rows(summary: &Summary) -> Vec<(&'static str, Interval, f64, usize)> {
             100.0,
             1,
         ),
-    ]
+    ];
+    let owned = |(name, interval, factor, digits): (&'static str, Interval, f64, usize)| {
+        (name.into(), interval, factor, digits)
+    };
+    rows.map(owned).into()
 }
 
 fn write_people(result: &LabResult, page: &mut String) -> fmt::Result {

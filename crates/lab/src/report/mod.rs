@@ -1,10 +1,15 @@
 //! Reports of results: one HTML file without references to others, and CSV.
 
 mod csv;
+mod curve;
 mod html;
+mod tasks;
 
 pub use csv::to_csv;
-pub use html::to_html;
+pub use curve::{Curve, curves, write_curve};
+pub(crate) use html::STYLE;
+pub use html::{heats, to_html};
+pub use tasks::{Row, task_rows};
 
 use std::collections::BTreeMap;
 

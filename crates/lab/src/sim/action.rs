@@ -5,7 +5,7 @@ use std::time::Duration;
 use parry3d::math::{Vec2, Vec3};
 
 use crate::contact::TargetId;
-use crate::hand::{Dof, Input};
+use crate::hand::{BodyAngle, Dof, Input};
 use crate::layout::Fit;
 
 /// One action of a simulated hand.
@@ -39,6 +39,8 @@ pub enum HandAction {
     Unpinch(Option<Duration>),
     /// Sets a stick, trigger or button of the glove, −1..=1. It stays there.
     SetInput(Input, f64),
+    /// Turns the head, a foot or a knee to this angle (radians). It stays there.
+    SetBody(BodyAngle, f64),
     /// Moves the index fingertip to a position relative to the elbow, along the axes of the world (metres). A pressed
     /// fingertip is lifted first.
     Point(Vec3, Option<Duration>),

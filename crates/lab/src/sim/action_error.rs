@@ -1,7 +1,7 @@
 //! Errors of actions that a simulated hand cannot perform.
 
 use crate::contact::TargetId;
-use crate::hand::{Dof, Finger, Input};
+use crate::hand::{BodyAngle, Dof, Finger, Input};
 use crate::message::escape;
 use crate::names::UnknownName;
 
@@ -65,6 +65,9 @@ pub enum ActionErrorKind {
     /// A stick, trigger or button that the glove does not have.
     #[error("the glove has no input `{0}`; use a glove with inputs, such as `lucidgloves`")]
     NoInput(Input),
+    /// An angle of the body that the sensor does not show.
+    #[error("only body landmarks show `{0}`; choose a layout that uses the head or the feet")]
+    NoBody(BodyAngle),
     /// An angle outside the range of the joint or of its sensor.
     #[error(
         "`{dof}` ranges from {low:.0}° to {high:.0}° with this glove, and {wanted:.0}° is outside"

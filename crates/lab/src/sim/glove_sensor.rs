@@ -55,7 +55,31 @@ impl GloveSensor {
 
     /// Returns what the glove measures of a hand with these angles.
     pub(super) fn measure(&mut self, angles: &JointAngles) -> Sample {
-        let mut counts = self.other_counts.clone();
+        let mut channels = self.resting();
+        self.measure_counts(angles, &mut channels.counts);
+        Sample::Channels(channels)
+    }
+
+    /// Writes what the glove measures of a hand with these angles into an earlier sample.
+    pub(super) fn measure_into(&mut self, angles: &JointAngles, sample: &mut Sample) {
+        if !matches!(sample, Sample::Channels(_)) {
+            *sample = Sample::Channels(self.resting());
+        }
+        if let Sample::Channels(channels) = sample {
+            channels.counts.clone_from(&self.other_counts);
+            self.measure_counts(angles, &mut channels.counts);
+        }
+    }
+
+    fn resting(&self) -> Channels {
+        Channels {
+            full_scale: self.full_scale,
+            counts: self.other_counts.clone(),
+            unsent: Default::default(),
+        }
+    }
+
+    fn measure_counts(&mut self, angles: &JointAngles, counts: &mut GloveCounts) {
         for sensed in &self.channels {
             let linear = sensed.linear_count(angles);
             let count = sensed.linearity.apply_inverse(linear) + self.noise.value();
@@ -63,11 +87,6 @@ impl GloveSensor {
             let max = f64::from(self.full_scale - 1);
             counts[sensed.channel] = count.round().clamp(1.0, max) as u16;
         }
-        Sample::Channels(Channels {
-            full_scale: self.full_scale,
-            counts,
-            unsent: Default::default(),
-        })
     }
 }
 

@@ -19,6 +19,7 @@ mod text_plan;
 mod reach;
 mod reach_target;
 mod typing_hand;
+mod pointer_hand;
 mod movement;
 mod noise;
 mod planner;
@@ -41,6 +42,8 @@ pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
 pub use layout_feed::{LayoutChange, LayoutFeed};
 pub use motor::TypingKeys;
+pub(crate) use movement::minimum_jerk;
+pub use pointer_hand::{Pointed, PointerHand};
 pub use reach::{Miss, TapPath, pressing_fingers};
 pub use score::{EditCounts, TypingScore, error_rate, kept_characters, words_per_minute};
 pub use script::Script;
@@ -53,4 +56,6 @@ pub use text_plan::{PlanError, taps_for_text};
 pub use tour::{TourStop, tour, tour_text};
 pub use typing_hand::{REACH_TOLERANCE, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
-pub use wearer::{GloveFault, GloveSensors, HomeMadeGlove, SightedTypist, SimulatedWearer};
+pub use wearer::{
+    GloveFault, GloveSensors, HomeMadeGlove, SensorErrors, SightedTypist, SimulatedWearer,
+};

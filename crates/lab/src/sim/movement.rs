@@ -5,7 +5,7 @@ use parry3d::math::Vec3;
 
 use super::effector::Effector;
 use super::typing_hand::TypingHand;
-use crate::hand::Input;
+use crate::hand::{BodyAngle, Input};
 
 /// A planned movement. It starts in the posture that the hand then has.
 #[derive(Clone, Debug)]
@@ -14,8 +14,8 @@ pub(super) struct Movement {
     pub(super) channel_targets: Vec<(usize, f64)>,
     /// Path of the fingertip that points; `None` if the fingertip follows from the channels.
     pub(super) path: Option<TipPath>,
-    /// An input of the glove that is set at the start, and its value.
-    pub(super) input: Option<(Input, f64)>,
+    /// An input that is set at the start.
+    pub(super) input: Option<InputChange>,
     /// What moves along the path.
     pub(super) effector: Effector,
     /// `true` if the thumb stays at the index finger.
@@ -26,6 +26,15 @@ pub(super) struct Movement {
     pub(super) ends_down: bool,
     /// Duration in packets; more than 0.
     pub(super) packets: u32,
+}
+
+/// A change of an input beside the joints of the arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum InputChange {
+    /// An input of the glove, and its value.
+    Glove(Input, f64),
+    /// An angle of the body, in radians.
+    Body(BodyAngle, f64),
 }
 
 /// The path of a fingertip (world, metres).
@@ -95,8 +104,8 @@ impl ActiveMovement {
         self.movement.ends_down
     }
 
-    /// Returns the input of the glove that is set, and its value.
-    pub(super) fn input(&self) -> Option<(Input, f64)> {
+    /// Returns the input that is set.
+    pub(super) fn input(&self) -> Option<InputChange> {
         self.movement.input
     }
 
@@ -128,7 +137,7 @@ impl ActiveMovement {
 }
 
 /// The minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
-pub(super) fn minimum_jerk(t: f32) -> f32 {
+pub(crate) fn minimum_jerk(t: f32) -> f32 {
     t.powi(3) * (10.0 + t * (-15.0 + 6.0 * t))
 }
 

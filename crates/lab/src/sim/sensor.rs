@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::{Sample, SampleKind};
 use crate::estimate::{ChannelMap, Estimate, JointAngles, bones_from_angles};
-use crate::hand::{BoneRotations, Displacement, Finger, Joint, Side};
+use crate::hand::{BodyAngle, BoneRotations, Displacement, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
 
@@ -51,13 +51,23 @@ impl<'a> Sensor<'a> {
 impl JointSensor {
     /// Returns what the sensor measures of a hand with these angles.
     pub(super) fn measure(self, arm: &ArmModel, angles: &JointAngles) -> Sample {
+        self.measure_with_body(arm, angles, &BodyPosture::default())
+    }
+
+    /// Returns what the sensor measures of a hand with these angles and of the body.
+    pub(super) fn measure_with_body(
+        self,
+        arm: &ArmModel,
+        angles: &JointAngles,
+        posture: &BodyPosture,
+    ) -> Sample {
         let pose_of = |angles| arm.forward(&Estimate::new(Timestamp(0), angles));
         match self {
             Self::Angles => Sample::Angles { angles: *angles },
             Self::Positions => Sample::Joints {
                 positions: pose_of(*angles).positions(),
             },
-            Self::Body => Sample::Body(body(&pose_of(*angles))),
+            Self::Body => Sample::Body(body(&pose_of(*angles), posture)),
             Self::Bones => {
                 let mut bones = BoneRotations::default();
                 *bones.arm_mut(arm.side()) = bones_from_angles(angles, arm.side());
@@ -73,6 +83,67 @@ impl JointSensor {
     }
 }
 
+/// The angles of head and legs, in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct BodyPosture([f64; BodyAngle::COUNT]);
+
+impl BodyPosture {
+    /// Sets an angle, in radians.
+    pub(super) fn set(&mut self, angle: BodyAngle, radians: f64) {
+        self.0[angle.index()] = radians;
+    }
+
+    fn get(&self, angle: BodyAngle) -> f32 {
+        self.0[angle.index()] as f32
+    }
+
+    /// Returns the landmarks of the head, from between the shoulders: index, and position to the right, up and backwards.
+    fn head(&self) -> [(usize, Vec3); HEAD.len()] {
+        let turn = Quat::from_rotation_y(-self.get(BodyAngle::HeadYaw))
+            * Quat::from_rotation_x(self.get(BodyAngle::HeadPitch))
+            * Quat::from_rotation_z(-self.get(BodyAngle::HeadRoll));
+        HEAD.map(|(index, position)| (index, NECK + turn * Vec3::from_array(position)))
+    }
+
+    /// Returns the landmarks of one leg, from its hip: knee, ankle, heel and toes. The person sits.
+    fn leg(&self, side: Side) -> [Vec3; 4] {
+        let (knee, foot) = match side {
+            Side::Left => (BodyAngle::LeftKneeFlexion, BodyAngle::LeftFootPitch),
+            Side::Right => (BodyAngle::RightKneeFlexion, BodyAngle::RightFootPitch),
+        };
+        let knee_position = Vec3::NEG_Z * THIGH;
+        let bend = Quat::from_rotation_x(-self.get(knee));
+        let shank = bend * Vec3::NEG_Z * SHANK;
+        let ankle = knee_position + shank;
+        // The toes are upwards of a straight leg.
+        let foot = bend * Quat::from_rotation_x(self.get(foot)) * Vec3::Y;
+        let heel = ankle - foot * HEEL;
+        [knee_position, ankle, heel, heel + foot * FOOT]
+    }
+}
+
+/// From between the shoulders to the middle of the ears, to the right, up and backwards, in metres.
+const NECK: Vec3 = Vec3::new(0.0, 0.22, 0.0);
+
+/// Nose, both eyes and both ears from the middle of the ears: the nose is as far below the level of the ears as the eyes are above.
+const HEAD: [(usize, [f32; 3]); 5] = [
+    (0, [0.0, -0.03, -0.12]),
+    (2, [-0.032, 0.03, -0.1]),
+    (5, [0.032, 0.03, -0.1]),
+    (7, [-0.075, 0.0, 0.0]),
+    (8, [0.075, 0.0, 0.0]),
+];
+
+/// Lengths of the leg of a person of 1.75 m, in metres (Winter 2009, table 4.1).
+const THIGH: f32 = 0.43;
+const SHANK: f32 = 0.43;
+const FOOT: f32 = 0.26;
+/// From the ankle to the heel.
+const HEEL: f32 = 0.06;
+
+/// Index of the landmark of the left knee. Ankles, heels and toes follow, left before right.
+const FIRST_LEG: usize = 25;
+
 /// Half of the distance between the shoulders, in metres.
 const HALF_SHOULDERS: f32 = 0.18;
 /// From a shoulder down to the hip, and to the elbow of an arm model without a shoulder, in metres.
@@ -83,7 +154,7 @@ const UPPER_ARM: f32 = 0.3;
 const FIRST_PAIR: usize = 11;
 
 /// Returns the landmarks of an upright person who faces the camera. Those of the other arm are not visible.
-fn body(pose: &HandPose) -> BodyLandmarks {
+fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {
     let get = |joint| pose.position(joint).unwrap_or_default();
     let shoulder = pose.position(Joint::Shoulder);
     let shoulder = shoulder.unwrap_or_else(|| get(Joint::Elbow) + Vec3::Y * UPPER_ARM);
@@ -107,20 +178,30 @@ fn body(pose: &HandPose) -> BodyLandmarks {
         confidence: 0.0,
     };
     let mut points = [hidden; BODY_LANDMARKS];
-    let mut set = |pair: usize, side: Side, position: Vec3| {
-        points[FIRST_PAIR + Side::COUNT * pair + side.index()] = Landmark {
+    let mut set = |index: usize, position: Vec3| {
+        points[index] = Landmark {
             // To the right of the image, down, away from the camera.
             position: [-position.x, -position.y, position.z],
             confidence: 1.0,
         };
     };
+    let index = |pair: usize, side: Side| FIRST_PAIR + Side::COUNT * pair + side.index();
     for (pair, position) in arm.into_iter().enumerate() {
-        set(pair, pose.side, from_neck(position));
+        set(index(pair, pose.side), from_neck(position));
     }
     let other = pose.side.opposite();
     for pair in [0, arm.len() - 1] {
         let position = from_neck(arm[pair]);
-        set(pair, other, position.with_x(-position.x));
+        set(index(pair, other), position.with_x(-position.x));
+    }
+    for (index, position) in posture.head() {
+        set(index, position);
+    }
+    for side in [Side::Left, Side::Right] {
+        let hip = outwards(side) - Vec3::Y * TRUNK;
+        for (row, position) in posture.leg(side).into_iter().enumerate() {
+            set(FIRST_LEG + Side::COUNT * row + side.index(), hip + position);
+        }
     }
     BodyLandmarks {
         points: points.into(),

@@ -8,10 +8,10 @@ use super::action::HandAction;
 use super::action_error::ActionError;
 use super::glove_sensor::GloveSensor;
 use super::motor::Motor;
-use super::movement::{ActiveMovement, Movement};
+use super::movement::{ActiveMovement, InputChange, Movement};
 use super::noise::Noise;
 use super::planner;
-use super::sensor::{JointSensor, Sensor};
+use super::sensor::{BodyPosture, JointSensor, Sensor};
 use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
 use super::unsteadiness::Unsteadiness;
@@ -46,6 +46,8 @@ pub(super) struct SimulatedHand {
     samples: u64,
     period: Duration,
     sensor: HandSensor,
+    /// The angles of head and legs.
+    body: BodyPosture,
 }
 
 /// What measures the joint angles of a hand.
@@ -85,6 +87,7 @@ impl SimulatedHand {
                 let hand = TypingHand::without_glove(arm);
                 let hand = match sensor {
                     JointSensor::Displacement => hand.stiffened(),
+                    JointSensor::Body => hand.with_body(),
                     _ => hand,
                 };
                 (hand, HandSensor::Joints(sensor, noise))
@@ -111,6 +114,7 @@ impl SimulatedHand {
             samples: 0,
             period: settings.packet_period,
             sensor,
+            body: BodyPosture::default(),
         })
     }
 
@@ -154,8 +158,12 @@ impl SimulatedHand {
         self.active =
             movement.map(|movement| ActiveMovement::begin(movement, &mut self.hand, &self.values));
         let input = self.active.as_ref().and_then(ActiveMovement::input);
-        if let (Some((input, value)), HandSensor::Glove(glove)) = (input, &mut self.sensor) {
-            glove.set_input(input, value);
+        match (input, &mut self.sensor) {
+            (Some(InputChange::Glove(input, value)), HandSensor::Glove(glove)) => {
+                glove.set_input(input, value);
+            }
+            (Some(InputChange::Body(angle, radians)), _) => self.body.set(angle, radians),
+            _ => {}
         }
     }
 
@@ -233,12 +241,12 @@ impl SimulatedHand {
         let seconds = self.period.as_secs_f64() * self.samples as f64;
         self.samples += 1;
         let presser = self.is_down().then_some(self.finger);
-        let intended = self.hand.angles(&self.values);
-        let angles = self.unsteadiness.apply(intended, presser, seconds);
+        let mut angles = self.hand.angles(&self.values);
+        self.unsteadiness.apply(&mut angles, presser, seconds);
         match &mut self.sensor {
             HandSensor::Glove(glove) => glove.measure(&angles),
             HandSensor::Joints(sensor, noise) => {
-                let mut sample = sensor.measure(self.hand.arm(), &angles);
+                let mut sample = sensor.measure_with_body(self.hand.arm(), &angles, &self.body);
                 noise.add_to(&mut sample);
                 sample
             }

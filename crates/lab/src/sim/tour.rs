@@ -1,12 +1,14 @@
 //! A tour of a layout: a script that uses each control once.
 
 use std::fmt::Write;
+use std::time::Duration;
 
 use crate::command::Command;
 use crate::device::KeyAction;
-use crate::device::trigger::{Measure, Trigger};
+use crate::device::trigger::{HandShape, Measure, Trigger};
+use crate::estimate::BendRanges;
 use crate::hand::{Finger, Input};
-use crate::layout::{Control, ControlKind, Key, Layout};
+use crate::layout::{Control, Handle, Key, Layout};
 
 /// Rest between two controls, in ms.
 const PAUSE_MS: u32 = 200;
@@ -21,6 +23,9 @@ const HOLD_BEYOND: f32 = 0.2;
 /// Time for which an input is held, in ms.
 const HOLD_MS: u32 = 200;
 
+/// Bend of a finger that has no part in a shape, as a fraction of its range.
+const BETWEEN: f32 = 0.4;
+
 /// A part of a tour: one control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TourStop {
@@ -28,6 +33,17 @@ pub struct TourStop {
     pub name: String,
     /// The actions, as in a script.
     pub actions: String,
+}
+
+/// The names of stops that move a cursor.
+const STICK: &str = "the stick";
+const ARM: &str = "the arm";
+
+impl TourStop {
+    /// Returns whether the stop only moves a cursor or passes through space.
+    pub(crate) fn moves_cursor(&self) -> bool {
+        [STICK, ARM].contains(&self.name.as_str())
+    }
 }
 
 /// Returns the stops of a tour: each control is touched once, sliders are moved along their travel, knobs are turned, joints are bent
@@ -101,13 +117,13 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
             face.filter_map(|face| stop(&face.name, |name| format!("press {name}{actions}")));
         stops.collect()
     };
-    match &control.kind {
-        ControlKind::Toggle(_) | ControlKind::Radio(_) => {
+    match control.kind.handle() {
+        Handle::Switch => {
             let faces = control.faces.iter();
             faces.filter_map(|face| tap(&face.name)).collect()
         }
-        ControlKind::Slider(slider) => {
-            let end = millimetres(slider.half_length * INNER);
+        Handle::Line { half_length } => {
+            let end = millimetres(half_length * INNER);
             drag(format!(
                 " {} 0; slide {} 0; slide {} 0; lift",
                 -end,
@@ -115,17 +131,17 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
                 -end
             ))
         }
-        ControlKind::Knob(knob) => {
-            let rim = millimetres(knob.radius * INNER);
+        Handle::Turn { radius, .. } => {
+            let rim = millimetres(radius);
             drag(format!(" {rim} 0; arc -{TURN_DEG}; arc {TURN_DEG}; lift"))
         }
-        ControlKind::Joystick(stick) => {
-            let end = millimetres(stick.max_deflection);
+        Handle::Stick { half } => {
+            let end = millimetres(half);
             drag(format!(
                 "; slide {end} 0; slide -{end} 0; slide 0 {end}; slide 0 -{end}; lift"
             ))
         }
-        ControlKind::TouchSurface(_) => {
+        Handle::Area => {
             let end = millimetres(half * INNER * 0.5);
             drag(format!(
                 " -{end} 0; slide {} 0; slide 0 {end}; lift",
@@ -159,12 +175,39 @@ fn trigger_stop(name: &str, trigger: &Trigger) -> Option<TourStop> {
                 hold(0),
             )
         }
-        Measure::Pinch(_) => return None,
+        Measure::Body(angle) => {
+            let (on, off) = (trigger.on.to_degrees(), trigger.off.to_degrees());
+            let beyond = BEYOND_DEG.copysign(on - off);
+            let name = angle.name();
+            format!(
+                "input {name} {:.0}; wait {HOLD_MS}; input {name} {:.0}; wait {HOLD_MS}",
+                on + beyond,
+                off - beyond
+            )
+        }
+        Measure::HandShape(shape) => shape_actions(shape, trigger.hold),
+        // A swipe and a shake are faster than the hand of a script.
+        Measure::Pinch(_) | Measure::Swipe(_) | Measure::Shake => return None,
     };
     Some(TourStop {
         name: name.to_owned(),
         actions,
     })
+}
+
+/// Returns the movements of the fingers to a shape, for as long as it is held, and back.
+fn shape_actions(shape: HandShape, hold: Duration) -> String {
+    let ranges = BendRanges::human();
+    let fingers = |bend: &dyn Fn(Finger) -> f32| {
+        let fingers = Finger::ALL.iter();
+        let joints = fingers.flat_map(|&finger| ranges.angles_at(finger, f64::from(bend(finger))));
+        let joints = joints.map(|(dof, radians)| format!("set {dof} {:.0}", radians.to_degrees()));
+        joints.collect::<Vec<_>>().join(" & ")
+    };
+    let shown = fingers(&|finger| shape.bend(finger).unwrap_or(BETWEEN));
+    let rest = fingers(&|_| BETWEEN);
+    let milliseconds = hold.as_millis() + u128::from(HOLD_MS);
+    format!("{shown}; wait {milliseconds}; {rest}; wait {HOLD_MS}")
 }
 
 /// Returns movements of the stick of a glove, which move a cursor.
@@ -178,7 +221,7 @@ fn stick_stops() -> impl Iterator<Item = TourStop> {
         "stick-y 0",
     ];
     moves.into_iter().map(|actions| TourStop {
-        name: "the stick".to_owned(),
+        name: STICK.to_owned(),
         actions: format!("input {actions}; wait {HOLD_MS}"),
     })
 }
@@ -194,7 +237,7 @@ fn arm_stops() -> impl Iterator<Item = TourStop> {
         "set elbow-flexion 34",
     ];
     moves.into_iter().map(|actions| TourStop {
-        name: "the arm".to_owned(),
+        name: ARM.to_owned(),
         actions: actions.to_owned(),
     })
 }

@@ -46,6 +46,8 @@ pub struct TypingHand {
     assumed: JointAngles,
     /// The sticks, triggers and buttons of the glove.
     inputs: Vec<Input>,
+    /// The sensor shows head and legs too.
+    shows_body: bool,
     bend_ranges: BendRanges,
     pub(super) resting_pose: HandPose,
     /// The place of the open hand at the start.
@@ -69,6 +71,7 @@ impl TypingHand {
             arm: arm.clone(),
             assumed,
             inputs: map.inputs().iter().map(|row| row.input).collect(),
+            shows_body: false,
             bend_ranges: BendRanges::of_glove(map),
             variables: variables.collect(),
             channels,
@@ -100,6 +103,7 @@ impl TypingHand {
             arm: arm.clone(),
             assumed: JointAngles::default(),
             inputs: Vec::new(),
+            shows_body: false,
             bend_ranges: BendRanges::human(),
             channels: (0..variables.len()).collect(),
             variables,
@@ -113,6 +117,20 @@ impl TypingHand {
     /// Returns whether the glove has this stick, trigger or button.
     pub fn has_input(&self, input: Input) -> bool {
         self.inputs.contains(&input)
+    }
+
+    /// Becomes the hand of a sensor that shows head and legs too.
+    #[must_use]
+    pub(super) fn with_body(self) -> Self {
+        Self {
+            shows_body: true,
+            ..self
+        }
+    }
+
+    /// Returns whether the sensor shows head and legs.
+    pub fn shows_body(&self) -> bool {
+        self.shows_body
     }
 
     /// Returns the side.
@@ -174,11 +192,6 @@ impl TypingHand {
             .iter()
             .map(|variable| variable.rest)
             .collect()
-    }
-
-    /// Returns the rest value of a channel.
-    pub(super) fn rest_of(&self, index: usize) -> f64 {
-        self.variables[index].rest
     }
 
     /// Sets the rest value of a channel, to which it returns where the fingertip leaves it free.

@@ -56,29 +56,27 @@ impl Unsteadiness {
         }
     }
 
-    /// Returns the angles of a hand that means to have `angles`, `seconds` after its start. `presser` is the finger that presses,
-    /// from the way down to the end of the way up.
+    /// Changes the angles that a hand means to have, `seconds` after its start, to those that it has. `presser` is the finger that
+    /// presses, from the way down to the end of the way up.
     pub(super) fn apply(
         &mut self,
-        angles: JointAngles,
+        angles: &mut JointAngles,
         presser: Option<Finger>,
         seconds: f64,
-    ) -> JointAngles {
-        let mut moved = angles;
+    ) {
         if self.enslaving > 0.0 {
             let mut flexions = Flexions::default();
             match presser {
-                Some(master) => flexions[master.index()] = self.flexions_of(master, &angles),
-                None => self.before = angles,
+                Some(master) => flexions[master.index()] = self.flexions_of(master, angles),
+                None => self.before = *angles,
             }
             self.flexions.push_back((seconds, flexions));
             let followed = self.flexions_at(seconds - ENSLAVING_DELAY);
-            self.enslave(&followed, &mut moved);
+            self.enslave(&followed, angles);
         }
         if self.tremor.amplitude > 0.0 && self.lever > 0.0 {
-            self.tremble(seconds, &mut moved);
+            self.tremble(seconds, angles);
         }
-        moved
     }
 
     /// Returns the flexion of a finger since the posture before the press.
@@ -157,7 +155,8 @@ mod tests {
                 angles.set(Dof::IndexMcpFlexion, 1.0);
             }
             let presser = is_pressing.then_some(Finger::Index);
-            let moved = hand.apply(angles, presser, f64::from(millisecond) * 1e-3);
+            let mut moved = angles;
+            hand.apply(&mut moved, presser, f64::from(millisecond) * 1e-3);
             assert_eq!(
                 moved.get(Dof::IndexMcpFlexion),
                 angles.get(Dof::IndexMcpFlexion)

@@ -11,7 +11,8 @@ use std::thread;
 pub struct Cancelled;
 
 /// Calls `work` for each index below `count` on `jobs` threads, and returns the results in order of the indices, whatever the number
-/// of threads. Calls `progress` with the number of results so far, on the thread of the caller.
+/// of threads. Calls `progress` with the number of results so far, on the thread of the caller. One job starts no thread: WebAssembly has
+/// none.
 pub fn for_each<T: Send>(
     count: usize,
     jobs: NonZeroUsize,
@@ -19,6 +20,17 @@ pub fn for_each<T: Send>(
     work: impl Fn(usize) -> T + Sync,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<T>, Cancelled> {
+    if jobs == NonZeroUsize::MIN {
+        let mut results = Vec::with_capacity(count);
+        for index in 0..count {
+            if cancel.load(Ordering::Relaxed) {
+                return Err(Cancelled);
+            }
+            results.push(work(index));
+            progress(results.len());
+        }
+        return Ok(results);
+    }
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();

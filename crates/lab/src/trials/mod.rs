@@ -8,8 +8,13 @@
 //! so results do not depend on the number of threads.
 
 mod jobs;
+mod nearest;
 mod observed;
 mod phrase;
+mod pointing;
+mod proofreader;
+mod retraced;
+mod session;
 mod station;
 mod tasks;
 
@@ -17,5 +22,8 @@ pub use jobs::{Cancelled, for_each};
 pub use observed::{KeyTally, Observed, Stroke, StrokeKind};
 pub use phrase::Strokes;
 pub(crate) use phrase::speed;
+pub use pointing::{PointingScore, PointingSeries};
+pub use retraced::{FingerPath, NearMiss, NearPress, Retraced, Retracer};
+pub use session::Watch;
 pub use station::{Station, TrialError};
 pub use tasks::{TaskKind, TaskResult};

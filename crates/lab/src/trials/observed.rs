@@ -6,6 +6,7 @@ use parry3d::math::Vec2;
 
 use crate::contact::TargetId;
 use crate::hand::Finger;
+use crate::readings::PhraseTaps;
 use crate::sim::EditCounts;
 use crate::sim::fluent::Load;
 
@@ -37,6 +38,10 @@ pub struct Stroke {
     pub bottom: f64,
     /// The distance that the hand moved for it, in metres.
     pub distance: f64,
+    /// The place of the tap from the center of the target, in metres; zero for bends.
+    pub point: Vec2,
+    /// The same place as the pipeline shows it at the lowest point, if it showed the finger.
+    pub shown: Option<Vec2>,
     /// The targets that were pressed, with the place from the center of the meant one in metres.
     pub presses: Vec<(TargetId, Vec2)>,
 }
@@ -63,6 +68,10 @@ pub struct KeyTally {
 pub struct Observed {
     /// The characters of all phrases.
     pub edits: EditCounts,
+    /// Wrong characters of the text that the nearest keys of the taps type.
+    pub nearest_errors: usize,
+    /// The same for the places of the taps as the pipeline shows them.
+    pub shown_errors: usize,
     /// The number of characters that were to be typed.
     pub characters: usize,
     /// Keys that went down.
@@ -71,6 +80,8 @@ pub struct Observed {
     pub seconds: f64,
     /// The number of phrases.
     pub phrases: usize,
+    /// Each phrase: its characters with the edits of what was typed, and the seconds.
+    pub by_phrase: Vec<(EditCounts, usize, f64)>,
     /// The strokes by the target that was meant.
     pub keys: BTreeMap<TargetId, KeyTally>,
     /// Presses of another target than the meant one: meant, pressed, number.
@@ -87,6 +98,8 @@ pub struct Observed {
     pub intervals: Vec<f64>,
     /// The load of the joints.
     pub load: Load,
+    /// The taps of each phrase, with a decoder.
+    pub(crate) taps: Vec<PhraseTaps>,
     /// Readings that passed through the pipeline, and the simulated time in seconds.
     pub readings: u64,
     /// The simulated time of all hands, in seconds.

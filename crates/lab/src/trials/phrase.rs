@@ -1,22 +1,23 @@
 //! A person types a phrase.
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, VecDeque};
 
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec2;
 
+use super::nearest::text_of_nearest_keys;
 use super::observed::{Observed, Stroke, StrokeKind};
+use super::proofreader::{Decision, Proofreader};
+use super::session::{Session, Watch};
 use super::station::Station;
-use crate::capture::Reading;
+use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Target};
-use crate::contact::{Phase, TargetId};
-use crate::device::{EventKind, Events};
+use crate::device::{KeyAction, KeyCode};
 use crate::hand::Finger;
 use crate::layout::Layout;
-use crate::people::Draw;
-use crate::pipeline::Pipeline;
-use crate::sim::fluent::{StrokePlan, Tap};
-use crate::sim::{EditCounts, HandAction, UsTextField, taps_for_text, words_per_minute};
-use crate::time::Timestamp;
+use crate::readings::{PhraseTaps, PlaneCrossing, plain};
+use crate::sim::fluent::Tap;
+use crate::sim::{EditCounts, HandAction, taps_for_text, words_per_minute};
 
 /// The time for which the hand is clear of all keys at the start, in seconds: output is armed after 0.3 s.
 const CLEAR: f64 = 0.6;
@@ -28,10 +29,10 @@ const AFTER: f64 = 0.5;
 const AHEAD: f64 = 0.25;
 /// The shortest time between two strokes, in seconds.
 const APART: f64 = 0.03;
-/// The longest time between the lowest point of a stroke and a press that it causes, in seconds.
-const CAUSED: f64 = 0.15;
 /// The largest distance of a spurious tap from the intended one, in sizes of the key.
 const SPURIOUS: f64 = 1.5;
+/// The size of a key for the scatter that the flat lexicon assumes, in metres.
+const KEY_SIZE: f32 = 0.017;
 /// Factors for the median time to the next stroke: of the other hand, and of the same finger on another key ?.
 const OTHER_HAND: f64 = 0.75;
 const SAME_FINGER: f64 = 1.35;
@@ -43,6 +44,8 @@ pub struct Strokes {
     pub untypable: Vec<char>,
     /// The targets that no finger of the person reaches, each once.
     pub unreached: Vec<TargetId>,
+    /// The stroke that deletes a character.
+    backspace: Option<Step>,
 }
 
 impl Strokes {
@@ -52,32 +55,22 @@ impl Strokes {
             .keys()
             .any(|character| character.is_alphanumeric())
     }
+
+    /// Returns a phrase without the characters that cannot be typed.
+    pub fn typable(&self, phrase: &str) -> String {
+        let is_known = |character: &char| self.known.contains_key(character);
+        phrase.chars().filter(is_known).collect()
+    }
 }
 
 /// A stroke that is meant.
 #[derive(Clone)]
-struct Step {
-    hand: usize,
-    finger: Finger,
+pub(super) struct Step {
+    pub(super) hand: usize,
+    pub(super) finger: Finger,
     /// One, or more for a chord of fingers that bend.
-    targets: Vec<TargetId>,
+    pub(super) targets: Vec<TargetId>,
     is_bent: bool,
-}
-
-/// The times of what happens in a phrase.
-struct Session {
-    pipeline: Pipeline,
-    events: Events,
-    field: UsTextField,
-    strokes: Vec<Stroke>,
-    /// The time in seconds, the target, and the place on its board if a fingertip touched it (metres).
-    presses: Vec<(f64, TargetId, Option<Vec3>)>,
-    keystrokes: usize,
-    span: Option<(Timestamp, Timestamp)>,
-    draw: Draw,
-    /// The time of the lowest point of the last stroke, and when the last finger is up.
-    bottom: f64,
-    end: f64,
 }
 
 impl Station {
@@ -87,7 +80,16 @@ impl Station {
             known: BTreeMap::new(),
             untypable: Vec::new(),
             unreached: Vec::new(),
+            backspace: None,
         };
+        if self.person.corrects > 0.0 {
+            let backspace = Some(KeyAction::Key(KeyCode::BACKSPACE));
+            let mut keys = self.layout.keys.iter();
+            let key = keys.find(|key| key.action(0) == backspace);
+            let target = key.map(|key| key.face.target);
+            let action = target.map(HandAction::tap);
+            strokes.backspace = action.and_then(|action| self.step(&action, &mut strokes));
+        }
         let bindings = self.layout.key_bindings();
         for character in phrases.into_iter().flat_map(str::chars) {
             if strokes.known.contains_key(&character) || strokes.untypable.contains(&character) {
@@ -138,41 +140,72 @@ impl Station {
         seed: u64,
         observed: &mut Observed,
     ) -> (String, String) {
-        let is_known = |character: &char| strokes.known.contains_key(character);
-        let presented: String = phrase.chars().filter(is_known).collect();
-        let steps = presented.chars().flat_map(|it| &strokes.known[&it]);
-        let steps: Vec<&Step> = steps.collect();
+        self.type_watched(phrase, strokes, seed, observed, None)
+    }
+
+    /// Does the same, and keeps what is seen from outside in `watch`.
+    pub fn type_watched(
+        &mut self,
+        phrase: &str,
+        strokes: &Strokes,
+        seed: u64,
+        observed: &mut Observed,
+        watch: Option<&mut Watch>,
+    ) -> (String, String) {
+        let presented = strokes.typable(phrase);
+        let is_decoded = self.recorder.is_some();
+        let steps_from = |first: usize| {
+            let characters = presented.chars().enumerate().skip(first);
+            let steps = characters.flat_map(|(index, it)| {
+                let steps = strokes.known[&it].iter();
+                steps.map(move |step| (index, step))
+            });
+            // A decoder corrects a word at its end.
+            let space = strokes.known.get(&' ').filter(|_| is_decoded);
+            let end = presented.chars().count();
+            let space = space.into_iter().flatten().map(|step| (end, step));
+            steps.chain(space).collect::<VecDeque<(usize, &Step)>>()
+        };
+        let mut steps = steps_from(0);
+        let first: Vec<&Step> = steps.iter().map(|(_, step)| *step).collect();
         for hand in &mut self.hands {
             hand.restart(seed);
         }
         let starts_at_hand = self.layout.scene.starts_at_hand();
         if !starts_at_hand {
-            self.start_clear(&steps, strokes);
+            self.start_clear(&first, strokes);
         }
         let clear = if starts_at_hand { START } else { CLEAR };
-        let mut session = Session {
-            pipeline: self.pipeline(),
-            events: Events::new(),
-            field: UsTextField::new(),
-            strokes: Vec::new(),
-            presses: Vec::new(),
-            keystrokes: 0,
-            span: None,
-            draw: Draw::new(seed, 0x7e57),
-            bottom: clear,
-            end: clear,
-        };
+        let mut session = Session::new(self, seed, clear, watch);
         let period = 1.0 / self.source.rate_hz();
-        let mut next = 0;
+        let mut reader = Proofreader::new(&presented, &self.person, strokes.backspace.is_some());
+        // The strokes that are planned: the time of the lowest point, and the characters that are typed then.
+        let mut planned: Vec<(f64, usize)> = Vec::new();
         for number in 1_u64.. {
             let seconds = number as f64 * period;
-            let is_ready = seconds >= clear;
-            while is_ready && next < steps.len() && session.bottom <= seconds + AHEAD {
-                self.plan(steps[next], &mut session, seconds, observed);
-                next += 1;
+            let done = planned.iter().rev().find(|(bottom, _)| *bottom < seconds);
+            let done = done.map_or(0, |(_, characters)| *characters);
+            let times = (seconds, session.end);
+            let decision = reader.decide(session.field.text(), times, done, &mut session.draw);
+            if let (Decision::Correct { backspaces, from }, Some(step)) =
+                (decision, &strokes.backspace)
+            {
+                steps = steps_from(from);
+                for _ in 0..backspaces {
+                    steps.push_front((from, step));
+                }
+            }
+            let is_ready = seconds >= clear && decision != Decision::Wait;
+            while is_ready && session.bottom <= seconds + AHEAD {
+                let Some((index, step)) = steps.pop_front() else {
+                    break;
+                };
+                self.plan(step, &mut session, seconds, observed);
+                planned.push((session.bottom, index + 1));
             }
             self.read(&mut session, seconds, period, observed);
-            if next >= steps.len() && seconds > session.end + AFTER {
+            let is_over = steps.is_empty() && decision == Decision::Type;
+            if is_over && seconds > session.end + AFTER.max(reader.last_look()) {
                 break;
             }
         }
@@ -180,16 +213,27 @@ impl Station {
         session.attribute(layout);
         observed.add_strokes(&session.strokes, |a, b| are_neighbors(layout, a, b));
         let typed = session.field.text().to_owned();
-        let edits = EditCounts::new(&presented, &typed);
-        observed.edits.correct += edits.correct;
-        observed.edits.substitutions += edits.substitutions;
-        observed.edits.insertions += edits.insertions;
-        observed.edits.deletions += edits.deletions;
-        observed.characters += presented.chars().count();
+        let nearest = text_of_nearest_keys(layout, &session.strokes, |it| it.point);
+        let shown = |stroke: &Stroke| stroke.shown.unwrap_or(stroke.point);
+        let shown = text_of_nearest_keys(layout, &session.strokes, shown);
+        let meant = self.compared(&presented);
+        let errors = |text: &str| EditCounts::new(&meant, &self.compared(text)).errors();
+        observed.nearest_errors += errors(&nearest);
+        observed.shown_errors += errors(&shown);
+        let plane = session.plane.take().map(PlaneCrossing::into_text);
+        let edits = self.compare(
+            &presented,
+            &typed,
+            [nearest, plane.unwrap_or_default()],
+            observed,
+        );
         observed.keystrokes += session.keystrokes;
         observed.phrases += 1;
         let span = session.span.map(|(first, last)| last.since(first));
-        observed.seconds += span.unwrap_or_default().as_secs_f64();
+        let seconds = span.unwrap_or_default().as_secs_f64();
+        observed.seconds += seconds;
+        let characters = meant.chars().count();
+        observed.by_phrase.push((edits, characters, seconds));
         for hand in &mut self.hands {
             let load = std::mem::take(&mut hand.load);
             observed.load.travel += load.travel;
@@ -197,6 +241,49 @@ impl Station {
             observed.load.seconds += load.seconds;
         }
         (presented, typed)
+    }
+
+    /// Returns a text as it is compared: with a decoder, each phrase ends with a space that is not part of it.
+    fn compared<'a>(&self, text: &'a str) -> Cow<'a, str> {
+        if self.recorder.is_some() {
+            plain(text).into()
+        } else {
+            text.into()
+        }
+    }
+
+    /// Adds what is wrong in the typed text, and in other readings of the same taps: the nearest keys and plane crossing. Returns the
+    /// edits of the typed text.
+    fn compare(
+        &self,
+        presented: &str,
+        typed: &str,
+        [nearest, plane]: [String; 2],
+        observed: &mut Observed,
+    ) -> EditCounts {
+        let meant = self.compared(presented);
+        let edits = EditCounts::new(&meant, &self.compared(typed));
+        observed.edits.correct += edits.correct;
+        observed.edits.substitutions += edits.substitutions;
+        observed.edits.insertions += edits.insertions;
+        observed.edits.deletions += edits.deletions;
+        observed.characters += meant.chars().count();
+        let Some(recorder) = &self.recorder else {
+            return edits;
+        };
+        let mut recorder = recorder.lock();
+        let (literal, touches) = recorder.end_phrase();
+        let scatter = self.person.deviation_at(Vec2::splat(KEY_SIZE)) * 1e3;
+        observed.taps.push(PhraseTaps {
+            presented: presented.to_owned(),
+            plane,
+            nearest,
+            literal,
+            touches,
+            scatter: scatter.element_sum() / 2.0,
+            decoded: typed.to_owned(),
+        });
+        edits
     }
 
     /// Starts with each hand above its first key, or above any of its keys if it has none to press.
@@ -208,43 +295,6 @@ impl Station {
             if let Some(step) = first {
                 let scene = &self.layout.scene;
                 self.hands[index].start_above(scene, step.targets[0], step.finger);
-            }
-        }
-    }
-
-    /// Passes what the sensors show at a time through the pipeline.
-    fn read(&mut self, session: &mut Session, seconds: f64, period: f64, observed: &mut Observed) {
-        let time = Timestamp((seconds * 1e6).round() as u64);
-        for hand in &mut self.hands {
-            let Some(sample) = hand.sample(seconds, period) else {
-                continue;
-            };
-            let reading = Reading::new(time, Some(hand.side()), sample);
-            observed.readings += 1;
-            observed.simulated_seconds += period;
-            session.events.clear();
-            if let Ok(output) = session.pipeline.step(&reading, &mut session.events) {
-                let pressed = output.touches.iter();
-                let pressed = pressed.filter(|touch| touch.phase == Phase::Pressed);
-                for touch in pressed {
-                    let press = output.presses.iter().find(|it| it.target == touch.target);
-                    let place = press.map(|press| press.point);
-                    let at = touch.time.0 as f64 * 1e-6;
-                    session.presses.push((at, touch.target, place));
-                }
-                let start = output.pose.start;
-                let is_placed = start.own.is_some() && self.layout.scene.starts_at_hand();
-                if is_placed && start != hand.start() {
-                    hand.set_start(start);
-                }
-            }
-            for event in &session.events {
-                session.field.handle(event);
-                if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
-                    session.keystrokes += 1;
-                    let first = session.span.map_or(event.time, |(first, _)| first);
-                    session.span = Some((first, event.time));
-                }
             }
         }
     }
@@ -305,45 +355,6 @@ impl Station {
         session.add(step, kind, &plan);
         if let Some(plan) = further {
             session.add(step, StrokeKind::Spurious, &plan);
-        }
-    }
-}
-
-impl Session {
-    fn add(&mut self, step: &Step, kind: StrokeKind, plan: &StrokePlan) {
-        self.bottom = self.bottom.max(plan.bottom);
-        self.end = self.end.max(plan.end);
-        self.strokes.push(Stroke {
-            target: step.targets[0],
-            finger: step.finger,
-            hand: step.hand,
-            kind,
-            keys: step.targets.len(),
-            bottom: plan.bottom,
-            distance: plan.distance,
-            presses: Vec::new(),
-        });
-    }
-
-    /// Attributes each press to the stroke that is nearest in time.
-    fn attribute(&mut self, layout: &Layout) {
-        for &(seconds, target, place) in &self.presses {
-            let distance = |stroke: &Stroke| (stroke.bottom - seconds).abs();
-            let nearest = self
-                .strokes
-                .iter_mut()
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let Some(stroke) = nearest.filter(|stroke| distance(stroke) <= CAUSED) else {
-                continue;
-            };
-            let meant = layout.scene.target(stroke.target);
-            let from_center = meant.zip(place).map(|((_, meant), place)| {
-                let place = meant.surface_from_target.inverse_transform_point(place);
-                place.truncate()
-            });
-            stroke
-                .presses
-                .push((target, from_center.unwrap_or_default()));
         }
     }
 }

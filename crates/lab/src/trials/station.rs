@@ -8,6 +8,7 @@ use crate::kinematics::{ArmModel, ArmModelError, half_bent_fingers};
 use crate::layout::{Fit, Glove, Layout};
 use crate::people::Participant;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use crate::readings::{DecoderFactory, Recorder, SharedRecorder};
 use crate::sim::TypingKeys;
 use crate::sim::fluent::{FluentHand, HandSetup, SourceKind, StartPosture};
 
@@ -23,6 +24,9 @@ pub enum TrialError {
     /// The bones make no arm.
     #[error("cannot make the arm of a simulated person: {0}")]
     Arm(#[from] ArmModelError),
+    /// A decoder has nothing to decode.
+    #[error("a text decoder needs a layout with at least ten keys of letters; use --decoder off")]
+    NoLetters,
 }
 
 /// A person in front of a layout that fits what the pipeline assumes of the person.
@@ -32,8 +36,9 @@ pub struct Station {
     pub(super) hands: Vec<FluentHand>,
     pub(super) source: SourceKind,
     assumed: Vec<ArmModel>,
-    own: Vec<ArmModel>,
     maps: Vec<Option<ChannelMap>>,
+    /// The decoder of the person, and what the devices type before it.
+    pub(super) recorder: Option<SharedRecorder>,
 }
 
 impl Station {
@@ -86,9 +91,17 @@ impl Station {
             layout,
             source,
             assumed,
-            own,
             maps,
+            recorder: None,
         })
+    }
+
+    /// Puts a text decoder behind the devices. Returns `false` if the layout has too few letters for it.
+    pub fn set_decoder(&mut self, decoder: &DecoderFactory) -> bool {
+        let decoder = decoder(&self.layout, self.hands.len() > 1);
+        let recorder = decoder.map(|decoder| Recorder::new(&self.layout, decoder));
+        self.recorder = recorder.map(SharedRecorder::new);
+        self.recorder.is_some()
     }
 
     /// Returns the layout, as it fits the person.
@@ -101,10 +114,16 @@ impl Station {
         &self.person
     }
 
-    /// Returns the arms of the person with the channels of their gloves.
+    /// Returns the arms that the pipeline assumes, the right one first of two.
+    pub fn assumed_arms(&self) -> &[ArmModel] {
+        &self.assumed
+    }
+
+    /// Returns the arms that the pipeline assumes with the channels of their gloves: people who do tasks have adapted to the hand that
+    /// they are shown.
     pub(super) fn arms(&self) -> impl Iterator<Item = (&ArmModel, Option<&ChannelMap>)> {
         let maps = self.maps.iter().map(Option::as_ref);
-        self.own.iter().zip(maps)
+        self.assumed.iter().zip(maps)
     }
 
     /// Returns a pipeline that has seen nothing.
@@ -129,10 +148,29 @@ impl Station {
             layout,
             PipelineSettings::default(),
         );
+        let pipeline = match &self.recorder {
+            Some(recorder) => pipeline.with_filter(Box::new(recorder.clone())),
+            None => pipeline,
+        };
         match arms.get(1) {
             Some(arm) => pipeline.with_second_hand(estimator(1), arm.clone()),
             None => pipeline,
         }
+    }
+
+    /// Returns the targets on boards that no finger of the person reaches.
+    pub fn out_of_reach(&mut self) -> Vec<TargetId> {
+        let boards = self.layout.boards.iter();
+        let faces = boards.flat_map(|board| self.layout.faces(board));
+        let targets: Vec<TargetId> = faces.map(|face| face.target).collect();
+        let is_missed = |target: &TargetId| {
+            let Some(hand) = self.hand_for(*target) else {
+                return true;
+            };
+            let finger = self.hands[hand].finger_for(&self.layout.scene, *target);
+            finger.is_none()
+        };
+        targets.into_iter().filter(is_missed).collect()
     }
 
     /// Returns the index of the hand for a target.

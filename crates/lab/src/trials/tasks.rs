@@ -9,8 +9,8 @@ use crate::capture::Reading;
 use crate::contact::{Phase, TargetId};
 use crate::device::{EventKind, Events};
 use crate::document::Document;
-use crate::layout::{ControlKind, Motion, Person, Scatter, Tremor};
-use crate::people::Draw;
+use crate::layout::{Handle, Motion, Person, Scatter, Tremor};
+use crate::people::{Draw, mix};
 use crate::sim::fluent::SourceKind;
 use crate::sim::script::Script;
 use crate::sim::{
@@ -63,12 +63,19 @@ struct Played {
 }
 
 impl Station {
-    /// Does all tasks of the layout once.
-    pub fn do_tasks(&self, seed: u64) -> Vec<TaskResult> {
+    /// Does all tasks of the layout once. `has_pointed` leaves out movements that only show that a cursor moves.
+    pub fn do_tasks(&self, seed: u64, has_pointed: bool) -> Vec<TaskResult> {
         let mut draw = Draw::new(seed, 0x7a5c);
-        let mut results: Vec<TaskResult> = tour(&self.layout)
-            .iter()
-            .map(|stop| self.touch(stop, seed))
+        // Each task has errors of its own.
+        let mut tries = 0;
+        let mut next_seed = || {
+            tries += 1;
+            mix(seed.wrapping_add(tries))
+        };
+        let stops = tour(&self.layout).into_iter();
+        let mut results: Vec<TaskResult> = stops
+            .filter(|stop| !(has_pointed && stop.moves_cursor()))
+            .map(|stop| self.touch(&stop, next_seed()))
             .collect();
         for control in &self.layout.controls {
             let Some(face) = control.faces.first() else {
@@ -76,29 +83,29 @@ impl Station {
             };
             let name = format!("\"{}\"", face.name);
             for _ in 0..GOALS {
-                let (from, by) = match &control.kind {
-                    ControlKind::Slider(slider) => {
-                        let end = slider.half_length * INNER * 1e3;
+                let handle = control.kind.handle();
+                let (from, by) = match handle {
+                    Handle::Line { half_length } => {
+                        let end = half_length * INNER * 1e3;
                         (-end, 2.0 * end * draw.between(0.1, 1.0) as f32)
                     }
-                    ControlKind::Knob(knob) => {
-                        let rim = knob.radius * INNER * 1e3;
+                    Handle::Turn { radius, .. } => {
+                        let rim = radius * 1e3;
                         (rim, -(draw.between(20.0, 150.0) as f32))
                     }
-                    _ => break,
+                    Handle::Switch | Handle::Stick { .. } | Handle::Area => break,
                 };
-                let script = match &control.kind {
-                    ControlKind::Knob(_) => turn,
-                    _ => slide,
-                };
+                let is_turned = matches!(handle, Handle::Turn { .. });
+                let script = if is_turned { turn } else { slide };
                 let scatter = self.person.scatter[0] as f32 * draw.normal() as f32;
                 // Millimetres along a track, degrees at a rim.
-                let error = match &control.kind {
-                    ControlKind::Knob(_) => (scatter / from).to_degrees(),
-                    _ => scatter,
+                let error = if is_turned {
+                    (scatter / from).to_degrees()
+                } else {
+                    scatter
                 };
                 let wanted = self.play(&script(&name, from, by), None);
-                let done = self.play(&script(&name, from, by + error), Some(seed));
+                let done = self.play(&script(&name, from, by + error), Some(next_seed()));
                 results.push(value_result(&face.name, face.target, wanted, done));
             }
         }

@@ -137,6 +137,22 @@ impl<'a> Model<'a> {
         })
     }
 
+    /// Returns the words in lower case with the natural logarithms of their probabilities.
+    pub fn word_list(&self) -> Vec<(String, f32)> {
+        let mut words = Vec::new();
+        let mut open = vec![(0, String::new())];
+        while let Some((node, word)) = open.pop() {
+            if let Some(log_probability) = self.lexicon.node(node).word() {
+                words.push((word.clone(), log_probability));
+            }
+            for child in self.lexicon.children(node) {
+                let letter = self.alphabet.letter(self.lexicon.node(child).symbol());
+                open.push((child, format!("{word}{letter}")));
+            }
+        }
+        words
+    }
+
     /// Looks a word up, whatever its case.
     pub fn find(&self, word: &str) -> Option<Found> {
         let mut node = ROOT;

@@ -8,22 +8,6 @@ use symspell::{AsciiStringStrategy, SymSpell, Verbosity};
 
 use super::session::Phrase;
 
-/// Returns all words with their log-probabilities.
-pub fn words(model: &Model) -> Vec<(String, f32)> {
-    let mut words = Vec::new();
-    let mut open = vec![(0, String::new())];
-    while let Some((node, word)) = open.pop() {
-        if let Some(log_probability) = model.lexicon.node(node).word() {
-            words.push((word.clone(), log_probability));
-        }
-        for child in model.lexicon.children(node) {
-            let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
-            open.push((child, format!("{word}{letter}")));
-        }
-    }
-    words
-}
-
 /// The flat lexicon: per word, Σ ln N(tap; key, σ) + ln P(word), without errors of length, and without learning.
 pub struct Flat {
     by_length: BTreeMap<usize, Vec<(String, Vec<usize>, f32)>>,
@@ -34,7 +18,7 @@ pub struct Flat {
 impl Flat {
     pub fn new(model: &Model, keyboard: &Keyboard, scatter: f32) -> Self {
         let mut by_length: BTreeMap<usize, Vec<_>> = BTreeMap::new();
-        for (word, log_probability) in words(model) {
+        for (word, log_probability) in model.word_list() {
             let keys: Option<Vec<usize>> =
                 word.chars().map(|letter| keyboard.index(letter)).collect();
             if let Some(keys) = keys {
@@ -100,7 +84,7 @@ pub struct Spelling(SymSpell<AsciiStringStrategy>);
 impl Spelling {
     pub fn new(model: &Model) -> Self {
         let mut spelling = SymSpell::default();
-        for (word, log_probability) in words(model) {
+        for (word, log_probability) in model.word_list() {
             if word.is_ascii() {
                 let count = (f64::from(log_probability).exp() * 1e12) as i64;
                 spelling.load_dictionary_line(&format!("{word}\t{count}"), 0, 1, "\t");

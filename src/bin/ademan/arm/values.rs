@@ -1,7 +1,8 @@
 //! The attributes of a pose as JSON.
 
 use ademan::estimate::arm_attributes::{
-    ArmAttributes, ArmAttributesError, FullRotation, HalfPose, Trunk, shoulder_basis,
+    ArmAttributes, ArmAttributesError, ArmLandmarks, FullRotation, HalfPose, Trunk, hand_basis,
+    shoulder_basis,
 };
 use ademan::hand::Side;
 use glam::DVec3;
@@ -92,6 +93,22 @@ impl ArmValues {
             elbow_angle: Some(angle).filter(|angle| angle.is_finite()),
             ..Self::default()
         };
+        // The hand does not need the rest of the arm.
+        let hand = ArmLandmarks {
+            shoulder: arm.wrist,
+            elbow: arm.wrist,
+            thumb: arm.wrist,
+            ..*arm
+        };
+        if let Ok(image_from_hand) = hand_basis(&hand, side) {
+            let from_wrist = |point: DVec3| {
+                let vector = image_from_hand.transpose() * (point - arm.wrist);
+                Some(vector.to_array()).filter(|_| vector.is_finite())
+            };
+            values.little_vector = from_wrist(arm.little);
+            values.index_vector = from_wrist(arm.index);
+            values.thumb_vector = from_wrist(arm.thumb);
+        }
         let Ok(image_from_shoulder) = shoulder_basis(&pose.trunk(), side) else {
             return values;
         };

@@ -12,7 +12,7 @@ use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
-use ademan::capture::protocol::lucidgloves;
+use ademan::capture::protocol::{body_landmarks, lucidgloves};
 use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
@@ -138,7 +138,7 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     let (setup, line) = (setup::load(args)?, line_format(args)?);
     let (task, hand) = simulated_hand(args, &setup, &line)?;
     // The simulated serial lines carry packets without sticks and buttons.
-    match args.fast || setup.layout.uses_inputs() {
+    match args.fast || setup.layout.uses_inputs() || setup.layout.uses_body() {
         true => play_bytes(args, current, setup, &line, task, hand),
         false => play_on_line(args, current, setup, line, task, hand),
     }
@@ -232,12 +232,15 @@ fn play_bytes(
     }
 }
 
-/// Returns the format of the bytes: that of the line, or lines of LucidGloves at its rate for a glove with a stick and buttons.
+/// Returns the format of the bytes: that of the line, or lines of LucidGloves at its rate for a glove with a stick and buttons, or of
+/// body landmarks for head and feet.
 fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, Failure> {
-    if !setup.layout.uses_inputs() {
-        return Ok(StreamFormat::from(*line));
-    }
-    let mut format = StreamFormat::new(&lucidgloves::PROTOCOL);
+    let protocol = match (setup.layout.uses_body(), setup.layout.uses_inputs()) {
+        (true, _) => &body_landmarks::PROTOCOL,
+        (false, true) => &lucidgloves::PROTOCOL,
+        (false, false) => return Ok(StreamFormat::from(*line)),
+    };
+    let mut format = StreamFormat::new(protocol);
     let mut options = format.protocol.options.iter();
     if let Some(rate) = options.find(|option| option.name == "rate_hz") {
         let rate_hz = 1.0 / line.packet_period().as_secs_f64();

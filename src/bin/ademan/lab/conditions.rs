@@ -1,6 +1,7 @@
 //! The people, phrases and sensors of a run.
 
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,22 +11,28 @@ use ademan::document::Document;
 use ademan::files::OpenDocument;
 use ademan::layout::Person;
 use ademan::measures::{
-    Conditions, FORMAT, LabResult, PeopleSpec, PersonScore, ScoreError, score, summarize,
+    Conditions, FORMAT, LabResult, PeopleSpec, PersonScore, ScoreError, score, score_decoded,
+    summarize,
 };
-use ademan::message::{escape, escape_path};
+use ademan::message::escape;
 use ademan::people::{Participant, People, Tier, population};
 use ademan::phrases::{Corpus, PhraseSet};
 use ademan::sim::fluent::SourceKind;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::decoder::{Decoder, DecoderArg};
 use super::outputs;
 use crate::failure::Failure;
+use crate::setup_args::number_in;
 use crate::{complete, signals};
 
 /// The people of the general population by default.
 const PEOPLE: u32 = 20;
 /// The most people: more give no narrower interval that matters.
 const MAX_PEOPLE: i64 = 100_000;
+
+/// The difference between the seeds of held-out people and of the others.
+const HELD_OUT: u64 = 0x4e1d_0075;
 
 /// Who types what, and how it is measured.
 #[derive(Clone, clap::Args)]
@@ -49,6 +56,13 @@ pub struct ConditionArgs {
     /// Text to type instead: a file with one phrase on each line
     #[arg(long, value_name = "FILE", conflicts_with = "phrases")]
     text: Option<PathBuf>,
+    /// Text decoder behind the devices, compared with other readings of the same taps: off, literal, suggest or auto, with another
+    /// language as in auto:es
+    #[arg(long, value_name = "MODE", default_value = "off")]
+    decoder: DecoderArg,
+    /// Probability that a person sees an error in the text and corrects it with Backspace
+    #[arg(long, value_name = "0..1", default_value_t = 0.0, value_parser = probability)]
+    corrections: f64,
     /// Phrases that each person types
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
     count: u16,
@@ -70,25 +84,63 @@ fn tier() -> impl TypedValueParser<Value = Tier> {
         .map(|name| name.parse().expect("the parser accepts only tiers"))
 }
 
-fn set() -> impl TypedValueParser<Value = PhraseSet> {
+/// Returns the parser of a set of phrases.
+pub fn set() -> impl TypedValueParser<Value = PhraseSet> {
     PossibleValuesParser::new(PhraseSet::ALL.iter().map(|it| it.name()))
         .map(|name| name.parse().expect("the parser accepts only sets"))
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    number_in(text, 0.0, 1.0, "as a probability")
 }
 
 /// Everything of a run but the layout.
 pub struct Prepared {
     people: PeopleSpec,
     tier: Option<Tier>,
-    source: SourceKind,
-    corpus: Corpus,
-    count: usize,
-    seed: u64,
-    jobs: NonZeroUsize,
-    participants: Vec<Participant>,
-    cancel: Arc<AtomicBool>,
+    pub(super) source: SourceKind,
+    decoder: Option<Decoder>,
+    corrections: f64,
+    pub(super) corpus: Corpus,
+    pub(super) count: usize,
+    pub(super) seed: u64,
+    pub(super) jobs: NonZeroUsize,
+    pub(super) participants: Vec<Participant>,
+    pub(super) cancel: Arc<AtomicBool>,
+}
+
+impl ConditionArgs {
+    /// Returns the arguments with a number of people, unless one is given.
+    pub fn with_people(&self, people: u32) -> Self {
+        Self {
+            people: self.people.or(Some(people)),
+            ..self.clone()
+        }
+    }
 }
 
 impl Prepared {
+    /// Returns whether a text decoder reads what is typed.
+    pub fn has_decoder(&self) -> bool {
+        self.decoder.is_some()
+    }
+
+    /// Returns a run with half of the phrases. The held-out half has other people, and errors from another seed.
+    pub fn half(&self, is_held_out: bool) -> Result<Self, Failure> {
+        let seed = match is_held_out {
+            true => self.seed.wrapping_add(HELD_OUT),
+            false => self.seed,
+        };
+        Self::with(
+            self.people.clone(),
+            self.tier,
+            (self.source, self.decoder.clone(), self.corrections),
+            self.corpus.half(is_held_out),
+            (self.count, seed),
+            Some(self.jobs),
+        )
+    }
+
     /// Reads the files that the arguments name.
     pub fn new(args: &ConditionArgs) -> Result<Self, Failure> {
         let people = match &args.person {
@@ -104,20 +156,13 @@ impl Prepared {
         };
         let corpus = match &args.text {
             None => Corpus::shipped(args.phrases),
-            Some(path) => {
-                let cannot = |error: String| {
-                    Failure::wrong_use(format!("cannot use {}: {error}", escape_path(path)))
-                };
-                let text = outputs::read_text(path).map_err(cannot)?;
-                let name = path.to_string_lossy();
-                Corpus::from_text(&name, &text).map_err(|error| cannot(error.to_string()))?
-            }
+            Some(path) => outputs::read_corpus(path)?,
         };
         let count = usize::from(args.count);
         Self::with(
             people,
             args.tier,
-            args.source,
+            (args.source, Decoder::load(&args.decoder)?, args.corrections),
             corpus,
             (count, args.seed),
             args.jobs,
@@ -128,10 +173,18 @@ impl Prepared {
     pub fn again(result: &LabResult, jobs: Option<NonZeroUsize>) -> Result<Self, Failure> {
         let unknown = |error: ademan::names::UnknownName| Failure::wrong_use(error.to_string());
         let tier = result.tier.as_deref().map(str::parse).transpose();
+        let decoder = match &result.decoder {
+            None => None,
+            Some(name) => Decoder::load(&name.parse().map_err(Failure::wrong_use)?)?,
+        };
         Self::with(
             result.people.clone(),
             tier.map_err(unknown)?,
-            result.source.parse().map_err(unknown)?,
+            (
+                result.source.parse().map_err(unknown)?,
+                decoder,
+                result.corrections,
+            ),
             result.corpus(),
             (result.phrases, result.seed),
             jobs,
@@ -141,11 +194,16 @@ impl Prepared {
     fn with(
         people: PeopleSpec,
         tier: Option<Tier>,
-        source: SourceKind,
+        (source, decoder, corrections): (SourceKind, Option<Decoder>, f64),
         corpus: Corpus,
         (count, seed): (usize, u64),
         jobs: Option<NonZeroUsize>,
     ) -> Result<Self, Failure> {
+        if decoder.is_some() && corrections > 0.0 {
+            return Err(Failure::wrong_use(
+                "people do not correct behind a text decoder; use --corrections or --decoder",
+            ));
+        }
         let drawn = match &people {
             PeopleSpec::Drawn(count) => People::Drawn(*count),
             PeopleSpec::Person { file, text, count } => {
@@ -158,11 +216,17 @@ impl Prepared {
         let stop = Arc::clone(&cancel);
         signals::on_stop(move || stop.store(true, Ordering::Relaxed));
         let processors = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        let mut participants = population(&drawn, tier, seed);
+        for person in &mut participants {
+            person.corrects = corrections;
+        }
         Ok(Self {
-            participants: population(&drawn, tier, seed),
+            participants,
             people,
             tier,
             source,
+            decoder,
+            corrections,
             corpus,
             count,
             seed,
@@ -173,28 +237,74 @@ impl Prepared {
 
     /// Scores a layout: the name of a shipped one, or a file.
     pub fn score(&self, layout: &str) -> Result<LabResult, Failure> {
-        let document = Document::open(layout)?;
+        self.score_document(layout, Document::open(layout)?)
+    }
+
+    /// Scores the text of a layout, which results call by a name.
+    pub fn score_document(&self, name: &str, document: Document) -> Result<LabResult, Failure> {
+        let result = self.unscored_document(name, document.clone());
         let scores = self.scores(&document)?;
         self.check(&document, &scores)?;
         Ok(LabResult {
+            summary: summarize(&scores),
+            scores,
+            participants: self.participants.clone(),
+            ..result
+        })
+    }
+
+    /// Returns the number of people.
+    pub fn people(&self) -> usize {
+        self.participants.len()
+    }
+
+    /// Returns the people.
+    pub fn participants(&self) -> &[Participant] {
+        &self.participants
+    }
+
+    /// Returns the run of a part of the people, by their indices.
+    pub fn with_people(mut self, indices: Range<usize>) -> Self {
+        self.participants.truncate(indices.end);
+        self.participants.drain(..indices.start.min(indices.end));
+        self
+    }
+
+    /// Returns the run of those people who have a score, for a result of a part of them.
+    pub fn with_people_of(mut self, scores: &[PersonScore]) -> Self {
+        self.participants
+            .retain(|person| scores.iter().any(|score| score.number == person.number));
+        self
+    }
+
+    /// Returns the result of a layout before anybody has typed on it.
+    pub fn unscored(&self, layout: &str) -> Result<LabResult, Failure> {
+        Ok(self.unscored_document(layout, Document::open(layout)?))
+    }
+
+    fn unscored_document(&self, name: &str, document: Document) -> LabResult {
+        LabResult {
             format: FORMAT.to_owned(),
             format_version: LabResult::format_version(),
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            layout_file: layout.to_owned(),
+            layout_file: name.to_owned(),
             layout: document.text,
             people: self.people.clone(),
             tier: self.tier.map(|tier| tier.name().to_owned()),
             source: self.source.name().to_owned(),
+            corrections: self.corrections,
+            decoder: self.decoder.as_ref().map(|decoder| decoder.name.clone()),
             seed: self.seed,
             phrases: self.count,
             corpus: self.corpus.name.clone(),
             corpus_hash: LabResult::hash_of(&self.corpus),
             corpus_phrases: self.corpus.phrases.clone(),
-            summary: summarize(&scores),
-            scores,
-            participants: self.participants.clone(),
+            summary: summarize(&[]),
+            scores: Vec::new(),
+            participants: Vec::new(),
             comparison: None,
-        })
+            partial: None,
+        }
     }
 
     /// Returns what each person does on a layout.
@@ -218,16 +328,27 @@ impl Prepared {
                 say!("{}: {done} of {all} people", escape(&document.file));
             }
         };
-        score(&conditions, &self.cancel, progress).map_err(|error| match error {
+        let scored = match &self.decoder {
+            None => score(&conditions, &self.cancel, progress),
+            Some(decoder) => decoder.with(|decoding| {
+                score_decoded(&conditions, Some(decoding), &self.cancel, progress)
+            }),
+        };
+        scored.map_err(|error| match error {
             ScoreError::Trial(ademan::trials::TrialError::Document(error)) => error.into(),
+            ScoreError::Cancelled(error) => Failure::job(format!(
+                "cannot score {}: {error}; `ademan lab plan` divides a long run into parts, of which an interruption loses none that is done",
+                escape(&document.file)
+            )),
             other => Failure::job(format!("cannot score {}: {other}", escape(&document.file))),
         })
     }
 
     /// Refuses a layout on which nobody could do anything, and names what was left out.
-    fn check(&self, document: &Document, scores: &[PersonScore]) -> Result<(), Failure> {
+    pub fn check(&self, document: &Document, scores: &[PersonScore]) -> Result<(), Failure> {
         let file = escape(&document.file);
-        let does_nothing = |it: &PersonScore| it.characters == 0 && it.tasks.is_empty();
+        let does_nothing =
+            |it: &PersonScore| it.characters == 0 && it.tasks.is_empty() && it.pointing.is_none();
         if scores.iter().all(does_nothing) {
             return Err(Failure::wrong_use(format!(
                 "nobody can use {file}: it has no control within reach; `ademan layout check` says what is out of reach"

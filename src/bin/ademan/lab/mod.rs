@@ -1,14 +1,22 @@
 //! `ademan lab`: simulated people use a layout, and what came of it.
 
 mod conditions;
+mod decoder;
+mod import;
+mod improve;
 mod outputs;
+mod replay;
+mod shards;
+mod study;
 mod table;
 mod verify;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::measures::compare;
+use ademan::measures::{LabResult, compare};
+
+pub use self::verify::read_results;
 
 use self::conditions::{ConditionArgs, Prepared};
 use crate::complete;
@@ -52,6 +60,42 @@ enum Action {
         #[command(flatten)]
         outputs: OutputArgs,
     },
+    /// Change a layout until simulated people do better on it, and keep the change if other people do better, too
+    #[command(
+        after_help = "Examples:\n  ademan lab improve qwerty-flat --move assignment --objective speed\n  ademan lab improve my-board.ron --move positions,sizes --objective errors --tier T1 --margin 20 --keep Space\n  ademan lab improve workshop --move positions --objective errors\n\nPeople and phrases of the search never judge the result: half of the phrases and other people do. Ctrl-C writes the best layout so far."
+    )]
+    Improve(improve::Args),
+    /// Pass a recorded hand over other layouts: the keys on its path, its presses and near misses
+    #[command(
+        after_help = "Examples:\n  ademan lab replay session.mcap qwerty-flat qwerty-arc\n  ademan lab replay session.mcap my-board.ron --json found.json\n\n`ademan replay --layout` prints the events instead."
+    )]
+    Replay(replay::Args),
+    /// Create a layout from one of the keyboard-layout community: a .dof file or a text grid
+    #[command(
+        after_help = "Examples:\n  ademan lab import canary.dof\n  ademan lab import grid.txt --hands one --output my-board.ron"
+    )]
+    Import(import::Args),
+    /// Divide a run into independent parts, for many machines or for a long run
+    #[command(
+        after_help = "Example:\n  ademan lab plan qwerty-flat qwerty-arc --people 1000 --shards 64 --to sweep\n  parallel ademan lab run sweep --jobs 1 ::: {0..63}\n  ademan lab merge sweep --json result.json\n\nexamples/lab/ has scripts for Slurm, Kubernetes and GNU parallel."
+    )]
+    Plan(shards::PlanArgs),
+    /// Do parts of a plan; what was done before is left as it is
+    #[command(
+        after_help = "Examples:\n  ademan lab run sweep 17\n  ademan lab run sweep      (all that are missing)"
+    )]
+    Run(shards::RunArgs),
+    /// Put the scores of the parts of a plan together, as `score` and `compare` print them
+    #[command(after_help = "Example: ademan lab merge sweep --json result.json --html report.html")]
+    Merge(shards::MergeArgs),
+    /// Measure real people with the same tasks
+    #[command(
+        after_help = "Examples:\n  ademan lab study new two-boards qwerty-flat qwerty-arc\n  ademan lab study add two-boards --participant P01\n  ademan lab study report two-boards --csv trials.csv"
+    )]
+    Study {
+        #[command(subcommand)]
+        action: study::StudyAction,
+    },
     /// Run a result again, and compare each figure exactly
     #[command(after_help = "Example: ademan lab verify result.json")]
     Verify {
@@ -89,6 +133,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
             conditions,
             outputs,
         } => score(&layouts, &conditions, &outputs),
+        Action::Import(args) => import::run(&args),
+        Action::Improve(args) => improve::run(&args),
+        Action::Replay(args) => replay::run(&args),
+        Action::Plan(args) => shards::plan(&args),
+        Action::Run(args) => shards::run(&args),
+        Action::Merge(args) => shards::merge(&args),
+        Action::Study { action } => study::run(action),
         Action::Verify { result, jobs } => verify::run(&result, jobs),
     }
 }
@@ -104,11 +155,14 @@ fn score(
     for layout in layouts {
         results.push(prepared.score(layout)?);
     }
-    let mut out = io::stdout().lock();
-    for index in 0..results.len() {
-        if index > 0 {
-            writeln!(out)?;
-            let (first, second) = (&results[0], &results[index]);
+    present(&mut results, outputs)
+}
+
+/// Compares all results but the first with the first, writes their files and prints them. The files come first: a reader of the text that
+/// ends early must not cost them.
+fn present(results: &mut [LabResult], outputs: &OutputArgs) -> Result<(), Failure> {
+    if let Some((first, others)) = results.split_first_mut() {
+        for second in others {
             let comparison = compare(
                 (&first.layout_file, &first.scores),
                 (&second.layout_file, &second.scores),
@@ -116,12 +170,19 @@ fn score(
             let comparison = comparison.map_err(|error| {
                 Failure::wrong_use(format!("cannot compare these layouts: {error}"))
             })?;
-            results[index].comparison = Some(comparison);
+            second.comparison = Some(comparison);
         }
-        table::print(&results[index], &mut out)?;
+    }
+    outputs::write(outputs, results)?;
+    let mut out = io::stdout().lock();
+    for (index, result) in results.iter().enumerate() {
+        if index > 0 {
+            writeln!(out)?;
+        }
+        table::print(result, &mut out)?;
     }
     for comparison in results.iter().filter_map(|it| it.comparison.as_ref()) {
         table::print_comparison(comparison, &mut out)?;
     }
-    outputs::write(outputs, &results)
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! Files of results.
 
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::Path;
 
 use ademan::document::Document;
@@ -8,6 +8,7 @@ use ademan::files::{self, FileError};
 use ademan::layout::Layout;
 use ademan::measures::LabResult;
 use ademan::message::escape_path;
+use ademan::phrases::Corpus;
 use ademan::report::{to_csv, to_html};
 
 use super::OutputArgs;
@@ -18,16 +19,31 @@ const MAX_BYTES: u64 = 256 << 20;
 
 /// Reads a file as text. The error has no path.
 pub fn read_text(path: &Path) -> Result<String, String> {
+    let bytes = read_bytes(path)?;
+    String::from_utf8(bytes).map_err(|_| "it is no text in UTF-8".to_owned())
+}
+
+/// Reads the bytes of a file. The error has no path.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let file = files::open_regular(path).map_err(|error| error.to_string())?;
-    let mut text = String::new();
-    let read = file.take(MAX_BYTES).read_to_string(&mut text);
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_BYTES).read_to_end(&mut bytes);
     match read {
-        Ok(bytes) if bytes as u64 == MAX_BYTES => {
+        Ok(count) if count as u64 == MAX_BYTES => {
             Err(format!("it has more than {} MB", MAX_BYTES >> 20))
         }
-        Ok(_) => Ok(text),
+        Ok(_) => Ok(bytes),
         Err(error) => Err(error.to_string()),
     }
+}
+
+/// Reads the phrases of a file.
+pub fn read_corpus(path: &Path) -> Result<Corpus, Failure> {
+    let cannot =
+        |error: String| Failure::wrong_use(format!("cannot use {}: {error}", escape_path(path)));
+    let text = read_text(path).map_err(cannot)?;
+    let name = path.to_string_lossy();
+    Corpus::from_text(&name, &text).map_err(|error| cannot(error.to_string()))
 }
 
 /// Writes the files that the arguments name. The result file holds what was typed, so only its owner can read it.
@@ -38,7 +54,7 @@ pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
             [one] => one.clone(),
             _ => format!("[\n{}]\n", texts.join(",\n")),
         };
-        files::replace_private_text(path, &text).map_err(|error| cannot_write(path, &error))?;
+        write_private(path, &text)?;
     }
     if let Some(path) = &args.csv {
         let text = to_csv(results);
@@ -56,10 +72,14 @@ pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Writes a file that only its owner can read.
+pub fn write_private(path: &Path, text: &str) -> Result<(), Failure> {
+    files::replace_private_text(path, text).map_err(|error| cannot_write(path, &error))
+}
+
 /// Writes a file that others may read.
 fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    let written = files::replace(path).and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
-    written.map_err(|error| cannot_write(path, &error))
+    files::replace_public_text(path, text).map_err(|error| cannot_write(path, &error))
 }
 
 fn cannot_write(path: &Path, error: &FileError) -> Failure {

@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 
-use ademan::measures::{Comparison, Interval, LabResult, Summary};
+use ademan::measures::{Comparison, Interval, LabResult, PersonScore, Summary, bootstrap};
 use ademan::message::escape;
-use ademan::report::{keys_of_all, wrong_of_all};
+use ademan::readings::READERS;
+use ademan::report::{keys_of_all, task_rows, wrong_of_all};
 
 /// Keys and pairs that are named.
 const NAMED: usize = 6;
@@ -25,10 +26,49 @@ pub fn print(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
         escape(&result.corpus),
         result.seed
     )?;
+    if let Some(partial) = &result.partial {
+        writeln!(
+            out,
+            "  PARTIAL: {} of {} people; {} of {} shards are missing",
+            result.scores.len(),
+            partial.people,
+            partial.missing.len(),
+            partial.shards
+        )?;
+    }
     match result.summary.characters {
         0 => print_tasks(result, out),
-        _ => print_typing(result, out),
+        _ => {
+            print_typing(result, out)?;
+            print_readings(result, out)
+        }
     }
+}
+
+/// Prints the errors of a decoder and of other readings of the same taps.
+fn print_readings(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
+    let Some(decoder) = &result.decoder else {
+        return Ok(());
+    };
+    writeln!(
+        out,
+        "  readings of the same taps, wrong characters in %, decoder {}:",
+        escape(decoder)
+    )?;
+    for reader in READERS {
+        let own = |person: &PersonScore| {
+            let mut own = person.text_readings.iter();
+            let own = own.find(|it| it.reader == reader);
+            own.map_or([0.0; 2], |it| [it.errors as f64, it.characters as f64])
+        };
+        let cer = bootstrap(&result.scores, |people| {
+            let sums = people.iter().map(|person| own(person));
+            let [errors, characters] = sums.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            errors / characters.max(1.0)
+        });
+        row(out, &format!("  {reader}"), &cer, 100.0, 2)?;
+    }
+    Ok(())
 }
 
 fn print_typing(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
@@ -50,6 +90,12 @@ fn print_typing(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     row(out, "  insertions, %", &summary.insertions, 100.0, 1)?;
     row(out, "  deletions, %", &summary.deletions, 100.0, 1)?;
     row(out, "  substitutions, %", &summary.substitutions, 100.0, 1)?;
+    if let Some(nearest) = &summary.nearest_cer {
+        row(out, "  nearest keys of the taps, %", nearest, 100.0, 1)?;
+    }
+    if let Some(shown) = &summary.shown_cer {
+        row(out, "  nearest keys as shown, %", shown, 100.0, 1)?;
+    }
     row(out, "keystrokes per character", &summary.kspc, 1.0, 2)?;
     row(out, "strokes that hit, %", &summary.hits, 100.0, 1)?;
     row(
@@ -118,23 +164,8 @@ fn print_fingers(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
 
 fn print_tasks(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     let summary = &result.summary;
-    row(out, "tasks done, %", &summary.tasks_done, 100.0, 1)?;
-    row(
-        out,
-        "presses of others, % of tries",
-        &summary.tasks_wrong,
-        100.0,
-        1,
-    )?;
-    row(out, "time of a task, s", &summary.task_seconds, 1.0, 2)?;
-    if summary.task_error != Interval::default() {
-        row(
-            out,
-            "error of a value, % of the range",
-            &summary.task_error,
-            100.0,
-            1,
-        )?;
+    for (name, interval, factor, digits) in task_rows(summary) {
+        row(out, &name, &interval, factor, digits)?;
     }
     let mut failed: Vec<(&str, u64, u64)> = Vec::new();
     for task in result.scores.iter().flat_map(|person| &person.tasks) {
@@ -180,7 +211,8 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
     writeln!(out, "{}", escape(&comparison.verdict()))
 }
 
-fn row(
+/// Prints a figure with its interval.
+pub fn row(
     out: &mut impl Write,
     name: &str,
     interval: &Interval,

@@ -15,11 +15,10 @@ use crate::failure::Failure;
 /// Runs the results of a file again, and compares each figure exactly.
 pub fn run(path: &Path, jobs: Option<NonZeroUsize>) -> Result<(), Failure> {
     let file = escape_path(path).to_string();
-    let cannot = |error: String| Failure::wrong_use(format!("cannot use {file}: {error}"));
-    let text = outputs::read_text(path).map_err(cannot)?;
-    for result in read(&text).map_err(|error| cannot(error.to_string()))? {
+    for result in read_results(path)? {
         let document = Document::new(result.layout_file.as_str(), result.layout.as_str());
-        let scores = Prepared::again(&result, jobs)?.scores(&document)?;
+        let prepared = Prepared::again(&result, jobs)?;
+        let scores = prepared.with_people_of(&result.scores).scores(&document)?;
         let different = scores.iter().zip(&result.scores).position(|(a, b)| a != b);
         if scores.len() != result.scores.len() || different.is_some() {
             let who = different.map_or(String::new(), |index| format!(", first of person {index}"));
@@ -40,6 +39,14 @@ pub fn run(path: &Path, jobs: Option<NonZeroUsize>) -> Result<(), Failure> {
         )?;
     }
     Ok(())
+}
+
+/// Reads the results of a file.
+pub fn read_results(path: &Path) -> Result<Vec<LabResult>, Failure> {
+    let cannot =
+        |error: String| Failure::wrong_use(format!("cannot use {}: {error}", escape_path(path)));
+    let text = outputs::read_text(path).map_err(cannot)?;
+    read(&text).map_err(|error| cannot(error.to_string()))
 }
 
 /// Reads one result, or the list of a comparison.

@@ -10,14 +10,15 @@ use std::path::{Path, PathBuf};
 use ademan::document::Document;
 use ademan::files::{self, FileError, OpenDocument};
 use ademan::layout::{Layout, LayoutDraft, Wearer};
-use ademan::message::{escape_lines, escape_path};
+use ademan::message::{escape, escape_lines, escape_path};
+use ademan::report::heats;
 use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
 use crate::failure::Failure;
-use crate::{complete, layout_check};
+use crate::{complete, lab, layout_check};
 
 /// Examples of the command.
-pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards";
+pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards\n  ademan layout show qwerty-flat --heat result.json --svg missed.svg";
 
 /// A layout and the files to draw it to.
 #[derive(clap::Args)]
@@ -37,6 +38,9 @@ pub struct Args {
     /// Write the boards and targets with their geometry in metres, for programs; - is standard output
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+    /// Colour the targets of --svg or --png by a result of `ademan lab score`: how often they were missed
+    #[arg(long, value_name = "RESULT.json")]
+    heat: Option<PathBuf>,
     /// Replace files that exist
     #[arg(long)]
     overwrite: bool,
@@ -61,6 +65,11 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     // A layout that cannot be used is drawn, and refused then.
     let refused = draft.error().cloned().map_or(Ok(()), Err);
     let targets = [&args.svg, &args.png, &args.html, &args.json];
+    if args.heat.is_some() && args.svg.is_none() && args.png.is_none() {
+        return Err(Failure::wrong_use(
+            "--heat colours a picture; name its file with --svg or --png",
+        ));
+    }
     if targets.iter().all(|target| target.is_none()) {
         let text = draft.layout().to_text();
         io::stdout().write_all(escape_lines(&text).as_bytes())?;
@@ -76,9 +85,13 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     };
     // As the setup fits it to the hand.
     let layout = &setup.layout;
+    let draw_svg = || match &args.heat {
+        Some(result) => heat_svg(layout, &wearer, &document, result),
+        None => svg(layout, &wearer),
+    };
     let drawers: [&dyn Fn() -> Result<Picture, Failure>; 4] = [
-        &|| Ok(svg(layout, &wearer)?.into_bytes()),
-        &|| png::from_svg(&svg(layout, &wearer)?).map_err(Failure::job),
+        &|| Ok(draw_svg()?.into_bytes()),
+        &|| png::from_svg(&draw_svg()?).map_err(Failure::job),
         &|| {
             let page = layout.to_html(&wearer).map_err(cannot_draw)?;
             Ok(page.into_bytes())
@@ -123,6 +136,42 @@ fn load(args: &Args, layout: &str) -> Result<LoadedSetup, Failure> {
 
 fn svg(layout: &Layout, wearer: &Wearer) -> Result<String, Failure> {
     layout.to_svg(wearer).map_err(cannot_draw)
+}
+
+/// Returns a drawing of a layout with the colours of a result of the lab.
+fn heat_svg(
+    layout: &Layout,
+    wearer: &Wearer,
+    document: &Document,
+    path: &Path,
+) -> Result<String, Failure> {
+    let results = lab::read_results(path)?;
+    let of_layout = results.iter().find(|it| it.layout == document.text);
+    let result = of_layout.ok_or_else(|| {
+        let named: Vec<String> = results
+            .iter()
+            .map(|it| escape(&it.layout_file).into())
+            .collect();
+        Failure::wrong_use(format!(
+            "{} is of {}, or the layout was changed since; run `ademan lab score` again",
+            escape_path(path),
+            named.join(" and ")
+        ))
+    })?;
+    let what = match result.summary.characters {
+        0 => "tasks that were not done",
+        _ => "strokes that did not press what was meant",
+    };
+    let note = format!(
+        "In colour: {what}, of {} simulated people, source {}, seed {}",
+        result.scores.len(),
+        result.source,
+        result.seed
+    );
+    let heats = heats(layout, &result.scores);
+    layout
+        .to_heat_svg(wearer, &heats, &note)
+        .map_err(cannot_draw)
 }
 
 fn cannot_draw(error: impl std::fmt::Display) -> Failure {

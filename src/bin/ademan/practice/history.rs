@@ -7,11 +7,11 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::files::{self, FileError};
+use ademan::measures::PointingResult;
 use ademan::message::{escape, escape_path, quote_csv};
 use ademan::session::counted;
 use serde::{Deserialize, Serialize};
 
-use super::pointing::PointingResult;
 use crate::failure::Failure;
 
 /// Sessions that are kept. Older ones are dropped.
@@ -131,6 +131,11 @@ impl History {
             say!("cannot read all of {path}: {damage}; the file is kept beside the next one");
         }
         history
+    }
+
+    /// Returns the sessions, the oldest first.
+    pub fn sessions(&self) -> &[SessionResult] {
+        &self.sessions
     }
 
     /// Returns the number of sessions.

@@ -18,10 +18,15 @@ use ademan::pipeline::SourceRole;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::LoadedSetup;
 use ademan::sim::{SimulatedStream, SimulatedTypist};
+use ademan::time::Timestamp;
+
+pub use self::history::SessionResult;
+pub use self::line::PracticeLine;
+pub use self::pointing::PointingTask;
+pub use self::report::now;
 
 use self::history::History;
 use self::lesson::{Lesson, LessonKind};
-use self::line::PracticeLine;
 use self::report::Report;
 use crate::failure::Failure;
 use crate::output_list::OutputList;
@@ -74,8 +79,65 @@ pub struct Args {
     /// Seed of the noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// The file to which the readings are recorded, for a study.
+    #[arg(skip)]
+    record_to: Option<PathBuf>,
     #[command(flatten)]
     root: RootArgs,
+}
+
+/// A task of a study: how it is done.
+pub struct Exercise {
+    /// The source, the person and the layout.
+    pub flags: SetupArgs,
+    /// A simulated hand does it.
+    pub is_simulated: bool,
+    /// The file to which the readings are recorded.
+    pub record_to: Option<PathBuf>,
+    /// What a simulated hand does, if there is no source.
+    pub simulated: SimulatedTask,
+}
+
+/// What a simulated hand does in a task.
+pub enum SimulatedTask {
+    /// It types a text.
+    Text(String),
+    /// It points at the targets of the ring.
+    Ring,
+    /// It plays a script.
+    Script(String),
+}
+
+/// Does a task of a study in a session that types into no other program. Returns whether it is complete.
+pub fn perform(exercise: &Exercise, task: &mut impl PracticeTask) -> Result<bool, Failure> {
+    let args = Args {
+        flags: exercise.flags.clone(),
+        record_to: exercise.record_to.clone(),
+        ..Args::for_setup(None, None)
+    };
+    let (setup, has_no_source) = load_setup(&args)?;
+    if has_no_source && !exercise.is_simulated {
+        return Err(Failure::wrong_use(
+            "no source: name that of the participant with --source, or try the study with --simulated",
+        ));
+    }
+    let format = Hc11Format::default();
+    let hand = match (&exercise.simulated, has_no_source) {
+        (_, false) => None,
+        (SimulatedTask::Text(text), true) => Some(setup.typist(text, &format, 0.0, 0)?),
+        (SimulatedTask::Ring, true) => {
+            let script = pointing::script(&setup.layout)?;
+            Some(setup.scripted(&script, &format, 0.0, 0)?)
+        }
+        (SimulatedTask::Script(script), true) => Some(setup.scripted(script, &format, 0.0, 0)?),
+    };
+    run_task(&args, setup, hand, task)?;
+    Ok(task.is_complete())
+}
+
+/// Returns the results of earlier practice, the oldest first.
+pub fn sessions() -> Vec<SessionResult> {
+    History::read().sessions().to_vec()
 }
 
 impl Args {
@@ -91,9 +153,14 @@ impl Args {
 }
 
 /// What a practice is about: it follows the events of a session until it is complete.
-trait PracticeTask {
+pub trait PracticeTask {
     /// Adds an event. Returns whether it changes the lines.
     fn handle(&mut self, event: &OutputEvent) -> bool;
+
+    /// Notes the time of a reading. Returns whether it changes the lines.
+    fn tick(&mut self, _now: Timestamp) -> bool {
+        false
+    }
 
     /// Returns whether the practice has come to its end.
     fn is_complete(&self) -> bool;
@@ -195,6 +262,7 @@ fn run_task(
         lossless_snapshots: true,
         report_status: true,
         use_panic_keys: output::has_effect(&args.output),
+        record_to: args.record_to.clone(),
         speed: Some(1.0),
         on_notice: Some(session::print_notices()),
         ..SessionOptions::default()
@@ -224,6 +292,9 @@ fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool)
         let mut has_changed = false;
         for event in &snapshot.events {
             has_changed |= task.handle(event);
+        }
+        if let Some(pose) = &snapshot.pose {
+            has_changed |= task.tick(pose.time);
         }
         if !has_changed {
             continue;

@@ -38,11 +38,12 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let (setup, refused) = load_or_edit(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
+    let arm = setup.arm_document().cloned();
     let session = start(setup, options)?;
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
-        false => show_window(&session, player, refused.as_deref()),
+        false => show_window(&session, player, arm.as_ref(), refused.as_deref()),
     });
     end(shown, Some(session))
 }
@@ -95,12 +96,14 @@ pub(super) fn end(
 fn show_window(
     session: &SessionHandle,
     player: Option<Player>,
+    arm: Option<&Document>,
     refused: Option<&str>,
 ) -> Result<(), StudioError> {
     let mut app = match player {
         Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
         None => live_app(session)?,
     };
+    app = app.with_arm(arm);
     if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
         complain!("{error}");
     }

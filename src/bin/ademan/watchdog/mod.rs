@@ -3,12 +3,12 @@
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(not(target_os = "linux"))]
-mod unsupported;
+mod other;
 
 #[cfg(target_os = "linux")]
 use linux as system;
 #[cfg(not(target_os = "linux"))]
-use unsupported as system;
+use other as system;
 
 use ademan::command::Command;
 use ademan::output;

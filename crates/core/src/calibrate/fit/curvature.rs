@@ -33,9 +33,10 @@ impl Prior {
     /// Returns the expectation for a sensor. The counts of a sensor with exchanged wires fall with its resistance, and bend the
     /// other way.
     pub(super) fn for_sensor(uses_full_range: bool, is_inverted: bool) -> Self {
-        let prior = match uses_full_range {
-            true => LINEAR_SENSOR,
-            false => BEND_SENSOR,
+        let prior = if uses_full_range {
+            LINEAR_SENSOR
+        } else {
+            BEND_SENSOR
         };
         let sign = if is_inverted { -1.0 } else { 1.0 };
         Self {

@@ -69,10 +69,13 @@ pub fn fit(
     let calibrations: Vec<AffineMap> = map
         .rows()
         .iter()
-        .map(|row| match observations.is_sent(row.channel) {
-            true => calibration(row, &fits, start, &mut problems),
-            // The count of rest, for which the starting glove has the angle.
-            false => row.calibration,
+        .map(|row| {
+            if observations.is_sent(row.channel) {
+                calibration(row, &fits, start, &mut problems)
+            } else {
+                // The count of rest, for which the starting glove has the angle.
+                row.calibration
+            }
         })
         .collect();
     let map = map.with_calibrations(&calibrations);
@@ -185,9 +188,10 @@ fn unusable(problems: &[Problem], rows: usize) -> Vec<Problem> {
     let is_swapped = |problem: &Problem| matches!(problem, Problem::SwappedChannels { .. });
     let is_refused = |problem: &&Problem| reaches(problem.dof()) || is_swapped(problem);
     let are_many = unusable.len() as f64 > MAX_UNUSABLE * rows as f64;
-    match are_many {
-        true => unusable.into_iter().cloned().collect(),
-        false => unusable.into_iter().filter(is_refused).cloned().collect(),
+    if are_many {
+        unusable.into_iter().cloned().collect()
+    } else {
+        unusable.into_iter().filter(is_refused).cloned().collect()
     }
 }
 

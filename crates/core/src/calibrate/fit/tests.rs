@@ -216,9 +216,10 @@ fn cross_talk_is_named_by_both_channels_and_refused_at_the_index_finger() {
             let own = exact(pose, channel);
             let range =
                 exact(CalibrationPose::Fist, channel) - exact(CalibrationPose::Flat, channel);
-            match channel == mixed {
-                true => own + part * range * (exact(pose, 4) - 90.0) / 195.0,
-                false => own,
+            if channel == mixed {
+                own + part * range * (exact(pose, 4) - 90.0) / 195.0
+            } else {
+                own
             }
         })
     };

@@ -61,12 +61,13 @@ fn length(
     }
     let median = percentile(&lengths, 0.5);
     let range = percentile(&lengths, 0.9) - percentile(&lengths, 0.1);
-    match range <= STEADY * median {
-        true => Ok(Some(median)),
-        false => Err(PositionError::Unsteady {
+    if range <= STEADY * median {
+        Ok(Some(median))
+    } else {
+        Err(PositionError::Unsteady {
             part,
             percent: 100.0 * range / median,
-        }),
+        })
     }
 }
 

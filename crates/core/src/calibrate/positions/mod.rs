@@ -1,13 +1,18 @@
 //! Calibration of sources that measure the positions of joints: cameras, headsets, markers.
 //!
 //! They need no gains. [`measure_lengths`] takes hand and forearm length from poses of any kind, [`TablePlane`] the table from five
-//! fingertips that touch it, and [`board_on_table`] places a board under the hand. The delay of a camera behind another source is
+//! fingertips that touch it, and [`board_on_table`] places a board under the hand. [`OpenHand`] waits for a hand that is held open,
+//! and [`measure_palm`] shows where its palm is. The delay of a camera behind another source is
 //! measured by [`estimate_delay`](crate::estimate::delay::estimate_delay).
 
 mod lengths;
+mod open_hand;
+mod palm;
 mod table;
 
 pub use lengths::{HandLengths, measure_lengths};
+pub use open_hand::{HoldAdvice, OpenHand};
+pub use palm::{measure_palm, typing_palm};
 pub use table::{TablePlane, board_on_table};
 
 use glam::DVec3;

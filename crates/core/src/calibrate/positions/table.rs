@@ -55,16 +55,17 @@ impl TablePlane {
             .enumerate()
             .max_by(|one, other| one.1.total_cmp(&other.1))
             .unwrap_or((0, 0.0));
-        match error <= MAX_DISTANCE {
-            true => Ok(Self {
+        if error <= MAX_DISTANCE {
+            Ok(Self {
                 point: center - normal * tip_radius,
                 normal,
                 error,
-            }),
-            false => Err(PositionError::NotPlane {
+            })
+        } else {
+            Err(PositionError::NotPlane {
                 finger: Finger::ALL[index],
                 millimetres: error * 1e3,
-            }),
+            })
         }
     }
 }
@@ -84,9 +85,10 @@ fn slopes(tips: &[DVec3], center: DVec3) -> Result<DVec2, PositionError> {
         moments.determinant(),
     );
     let smaller = half_trace - (half_trace * half_trace - determinant).max(0.0).sqrt();
-    match smaller >= MIN_SPREAD * MIN_SPREAD {
-        true => Ok(moments.inverse() * heights),
-        false => Err(PositionError::OnALine),
+    if smaller >= MIN_SPREAD * MIN_SPREAD {
+        Ok(moments.inverse() * heights)
+    } else {
+        Err(PositionError::OnALine)
     }
 }
 

@@ -165,8 +165,8 @@ fn known_joints(poses: &[JointPositions]) -> Vec<Joint> {
     Joint::ALL.iter().filter(is_known).copied().collect()
 }
 
-/// Returns the nearest known joint on the way to the shoulder.
-fn parent_of(joint: Joint, known: &[Joint]) -> Option<Joint> {
+/// Returns the nearest known joint on the way from a joint to the shoulder.
+pub fn parent_of(joint: Joint, known: &[Joint]) -> Option<Joint> {
     let arm = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
     let finger = Finger::ALL.iter().map(|finger| finger.joints());
     let before = finger.into_iter().find_map(|chain| {

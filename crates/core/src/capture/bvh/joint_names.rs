@@ -54,9 +54,12 @@ pub fn joint_of(name: &str) -> Option<NamedJoint> {
 fn sided<'a>(name: &str, plain: &'a str) -> [Option<(Side, &'a str)>; 6] {
     let end = name.as_bytes().last_chunk::<2>();
     let has_short_end = end.is_some_and(|[before, _]| !before.is_ascii_alphanumeric());
-    let short_end = |letter: char, side| match has_short_end {
-        true => plain.strip_suffix(letter).map(|rest| (side, rest)),
-        false => None,
+    let short_end = |letter: char, side| {
+        if has_short_end {
+            plain.strip_suffix(letter).map(|rest| (side, rest))
+        } else {
+            None
+        }
     };
     let long = |text: &str, side| {
         let rest = plain.strip_prefix(text).or(plain.strip_suffix(text));

@@ -26,7 +26,7 @@ mod skeleton;
 mod tokens;
 mod writer;
 
-pub use arm_shape::ArmShape;
+pub use arm_shape::{ArmShape, parent_of};
 pub use arms_skeleton::ArmsSkeleton;
 pub use error::BvhError;
 pub use file::Bvh;

@@ -219,9 +219,10 @@ impl Reader {
         }
         if is("}") {
             self.open.pop();
-            return Ok(match self.open.is_empty() {
-                true => Expected::Motion,
-                false => Expected::Body,
+            return Ok(if self.open.is_empty() {
+                Expected::Motion
+            } else {
+                Expected::Body
             });
         }
         if is("JOINT") && !is_end_site {
@@ -230,12 +231,13 @@ impl Reader {
         if is("End") && !is_end_site {
             return Ok(Expected::Site);
         }
-        Err(match is_end_site {
-            true => expected("}", token),
-            false => format!(
+        Err(if is_end_site {
+            expected("}", token)
+        } else {
+            format!(
                 "expected `CHANNELS` once, `JOINT`, `End Site` or `}}`, not {}",
                 shown(token)
-            ),
+            )
         })
     }
 
@@ -361,9 +363,10 @@ impl Reader {
 }
 
 fn keyword(token: &[u8], keyword: &str, next: Expected) -> Result<Expected, String> {
-    match token.eq_ignore_ascii_case(keyword.as_bytes()) {
-        true => Ok(next),
-        false => Err(expected(keyword, token)),
+    if token.eq_ignore_ascii_case(keyword.as_bytes()) {
+        Ok(next)
+    } else {
+        Err(expected(keyword, token))
     }
 }
 

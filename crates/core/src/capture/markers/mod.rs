@@ -7,7 +7,7 @@
 //! | markers of each instant → markers that keep their names | [`MarkerTracker`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
 //! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
-//! | joint centres → joints of bones of constant length | [`fit_bones`] |
+//! | joint centres → joints of bones of constant length | [`fit_bones`], [`LiveFit`] in a stream |
 //! | joint centres → rotations of rigid bones | [`bone_rotation`] |
 //!
 //! All functions use `f64` and any unit of length.
@@ -17,6 +17,7 @@ mod bone_rotation;
 mod candidates;
 mod joint_centers;
 mod joint_matching;
+mod live_fit;
 mod matching;
 mod ray;
 mod skeleton_fit;
@@ -27,6 +28,7 @@ pub use assignment::{CostMatrix, assign};
 pub use bone_rotation::{BoneRotation, bone_rotation};
 pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
 pub use joint_matching::{Expected, MAX_CAMERAS, MatchedMarker, Observation, match_cameras};
+pub use live_fit::{LiveFit, SeenBone};
 pub use matching::match_rays;
 pub use ray::{ClosestPoints, Ray, RayError, closest_points, gap_in_front};
 pub use skeleton_fit::{Bone, fit_bones, median};

@@ -97,10 +97,11 @@ fn solve_positive(matrix: &mut [f64], values: &mut [f64]) {
                 .map(|k| matrix[row * size + k] * matrix[column * size + k])
                 .sum::<f64>();
             let rest = matrix[row * size + column] - products;
-            matrix[row * size + column] = match row == column {
+            matrix[row * size + column] = if row == column {
                 // Bones in a tree are independent; rounding is not.
-                true => rest.max(f64::EPSILON).sqrt(),
-                false => rest / matrix[column * size + column],
+                rest.max(f64::EPSILON).sqrt()
+            } else {
+                rest / matrix[column * size + column]
             };
         }
         let products = (0..row)

@@ -11,11 +11,13 @@
 use arrayvec::ArrayVec;
 use serde::Deserialize;
 
+use super::bone_lengths::{self, BONES};
 use super::lines::{LineDecoder, LineParser};
 use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space,
 };
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use crate::capture::markers::LiveFit;
 use crate::capture::{Reading, Sample, SampleKind};
 
 /// The protocol of body landmarks.
@@ -31,9 +33,13 @@ pub const PROTOCOL: Protocol = Protocol {
     min_packet_bytes: 26 + 8 * BODY_LANDMARKS,
     default_baud: None,
     feedback: None,
-    options: &[&space::HAND, &RATE],
+    options: &[&space::HAND, &BONES, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
-    decoder: |_| Box::new(decoder()),
+    decoder: |options| {
+        Box::new(LineDecoder::with_parser(BodyParser {
+            bones: bone_lengths::fit(options, &RATE),
+        }))
+    },
     encoder: |_, _| {
         Ok(Box::new(|readings, bytes| {
             bytes.extend(encode(&merged(readings)).into_bytes())
@@ -52,12 +58,14 @@ const RATE: ProtocolOption = ProtocolOption {
 pub const MAX_COORDINATE: f32 = 100.0;
 
 /// Parser of lines with one body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BodyParser;
+#[derive(Clone, Debug, Default)]
+pub struct BodyParser {
+    bones: Option<LiveFit>,
+}
 
 /// Creates a decoder at the start of a stream.
 pub fn decoder() -> LineDecoder<BodyParser> {
-    LineDecoder::with_parser(BodyParser)
+    LineDecoder::with_parser(BodyParser::default())
 }
 
 impl LineParser for BodyParser {
@@ -65,7 +73,10 @@ impl LineParser for BodyParser {
     const MAX_LINE_BYTES: usize = 24 * 1024;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
-        let body = parse(std::str::from_utf8(line)?)?;
+        let mut body = parse(std::str::from_utf8(line)?)?;
+        if let Some(fit) = &mut self.bones {
+            bone_lengths::fit_body(fit, &mut body);
+        }
         emit(Packet::new(Sample::Body(body), 0));
         Ok(())
     }
@@ -140,7 +151,7 @@ pub fn encode(landmarks: &BodyLandmarks) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::protocol::Decoder;
+    use crate::capture::protocol::{Decoder, ProtocolOptions};
 
     fn some_body() -> BodyLandmarks {
         let landmark = |index: usize| Landmark {
@@ -229,6 +240,52 @@ mod tests {
             );
             assert_eq!(decoder.pending_bytes(), 0);
         }
+    }
+
+    #[test]
+    fn fixed_bones_keep_the_length_of_a_forearm_that_is_measured_with_noise() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let lines: Vec<String> = (0..300)
+            .map(|index| {
+                let mut body = some_body();
+                let turn = 0.02 * index as f32;
+                let places = [
+                    (11, [0.2, 0.0, 0.0]),
+                    (12, [-0.2, 0.0, 0.0]),
+                    (13, [0.2, 0.3, 0.0]),
+                    (15, [0.2 + 0.26 * turn.cos(), 0.3, 0.26 * turn.sin()]),
+                ];
+                for (landmark, place) in places {
+                    // A standard deviation of 1 mm.
+                    let noise = |_| (0..12).map(|_| random.f32()).sum::<f32>() - 6.0;
+                    let noise = [0; 3].map(noise).map(|it| 0.001 * it);
+                    body.points[landmark].position =
+                        std::array::from_fn(|axis| place[axis] + noise[axis]);
+                }
+                encode(&body)
+            })
+            .collect();
+        let spread_mm = |bones: &str| {
+            let mut options = ProtocolOptions::default();
+            options.set(&BONES, bones).unwrap();
+            let mut decoder = (PROTOCOL.decoder)(&options);
+            let mut lengths = Vec::new();
+            decoder.push(lines.concat().as_bytes(), &mut |packet| {
+                let Sample::Body(body) = packet.sample else {
+                    panic!("no body");
+                };
+                let [elbow, wrist] =
+                    [13, 15].map(|index: usize| glam::Vec3::from(body.points[index].position));
+                lengths.push(elbow.distance(wrist));
+            });
+            // The first 3 s measure the lengths.
+            let lengths = &lengths[90..];
+            let most = lengths.iter().copied().fold(f32::MIN, f32::max);
+            1000.0 * (most - lengths.iter().copied().fold(f32::MAX, f32::min))
+        };
+        let (free, fixed) = (spread_mm("free"), spread_mm("fixed"));
+        println!("spread of the forearm at 1 mm of noise: {free:.2} mm free, {fixed:.5} mm fixed");
+        assert!(free > 5.0 && fixed < 0.001, "{free} {fixed}");
     }
 
     #[test]

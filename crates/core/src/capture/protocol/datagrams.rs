@@ -62,15 +62,16 @@ impl<P: DatagramParser> Decoder for DatagramDecoder<P> {
         }
         let end = self.stats.bytes;
         let mut packets = 0;
-        let result = match self.length > P::MAX_BYTES {
-            true => Err(PacketError::new(
+        let result = if self.length > P::MAX_BYTES {
+            Err(PacketError::new(
                 InvalidPacket::WrongSize,
                 format!("{} bytes, more than {}", self.length, P::MAX_BYTES),
-            )),
-            false => self.parser.parse(&self.datagram, &mut |packet| {
+            ))
+        } else {
+            self.parser.parse(&self.datagram, &mut |packet| {
                 packets += 1;
                 emit(Packet { end, ..packet });
-            }),
+            })
         };
         self.stats.readings += packets;
         if result.is_err() {

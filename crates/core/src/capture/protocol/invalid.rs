@@ -96,9 +96,10 @@ impl PacketError {
 
     /// Creates the error of a packet with `count` values instead of `expected`.
     pub(super) fn wrong_count(count: usize, expected: usize) -> Self {
-        let reason = match count < expected {
-            true => InvalidPacket::Truncated,
-            false => InvalidPacket::WrongSize,
+        let reason = if count < expected {
+            InvalidPacket::Truncated
+        } else {
+            InvalidPacket::WrongSize
         };
         Self::new(reason, format!("{count} values instead of {expected}"))
     }

@@ -70,12 +70,13 @@ impl<P: LineParser> LineDecoder<P> {
             return;
         }
         let mut packets = 0;
-        let result = match is_too_long {
-            true => Err(too_long::<P>()),
-            false => self.parser.parse(&self.line, &mut |packet| {
+        let result = if is_too_long {
+            Err(too_long::<P>())
+        } else {
+            self.parser.parse(&self.line, &mut |packet| {
                 packets += 1;
                 emit(Packet { end, ..packet });
-            }),
+            })
         };
         self.line.clear();
         self.stats.readings += packets;

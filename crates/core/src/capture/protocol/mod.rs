@@ -3,6 +3,7 @@
 //! To add a protocol, write its file with a [`Protocol`] constant and list the constant in [`PROTOCOLS`].
 
 pub mod body_landmarks;
+mod bone_lengths;
 pub mod bvh;
 mod datagrams;
 mod encoder;

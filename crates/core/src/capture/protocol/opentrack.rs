@@ -103,9 +103,10 @@ fn pose(displacement: &Displacement) -> [f64; 6] {
 /// Reads the six numbers of a datagram.
 fn parse(datagram: &[u8]) -> Result<[f64; 6], PacketError> {
     let datagram: &[u8; PACKET_BYTES] = datagram.try_into().map_err(|_| {
-        let reason = match datagram.len() < PACKET_BYTES {
-            true => InvalidPacket::Truncated,
-            false => InvalidPacket::WrongSize,
+        let reason = if datagram.len() < PACKET_BYTES {
+            InvalidPacket::Truncated
+        } else {
+            InvalidPacket::WrongSize
         };
         let text = format!("{} bytes instead of {PACKET_BYTES}", datagram.len());
         PacketError::new(reason, text)
@@ -114,12 +115,13 @@ fn parse(datagram: &[u8]) -> Result<[f64; 6], PacketError> {
     let pose: [f64; 6] = std::array::from_fn(|index| f64::from_le_bytes(numbers[index]));
     let (position, angles) = pose.split_at(3);
     let is_within = |numbers: &[f64], limit: f64| numbers.iter().all(|it| it.abs() <= limit);
-    match is_within(position, MAX_POSITION) && is_within(angles, MAX_ANGLE) {
-        true => Ok(pose),
-        false => Err(PacketError::new(
+    if is_within(position, MAX_POSITION) && is_within(angles, MAX_ANGLE) {
+        Ok(pose)
+    } else {
+        Err(PacketError::new(
             InvalidPacket::NotFinite,
             "a number is not finite or too large",
-        )),
+        ))
     }
 }
 

@@ -213,11 +213,12 @@ impl BestHands {
 
 /// Refuses a score outside 0..=1.
 pub(super) fn check_score(score: f64) -> Result<(), PacketError> {
-    match (0.0..=1.0).contains(&score) {
-        true => Ok(()),
-        false => Err(PacketError::new(
+    if (0.0..=1.0).contains(&score) {
+        Ok(())
+    } else {
+        Err(PacketError::new(
             InvalidPacket::NotFinite,
             "the score of a hand is not from 0 to 1",
-        )),
+        ))
     }
 }

@@ -63,10 +63,7 @@ impl ArmAxes {
         let size = deflection.abs().min(1.0);
         let t = ((size - self.dead_zone) / (1.0 - self.dead_zone)).max(0.0);
         let value = t.powf(self.curve) * gain * deflection.signum();
-        let lowest = match axis.axis.is_trigger() {
-            true => 0.0,
-            false => -1.0,
-        };
+        let lowest = if axis.axis.is_trigger() { 0.0 } else { -1.0 };
         // The sum makes zero positive.
         (value.clamp(lowest, 1.0) * 1e3).round() / 1e3 + 0.0
     }

@@ -149,18 +149,22 @@ impl GestureDetector {
         time: Timestamp,
     ) -> Change {
         let Some(measurement) = measurement.filter(|it| it.is_finite()) else {
-            return match self.block() {
-                true => Change::Lost,
-                false => Change::None,
+            return if self.block() {
+                Change::Lost
+            } else {
+                Change::None
             };
         };
         let is_near = measurement > thresholds.near;
         let is_on = measurement >= thresholds.on;
         let (state, change) = match self.0 {
-            State::On if measurement < thresholds.off => match is_near {
-                true => (State::Near(time), Change::Ended),
-                false => (State::Off, Change::Ended),
-            },
+            State::On if measurement < thresholds.off => {
+                if is_near {
+                    (State::Near(time), Change::Ended)
+                } else {
+                    (State::Off, Change::Ended)
+                }
+            }
             State::On => (State::On, Change::None),
             State::Blocked if measurement >= thresholds.off => (State::Blocked, Change::None),
             State::Blocked if is_near => (State::Resting, Change::None),

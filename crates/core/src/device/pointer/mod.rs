@@ -138,9 +138,10 @@ impl ScreenPointer {
         let time = hand.pose().time;
         let before = self.time.replace(time).unwrap_or(time);
         let seconds = time.since(before).as_secs_f32().min(MAX_GAP);
-        let aim = match hand.jumped() {
-            true => None,
-            false => self.settings.mode.aim(hand),
+        let aim = if hand.jumped() {
+            None
+        } else {
+            self.settings.mode.aim(hand)
         };
         let Some(aim) = aim.map(|aim| self.after_rest(aim)) else {
             self.reset(time, out);
@@ -163,9 +164,10 @@ impl ScreenPointer {
     /// Returns a velocity of 0 until the mode was at rest.
     fn after_rest(&mut self, aim: Aim) -> Aim {
         self.awaits_rest &= aim != Aim::Velocity(Vec3::ZERO);
-        match self.awaits_rest {
-            true => Aim::Velocity(Vec3::ZERO),
-            false => aim,
+        if self.awaits_rest {
+            Aim::Velocity(Vec3::ZERO)
+        } else {
+            aim
         }
     }
 
@@ -181,9 +183,10 @@ impl ScreenPointer {
     /// Returns the factor of the precision gesture or key.
     fn precision(&self, out: &DeviceOutput) -> f32 {
         let is_precise = self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
-        match is_precise {
-            true => self.settings.precision_factor,
-            false => 1.0,
+        if is_precise {
+            self.settings.precision_factor
+        } else {
+            1.0
         }
     }
 

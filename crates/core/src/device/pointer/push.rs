@@ -58,9 +58,10 @@ impl PushDetector {
             self.origin = Some(tip);
             return Some(0.0);
         }
-        let follow = match is_on {
-            true => 0.0,
-            false => 1.0 - 1.0 / (1.0 + FOLLOW_RATE * seconds),
+        let follow = if is_on {
+            0.0
+        } else {
+            1.0 - 1.0 / (1.0 + FOLLOW_RATE * seconds)
         };
         self.origin = Some(tip - motion * (1.0 - follow));
         Some(ahead)

@@ -133,9 +133,10 @@ impl Selector {
         };
         let start = std::mem::replace(&mut self.time, end);
         self.emit_pending_unselect(end, out);
-        match self.is_armed {
-            true => self.sweep(cursor, pose, start, out),
-            false => self.is_armed = self.is_clear(cursor, pose),
+        if self.is_armed {
+            self.sweep(cursor, pose, start, out)
+        } else {
+            self.is_armed = self.is_clear(cursor, pose)
         }
         for (space, before) in self.spaces.iter().zip(&mut self.before) {
             *before = cursor.in_space(space, pose);

@@ -1,12 +1,20 @@
 //! Tables of the fields of a file, read from the declarations of its schema.
 //!
-//! A structure or enumeration in [`schema!`] has a table. The doc comment of a field is its meaning; its last sentence may be
+//! A structure or enumeration in [`schema!`](crate::schema) has a table. The doc comment of a field is its meaning; its last sentence may be
 //! `Default: ….`, for a default that the type of the field does not have.
+
+mod json;
+mod schema_macro;
+mod shape;
+mod types;
+
+pub use json::{json_form, json_schema};
+pub use shape::Shape;
 
 use serde::Serialize;
 
 /// The fields of a structure, or the values of an enumeration.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
     /// Name of the structure or enumeration in a RON text.
     pub name: &'static str,
@@ -14,10 +22,13 @@ pub struct Table {
     pub meaning: String,
     /// Rows in the order of the declaration.
     pub rows: Vec<Row>,
+    /// The rows are values, and fields of values.
+    #[serde(skip)]
+    pub is_enumeration: bool,
 }
 
 /// A field of a structure, a value of an enumeration, or a field of such a value.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name; for the field of a value with the name of the value, such as `Arc(radius_mm)`.
     pub name: String,
@@ -27,12 +38,23 @@ pub struct Row {
     pub values: String,
     /// Description, a sentence.
     pub meaning: String,
+    /// The valid values of a field, or the contents of the value of an enumeration in its parentheses.
+    #[serde(skip)]
+    pub shapes: Vec<Shape>,
+    /// The field must be written.
+    #[serde(skip)]
+    pub is_required: bool,
 }
 
-/// A type of the fields of a file.
-pub(crate) trait FieldType {
-    /// Returns the valid values, or the name of the table that has them.
-    fn values() -> String;
+/// A type of the fields of a file. [`schema!`](crate::schema) implements it for structures and enumerations.
+pub trait FieldType {
+    /// Returns the valid values.
+    fn shape() -> Shape;
+
+    /// Returns `true` if a field of the type may be left out without a default.
+    fn is_optional() -> bool {
+        false
+    }
 
     /// Returns the value of a field that is left out, if it may be left out.
     fn default_text() -> String {
@@ -48,9 +70,12 @@ pub(crate) trait FieldType {
     fn collect_tables(_: &mut Vec<Table>) {}
 }
 
-/// The attributes of a declaration: lines of its doc comment, and all of them as text.
-pub(crate) struct Attributes {
+/// The attributes of a declaration.
+#[doc(hidden)]
+pub struct Attributes {
+    /// Lines of its doc comment.
     pub lines: &'static [&'static str],
+    /// All of them as text.
     pub texts: &'static [&'static str],
 }
 
@@ -72,6 +97,12 @@ impl Attributes {
     /// Returns `true` for the value that `Default` returns.
     pub fn is_of_default_value(&self) -> bool {
         self.texts.contains(&"default")
+    }
+
+    /// Returns `true` if every field of the structure has a default.
+    pub fn has_defaults(&self) -> bool {
+        let mut serde = self.texts.iter().filter(|text| text.starts_with("serde"));
+        serde.any(|text| text.contains("default,") || text.contains(", default)"))
     }
 
     fn has(&self, part: &str) -> bool {
@@ -101,11 +132,13 @@ impl Attributes {
 
 impl Row {
     /// Describes a field of type `T`.
-    pub(crate) fn field<T: FieldType>(name: String, attributes: &Attributes) -> Self {
+    #[doc(hidden)]
+    pub fn field<T: FieldType>(name: String, attributes: &Attributes, is_optional: bool) -> Self {
+        let is_required = !is_optional && !T::is_optional() && !attributes.has("default");
         let default = match attributes.stated_default() {
             Some(default) => default,
-            None if attributes.has("default") => T::default_text(),
-            None => "required".into(),
+            None if is_required => "required".into(),
+            None => T::default_text(),
         };
         let mut meaning = attributes.meaning();
         if meaning.is_empty() {
@@ -118,30 +151,32 @@ impl Row {
         Self {
             name,
             default,
-            values: T::values(),
+            values: T::shape().words(),
             meaning,
+            shapes: vec![T::shape()],
+            is_required,
         }
     }
 
     /// Describes a value of an enumeration with these contents.
-    pub(crate) fn value(name: String, contents: &[String], attributes: &Attributes) -> Self {
+    #[doc(hidden)]
+    pub fn value(name: String, contents: Vec<Shape>, attributes: &Attributes) -> Self {
+        let words: Vec<String> = contents.iter().map(Shape::words).collect();
         Self {
             name,
             default: String::new(),
-            values: joined(contents),
+            values: shape::joined(&words),
             meaning: attributes.meaning(),
+            shapes: contents,
+            is_required: false,
         }
     }
 }
 
-/// Returns `true` for the valid values of a number.
-fn is_number(values: &str) -> bool {
-    values.starts_with(|first: char| first == '-' || first.is_ascii_digit())
-}
-
 /// The values of an enumeration.
+#[doc(hidden)]
 #[derive(Default)]
-pub(crate) struct Values {
+pub struct Values {
     /// A row for each value, and for each of its fields.
     pub rows: Vec<Row>,
     /// A value has contents, so that the enumeration has a table.
@@ -151,14 +186,13 @@ pub(crate) struct Values {
 }
 
 impl Values {
-    /// Returns the names of values without contents.
-    pub fn names(&self) -> String {
-        let names: Vec<String> = self
-            .rows
-            .iter()
-            .map(|row| format!("`{}`", row.name))
-            .collect();
-        names.join(", ")
+    /// Returns the values of an enumeration whose values have no contents.
+    pub fn words(&self) -> Shape {
+        let rows = self.rows.iter();
+        Shape::Words(
+            rows.map(|row| (row.name.clone(), row.meaning.clone()))
+                .collect(),
+        )
     }
 
     /// Returns the meanings of values without contents.
@@ -184,11 +218,13 @@ fn meaning_of_table<T: FieldType>() -> String {
 }
 
 /// Adds a table, and returns `false` if it was there before.
-pub(crate) fn add_table(
+#[doc(hidden)]
+pub fn add_table(
     tables: &mut Vec<Table>,
     name: &'static str,
     attributes: &Attributes,
     rows: Vec<Row>,
+    is_enumeration: bool,
 ) -> bool {
     let is_new = tables.iter().all(|table| table.name != name);
     if is_new {
@@ -197,21 +233,17 @@ pub(crate) fn add_table(
             name,
             meaning,
             rows,
+            is_enumeration,
         });
     }
     is_new
 }
 
-/// Returns the valid values of the parts of a tuple.
-fn joined(parts: &[String]) -> String {
-    match parts {
-        [] => String::new(),
-        [only] => only.clone(),
-        [first, rest @ ..] if is_number(first) && rest.iter().all(|part| part == first) => {
-            format!("{} numbers, each {first}", parts.len())
-        }
-        _ => format!("({})", parts.join(", ")),
-    }
+/// Returns the tables of the fields of a file: the file itself first, each structure after the one that contains it.
+pub fn tables_of<T: FieldType>() -> Vec<Table> {
+    let mut tables = Vec::new();
+    T::collect_tables(&mut tables);
+    tables
 }
 
 fn uncapitalized(text: &str) -> String {
@@ -220,246 +252,6 @@ fn uncapitalized(text: &str) -> String {
     let lower = first.flat_map(char::to_lowercase);
     lower.chain(characters).collect()
 }
-
-impl FieldType for bool {
-    fn values() -> String {
-        "`true`, `false`".into()
-    }
-
-    fn default_text() -> String {
-        "`false`".into()
-    }
-}
-
-impl<T: FieldType> FieldType for Option<T> {
-    fn values() -> String {
-        T::values()
-    }
-
-    fn default_text() -> String {
-        T::default_text()
-    }
-
-    fn explanation() -> String {
-        T::explanation()
-    }
-
-    fn collect_tables(tables: &mut Vec<Table>) {
-        T::collect_tables(tables);
-    }
-}
-
-impl<T: FieldType> FieldType for Vec<T> {
-    fn values() -> String {
-        format!("list of {}", T::values())
-    }
-
-    fn collect_tables(tables: &mut Vec<Table>) {
-        T::collect_tables(tables);
-    }
-}
-
-impl<A: FieldType, B: FieldType> FieldType for (A, B) {
-    fn values() -> String {
-        joined(&[A::values(), B::values()])
-    }
-
-    fn collect_tables(tables: &mut Vec<Table>) {
-        A::collect_tables(tables);
-        B::collect_tables(tables);
-    }
-}
-
-impl<A: FieldType, B: FieldType, C: FieldType> FieldType for (A, B, C) {
-    fn values() -> String {
-        joined(&[A::values(), B::values(), C::values()])
-    }
-
-    fn default_text() -> String {
-        let defaults = [A::default_text(), B::default_text(), C::default_text()];
-        format!("({})", defaults.join(", "))
-    }
-}
-
-impl FieldType for super::Spanned<'_> {
-    fn values() -> String {
-        "text".into()
-    }
-}
-
-impl<V: FieldType> FieldType for super::Pairs<'_, V> {
-    fn values() -> String {
-        format!("map from text to {}", V::values())
-    }
-
-    fn collect_tables(tables: &mut Vec<Table>) {
-        V::collect_tables(tables);
-    }
-}
-
-/// Returns the [`Attributes`] of a declaration.
-macro_rules! attributes {
-    ($([$($attribute:tt)*])*) => {
-        $crate::document::Attributes {
-            lines: &[$($crate::document::doc_line!($($attribute)*)),*],
-            texts: &[$(stringify!($($attribute)*)),*],
-        }
-    };
-}
-
-/// Returns the text of a line of a doc comment, an empty text for another attribute.
-macro_rules! doc_line {
-    (doc = $line:literal) => {
-        $line
-    };
-    ($($other:tt)*) => {
-        ""
-    };
-}
-
-/// Declares a structure or an enumeration of a file, with its [`Table`].
-///
-/// An enumeration of values without contents has no table: the fields of its type explain them.
-macro_rules! schema {
-    (
-        $(#[$($attribute:tt)*])*
-        $visibility:vis struct $name:ident $(<$lifetime:lifetime>)? {
-            $(
-                $(#[$($field_attribute:tt)*])*
-                $field_visibility:vis $field:ident: $type:ty,
-            )+
-        }
-    ) => {
-        $(#[$($attribute)*])*
-        $visibility struct $name $(<$lifetime>)? {
-            $(
-                $(#[$($field_attribute)*])*
-                $field_visibility $field: $type,
-            )+
-        }
-
-        impl$(<$lifetime>)? $crate::document::FieldType for $name$(<$lifetime>)? {
-            fn values() -> String {
-                let attributes = $crate::document::attributes!($([$($attribute)*])*);
-                attributes.name(stringify!($name)).to_owned()
-            }
-
-            fn collect_tables(tables: &mut Vec<$crate::document::Table>) {
-                let attributes = $crate::document::attributes!($([$($attribute)*])*);
-                let rows = vec![$(
-                    $crate::document::Row::field::<$type>(
-                        stringify!($field).to_owned(),
-                        &$crate::document::attributes!($([$($field_attribute)*])*),
-                    )
-                ),+];
-                let name = attributes.name(stringify!($name));
-                if $crate::document::add_table(tables, name, &attributes, rows) {
-                    $(<$type as $crate::document::FieldType>::collect_tables(tables);)+
-                }
-            }
-        }
-    };
-    (
-        $(#[$($attribute:tt)*])*
-        $visibility:vis enum $name:ident $(<$lifetime:lifetime>)? {
-            $(
-                $(#[$($value_attribute:tt)*])*
-                $value:ident
-                $(($($content:ty),+))?
-                $({
-                    $(
-                        $(#[$($field_attribute:tt)*])*
-                        $field:ident: $type:ty,
-                    )+
-                })?,
-            )+
-        }
-    ) => {
-        $(#[$($attribute)*])*
-        $visibility enum $name $(<$lifetime>)? {
-            $(
-                $(#[$($value_attribute)*])*
-                $value
-                $(($($content),+))?
-                $({
-                    $(
-                        $(#[$($field_attribute)*])*
-                        $field: $type,
-                    )+
-                })?,
-            )+
-        }
-
-        impl$(<$lifetime>)? $name$(<$lifetime>)? {
-            /// Returns the values, and the fields of each.
-            fn described_values() -> $crate::document::Values {
-                let attributes = $crate::document::attributes!($([$($attribute)*])*);
-                let mut values = $crate::document::Values::default();
-                $(
-                    let mut name = stringify!($value).to_owned();
-                    if attributes.has_lower_case_values() {
-                        name.make_ascii_lowercase();
-                    }
-                    let contents: &[String] =
-                        &[$($(<$content as $crate::document::FieldType>::values()),+)?];
-                    values.has_contents |= !contents.is_empty();
-                    let value_attributes = $crate::document::attributes!($([$($value_attribute)*])*);
-                    if value_attributes.is_of_default_value() {
-                        values.default = Some(name.clone());
-                    }
-                    values.rows.push($crate::document::Row::value(name, contents, &value_attributes));
-                    $($(
-                        values.has_contents = true;
-                        values.rows.push($crate::document::Row::field::<$type>(
-                            concat!(stringify!($value), "(", stringify!($field), ")").to_owned(),
-                            &$crate::document::attributes!($([$($field_attribute)*])*),
-                        ));
-                    )+)?
-                )+
-                values
-            }
-        }
-
-        impl$(<$lifetime>)? $crate::document::FieldType for $name$(<$lifetime>)? {
-            fn values() -> String {
-                let values = Self::described_values();
-                if values.has_contents {
-                    let attributes = $crate::document::attributes!($([$($attribute)*])*);
-                    return attributes.name(stringify!($name)).to_owned();
-                }
-                values.names()
-            }
-
-            fn default_text() -> String {
-                Self::described_values().default_text()
-            }
-
-            fn explanation() -> String {
-                let values = Self::described_values();
-                if values.has_contents {
-                    return String::new();
-                }
-                values.meanings()
-            }
-
-            fn collect_tables(tables: &mut Vec<$crate::document::Table>) {
-                let values = Self::described_values();
-                if !values.has_contents {
-                    return;
-                }
-                let attributes = $crate::document::attributes!($([$($attribute)*])*);
-                let name = attributes.name(stringify!($name));
-                if $crate::document::add_table(tables, name, &attributes, values.rows) {
-                    $(
-                        $($(<$content as $crate::document::FieldType>::collect_tables(tables);)+)?
-                        $($(<$type as $crate::document::FieldType>::collect_tables(tables);)+)?
-                    )+
-                }
-            }
-        }
-    };
-}
-pub(crate) use {attributes, doc_line, schema};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::document::ranged_numbers;
+use crate::schema;
 
 ranged_numbers! {
     /// A length.

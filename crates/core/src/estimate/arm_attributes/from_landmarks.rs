@@ -85,9 +85,10 @@ impl ArmAttributes {
             let landmarks = attributes.landmarks(&pose.trunk(), side)?;
             Ok(landmarks.wrist.distance(arm.wrist) + landmarks.index.distance(arm.index))
         };
-        match error(&turned_past)? < error(&attributes)? {
-            true => Ok(turned_past),
-            false => Ok(attributes),
+        if error(&turned_past)? < error(&attributes)? {
+            Ok(turned_past)
+        } else {
+            Ok(attributes)
         }
     }
 }
@@ -102,9 +103,10 @@ fn direction(limb: DVec3, smallest: f64) -> Option<DVec3> {
 fn wrist_angles(elbow_from_wrist: DVec3) -> (f64, f64) {
     let DVec3 { x, y, z } = elbow_from_wrist;
     let inclination = x.hypot(y).atan2(-z);
-    match inclination <= NO_INCLINATION {
-        true => (0.0, 0.0),
-        false => (inclination, azimuth(x, y)),
+    if inclination <= NO_INCLINATION {
+        (0.0, 0.0)
+    } else {
+        (inclination, azimuth(x, y))
     }
 }
 
@@ -127,9 +129,10 @@ impl Turns {
         // The palm normal of a forearm that is not turned.
         let neutral = self.hand_from_shoulder * normal * sign(self.side);
         let across = sided_cross(self.side, neutral, self.elbow_from_wrist).dot(self.palm);
-        let elbow_rotation = match across == 0.0 {
-            true => 0.0,
-            false => across.atan2(neutral.dot(self.palm)),
+        let elbow_rotation = if across == 0.0 {
+            0.0
+        } else {
+            across.atan2(neutral.dot(self.palm))
         };
         [shoulder_rotation, elbow_rotation]
     }
@@ -139,9 +142,10 @@ impl Turns {
         let full = self.hand_from_shoulder * self.full_normal;
         let across = self.elbow_from_wrist.cross(full);
         let turn = angle_between(self.palm, across);
-        let total = match sign(self.side) * self.palm.dot(full) >= 0.0 {
-            true => turn,
-            false => TAU - turn,
+        let total = if sign(self.side) * self.palm.dot(full) >= 0.0 {
+            turn
+        } else {
+            TAU - turn
         };
         [total / 2.0, total / 2.0 - FRAC_PI_2]
     }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use parry3d::math::Vec3;
 
+use super::body_angles::BodyAngles;
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks};
 use crate::estimate::arm_attributes::{
     ArmAttributes, ArmAttributesError, HALF_POSE_ROWS, HalfPose, shoulder_basis,
@@ -30,6 +31,7 @@ const UNSEEN: [Finger; 2] = [Finger::Middle, Finger::Ring];
 #[derive(Clone, Debug, Default)]
 pub(super) struct BodyConverter {
     held: Option<Held>,
+    angles: BodyAngles,
 }
 
 /// The last arm that was seen.
@@ -49,7 +51,7 @@ impl BodyConverter {
     /// Writes the angles and positions of the arm of one side into `estimate`.
     ///
     /// An arm whose landmarks have a confidence below the limit keeps its last pose for the hold time. After that it is
-    /// lost: its fingers are untrusted, so that they press nothing, until it is seen again.
+    /// lost: its fingers are untrusted, so that they press nothing, until it is seen again. Head and legs do not need an arm.
     pub(super) fn convert(
         &mut self,
         body: &BodyLandmarks,
@@ -60,15 +62,25 @@ impl BodyConverter {
         if body.points.len() != BODY_LANDMARKS {
             return Err(Rejection::WrongShape);
         }
+        let (angles, inputs) = (&mut self.angles, &mut estimate.inputs);
+        angles.write(body, settings, estimate.time, inputs);
         if confidence(body, side) >= settings.landmarks.min_confidence {
             let was_lost = self.held.as_ref().is_some_and(|held| held.is_lost);
             let seen = self.see(body, side, settings.limits.as_ref(), estimate.time)?;
             estimate.jumped = was_lost;
             seen.write(estimate);
         } else {
-            let held = self.held.as_mut().ok_or(Rejection::LowConfidence)?;
-            held.is_lost |= estimate.time.since(held.time) > settings.landmarks.hold;
-            held.write(estimate);
+            match &mut self.held {
+                Some(held) => {
+                    held.is_lost |= estimate.time.since(held.time) > settings.landmarks.hold;
+                    held.write(estimate);
+                }
+                None if estimate.inputs.has_angles() => {
+                    estimate.untrusted = FingerSet::ALL;
+                    estimate.is_placed = false;
+                }
+                None => return Err(Rejection::LowConfidence),
+            }
         }
         Ok(())
     }
@@ -103,9 +115,10 @@ impl Held {
         for (joint, position) in self.joints {
             estimate.measured.set(joint, position);
         }
-        estimate.untrusted = match self.is_lost {
-            true => FingerSet::ALL,
-            false => UNSEEN.into_iter().fold(FingerSet::NONE, FingerSet::with),
+        estimate.untrusted = if self.is_lost {
+            FingerSet::ALL
+        } else {
+            UNSEEN.into_iter().fold(FingerSet::NONE, FingerSet::with)
         };
     }
 }

@@ -99,9 +99,10 @@ impl ChannelConverter {
             health: health_index(row.channel),
         });
         let rows: Vec<ConverterRow> = rows.collect();
-        let learners = match settings.learn_ranges {
-            true => learners(map, &health),
-            false => Vec::new(),
+        let learners = if settings.learn_ranges {
+            learners(map, &health)
+        } else {
+            Vec::new()
         };
         Self {
             full_scale: map.full_scale(),
@@ -137,9 +138,10 @@ impl ChannelConverter {
         let Exceptions {
             has_unknown,
             is_at_rail,
-        } = match are_plain {
-            true => Exceptions::default(),
-            false => self.exceptions(channels),
+        } = if are_plain {
+            Exceptions::default()
+        } else {
+            self.exceptions(channels)
         };
         if let Some(timeout) = rail_timeout.filter(|_| !self.uses_full_range)
             && (is_at_rail || self.was_at_rail)
@@ -174,9 +176,10 @@ impl ChannelConverter {
                 learner.note_fault();
             }
             // A count at a rail shows no joint: the sensor cannot say by how much it is beyond.
-            match is_unknown(channels, health.channel) || health.at_rail_since.is_some() {
-                true => learner.interrupt(),
-                false => learner.observe(time, f64::from(channels.counts[health.channel])),
+            if is_unknown(channels, health.channel) || health.at_rail_since.is_some() {
+                learner.interrupt()
+            } else {
+                learner.observe(time, f64::from(channels.counts[health.channel]))
             }
         }
     }

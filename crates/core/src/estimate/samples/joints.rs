@@ -93,9 +93,10 @@ impl JointConverter {
         held.is_lost |= estimate.time.since(held.time) > hold;
         estimate.angles = held.angles;
         estimate.measured = self.last;
-        estimate.untrusted = match held.is_lost {
-            true => FingerSet::ALL,
-            false => held.untrusted,
+        estimate.untrusted = if held.is_lost {
+            FingerSet::ALL
+        } else {
+            held.untrusted
         };
         Ok(())
     }

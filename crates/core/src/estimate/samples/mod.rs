@@ -2,6 +2,7 @@
 
 mod angles;
 mod body;
+mod body_angles;
 mod bones;
 mod channel_table;
 mod channels;

@@ -61,16 +61,15 @@ impl<'a> LayoutBuilder<'a> {
         let code = code.text;
         code.parse().map_err(|error: UnknownName| {
             let has_comma = code.len() > 1 && code.contains(',');
-            match has_comma {
-                true => self.error(
-                    code,
-                    format!("`{code}` is no key: keys are separated by blanks, not by commas"),
-                ),
-                false if error.nearest.is_none() => self.error(
-                    code,
-                    format!("{error}; `ademan layout keys` lists all keys"),
-                ),
-                false => self.error(code, error),
+            if has_comma {
+                let message =
+                    format!("`{code}` is no key: keys are separated by blanks, not by commas");
+                self.error(code, message)
+            } else if error.nearest.is_none() {
+                let message = format!("{error}; `ademan layout keys` lists all keys");
+                self.error(code, message)
+            } else {
+                self.error(code, error)
             }
         })
     }

@@ -6,6 +6,7 @@ use super::LayoutBuilder;
 use crate::contact::TargetId;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Shape, Share, TREMOR_MARGIN, Target};
+use crate::device::keyboard::Activation;
 use crate::document::{DocumentError, Spanned, line_number};
 use crate::hand::{Finger, Side};
 use crate::layout::board_shape::BoardShape;
@@ -15,7 +16,7 @@ use crate::layout::model::{Board, Face};
 use crate::layout::outline::{Outline, overlapping_pairs};
 use crate::layout::placement::KeyPose;
 use crate::layout::quantity::{Offset, PressAt, ReleaseAt, Travel, metres, position};
-use crate::layout::schema::{ContactSchema, Label, OutlineSchema};
+use crate::layout::schema::{ContactSchema, Label, OutlineSchema, PressSchema};
 
 /// The settings of a board that its keys and controls use.
 #[derive(Clone, Copy)]
@@ -36,6 +37,8 @@ pub(in crate::layout) struct BoardSettings {
     pub release_at: ReleaseAt,
     /// The way in which fingers press the keys.
     pub contact: ContactSchema,
+    /// The moment and the place of a press.
+    pub press: PressSchema,
     /// The largest share of a key in the gaps around it, in metres.
     pub max_share: f32,
 }
@@ -43,6 +46,9 @@ pub(in crate::layout) struct BoardSettings {
 /// The largest share of a key on a board beside others of the same hand, in metres: half the gap between keys of a desktop
 /// keyboard. The boards may move against each other, and a thumb that presses a key of the one must not press one of the other.
 pub(in crate::layout) const SHARE_BESIDE_BOARDS: f32 = 1e-3;
+
+/// The part of a key by which the keys at the edge of a board reach for strokes: a stroke is made on purpose.
+const STROKE_SHARE: f32 = 1.0;
 
 /// The margin of keys, in metres: a fingertip slides by 1 to 4 mm under pressure, and more at the end of a fast stroke.
 const SLIP_MARGIN: f32 = 0.006;
@@ -124,6 +130,7 @@ impl Default for BoardDraft<'_> {
             press_at: PressAt::default(),
             release_at: ReleaseAt::default(),
             contact: ContactSchema::default(),
+            press: PressSchema::Plane,
             max_share: 0.0,
         };
         Self {
@@ -177,9 +184,10 @@ impl<'a> LayoutBuilder<'a> {
             auto_recenter,
         };
         let is_empty = board.keys.is_empty() && board.controls.is_empty();
-        let checked = match is_empty {
-            true => self.empty_board(&draft),
-            false => self.check_contact(side, &draft),
+        let checked = if is_empty {
+            self.empty_board(&draft)
+        } else {
+            self.check_contact(side, &draft)
         };
         // A board with faults has keys without a finger, which can be drawn all the same.
         let all_bent = draft.bent_by.len() == draft.targets.len();
@@ -195,8 +203,22 @@ impl<'a> LayoutBuilder<'a> {
                     .add_surface_for(side, anchor, anchor_from_board, targets)
             }
         };
+        if draft.settings.press == PressSchema::Stroke
+            && draft.settings.contact == ContactSchema::Touch
+        {
+            self.strike_keys(board.keys.clone());
+        }
         self.boards.push(board);
         checked
+    }
+
+    /// Lets strokes press keys, except keys that wait for a fingertip to dwell.
+    fn strike_keys(&mut self, keys: std::ops::Range<usize>) {
+        for key in &self.keys[keys] {
+            if !matches!(key.activation, Activation::Dwell(_)) {
+                self.scene.set_struck(key.face.target);
+            }
+        }
     }
 
     fn empty_board(&self, draft: &BoardDraft) -> Result<(), DocumentError> {
@@ -291,9 +313,10 @@ impl<'a> LayoutBuilder<'a> {
                 self.board.keys_in_plane.push((target, outline));
             }
         }
-        let margin = match spec.is_key {
-            true => SLIP_MARGIN.min(smallest_half(shape)).max(TREMOR_MARGIN),
-            false => spec.margin,
+        let margin = if spec.is_key {
+            SLIP_MARGIN.min(smallest_half(shape)).max(TREMOR_MARGIN)
+        } else {
+            spec.margin
         };
         self.board.targets.push(Target {
             shape,
@@ -395,8 +418,12 @@ impl BoardDraft<'_> {
         }
         let outlines: Vec<Outline> = self.outlines.iter().map(|(it, _, _)| *it).collect();
         let neighbors = Neighborhood::new(&outlines);
+        let part = match self.settings.press {
+            PressSchema::Plane => 0.5,
+            PressSchema::Stroke => STROKE_SHARE,
+        };
         for &(target, outline) in &self.keys_in_plane {
-            self.targets[target].share = neighbors.share(outline, max);
+            self.targets[target].share = neighbors.share(outline, part, max);
         }
     }
 }

@@ -18,6 +18,7 @@ use super::model::{
     BASE_LAYER, Board, Control, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
 };
 use super::schema::PoseSchema;
+use super::shape::Shape;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::Chord;
@@ -43,6 +44,7 @@ pub(super) struct LayoutBuilder<'a> {
     profiles: Vec<String>,
     chords: Vec<Chord>,
     triggers: Vec<(String, Trigger)>,
+    shapes: Vec<(TargetId, Shape)>,
     pointer: Option<PointerSettings>,
     spaces: Vec<SpaceTargets>,
     signals: Vec<(TargetId, Signal)>,
@@ -94,6 +96,7 @@ impl<'a> LayoutBuilder<'a> {
             profiles: Vec::new(),
             chords: Vec::new(),
             triggers: Vec::new(),
+            shapes: Vec::new(),
             pointer: None,
             spaces: Vec::new(),
             signals: Vec::new(),
@@ -116,9 +119,10 @@ impl<'a> LayoutBuilder<'a> {
         };
         self.errors.add(error);
         self.failed += 1;
-        match self.failed < MAX_FAILED {
-            true => Ok(()),
-            false => Err(self.consequence()),
+        if self.failed < MAX_FAILED {
+            Ok(())
+        } else {
+            Err(self.consequence())
         }
     }
 
@@ -194,6 +198,7 @@ impl<'a> LayoutBuilder<'a> {
             chords: self.chords,
             chord_timeout,
             triggers: self.triggers,
+            shapes: self.shapes,
             pointer: self.pointer,
             spaces: self.spaces,
             signals: Signals::new(self.signals),
@@ -381,6 +386,16 @@ impl<'a> LayoutBuilder<'a> {
     /// Adds a trigger whose target is registered.
     pub fn add_trigger(&mut self, name: &str, trigger: Trigger) {
         self.triggers.push((name.to_owned(), trigger));
+    }
+
+    /// Adds the shape of a trigger.
+    pub fn add_shape(&mut self, target: TargetId, shape: Shape) {
+        self.shapes.push((target, shape));
+    }
+
+    /// Returns the file.
+    pub fn document(&self) -> &'a Document {
+        self.document
     }
 
     /// Adds the pointer, whose target is registered.

@@ -1,21 +1,34 @@
 //! Joysticks.
 
+use std::f32::consts::FRAC_PI_2;
+
+use parry3d::math::Vec2;
 use serde::Deserialize;
 
 use super::value_output::axis;
+use super::{ControlModel, Front, Handle, KindSpec};
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::joystick::Joystick;
 use crate::device::{Axis, KeyAction};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind};
+use crate::layout::model::{Control, ControlKind, Face, Layout, action_label};
 use crate::layout::quantity::{
     MaxDeflection, Offset, Size, StickDeadZone, StickExponent, StickSpeed, Travel,
 };
+use crate::layout::render::drawing::{Canvas, Words, draw_fitted, draw_label, draw_outline};
 use crate::layout::schema::{Action, Label, OutlineSchema};
 
 /// The minimum travel of a joystick with a push action, in millimetres. With less, every touch would be a push.
 const MIN_PUSH_TRAVEL_MM: f64 = 10.0;
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "Joystick",
+    name: "joystick",
+    words: ["Joystick", "Joystick"],
+    new: r#"(name: "Joystick", at_mm: AT, diameter_mm: 30, pointer_px_per_s: 800)"#,
+};
 
 schema! {
     /// A joystick that springs back to its center.
@@ -183,4 +196,70 @@ impl<'a> JoystickSchema<'a> {
             builder.action(keys.right, None)?,
         ]))
     }
+}
+
+impl ControlModel for Joystick {
+    fn handle(&self) -> Handle {
+        Handle::Stick {
+            half: self.max_deflection,
+        }
+    }
+
+    fn describe(&self, words: &Words) -> Vec<String> {
+        let deflection = self.max_deflection * 1e3;
+        let mut parts = vec![format!("joystick, {deflection:.0} mm to each side")];
+        if let Some([x, y]) = self.axes {
+            parts.push(format!("axes {x} and {y}"));
+        }
+        if let Some(keys) = self.direction_keys {
+            let keys = keys.map(|key| words.action(key)).join(" ");
+            parts.push(format!("up, down, left, right: {keys}"));
+        }
+        if self.pointer_speed_px_s > 0.0 {
+            parts.push(format!("pointer {:.0} px/s", self.pointer_speed_px_s));
+        }
+        if let Some(action) = self.push_action {
+            parts.push(format!("push: {}", words.action(action)));
+        }
+        vec![parts.join(", ")]
+    }
+
+    fn draw(&self, front: &Front, canvas: &mut Canvas) {
+        draw_joystick(front.layout, self, front.face, canvas);
+    }
+}
+
+/// The radius of the cap as a fraction of the outline.
+const CAP: f32 = 0.66;
+
+/// Draws a stick in the middle of its gate.
+fn draw_joystick(layout: &Layout, joystick: &Joystick, face: &Face, canvas: &mut Canvas) {
+    let radius = face.outline.half_extents().x * 1e3;
+    draw_outline("well", &face.outline, 0.0, canvas);
+    canvas.circle("metal", Vec2::ZERO, radius * CAP);
+    canvas.circle("cap", Vec2::ZERO, radius * (CAP - 0.08));
+    let labels = joystick.direction_keys.map(|keys| {
+        keys.map(|action| action_label(action, &layout.layers, &layout.texts).to_owned())
+    });
+    // Up, down, left, right, as in the file; on the page y points down.
+    let directions = [Vec2::NEG_Y, Vec2::Y, Vec2::NEG_X, Vec2::X];
+    for (index, direction) in directions.into_iter().enumerate() {
+        let middle = direction * radius * (CAP + 1.0) / 2.0;
+        match &labels {
+            Some(labels) => {
+                let half = Vec2::splat(radius * (1.0 - CAP) * 0.48);
+                draw_fitted("label", &labels[index], middle, half, 4.0, canvas);
+            }
+            None => draw_arrow(middle, direction, radius * 0.1, canvas),
+        }
+    }
+    let half = Vec2::new(CAP * 0.84, CAP * 0.42) * radius;
+    draw_label("label", &face.label, Vec2::ZERO, half, canvas);
+}
+
+fn draw_arrow(at: Vec2, direction: Vec2, size: f32, canvas: &mut Canvas) {
+    let across = Vec2::from_angle(FRAC_PI_2).rotate(direction);
+    let tip = at + direction * size * 0.5;
+    let wings = [-1.0, 1.0].map(|side| at - direction * size * 0.5 + across * side * size);
+    canvas.polyline("icon", &[wings[0], tip, wings[1]]);
 }

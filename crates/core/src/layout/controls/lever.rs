@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::KindSpec;
 use super::slider::{TrackSpec, add_track};
 use super::value_output::{ValueOutputSchema, kept_output};
 use crate::device::slider::{GrabMode, Slider, Track};
@@ -10,6 +11,14 @@ use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps, Throw};
 use crate::layout::schema::Label;
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "Lever",
+    name: "lever",
+    words: ["Lever", "Palanca"],
+    new: r#"(name: "Lever", at_mm: AT, length_mm: 60, rotation_deg: 90)"#,
+};
 
 schema! {
     /// A lever about a hinge at the center of its track.

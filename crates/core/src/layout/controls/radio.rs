@@ -1,16 +1,27 @@
 //! Radio groups.
 
+use parry3d::math::Vec2;
 use serde::Deserialize;
 
 use super::toggle::toggle_output;
+use super::{ControlModel, Front, Handle, KindSpec};
 use crate::device::radio::{Radio, RadioOption};
 use crate::device::toggle::ToggleOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind};
+use crate::layout::model::{Control, ControlKind, Face};
 use crate::layout::quantity::Offset;
+use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline, on_page, text_room};
 use crate::layout::schema::{Action, Label, OutlineSchema};
 use crate::names::UnknownName;
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "Radio",
+    name: "radio group",
+    words: ["Radio group", "Grupo de opciones"],
+    new: r#"(name: "Choice", options: [(name: "Option 1", at_mm: AT), (name: "Option 2", at_mm: AT_RIGHT)])"#,
+};
 
 schema! {
     /// A group of options, of which at most one is on.
@@ -107,4 +118,55 @@ impl<'a> RadioSchema<'a> {
         }
         Ok(index)
     }
+}
+
+impl ControlModel for Radio {
+    fn handle(&self) -> Handle {
+        Handle::Switch
+    }
+
+    fn set_value(&mut self, front: usize, value: f32) {
+        self.initial = (value > 0.5).then_some(front);
+    }
+
+    fn describe(&self, words: &Words) -> Vec<String> {
+        let options = self.options.iter();
+        options
+            .map(|option| format!("option{}", words.switched(option.output)))
+            .collect()
+    }
+
+    fn draw_below(&self, faces: &[Face], canvas: &mut Canvas) {
+        draw_link(faces, canvas);
+    }
+
+    fn draw(&self, front: &Front, canvas: &mut Canvas) {
+        draw_option(front.face, self.initial == Some(front.index), canvas);
+    }
+}
+
+/// Draws an option.
+fn draw_option(face: &Face, is_on: bool, canvas: &mut Canvas) {
+    let room = text_room(&face.outline);
+    draw_outline("well", &face.outline, 0.0, canvas);
+    let radius = (room.y * 0.42).min(room.x * 0.4).min(3.4);
+    let at = Vec2::NEG_Y * (room.y - radius - 0.3);
+    canvas.circle("metal", at, radius);
+    canvas.circle("cap", at, radius * 0.78);
+    if is_on {
+        canvas.circle("lit", at, radius * 0.48);
+    }
+    let top = at.y + radius + 0.2;
+    let half = Vec2::new(room.x, (room.y - top) / 2.0);
+    let center = Vec2::Y * (room.y + top) / 2.0;
+    draw_label("label", &face.label, center, half, canvas);
+}
+
+/// Draws a line through the options of a group, below their fronts.
+fn draw_link(faces: &[Face], canvas: &mut Canvas) {
+    let centers: Vec<Vec2> = faces
+        .iter()
+        .map(|face| on_page(face.outline.center))
+        .collect();
+    canvas.polyline("spoke", &centers);
 }

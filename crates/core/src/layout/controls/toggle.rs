@@ -1,13 +1,25 @@
 //! Toggle switches.
 
+use parry3d::math::Vec2;
 use serde::Deserialize;
+
+use super::{ControlModel, Front, Handle, KindSpec};
 
 use crate::device::toggle::{Toggle, ToggleOutput};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind};
+use crate::layout::model::{Control, ControlKind, Face};
 use crate::layout::quantity::Offset;
+use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline, text_room};
 use crate::layout::schema::{Action, Label, OutlineSchema};
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "Toggle",
+    name: "toggle switch",
+    words: ["Toggle switch", "Interruptor"],
+    new: r#"(name: "Switch", at_mm: AT)"#,
+};
 
 schema! {
     /// A toggle switch: each poke turns it on or off.
@@ -76,4 +88,39 @@ pub(super) fn toggle_output<'a>(
     };
     let output = builder.keep_error(output)?;
     Ok(output.unwrap_or(ToggleOutput::ValueOnly))
+}
+
+impl ControlModel for Toggle {
+    fn handle(&self) -> Handle {
+        Handle::Switch
+    }
+
+    fn initial_value(&self, _: usize) -> Option<f32> {
+        Some(0.0)
+    }
+
+    fn describe(&self, words: &Words) -> Vec<String> {
+        vec![format!("switch{}", words.switched(self.output))]
+    }
+
+    fn draw(&self, front: &Front, canvas: &mut Canvas) {
+        draw_switch(front.face, front.is_on, canvas);
+    }
+}
+
+/// Draws a switch.
+fn draw_switch(face: &Face, is_on: bool, canvas: &mut Canvas) {
+    let room = text_room(&face.outline);
+    draw_outline("well", &face.outline, 0.0, canvas);
+    let height = (room.y * 0.4).min(room.x * 0.45).min(3.4);
+    let rocker = Vec2::new(height * 1.9, height);
+    let at = Vec2::NEG_Y * (room.y - height - 0.3);
+    canvas.rect("metal", at, rocker, height);
+    let side = if is_on { 1.0 } else { -1.0 };
+    let end = at + Vec2::X * side * (rocker.x - height);
+    canvas.circle(if is_on { "lit" } else { "cap" }, end, height * 0.8);
+    let top = at.y + height + 0.2;
+    let half = Vec2::new(room.x, (room.y - top) / 2.0);
+    let center = Vec2::Y * (room.y + top) / 2.0;
+    draw_label("label", &face.label, center, half, canvas);
 }

@@ -1,14 +1,25 @@
 //! Touchscreens and touchpads.
 
+use parry3d::math::Vec2;
 use serde::Deserialize;
 
+use super::{ControlModel, Front, Handle, KindSpec};
 use crate::contact::surface::Shape;
 use crate::device::touch_surface::{TouchMode, TouchSurface, TouchpadSettings};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind};
+use crate::layout::model::{Control, ControlKind, Face};
 use crate::layout::quantity::{Acceleration, MmPerDetent, Offset, PixelsPerMm};
+use crate::layout::render::drawing::{Canvas, Words, draw_label, draw_outline};
 use crate::layout::schema::{Label, OutlineSchema};
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "TouchSurface",
+    name: "touch surface",
+    words: ["Touch surface", "Superficie táctil"],
+    new: r#"(name: "Touchpad", at_mm: AT, size_mm: Box(80, 50), mode: Touchpad)"#,
+};
 
 schema! {
     /// A touchscreen or touchpad.
@@ -109,5 +120,70 @@ impl<'a> TouchSurfaceSchema<'a> {
             detents_per_m: per_m(self.mm_per_detent.unwrap_or_default().get().recip()),
             natural_scrolling: self.natural_scrolling.unwrap_or_default(),
         }
+    }
+}
+
+impl ControlModel for TouchSurface {
+    fn handle(&self) -> Handle {
+        Handle::Area
+    }
+
+    fn describe(&self, _: &Words) -> Vec<String> {
+        let description = match self.mode {
+            TouchMode::Touchscreen(_) => "touchscreen: absolute pointer, left button",
+            TouchMode::Touchpad(_) => "touchpad: pointer, clicks, drag, wheel",
+        };
+        vec![description.into()]
+    }
+
+    fn draw(&self, front: &Front, canvas: &mut Canvas) {
+        draw_surface(self, front.face, canvas);
+    }
+}
+
+/// Draws a touchscreen or touchpad.
+fn draw_surface(surface: &TouchSurface, face: &Face, canvas: &mut Canvas) {
+    let half = face.outline.half_extents() * 1e3;
+    let size = half.min_element();
+    match surface.mode {
+        TouchMode::Touchscreen(_) => {
+            draw_outline("metal", &face.outline, 0.0, canvas);
+            draw_outline("well", &face.outline, (size * 0.08).min(2.5), canvas);
+            draw_cursor(half * 0.55, size * 0.14, canvas);
+        }
+        TouchMode::Touchpad(_) => {
+            draw_outline("skirt", &face.outline, 0.0, canvas);
+            draw_outline("well", &face.outline, (size * 0.03).min(0.8), canvas);
+            draw_finger(Vec2::Y * size * 0.34, size * 0.13, canvas);
+        }
+    }
+    let room = Vec2::new(half.x * 0.8, size * 0.2);
+    draw_label("label", &face.label, Vec2::NEG_Y * size * 0.4, room, canvas);
+}
+
+/// Draws the arrow of a mouse pointer.
+fn draw_cursor(at: Vec2, size: f32, canvas: &mut Canvas) {
+    let outline = [
+        (0.0, 0.0),
+        (0.0, 1.4),
+        (0.35, 1.1),
+        (0.6, 1.6),
+        (0.8, 1.5),
+        (0.55, 1.0),
+        (1.0, 0.95),
+    ];
+    let points = outline.map(|(x, y)| at + Vec2::new(x - 0.5, y - 0.8) * size);
+    canvas.polygon("cap", &points);
+}
+
+/// Draws a fingertip with arrows to both sides and up and down.
+fn draw_finger(at: Vec2, size: f32, canvas: &mut Canvas) {
+    canvas.circle("icon", at, size * 0.8);
+    for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
+        let tip = at + direction * size * 1.9;
+        canvas.line("icon", [at + direction * size * 1.1, tip]);
+        let wings =
+            [-1.0, 1.0].map(|side| tip + (direction.perp() * side - direction) * size * 0.4);
+        canvas.polyline("icon", &[wings[0], tip, wings[1]]);
     }
 }

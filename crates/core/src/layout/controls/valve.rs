@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
+use super::KindSpec;
 use super::knob::{DialSpec, add_dial};
 use super::value_output::{ValueOutputSchema, kept_output};
 use crate::device::knob::{Knob, KnobRange};
@@ -11,6 +12,14 @@ use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{Fraction, Offset, Size, Steps, Turns};
 use crate::layout::schema::Label;
+
+/// The kind, for editors.
+pub(crate) const KIND: KindSpec = KindSpec {
+    table: "Valve",
+    name: "valve",
+    words: ["Valve", "Válvula"],
+    new: r#"(name: "Valve", at_mm: AT, diameter_mm: 60)"#,
+};
 
 schema! {
     /// A valve: a knob with several turns between its ends.

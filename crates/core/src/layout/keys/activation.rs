@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::KeySchema;
 use crate::device::keyboard::{Activation, TapHold};
 use crate::device::{KeyAction, Latch};
-use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
+use crate::document::{DocumentError, FieldType, Shape, Spanned, Table, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::model::Key;
 use crate::layout::quantity::{DwellTime, HoldAfter, duration};
@@ -43,8 +43,8 @@ schema! {
 }
 
 impl FieldType for HoldSchema<'_> {
-    fn values() -> String {
-        HoldFields::values()
+    fn shape() -> Shape {
+        HoldFields::shape()
     }
 
     fn collect_tables(tables: &mut Vec<Table>) {

@@ -23,7 +23,7 @@ use super::schema::{Action, ContactSchema, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
 use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, KeyCode};
-use crate::document::{DocumentError, FieldType, Spanned, Table, schema};
+use crate::document::{DocumentError, FieldType, Shape, Spanned, Table, schema};
 use crate::hand::Finger;
 
 /// The settings of a board that only its keys use.
@@ -137,8 +137,8 @@ schema! {
 }
 
 impl FieldType for KeySchema<'_> {
-    fn values() -> String {
-        KeyFields::values()
+    fn shape() -> Shape {
+        KeyFields::shape()
     }
 
     fn collect_tables(tables: &mut Vec<Table>) {

@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 
-use crate::document::{FieldType, Pairs, Spanned, Table, ranged_numbers, schema};
+use crate::document::{Pairs, Spanned, Table, ranged_numbers, schema, tables_of};
 use crate::hand::Side;
 use crate::layout::quantity::JointAngle;
 
@@ -144,7 +144,5 @@ schema! {
 
 /// Returns the tables of the fields of a person file.
 pub fn person_field_tables() -> Vec<Table> {
-    let mut tables = Vec::new();
-    PersonSchema::collect_tables(&mut tables);
-    tables
+    tables_of::<PersonSchema>()
 }

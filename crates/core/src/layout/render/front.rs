@@ -4,7 +4,7 @@ use parry3d::math::Vec2;
 
 use super::svg;
 use crate::contact::TargetId;
-use crate::layout::model::{ControlKind, Layout};
+use crate::layout::model::Layout;
 
 /// A mark on a front, in millimetres from its center: x to the right along its row, y away from the wearer, before the rotation of
 /// the front.
@@ -81,21 +81,12 @@ impl Layout {
     /// Returns the marks on the front of a control other than a key, from below to above. `value` is the position of its handle, of
     /// 0..=1, or 1 for on; that of the start without one. `None` if the target is no such control.
     pub fn front_marks(&self, target: TargetId, value: Option<f32>) -> Option<Vec<FrontMark>> {
-        let mut controls = self.controls.iter();
-        let (control, index) = controls.find_map(|control| {
-            let mut faces = control.faces.iter();
-            let index = faces.position(|face| face.target == target)?;
-            Some((control, index))
-        })?;
-        let mut kind = control.kind.clone();
-        match (&mut kind, value) {
-            (ControlKind::Slider(slider), Some(value)) => slider.initial = value,
-            (ControlKind::Knob(knob), Some(value)) => knob.initial = value,
-            (ControlKind::Radio(radio), Some(value)) => {
-                radio.initial = (value > 0.5).then_some(index);
-            }
-            _ => {}
-        }
+        let (control, index) = self.control_at(target)?;
+        let kind = control.kind.clone();
+        let kind = match value {
+            Some(value) => kind.with_value(index, value),
+            None => kind,
+        };
         let is_on = value.is_some_and(|value| value > 0.5);
         Some(svg::front_marks(
             self,
@@ -150,6 +141,41 @@ mod tests {
         };
         assert!(tip(0.5).y > 10.0, "away from the wearer in the middle");
         assert!(tip(0.0).x < -5.0 && tip(1.0).x > 5.0);
+    }
+
+    #[test]
+    fn an_open_menu_has_a_mark_at_its_highlighted_sector_and_the_labels_of_its_nested_menu() {
+        let menu = "radial_menus: [(name: \"m\", at_mm: (0, 0), diameter_mm: 60, sectors: [(name: \"up\", tap: Key(\"A\")), \
+                    (name: \"down\", menu: [(name: \"far\", tap: Key(\"B\")), (name: \"near\", tap: Key(\"C\"))])])]";
+        let drawn = |value: f32| {
+            let marks = marks(menu, Some(value));
+            let labels: Vec<String> = marks
+                .iter()
+                .filter_map(|mark| match &mark.shape {
+                    MarkShape::Text { text, .. } => Some(text.clone()),
+                    _ => None,
+                })
+                .collect();
+            let mut heights = marks.iter().filter_map(|mark| match &mark.shape {
+                MarkShape::Line(points, _) if mark.role == MarkRole::Value => {
+                    Some(points[points.len() / 2].y)
+                }
+                _ => None,
+            });
+            (labels.join(" "), heights.next().map_or(0.0, f32::signum))
+        };
+        let expected = [
+            ("up down m", 0.0),
+            ("up down m", 1.0),
+            ("up down m", -1.0),
+            ("far near down", 0.0),
+            ("far near down", 1.0),
+            ("far near down", -1.0),
+        ];
+        for (index, (labels, height)) in expected.into_iter().enumerate() {
+            let value = index as f32 / 5.0;
+            assert_eq!(drawn(value), (labels.to_owned(), height), "{value}");
+        }
     }
 
     #[test]

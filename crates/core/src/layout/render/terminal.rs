@@ -246,9 +246,10 @@ impl Layout {
         let changes = self.keys.iter().filter_map(|key| {
             let label = self.label_in_layer(key, layer)?;
             // Chords name their keys; the labels of such keys are their actions alone.
-            let own = match self.is_chord_key(key.face.target) {
-                true => &key.face.name,
-                false => &key.face.label,
+            let own = if self.is_chord_key(key.face.target) {
+                &key.face.name
+            } else {
+                &key.face.label
             };
             Some(format!("{} {}", escape(own), escape(label)))
         });

@@ -1,22 +1,16 @@
 //! Layouts in words, for what a drawing cannot show: ranges, outputs, gestures and chords.
 
-use std::f32::consts::TAU;
-
 use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::{Anchor, Surface};
-use crate::device::joystick::Joystick;
 use crate::device::keyboard::{Activation, Chord, TapHold};
-use crate::device::knob::{Knob, KnobRange};
-use crate::device::slider::{Slider, Track};
 use crate::device::toggle::ToggleOutput;
-use crate::device::touch_surface::TouchMode;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, Latch};
 use crate::hand::Joint;
 use crate::layout::board_shape::BoardShape;
 use crate::layout::controls::{pointer, space};
-use crate::layout::model::{Board, Control, ControlKind, Face, Key, Layout, action_label};
+use crate::layout::model::{Board, Control, Face, Key, Layout, action_label};
 
 /// A list under a heading.
 pub(super) struct List {
@@ -84,9 +78,10 @@ fn grouped(rows: impl Iterator<Item = (String, String)>) -> Vec<(String, String)
         }
     }
     let groups = groups.into_iter().map(|(names, description)| {
-        let title = match names.len() > MAX_NAMES {
-            true => format!("{} keys", names.len()),
-            false => names.join(", "),
+        let title = if names.len() > MAX_NAMES {
+            format!("{} keys", names.len())
+        } else {
+            names.join(", ")
         };
         (title, description)
     });
@@ -219,16 +214,19 @@ fn duration(latch: Latch) -> &'static str {
 
 /// Returns the label of a control, with its name if that is another word.
 fn title(face: &Face) -> String {
-    match face.label == face.name {
-        true => face.name.clone(),
-        false => format!("{} ({})", face.label, face.name),
+    if face.label == face.name {
+        face.name.clone()
+    } else {
+        format!("{} ({})", face.label, face.name)
     }
 }
 
-struct Words<'a>(&'a Layout);
+/// Describes the controls of a layout.
+pub struct Words<'a>(&'a Layout);
 
 impl Words<'_> {
-    fn action(&self, action: KeyAction) -> String {
+    /// Returns the label of an action, with its duration.
+    pub fn action(&self, action: KeyAction) -> String {
         let label = action_label(action, &self.0.layers, &self.0.texts);
         match action {
             KeyAction::Layer(_, latch) => format!("layer {label}{}", duration(latch)),
@@ -294,27 +292,12 @@ impl Words<'_> {
     }
 
     fn control(&self, control: &Control) -> Vec<(String, String)> {
-        let faces = control.faces.iter();
-        let descriptions: Vec<String> = match &control.kind {
-            ControlKind::Toggle(toggle) => vec![format!("switch{}", self.switched(toggle.output))],
-            ControlKind::Radio(radio) => {
-                let options = radio.options.iter();
-                options
-                    .map(|option| format!("option{}", self.switched(option.output)))
-                    .collect()
-            }
-            ControlKind::TouchSurface(surface) => vec![match surface.mode {
-                TouchMode::Touchscreen(_) => "touchscreen: absolute pointer, left button".into(),
-                TouchMode::Touchpad(_) => "touchpad: pointer, clicks, drag, wheel".into(),
-            }],
-            ControlKind::Slider(slider) => vec![self.slider(slider)],
-            ControlKind::Knob(knob) => vec![self.knob(knob)],
-            ControlKind::Joystick(joystick) => vec![self.joystick(joystick)],
-        };
-        faces.map(title).zip(descriptions).collect()
+        let descriptions = control.kind.model().describe(self);
+        control.faces.iter().map(title).zip(descriptions).collect()
     }
 
-    fn switched(&self, output: ToggleOutput) -> String {
+    /// Describes the output of a switch, with a comma before it.
+    pub fn switched(&self, output: ToggleOutput) -> String {
         match output {
             ToggleOutput::ValueOnly => String::new(),
             ToggleOutput::Hold(action) => format!(", holds {}", self.action(action)),
@@ -322,55 +305,8 @@ impl Words<'_> {
         }
     }
 
-    fn slider(&self, slider: &Slider) -> String {
-        let (kind, unit) = match slider.track {
-            Track::Straight => ("slider".to_owned(), "steps"),
-            Track::Hinged(throw) => (format!("lever, {:.0}°", throw.to_degrees()), "detents"),
-        };
-        let steps = slider.steps.map(|steps| format!(", {steps} {unit}"));
-        let spring = if slider.springs_back {
-            ", springs back"
-        } else {
-            ""
-        };
-        let output = self.value_output(slider.output);
-        format!("{kind}{}{spring}{output}", steps.unwrap_or_default())
-    }
-
-    fn knob(&self, knob: &Knob) -> String {
-        let kind = match knob.range {
-            KnobRange::Endless => "endless knob".to_owned(),
-            KnobRange::Limited(range) if range > TAU * 1.01 => {
-                let turns = (range / TAU * 100.0).round() / 100.0;
-                format!("valve, {turns} turns")
-            }
-            KnobRange::Limited(range) => format!("knob, {:.0}°", range.to_degrees()),
-        };
-        let steps = knob.steps.map(|steps| format!(", {steps} steps"));
-        let output = self.value_output(knob.output);
-        format!("{kind}{}{output}", steps.unwrap_or_default())
-    }
-
-    fn joystick(&self, joystick: &Joystick) -> String {
-        let deflection = joystick.max_deflection * 1e3;
-        let mut parts = vec![format!("joystick, {deflection:.0} mm to each side")];
-        if let Some([x, y]) = joystick.axes {
-            parts.push(format!("axes {x} and {y}"));
-        }
-        if let Some(keys) = joystick.direction_keys {
-            let keys = keys.map(|key| self.action(key)).join(" ");
-            parts.push(format!("up, down, left, right: {keys}"));
-        }
-        if joystick.pointer_speed_px_s > 0.0 {
-            parts.push(format!("pointer {:.0} px/s", joystick.pointer_speed_px_s));
-        }
-        if let Some(action) = joystick.push_action {
-            parts.push(format!("push: {}", self.action(action)));
-        }
-        parts.join(", ")
-    }
-
-    fn value_output(&self, output: ValueOutput) -> String {
+    /// Describes the output of a value, with a comma before it.
+    pub fn value_output(&self, output: ValueOutput) -> String {
         match output {
             ValueOutput::ValueOnly => String::new(),
             ValueOutput::Axis(axis) => format!(", axis {axis}"),
@@ -394,7 +330,11 @@ impl Words<'_> {
         let mut parts = vec![match trigger.measure {
             Measure::Angle(dof) => format!("{dof} {:.0}°", trigger.on.to_degrees()),
             Measure::Pinch(finger) => format!("{finger} pinch, {:.0} mm", trigger.on * 1e3),
+            Measure::HandShape(shape) => format!("{shape}, confidence {:.2}", trigger.on),
+            Measure::Swipe(direction) => format!("swipe {direction}, {:.0} mm", trigger.on * 1e3),
+            Measure::Shake => format!("shake, {:.0} reversals", trigger.on),
             Measure::Input(input) => format!("glove {input}, from {:.2}", trigger.on),
+            Measure::Body(angle) => format!("{angle} {:.0}°", trigger.on.to_degrees()),
         }];
         parts.extend(
             trigger
@@ -402,6 +342,9 @@ impl Words<'_> {
                 .map(|held| format!("while glove {held} is held")),
         );
         parts.extend(trigger.side.map(|side| format!("{side} hand")));
+        if !trigger.hold.is_zero() {
+            parts.push(format!("for {} ms", trigger.hold.as_millis()));
+        }
         if let Some(action) = trigger.action {
             parts.push(format!("holds {}", self.action(action)));
         }

@@ -122,6 +122,13 @@ impl OutputGate {
         is_within_limit
     }
 
+    /// Changes the role of all sources. Everything must have been released before.
+    pub(super) fn set_role(&mut self, role: SourceRole) {
+        for source in &mut self.sources {
+            source.role = role;
+        }
+    }
+
     /// Returns whether a source may cause keys.
     pub(super) fn allows_keys(&self, source: usize) -> bool {
         let last = self.sources.len() - 1;

@@ -63,6 +63,15 @@ fn is_clear(
     })
 }
 
+/// Returns where the fingertip is in the world when its pad is at a point of a target (target frame, metres).
+pub(super) fn goal_of(scene: &Scene, target: TargetId, aim: &Aim, point: Vec3) -> Option<Vec3> {
+    let (surface, found) = scene.target(target)?;
+    // The board may have moved since.
+    let world_from_target =
+        aim.world_from_anchor * surface.anchor_from_surface() * found.surface_from_target;
+    Some(world_from_target * (point + Vec3::Z * aim.tip_radius) + aim.correction)
+}
+
 impl FluentHand {
     /// Learns to touch a target with a finger; `None` if the arm or the scene lacks one of them.
     pub(super) fn learn(&mut self, scene: &Scene, target: TargetId, finger: Finger) -> Option<Aim> {
@@ -116,11 +125,7 @@ impl FluentHand {
         aim: &Aim,
         point: Vec3,
     ) -> Option<(Vec<f64>, Vec3)> {
-        let (surface, found) = scene.target(target)?;
-        // The board may have moved since.
-        let world_from_target =
-            aim.world_from_anchor * surface.anchor_from_surface() * found.surface_from_target;
-        let goal = world_from_target * (point + Vec3::Z * aim.tip_radius) + aim.correction;
+        let goal = goal_of(scene, target, aim, point)?;
         let mut values = aim.base.clone();
         let hand = self.typing_hand(aim.effector.finger);
         hand.reach_with(aim.effector, goal, &mut values, &[]);

@@ -79,8 +79,8 @@ pub struct FluentHand {
     pub(super) draw: Draw,
     /// The place of the hand above the last target: where its index fingertip would be (world, metres).
     pub(super) last_place: Option<Vec3>,
-    /// The finger of the last tap.
-    pub(super) last_finger: Option<Finger>,
+    /// The target and the finger of the last tap, and its place from the center of the target.
+    pub(super) last_tap: Option<(TargetId, Finger, Vec2)>,
     /// The time from which the hand is free for the next target.
     pub(super) free_at: f64,
     pub(super) last_angles: Option<JointAngles>,
@@ -186,7 +186,7 @@ impl FluentHand {
             draw: Draw::new(person.seed, 0x4a1d + side.index() as u64),
             person: person.clone(),
             last_place: None,
-            last_finger: None,
+            last_tap: None,
             free_at: 0.0,
             last_angles: None,
             load: Load::default(),
@@ -200,7 +200,7 @@ impl FluentHand {
         self.sensors.restart(seed ^ self.side.index() as u64);
         self.drift = Vec2::ZERO;
         self.last_place = None;
-        self.last_finger = None;
+        self.last_tap = None;
         self.free_at = 0.0;
         self.last_angles = None;
     }

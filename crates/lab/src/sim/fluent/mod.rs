@@ -8,9 +8,11 @@
 mod aim;
 mod hand;
 mod motion;
+mod pointing;
 mod sensors;
 mod timeline;
 
 pub use hand::{FluentHand, HandSetup, Load, StartPosture, StrokePlan};
 pub use motion::Tap;
+pub use pointing::PointingPosture;
 pub use sensors::{SourceKind, SourceModel};

@@ -2,6 +2,7 @@
 
 use parry3d::math::{Vec2, Vec3};
 
+use super::aim::goal_of;
 use super::hand::{FluentHand, STRAIGHT, StrokePlan};
 use super::timeline::{Bump, Timeline};
 use crate::capture::Sample;
@@ -13,6 +14,9 @@ use crate::sim::unsteadiness::SHARES;
 
 /// The height of a fingertip above the keys between two strokes, in metres.
 const HOVER: f32 = 0.014;
+/// The height of a fingertip above the keys where a hand changes to another finger, in metres: fingers that extend or bend, and an arm that
+/// turns, leave a straight line by up to 30 mm.
+const LIFT: f32 = 0.05;
 /// The height of a fingertip above the keys at the start, in metres.
 const START_HEIGHT: f32 = 0.03;
 /// The delay with which neighbors follow a pressing finger, in seconds: 10 to 25 ms ?.
@@ -71,7 +75,7 @@ impl FluentHand {
             Shape::Disc(radius) => Vec2::splat(radius * 2.0),
         };
         let center = tap.shift.extend(HOVER);
-        let (_, goal) = self.posture_at(scene, tap.target, &aim, center)?;
+        let goal = goal_of(scene, tap.target, &aim, center)?;
         let place = goal - self.reach_of(tap.finger);
         let moved = self.last_place.map_or(Vec3::ZERO, |last| place - last);
         let distance = f64::from(moved.length());
@@ -89,7 +93,9 @@ impl FluentHand {
         let bottom = tap.wanted.max(depart + shortest);
         let arrival = (bottom - EARLY * press).max(depart + 0.5 * shortest);
         let release = bottom + dwell;
-        self.travel(tap.finger, above.clone(), depart, arrival);
+        let lifted = self.lifted(scene, tap, &aim, point);
+        self.last_tap = Some((tap.target, tap.finger, point));
+        self.travel(lifted, above.clone(), (depart, arrival));
         let change: Vec<f64> = below.iter().zip(&above).map(|(b, a)| b - a).collect();
         let bump = Bump {
             change,
@@ -128,28 +134,39 @@ impl FluentHand {
         PEAK * turns.fold(0.0, f64::max) / FASTEST
     }
 
-    /// Goes to a posture of a finger. With another finger than the last one, the hand goes by a posture in which both are raised, so that
-    /// neither touches a key on the way.
-    fn travel(&mut self, finger: Finger, above: Vec<f64>, depart: f64, arrival: f64) {
-        let half = (arrival - depart) / 2.0;
-        if let Some(last) = self
-            .last_finger
-            .replace(finger)
-            .filter(|last| *last != finger)
-        {
-            let (old, new) = (self.typing_hand(last), self.typing_hand(finger));
-            let ends = self.timeline.settled().iter().zip(&above).enumerate();
-            let via = ends.map(|(index, (from, to))| match old.finger_of(index) {
-                Some(own) if own == last => new.rest_of(index),
-                Some(own) if own == finger => old.rest_of(index),
-                _ => from.midpoint(*to),
-            });
-            let via = via.collect();
-            self.timeline.go_to(via, depart, half);
-            self.timeline.go_to(above, depart + half, half);
-        } else {
-            self.timeline.go_to(above, depart, arrival - depart);
+    /// Returns the postures on the way to another finger: the last finger high above its last key, and the new one high above the next.
+    fn lifted(
+        &mut self,
+        scene: &Scene,
+        tap: Tap,
+        aim: &super::aim::Aim,
+        point: Vec2,
+    ) -> Option<[Vec<f64>; 2]> {
+        let (target, finger, last) = self.last_tap?;
+        if finger == tap.finger {
+            return None;
         }
+        let last_aim = self.learn(scene, target, finger)?;
+        let (old, _) = self.posture_at(scene, target, &last_aim, last.extend(LIFT))?;
+        let (new, _) = self.posture_at(scene, tap.target, aim, point.extend(LIFT))?;
+        Some([old, new])
+    }
+
+    /// Goes to a posture of a finger. With another finger than the last one, the hand goes by postures high above the keys, so that neither
+    /// touches a key on the way.
+    fn travel(
+        &mut self,
+        lifted: Option<[Vec<f64>; 2]>,
+        above: Vec<f64>,
+        (depart, arrival): (f64, f64),
+    ) {
+        let Some([old, new]) = lifted else {
+            return self.timeline.go_to(above, depart, arrival - depart);
+        };
+        let part = (arrival - depart) / 3.0;
+        self.timeline.go_to(old, depart, part);
+        self.timeline.go_to(new, depart + part, part);
+        self.timeline.go_to(above, depart + 2.0 * part, part);
     }
 
     /// Starts above a target, clear of all keys, if nothing has moved yet.
@@ -159,7 +176,7 @@ impl FluentHand {
             aim.and_then(|aim| self.posture_at(scene, target, &aim, Vec3::Z * START_HEIGHT));
         if let Some((posture, _)) = posture {
             self.timeline = Timeline::new(posture);
-            self.last_finger = Some(finger);
+            self.last_tap = Some((target, finger, Vec2::ZERO));
         }
     }
 
@@ -216,8 +233,8 @@ impl FluentHand {
         })
     }
 
-    /// Moves to a time in seconds and returns what the sensors show; `None` for a lost picture. Times ascend by `step`.
-    pub fn sample(&mut self, seconds: f64, step: f64) -> Option<Sample> {
+    /// Moves to a time in seconds and writes what the sensors show; returns `false` for a lost picture. Times ascend by `step`.
+    pub fn sample(&mut self, seconds: f64, step: f64, sample: &mut Sample) -> bool {
         let mut values = std::mem::take(&mut self.values);
         self.timeline.posture(seconds, &mut values);
         // Movements that add up end at the limits of the joints.
@@ -228,19 +245,26 @@ impl FluentHand {
         let mut angles = self.typing_hand(Finger::Index).angles(&values);
         self.values = values;
         for unsteadiness in &mut self.unsteadiness {
-            angles = unsteadiness.apply(angles, None, seconds);
+            unsteadiness.apply(&mut angles, None, seconds);
         }
         self.bear(&angles, step);
-        self.sensors.measure(&self.own, &angles, step)
+        self.sensors.measure(&self.own, &angles, step, sample)
     }
 
     fn bear(&mut self, angles: &JointAngles, step: f64) {
         if let Some(last) = &self.last_angles {
-            let known = Dof::ALL
-                .iter()
-                .filter(|dof| **dof != Dof::ForearmSecondBone);
-            let turns = known.map(|&dof| (angles.get(dof) - last.get(dof)).abs());
-            self.load.travel += turns.sum::<f64>();
+            let turn = |(now, before): (&f64, &f64)| (now - before).abs();
+            let second = Dof::ForearmSecondBone.index();
+            let twice = turn((&angles.radians()[second], &last.radians()[second]));
+            // Several sums, which a vector register holds.
+            let mut sums = [0.0; 4];
+            let chunks = angles.radians().chunks(4).zip(last.radians().chunks(4));
+            for (now, before) in chunks {
+                for (sum, pair) in sums.iter_mut().zip(now.iter().zip(before)) {
+                    *sum += turn(pair);
+                }
+            }
+            self.load.travel += sums.iter().sum::<f64>() - twice;
         }
         self.last_angles = Some(*angles);
         self.load.seconds += step;

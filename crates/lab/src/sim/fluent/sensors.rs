@@ -132,28 +132,32 @@ impl SourceModel {
         }
     }
 
-    /// Returns what the sensors show after a time step; `None` for a lost picture.
+    /// Writes what the sensors show after a time step into `sample`, which is large, so that it is not moved; returns `false` for a
+    /// lost picture.
     pub(super) fn measure(
         &mut self,
         arm: &ArmModel,
         angles: &JointAngles,
         seconds: f64,
-    ) -> Option<Sample> {
-        if let Some(glove) = &mut self.glove {
-            return Some(glove.measure(angles, seconds));
+        sample: &mut Sample,
+    ) -> bool {
+        match (&mut self.glove, self.kind) {
+            (Some(glove), _) => glove.measure(angles, seconds, sample),
+            (None, SourceKind::Camera) => {
+                if self.draw.happens(LOST) {
+                    return false;
+                }
+                *sample = JointSensor::Positions.measure(arm, angles);
+                if let Sample::Joints { positions } = sample {
+                    self.add_noise(positions);
+                }
+            }
+            (None, SourceKind::Ideal | SourceKind::Glove) => match sample {
+                Sample::Angles { angles: shown } => *shown = *angles,
+                other => *other = Sample::Angles { angles: *angles },
+            },
         }
-        let sensor = match self.kind {
-            SourceKind::Camera => JointSensor::Positions,
-            SourceKind::Ideal | SourceKind::Glove => JointSensor::Angles,
-        };
-        if self.kind == SourceKind::Camera && self.draw.happens(LOST) {
-            return None;
-        }
-        let mut sample = sensor.measure(arm, angles);
-        if let Sample::Joints { positions } = &mut sample {
-            self.add_noise(positions);
-        }
-        Some(sample)
+        true
     }
 
     fn add_noise(&mut self, positions: &mut JointPositions) {
@@ -181,7 +185,7 @@ impl GloveErrors {
         self.sensor.measure(&shown)
     }
 
-    fn measure(&mut self, angles: &JointAngles, seconds: f64) -> Sample {
+    fn measure(&mut self, angles: &JointAngles, seconds: f64, sample: &mut Sample) {
         let mut shown = *angles;
         for (dof, gain, backlash, last) in &mut self.angles {
             let goal = angles.get(*dof) * *gain;
@@ -195,6 +199,6 @@ impl GloveErrors {
             shown.set(*dof, *last);
         }
         self.is_started = true;
-        self.sensor.measure(&shown)
+        self.sensor.measure_into(&shown, sample);
     }
 }

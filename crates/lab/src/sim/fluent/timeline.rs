@@ -72,11 +72,6 @@ impl Timeline {
         last.map_or(0.0, |way| way.start + way.duration)
     }
 
-    /// Returns the posture after the last way, without bumps.
-    pub(super) fn settled(&self) -> &[f64] {
-        self.ways.back().map_or(&self.from, |way| &way.goal)
-    }
-
     pub(super) fn add(&mut self, bump: Bump) {
         self.bumps.push(bump);
     }
@@ -99,6 +94,9 @@ impl Timeline {
         self.bumps.retain(|bump| bump.end() > seconds);
         for bump in &self.bumps {
             let part = bump.part_at(seconds);
+            if part == 0.0 {
+                continue;
+            }
             for (value, change) in values.iter_mut().zip(&bump.change) {
                 *value += change * part;
             }

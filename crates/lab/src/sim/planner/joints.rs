@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use super::{MOVE_PACKETS, Planner, PressedTip, TipState};
-use crate::hand::{Dof, Finger, Input};
+use crate::hand::{BodyAngle, Dof, Finger, Input};
 use crate::names::UnknownName;
 use crate::sim::action_error::ActionErrorKind;
-use crate::sim::movement::TipPath;
+use crate::sim::movement::{InputChange, TipPath};
 use crate::sim::typing_hand::PINCH_GAP;
 
 impl Planner<'_> {
@@ -98,11 +98,28 @@ impl Planner<'_> {
         if !self.state.hand.has_input(input) {
             return Err(ActionErrorKind::NoInput(input));
         }
+        self.change_input(InputChange::Glove(input, value));
+        Ok(())
+    }
+
+    /// Turns the head, a foot or a knee, and keeps the posture of the arm for a packet.
+    pub(super) fn set_body(
+        &mut self,
+        angle: BodyAngle,
+        radians: f64,
+    ) -> Result<(), ActionErrorKind> {
+        if !self.state.hand.shows_body() {
+            return Err(ActionErrorKind::NoBody(angle));
+        }
+        self.change_input(InputChange::Body(angle, radians));
+        Ok(())
+    }
+
+    fn change_input(&mut self, change: InputChange) {
         self.wait(self.period);
         if let Some(movement) = self.movements.last_mut() {
-            movement.input = Some((input, value));
+            movement.input = Some(change);
         }
-        Ok(())
     }
 
     pub(super) fn unpinch(&mut self, time: Duration) -> Result<(), ActionErrorKind> {

@@ -237,6 +237,7 @@ impl<'a> Planner<'a> {
             HandAction::Pinch(time) => self.pinch(time.unwrap_or(self.turn_time())),
             HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(self.turn_time())),
             HandAction::SetInput(input, value) => self.set_input(*input, *value),
+            HandAction::SetBody(angle, radians) => self.set_body(*angle, *radians),
             HandAction::Point(position, time) => self.point(*position, *time),
         }
     }

@@ -13,7 +13,7 @@ use parry3d::math::Vec2;
 use super::action::{HandAction, TargetPoint};
 use crate::contact::{TargetId, TargetNames};
 use crate::document::{Document, DocumentError};
-use crate::hand::{Dof, Finger, Input};
+use crate::hand::{BodyAngle, Dof, Finger, Input};
 use crate::names::{UnknownName, named_enum};
 pub use tokens::{SyntaxError, Token, tokenize};
 
@@ -25,6 +25,8 @@ const MAX_LENGTH_MM: f64 = 2_000.0;
 const MAX_TIME_MS: f64 = 600_000.0;
 /// Largest joint angle, in degrees.
 const MAX_JOINT_DEG: f64 = 360.0;
+/// Largest angle of head, foot or knee, in degrees.
+const MAX_BODY_DEG: f64 = 150.0;
 /// Largest angle of an arc, in degrees.
 const MAX_ARC_DEG: f64 = 3_600.0;
 
@@ -216,10 +218,18 @@ fn parse_action(tokens: &[Token], names: &TargetNames) -> Result<HandAction, Syn
         }
         Verb::Input => {
             let token = arguments.token("NAME")?;
-            let unknown =
-                |error: UnknownName| SyntaxError::new(token.span.clone(), error.to_string());
-            let input: Input = token.text.parse().map_err(unknown)?;
-            HandAction::SetInput(input, arguments.number("VALUE", -1.0..=1.0)?)
+            if let Ok(angle) = token.text.parse::<BodyAngle>() {
+                let degrees = arguments.number("DEG", -MAX_BODY_DEG..=MAX_BODY_DEG)?;
+                HandAction::SetBody(angle, degrees.to_radians())
+            } else {
+                let names = Input::NAMES.iter().chain(BodyAngle::NAMES).copied();
+                let unknown = |_: UnknownName| {
+                    let error = UnknownName::new("input", token.text, names);
+                    SyntaxError::new(token.span.clone(), error.to_string())
+                };
+                let input: Input = token.text.parse().map_err(unknown)?;
+                HandAction::SetInput(input, arguments.number("VALUE", -1.0..=1.0)?)
+            }
         }
     };
     arguments.finish()?;

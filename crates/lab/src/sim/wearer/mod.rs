@@ -6,15 +6,18 @@
 
 mod habits;
 mod home_made;
+mod sensor_errors;
 mod sensors;
 mod sighted_typist;
 
 pub use home_made::HomeMadeGlove;
+pub use sensor_errors::SensorErrors;
 pub use sensors::{GloveFault, GloveSensors};
 pub use sighted_typist::SightedTypist;
 
 use self::habits::Habits;
 use self::home_made::HomeMadeSensors;
+use self::sensor_errors::SensorPlay;
 use super::movement::minimum_jerk;
 use super::typing_hand::TypingHand;
 use crate::calibrate::CalibrationPose;
@@ -32,6 +35,9 @@ const MOVE_PACKETS: u32 = 46;
 
 /// The time for which a stretch is held, in packets.
 const STRETCH_PACKETS: u32 = 58;
+
+/// The time for which a pose of a cycle is held, in packets: two seconds.
+const CYCLE_PACKETS: u32 = 116;
 
 /// The angle by which the elbow lifts a hand off the keys, in radians: 25°.
 const LIFT: f64 = 0.44;
@@ -105,6 +111,34 @@ impl SimulatedWearer {
     pub fn in_home_made_glove(mut self, kind: HomeMadeGlove) -> Self {
         self.home_made = Some(HomeMadeSensors::new(kind, &mut self.random));
         self
+    }
+
+    /// Returns the readings of a person who flattens the hand, bends it half-way, makes a fist, opens it half-way and flattens it
+    /// again, a number of times, and holds each for two seconds. The sensors have these errors in place of others.
+    pub fn cycles(&mut self, count: usize, errors: SensorErrors, map: &ChannelMap) -> Vec<Reading> {
+        let mut play = SensorPlay::new(errors, map);
+        let [flat, fist] = self.ends();
+        let half = between_postures(&flat, &fist, 0.5);
+        let poses = [half, fist, half, flat];
+        let mut readings = Vec::new();
+        let mut from = flat;
+        for to in std::iter::once(flat).chain(poses.into_iter().cycle().take(4 * count)) {
+            for packet in 1..=MOVE_PACKETS + CYCLE_PACKETS {
+                let t = f64::from(minimum_jerk((packet as f32 / MOVE_PACKETS as f32).min(1.0)));
+                let exact = self.sensors.exact(&between_postures(&from, &to, t));
+                let time = self.advance();
+                let full_scale = map.full_scale();
+                let channels = play.read(&exact, full_scale, time, &mut self.random);
+                readings.push(Reading::new(time, None, Sample::Channels(channels)));
+            }
+            from = to;
+        }
+        readings
+    }
+
+    /// Returns the postures at both ends of a cycle: the flat hand and the fist.
+    pub fn ends(&self) -> [JointAngles; 2] {
+        [CalibrationPose::Flat, CalibrationPose::Fist].map(|pose| self.habits.angles(pose))
     }
 
     /// Sets the part by which the finger sensors answer a bend more strongly than in the cold glove.

@@ -1,19 +1,19 @@
 //! Pointing lessons: targets to point at and to click on with the pointer of the layout.
 
 mod hand;
-mod score;
 mod task;
 
 use std::io::{self, Write};
 
 use ademan::capture::Hc11Format;
 use ademan::layout::Layout;
+use ademan::measures::PointingResult;
 use ademan::message::escape;
 use ademan::setup::LoadedSetup;
 use serde_json::json;
 
-pub use self::score::PointingResult;
-use self::task::PointingTask;
+pub use self::hand::script;
+pub use self::task::PointingTask;
 use super::history::{History, Progress, SessionResult, rounded};
 use super::report::now;
 use super::{Args, PracticeTask, is_drawn, run_task};
@@ -42,7 +42,7 @@ pub fn run(
     }
     let hand = match is_simulated {
         true => {
-            let script = hand::script(&layout)?;
+            let script = script(&layout)?;
             Some(setup.scripted(&script, &Hc11Format::default(), args.noise, args.seed)?)
         }
         false => None,

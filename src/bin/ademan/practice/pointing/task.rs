@@ -1,9 +1,9 @@
 //! The targets of a pointing lesson: a ring, as in the multi-directional tapping test of ISO/TS 9241-411:2012, annex B.
 
 use ademan::device::{EventKind, KeyCode, OutputEvent};
+use ademan::measures::{Movement, PointingResult, Ring, distance};
 use ademan::time::Timestamp;
 
-use super::score::{Movement, PointingResult, distance};
 use crate::practice::PracticeTask;
 
 /// Size of the screen of the lesson, in pixels: that of a small laptop. No program tells how large the real one is.
@@ -12,11 +12,13 @@ pub const SCREEN: [f64; 2] = [1280.0, 800.0];
 /// Targets of the ring: an odd number, so that each movement crosses it.
 pub const TARGETS: usize = 9;
 
-/// Diameter of the ring, in pixels.
-const RING: f64 = 560.0;
-
-/// Diameter of a target, in pixels.
-const WIDTH: f64 = 90.0;
+/// The ring.
+const RING: Ring = Ring {
+    targets: TARGETS,
+    center: [SCREEN[0] / 2.0, SCREEN[1] / 2.0],
+    diameter: 560.0,
+    width: 90.0,
+};
 
 /// Columns and rows of the picture.
 const COLUMNS: usize = 64;
@@ -36,13 +38,7 @@ pub struct PointingTask {
 
 /// Returns the center of the target of a click, in pixels from the upper left corner.
 pub fn target(click: usize) -> [f64; 2] {
-    // To the opposite side each time: a step of half of the ring meets every target.
-    let place = click * TARGETS.div_ceil(2) % TARGETS;
-    let angle = std::f64::consts::TAU * place as f64 / TARGETS as f64;
-    [
-        SCREEN[0] / 2.0 + RING / 2.0 * angle.sin(),
-        SCREEN[1] / 2.0 - RING / 2.0 * angle.cos(),
-    ]
+    RING.target(click)
 }
 
 impl PointingTask {
@@ -74,7 +70,7 @@ impl PointingTask {
                 clicks: [click, self.cursor],
                 way: self.way,
                 seconds: time.since(earlier).as_secs_f64(),
-                is_hit: distance(self.cursor, to) <= WIDTH / 2.0,
+                is_hit: distance(self.cursor, to) <= RING.width / 2.0,
             });
         }
         self.last = Some((self.cursor, time));
@@ -174,8 +170,10 @@ mod tests {
     #[test]
     fn each_target_is_met_once_and_each_movement_crosses_the_ring() {
         for click in 1..TARGETS {
-            assert!(distance(target(click), target(click - 1)) > RING * 0.9);
-            assert!((0..click).all(|earlier| distance(target(earlier), target(click)) > WIDTH));
+            assert!(distance(target(click), target(click - 1)) > RING.diameter * 0.9);
+            assert!(
+                (0..click).all(|earlier| distance(target(earlier), target(click)) > RING.width)
+            );
         }
         assert!(distance(target(TARGETS), target(0)) < 1e-6);
     }
@@ -186,7 +184,7 @@ mod tests {
         for number in 0..=TARGETS {
             assert!(!task.is_complete());
             let [x, y] = target(number);
-            let error = if number == 3 { WIDTH } else { 2.0 };
+            let error = if number == 3 { RING.width } else { 2.0 };
             click(&mut task, 800 * number as u64, [x + error, y]);
         }
         assert!(task.is_complete());

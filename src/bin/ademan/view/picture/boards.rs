@@ -2,7 +2,7 @@
 
 use ademan::contact::TargetId;
 use ademan::hand::Side;
-use ademan::layout::{Cell, ControlKind, Grid, KeySize, Layout};
+use ademan::layout::{Cell, Grid, Handle, KeySize, Layout};
 use ademan::message::escape;
 use ademan::session::view::Fingertip;
 use parry3d::math::Vec2;
@@ -14,7 +14,7 @@ use ratatui::widgets::{Block, Widget};
 
 use super::Picture;
 use super::parts::{Part, PartKind};
-use super::values::value_of;
+use super::values::{label_of, value_of};
 use crate::view::look::finger_mark;
 
 /// Returns the boards of a layout: those of the left hand first, then from left to right.
@@ -71,12 +71,14 @@ pub fn draw_keys(
     }
 }
 
+fn handle(layout: &Layout, target: TargetId) -> Option<Handle> {
+    let (control, _) = layout.control_at(target)?;
+    Some(control.kind.handle())
+}
+
 /// Returns whether a target is a switch that is on.
 fn is_on(layout: &Layout, target: TargetId, picture: &Picture) -> bool {
-    let mut controls = layout.controls.iter();
-    let is_switch = controls.any(
-        |control| matches!(&control.kind, ControlKind::Toggle(toggle) if toggle.target == target),
-    );
+    let is_switch = handle(layout, target) == Some(Handle::Switch);
     let mut values = picture.view.state.values.iter();
     is_switch && values.any(|(known, value)| *known == target && *value > 0.5)
 }
@@ -116,8 +118,12 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
     // A symbol such as that of Shift is not in every locale.
     let is_drawable = picture.look.is_unicode || face.label.is_ascii();
     let label = if is_drawable { &face.label } else { &face.name };
+    let highlighted = label_of(picture.view, cell.target);
+    let highlighted = highlighted.filter(|label| picture.look.is_unicode || label.is_ascii());
+    let label = highlighted.unwrap_or(label);
     let Some(value) = slider_value(picture, cell.target) else {
         draw_label(label, inside, is_bordered, buffer, style);
+        draw_rim_mark(picture, cell.target, area, buffer, style);
         return;
     };
     // The handle needs the inside, so the label is in the border.
@@ -132,12 +138,38 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
 
 /// Returns the value of a slider, 0..=1; `None` for any other target.
 fn slider_value(picture: &Picture, target: TargetId) -> Option<f32> {
-    let controls = &picture.view.layout.controls;
-    let mut kinds = controls.iter().map(|control| &control.kind);
-    let is_slider =
-        kinds.any(|kind| matches!(kind, ControlKind::Slider(slider) if slider.target == target));
+    let handle = handle(&picture.view.layout, target);
+    let is_slider = matches!(handle, Some(Handle::Line { .. }));
     let value = value_of(picture.view, target).filter(|_| is_slider)?;
     Some(value.clamp(0.0, 1.0))
+}
+
+/// Draws a mark at the value of a knob or ring on its edge.
+fn draw_rim_mark(
+    picture: &Picture,
+    target: TargetId,
+    area: Rect,
+    buffer: &mut Buffer,
+    style: Style,
+) {
+    let Some(Handle::Turn { start, turns, .. }) = handle(&picture.view.layout, target) else {
+        return;
+    };
+    let Some(value) =
+        value_of(picture.view, target).filter(|_| area.width >= 3 && area.height >= 3)
+    else {
+        return;
+    };
+    let (sin, cos) = ((start + turns * value) * std::f32::consts::TAU).sin_cos();
+    let offset = |length: u16, t: f32| ((1.0 + t) / 2.0 * f32::from(length - 1)).round() as u16;
+    let at = (
+        area.x + offset(area.width, sin),
+        area.y + offset(area.height, -cos),
+    );
+    let mark = if picture.look.is_unicode { "●" } else { "o" };
+    if let Some(cell) = buffer.cell_mut(at) {
+        cell.set_symbol(mark).set_style(style);
+    }
 }
 
 /// Draws the handle of a slider on its track.

@@ -112,6 +112,23 @@ fn a_fingertip_does_not_cover_a_label() {
 }
 
 #[test]
+fn an_open_radial_menu_has_the_label_of_the_highlighted_sector() {
+    let mut view = view("radial");
+    let target = view.layout.target_names().find("Edit").unwrap();
+    let sectors = ["Copy", "Paste", "Redo", "Style", "Undo", "Cut"];
+    let nested = ["Style", "Bold", "Italic", "Plain", "Underline"];
+    let labels = [&["Edit"][..], &sectors, &nested].concat();
+    for (index, label) in labels.iter().enumerate() {
+        let value = index as f32 / (labels.len() - 1) as f32;
+        let mut state = ViewState::clone(&view.state);
+        state.values = vec![(target, value)];
+        view.state = Arc::new(state);
+        let text = text(&drawn(&view, COLORED, 80, 24));
+        assert!(text.matches(label).count() >= 2, "{index} {label}:\n{text}");
+    }
+}
+
+#[test]
 fn drawing_works_in_windows_of_any_size() {
     for layout in shipped_layouts() {
         let view = view(layout);

@@ -1,8 +1,7 @@
 //! The values of controls and axes.
 
 use ademan::contact::TargetId;
-use ademan::device::knob::KnobRange;
-use ademan::layout::{ControlKind, Layout};
+use ademan::layout::{Handle, Layout};
 use ademan::message::escape;
 use ademan::session::view::View;
 use ratatui::text::{Line, Span};
@@ -13,6 +12,7 @@ use super::cut::cut;
 const COLUMNS: usize = 26;
 const NAME_COLUMNS: usize = 12;
 const BAR_COLUMNS: usize = 6;
+const LABEL_COLUMNS: usize = COLUMNS - NAME_COLUMNS - 1;
 
 /// Returns the value of a control; that at the start if it has not been moved yet.
 pub fn value_of(view: &View, target: TargetId) -> Option<f32> {
@@ -23,16 +23,15 @@ pub fn value_of(view: &View, target: TargetId) -> Option<f32> {
         .or_else(|| initial_value(&view.layout, target))
 }
 
+/// Returns the label of the value of a control, such as the highlighted sector of a radial menu; `None` without one.
+pub fn label_of(view: &View, target: TargetId) -> Option<&str> {
+    let (control, _) = view.layout.control_at(target)?;
+    control.kind.value_label(value_of(view, target)?)
+}
+
 fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
-    layout
-        .controls
-        .iter()
-        .find_map(|control| match &control.kind {
-            ControlKind::Slider(slider) if slider.target == target => Some(slider.initial),
-            ControlKind::Knob(knob) if knob.target == target => Some(knob.initial),
-            ControlKind::Toggle(toggle) if toggle.target == target => Some(0.0),
-            _ => None,
-        })
+    let (control, front) = layout.control_at(target)?;
+    control.kind.initial_value(front)
 }
 
 /// Returns the values of all controls that have one, several in a line.
@@ -50,11 +49,11 @@ pub fn lines(view: &View, width: u16) -> Vec<Line<'static>> {
     }
     let values = targets.iter().filter_map(|&target| {
         let name = names.get(target).to_string();
-        Some(value(
-            &name,
-            value_of(view, target)?,
-            range(&view.layout, target),
-        ))
+        let shown = value_of(view, target)?;
+        Some(match label_of(view, target) {
+            Some(label) => cell(&name, &cut(&escape(label), LABEL_COLUMNS as u16)),
+            None => value(&name, shown, range(&view.layout, target)),
+        })
     });
     let axes = view.state.axes.iter();
     let axes = axes.map(|(axis, position)| value(axis.name(), *position, Range::Signed));
@@ -80,30 +79,30 @@ enum Range {
 }
 
 fn range(layout: &Layout, target: TargetId) -> Range {
-    let mut kinds = layout.controls.iter().map(|control| &control.kind);
-    let found = kinds.find_map(|kind| match kind {
-        ControlKind::Toggle(toggle) if toggle.target == target => Some(Range::Switch),
-        ControlKind::Knob(knob) if knob.target == target && knob.range == KnobRange::Endless => {
-            Some(Range::Turns)
-        }
-        _ => None,
-    });
-    found.unwrap_or(Range::Fraction)
+    let control = layout.control_at(target);
+    match control.map(|(control, _)| control.kind.handle()) {
+        Some(Handle::Switch) => Range::Switch,
+        Some(Handle::Turn {
+            is_endless: true, ..
+        }) => Range::Turns,
+        _ => Range::Fraction,
+    }
 }
 
 fn value(name: &str, value: f32, range: Range) -> String {
-    let name = escape(name);
-    let name = cut(&name, NAME_COLUMNS as u16);
     let shown = match range {
         Range::Switch => if value > 0.5 { "on" } else { "off" }.to_owned(),
         Range::Turns => format!("{value:.2} turns"),
         Range::Fraction => format!("▕{}▏{value:.2}", bar(value)),
         Range::Signed => format!("▕{}▏{value:.2}", bar((value + 1.0) / 2.0)),
     };
-    format!(
-        "{name:NAME_COLUMNS$} {shown:width$}",
-        width = COLUMNS - NAME_COLUMNS - 1
-    )
+    cell(name, &shown)
+}
+
+fn cell(name: &str, shown: &str) -> String {
+    let name = escape(name);
+    let name = cut(&name, NAME_COLUMNS as u16);
+    format!("{name:NAME_COLUMNS$} {shown:LABEL_COLUMNS$}")
 }
 
 fn bar(fraction: f32) -> String {

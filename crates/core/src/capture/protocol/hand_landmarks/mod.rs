@@ -174,9 +174,10 @@ impl HandParser {
     }
 
     fn side(&self, hand: &Hand) -> Side {
-        match self.is_swapped {
-            true => hand.label.0.opposite(),
-            false => hand.label.0,
+        if self.is_swapped {
+            hand.label.0.opposite()
+        } else {
+            hand.label.0
         }
     }
 
@@ -208,12 +209,13 @@ impl HandParser {
             }
         };
         let positions = joints(&landmarks);
-        match backward_bend(&positions, self.side(hand)) > MAX_BACKWARD_BEND {
-            true => Err(PacketError::new(
+        if backward_bend(&positions, self.side(hand)) > MAX_BACKWARD_BEND {
+            Err(PacketError::new(
                 InvalidPacket::Unknown,
                 "the fingers of a hand bend backwards, so that its label is wrong; try `swap_hands=yes` or `mirrored=yes`",
-            )),
-            false => Ok(positions),
+            ))
+        } else {
+            Ok(positions)
         }
     }
 }
@@ -245,12 +247,13 @@ fn landmarks(positions: &[Position]) -> Result<Landmarks, PacketError> {
 
 fn check_extent(landmarks: &Landmarks, limit: f64) -> Result<(), PacketError> {
     let is_near = |landmark: &DVec3| landmark.abs().max_element() <= limit;
-    match landmarks.iter().all(is_near) {
-        true => Ok(()),
-        false => Err(PacketError::new(
+    if landmarks.iter().all(is_near) {
+        Ok(())
+    } else {
+        Err(PacketError::new(
             InvalidPacket::NotFinite,
             "a landmark is too far away from the others",
-        )),
+        ))
     }
 }
 
@@ -268,9 +271,10 @@ fn centered(points: &Landmarks, image_size: Option<[f64; 2]>) -> Result<Landmark
     }
     check_extent(points, MAX_PIXELS)?;
     let is_pixel = |point: &DVec3| point.truncate().abs().max_element() > MAX_NORMALIZED;
-    let scale = match points.iter().any(is_pixel) {
-        true => DVec3::splat(1.0 / width),
-        false => DVec3::new(1.0, height / width, 1.0),
+    let scale = if points.iter().any(is_pixel) {
+        DVec3::splat(1.0 / width)
+    } else {
+        DVec3::new(1.0, height / width, 1.0)
     };
     let center = DVec3::new(0.5, 0.5 * height / width, 0.0);
     Ok(points.map(|point| point * scale - center))

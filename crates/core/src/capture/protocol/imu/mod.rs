@@ -133,12 +133,11 @@ impl ImuParser {
         };
         let quaternion = DQuat::from_xyzw(x, y, z, w);
         let length = quaternion.length();
-        match (length - 1.0).abs() <= MAX_LENGTH_ERROR {
-            true => Ok(quaternion.normalize()),
-            false => {
-                let text = format!("the quaternion has the length {length:.3} instead of 1");
-                Err(PacketError::new(InvalidPacket::Unknown, text))
-            }
+        if (length - 1.0).abs() <= MAX_LENGTH_ERROR {
+            Ok(quaternion.normalize())
+        } else {
+            let text = format!("the quaternion has the length {length:.3} instead of 1");
+            Err(PacketError::new(InvalidPacket::Unknown, text))
         }
     }
 }

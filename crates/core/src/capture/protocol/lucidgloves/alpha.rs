@@ -60,10 +60,8 @@ fn set(fields: &mut Fields, key: &[u8], value: Option<i64>) -> Result<(), Packet
     let slot = match *key {
         [letter] => {
             if let Some(button) = Button::KEYS.iter().position(|&key| key == letter) {
-                return match std::mem::replace(&mut fields.buttons[button], true) {
-                    false => Ok(()),
-                    true => Err(twice()),
-                };
+                let is_repeated = std::mem::replace(&mut fields.buttons[button], true);
+                return if is_repeated { Err(twice()) } else { Ok(()) };
             }
             match letter {
                 b'A'..=b'E' => &mut fields.curls[usize::from(letter - b'A')],

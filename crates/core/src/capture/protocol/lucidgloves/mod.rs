@@ -148,15 +148,17 @@ impl Fields {
     /// Reads a line without its line end, in either encoding. An error states why it is no packet.
     pub fn parse(line: &[u8]) -> Result<Self, PacketError> {
         let line = line.trim_ascii();
-        let fields = match is_legacy(line) {
-            true => legacy::parse(line)?,
-            false => alpha::parse(line)?,
+        let fields = if is_legacy(line) {
+            legacy::parse(line)?
+        } else {
+            alpha::parse(line)?
         };
         let joints = fields.joints.as_flattened();
         let mut fingers = fields.curls.iter().chain(joints);
-        match fingers.any(Option::is_some) {
-            true => Ok(fields),
-            false => Err(unknown("it names no finger")),
+        if fingers.any(Option::is_some) {
+            Ok(fields)
+        } else {
+            Err(unknown("it names no finger"))
         }
     }
 
@@ -268,9 +270,10 @@ impl LineParser for LucidParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let fields = Fields::parse(line)?;
-        self.feedback = Some(match is_legacy(line) {
-            true => &feedback::LEGACY,
-            false => &feedback::ALPHA,
+        self.feedback = Some(if is_legacy(line) {
+            &feedback::LEGACY
+        } else {
+            &feedback::ALPHA
         });
         emit(Packet::new(Sample::Channels(fields.channels(self.max)), 0));
         Ok(())

@@ -32,9 +32,10 @@ fn markers(camera: usize, joints: &JointPositions) -> Vec<Value> {
     let marker = |(joint, position): (Joint, DVec3)| {
         let direction = (position - CAMERAS[camera]).to_array();
         let is_labelled = camera == 0 || (camera == 1 && joint <= Joint::Wrist);
-        match is_labelled {
-            true => json!({ "label": joint, "direction": direction }),
-            false => json!({ "direction": direction }),
+        if is_labelled {
+            json!({ "label": joint, "direction": direction })
+        } else {
+            json!({ "direction": direction })
         }
     };
     joints.known().map(marker).collect()

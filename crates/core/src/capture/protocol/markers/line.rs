@@ -53,12 +53,13 @@ where
     T: Deserialize<'de>,
 {
     let list = Vec::deserialize(deserializer)?;
-    match list.len() <= MAX {
-        true => Ok(list),
-        false => Err(serde::de::Error::invalid_length(
+    if list.len() <= MAX {
+        Ok(list)
+    } else {
+        Err(serde::de::Error::invalid_length(
             list.len(),
             &"a shorter list",
-        )),
+        ))
     }
 }
 

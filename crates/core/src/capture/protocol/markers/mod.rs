@@ -23,6 +23,7 @@ mod line;
 
 use self::hand_markers::{HandMarkers, MarkerSite, SeenMarker};
 use self::line::Line;
+use super::bone_lengths::{self, BONES};
 use super::encoder::{require_defaults, time_us};
 use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
@@ -31,7 +32,7 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
     ProtocolOptions,
 };
-use crate::capture::markers::{MarkerTracker, Observation};
+use crate::capture::markers::{LiveFit, MarkerTracker, Observation};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
 
@@ -50,7 +51,7 @@ pub const PROTOCOL: Protocol = Protocol {
     min_packet_bytes: 128,
     default_baud: None,
     feedback: None,
-    options: &[&HAND, &UNIT, &UP, &MAX_GAP, &ELBOW_OFFSET, &RATE],
+    options: &[&HAND, &UNIT, &UP, &MAX_GAP, &ELBOW_OFFSET, &BONES, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(LineDecoder::with_parser(MarkerParser::new(options))),
     encoder: |options, _| {
@@ -100,6 +101,7 @@ struct MarkerParser {
     world: WorldFromSource,
     tracker: MarkerTracker,
     markers: HandMarkers,
+    bones: Option<LiveFit>,
     times: LineTimes,
     /// In seconds; that of lines without times.
     time: f64,
@@ -117,6 +119,7 @@ impl MarkerParser {
                 1000.0 / unit_mm,
             ),
             markers: HandMarkers::new(space::number(options, &ELBOW_OFFSET) / 1000.0),
+            bones: bone_lengths::fit(options, &RATE),
             times: LineTimes::default(),
             time: 0.0,
             period: 1.0 / space::number(options, &RATE),
@@ -162,10 +165,13 @@ impl LineParser for MarkerParser {
         let time = self.times.check(line.time_us)?;
         self.follow(&line)?;
         let seen = self.seen();
-        let positions = self.markers.joints(&seen);
+        let mut positions = self.markers.joints(&seen);
         if positions.is_empty() || seen.iter().all(|marker| marker.is_predicted) {
             let text = "no labelled marker of the hand is seen by two cameras";
             return Err(PacketError::new(InvalidPacket::Unknown, text));
+        }
+        if let Some(fit) = &mut self.bones {
+            bone_lengths::fit_joints(fit, &mut positions);
         }
         emit(Packet {
             side: Some(self.hand),

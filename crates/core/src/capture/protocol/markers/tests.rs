@@ -245,3 +245,43 @@ fn invalid_lines_are_counted_by_reason() {
         assert_eq!(decoder.last_error().map(|error| error.reason), expected);
     }
 }
+
+#[test]
+fn fixed_bones_keep_the_length_of_a_forearm_whose_markers_have_noise() {
+    let mut random = fastrand::Rng::with_seed(12);
+    // A standard deviation of 1 mm along each axis.
+    let mut noisy = |point: DVec3| {
+        let mut axis = || ((0..12).map(|_| random.f64()).sum::<f64>() - 6.0) * 1e-3;
+        point + DVec3::new(axis(), axis(), axis())
+    };
+    let lines: Vec<String> = (0..800)
+        .map(|index| {
+            let turn = f64::from(index) * 0.01;
+            let elbow = DVec3::new(0.1, 0.9, 0.0);
+            let wrist = elbow + 0.26 * DVec3::new(turn.cos(), 0.0, turn.sin());
+            let markers = [
+                ("shoulder", noisy(elbow + 0.3 * DVec3::Y)),
+                ("elbow", noisy(elbow)),
+                ("wrist", noisy(wrist)),
+            ];
+            line(&CAMERAS.map(|camera| (camera, &markers[..])))
+        })
+        .collect();
+    let spread_mm = |bones: &str| {
+        let packets = decode(&options(&[(&BONES, bones)]), &lines);
+        assert_eq!(packets.len(), lines.len());
+        // The first 3 s measure the lengths.
+        let lengths = packets[300..].iter().map(|packet| {
+            let positions = positions(packet);
+            let joint = |joint| positions.get(joint).expect("it is labelled");
+            joint(Joint::Elbow).distance(joint(Joint::Wrist)) * 1000.0
+        });
+        let lengths: Vec<f64> = lengths.collect();
+        let [least, most] =
+            [f64::min, f64::max].map(|of| lengths.iter().copied().reduce(of).unwrap());
+        println!("forearm with {bones} bones: {least:.3} to {most:.3} mm");
+        most - least
+    };
+    let (free, fixed) = (spread_mm("free"), spread_mm("fixed"));
+    assert!(free > 5.0 && fixed < 1e-6, "{free} {fixed}");
+}

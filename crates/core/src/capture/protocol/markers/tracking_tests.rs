@@ -61,9 +61,10 @@ impl Film {
             for marker in markers.iter().filter(|marker| marker.cameras[camera]) {
                 let noise = DVec3::from_array([0; 3].map(|_| self.noise * self.normal()));
                 let direction = (marker.point + noise - position).to_array();
-                seen.push(match has_labels && camera == 0 {
-                    true => json!({"label": marker.label, "direction": direction}),
-                    false => json!({"direction": direction}),
+                seen.push(if has_labels && camera == 0 {
+                    json!({"label": marker.label, "direction": direction})
+                } else {
+                    json!({"direction": direction})
                 });
             }
             self.random.shuffle(&mut seen);

@@ -90,10 +90,11 @@ impl ArmMotionSchema {
 }
 
 fn usable(size: f64) -> Result<f64, String> {
-    match size.abs() >= MIN_FULL {
-        true => Ok(size),
-        false => Err(format!(
+    if size.abs() >= MIN_FULL {
+        Ok(size)
+    } else {
+        Err(format!(
             "the motion for a full deflection must be at least {MIN_FULL} or at most -{MIN_FULL} (mm or degrees), it is {size}"
-        )),
+        ))
     }
 }

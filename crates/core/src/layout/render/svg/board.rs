@@ -126,9 +126,10 @@ fn draw_caption(layout: &Layout, index: usize, wearer: &Wearer, view: &mut Canva
         .filter_map(|face| {
             let mut all = wearer.out_of_reach.iter();
             let (_, metres) = all.find(|(name, _)| *name == face.name)?;
-            Some(match metres.is_finite() {
-                true => format!("{} by {:.0} mm", face.name, metres * 1e3),
-                false => face.name.clone(),
+            Some(if metres.is_finite() {
+                format!("{} by {:.0} mm", face.name, metres * 1e3)
+            } else {
+                face.name.clone()
             })
         })
         .collect();

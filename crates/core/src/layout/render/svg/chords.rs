@@ -58,9 +58,10 @@ pub fn draw(layout: &Layout, layer: usize, width: f32) -> Option<Canvas> {
 fn draw_board(faces: &[&Face], pressed: &[TargetId], corner: Vec2, chords: &mut Canvas) {
     let mut board = Canvas::default();
     for face in faces {
-        let class = match pressed.contains(&face.target) {
-            true => "lit",
-            false => "well",
+        let class = if pressed.contains(&face.target) {
+            "lit"
+        } else {
+            "well"
         };
         let mut front = Canvas::default();
         let half = face.outline.half_extents() * 1e3;

@@ -2,7 +2,8 @@
 
 use super::canvas::Canvas;
 use super::controls::{draw_outline, placement};
-use super::{TooManyShapes, board, element};
+use super::page::{self, Section};
+use super::{TooManyShapes, board, document, element, text_width};
 use crate::contact::TargetId;
 use crate::layout::model::Layout;
 use crate::layout::render::wearer::Wearer;
@@ -27,22 +28,42 @@ impl Layout {
     pub fn to_heat_svgs(&self, heats: &[Heat]) -> Result<Vec<String>, TooManyShapes> {
         self.check_size()?;
         let boards = 0..self.boards.len();
-        Ok(boards
-            .map(|index| {
-                let mut view = board::draw(self, index, &Wearer::default());
-                for face in self.faces(&self.boards[index]) {
-                    let Some(heat) = heats.iter().find(|heat| heat.target == face.target) else {
-                        continue;
-                    };
-                    let step = (heat.part.clamp(0.0, 1.0) * STEPS).ceil() as u32;
-                    let mut front = Canvas::default();
-                    draw_outline(&format!("heat heat-{step}"), &face.outline, 0.0, &mut front);
-                    view.group(placement(&face.outline), Some(&heat.words), &front);
-                }
-                element(&view)
-            })
-            .collect())
+        let drawings = boards.map(|index| element(&draw(self, index, &Wearer::default(), heats)));
+        Ok(drawings.collect())
     }
+
+    /// Returns a drawing of the boards, one below the other, with colours over their targets, below a note.
+    pub fn to_heat_svg(
+        &self,
+        wearer: &Wearer,
+        heats: &[Heat],
+        note: &str,
+    ) -> Result<String, TooManyShapes> {
+        self.check_size()?;
+        let boards = 0..self.boards.len();
+        let sections: Vec<Section> = boards
+            .map(|index| Section {
+                heading: None,
+                content: draw(self, index, wearer, heats),
+            })
+            .collect();
+        let page = page::compose(&self.name, note, &sections, text_width(self));
+        Ok(document(&self.name, &page, &heat_style("")))
+    }
+}
+
+fn draw(layout: &Layout, index: usize, wearer: &Wearer, heats: &[Heat]) -> Canvas {
+    let mut view = board::draw(layout, index, wearer);
+    for face in layout.faces(&layout.boards[index]) {
+        let Some(heat) = heats.iter().find(|heat| heat.target == face.target) else {
+            continue;
+        };
+        let step = (heat.part.clamp(0.0, 1.0) * STEPS).ceil() as u32;
+        let mut front = Canvas::default();
+        draw_outline(&format!("heat heat-{step}"), &face.outline, 0.0, &mut front);
+        view.group(placement(&face.outline), Some(&heat.words), &front);
+    }
+    view
 }
 
 /// Returns the rules of drawings with colours: light, or dark where the reader prefers it. `rules` are added, in which `$role` stands

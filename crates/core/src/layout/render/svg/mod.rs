@@ -18,7 +18,7 @@ mod text;
 
 use parry3d::math::Vec2;
 
-use self::canvas::{Canvas, Number, Placement};
+use self::canvas::Number;
 use self::page::Section;
 use super::wearer::Wearer;
 use super::words::{self, List};
@@ -27,6 +27,8 @@ use crate::layout::model::{ControlKind, Face, Layout};
 use crate::layout::render::front::FrontMark;
 use crate::message::escape_markup;
 
+pub use self::canvas::{Canvas, Placement};
+pub use self::controls::{draw_fitted, draw_label, draw_outline, on_page, text_room};
 pub use self::heat::{Heat, heat_style};
 pub(super) use self::style::{coloured, sheet};
 
@@ -62,7 +64,7 @@ impl Layout {
         let page = page::compose(&self.name, &self.description, &sections, width);
         match page.shapes() {
             shapes if shapes > MAX_SHAPES => Err(TooManyShapes { shapes }),
-            _ => Ok(document(&self.name, &page)),
+            _ => Ok(document(&self.name, &page, &sheet())),
         }
     }
 
@@ -79,9 +81,10 @@ impl Layout {
             0 => faces,
             chords => faces + chords * chord_keys.count().min(12),
         };
-        match shapes > MAX_SHAPES {
-            true => Err(TooManyShapes { shapes }),
-            false => Ok(()),
+        if shapes > MAX_SHAPES {
+            Err(TooManyShapes { shapes })
+        } else {
+            Ok(())
         }
     }
 }
@@ -238,8 +241,8 @@ fn element(drawing: &Canvas) -> String {
     )
 }
 
-/// Returns a whole SVG document around a drawing.
-fn document(name: &str, drawing: &Canvas) -> String {
+/// Returns a whole SVG document around a drawing, with a style sheet.
+fn document(name: &str, drawing: &Canvas, style: &str) -> String {
     let (min, max) = drawing.bounds();
     let size = max - min + 2.0 * MARGIN;
     let (width, height) = (Number(size.x), Number(size.y));
@@ -247,10 +250,9 @@ fn document(name: &str, drawing: &Canvas) -> String {
     page.group(Placement::at(Vec2::splat(MARGIN) - min), None, drawing);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" viewBox=\"0 0 {width} {height}\">\n\
-         <title>{}</title>\n<style>\n{}</style>\n\
+         <title>{}</title>\n<style>\n{style}</style>\n\
          <rect class=\"ground\" width=\"100%\" height=\"100%\"/>\n{}</svg>\n",
         escape_markup(name),
-        sheet(),
         page.elements()
     )
 }

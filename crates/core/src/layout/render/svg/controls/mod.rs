@@ -1,12 +1,6 @@
-//! The fronts of keys and other controls: one file per kind.
+//! The fronts of keys and other controls: what all kinds have in common.
 
-mod joystick;
 mod key;
-mod knob;
-mod radio;
-mod slider;
-mod toggle;
-mod touch_surface;
 
 pub use key::draw as draw_key;
 pub use key::draw_cap;
@@ -17,6 +11,7 @@ use super::canvas::{Align, Canvas, Placement};
 use super::text::{LINE_HEIGHT, fit};
 use crate::contact::surface::Shape;
 use crate::layout::Outline;
+use crate::layout::controls::Front;
 use crate::layout::model::{Control, ControlKind, Face, Layout};
 
 /// The maximum font size of a label, in millimetres.
@@ -27,9 +22,8 @@ const LABEL_FILL: f32 = 0.94;
 
 /// Draws a control other than a key on its board.
 pub fn draw(layout: &Layout, control: &Control, canvas: &mut Canvas) {
-    if let ControlKind::Radio(_) = control.kind {
-        radio::draw_link(&control.faces, canvas);
-    }
+    let model = control.kind.model();
+    model.draw_below(&control.faces, canvas);
     for (index, face) in control.faces.iter().enumerate() {
         let mut front = Canvas::default();
         draw_front(layout, &control.kind, index, false, face, &mut front);
@@ -44,16 +38,15 @@ pub fn draw_front(
     index: usize,
     is_on: bool,
     face: &Face,
-    front: &mut Canvas,
+    canvas: &mut Canvas,
 ) {
-    match kind {
-        ControlKind::Toggle(_) => toggle::draw(face, is_on, front),
-        ControlKind::TouchSurface(surface) => touch_surface::draw(surface, face, front),
-        ControlKind::Slider(slider) => slider::draw(slider, face, front),
-        ControlKind::Knob(knob) => knob::draw(knob, face, front),
-        ControlKind::Joystick(joystick) => joystick::draw(layout, joystick, face, front),
-        ControlKind::Radio(radio) => radio::draw(face, radio.initial == Some(index), front),
-    }
+    let front = Front {
+        layout,
+        face,
+        index,
+        is_on,
+    };
+    kind.model().draw(&front, canvas);
 }
 
 /// Draws a cap with a label and nothing else.
@@ -87,7 +80,7 @@ fn half_and_radius(outline: &Outline) -> (Vec2, f32) {
 }
 
 /// Returns the room for text on a front, in millimetres: half the width and height of a rectangle inside it.
-fn text_room(outline: &Outline) -> Vec2 {
+pub fn text_room(outline: &Outline) -> Vec2 {
     let half = outline.half_extents() * 1e3;
     match outline.shape {
         Shape::Disc(_) => half * Vec2::new(0.82, 0.56),
@@ -106,11 +99,12 @@ pub fn draw_outline(class: &str, outline: &Outline, inset: f32, canvas: &mut Can
 }
 
 /// Draws a label inside a rectangle, in one line or two.
-fn draw_label(class: &str, label: &str, center: Vec2, half: Vec2, canvas: &mut Canvas) {
+pub fn draw_label(class: &str, label: &str, center: Vec2, half: Vec2, canvas: &mut Canvas) {
     draw_fitted(class, label, center, half, MAX_LABEL_SIZE, canvas);
 }
 
-fn draw_fitted(
+/// Draws a text inside a rectangle, with a maximum size.
+pub fn draw_fitted(
     class: &str,
     text: &str,
     center: Vec2,

@@ -1,0 +1,61 @@
+//! The frame of a palm, measured and of a hand that types.
+
+use glam::{Mat3, Quat, Vec3};
+use parry3d::math::Pose;
+
+use super::median_position;
+use crate::estimate::{Estimate, JointAngles};
+use crate::hand::{Dof, Joint, JointPositions, Side};
+use crate::kinematics::{ArmModel, typing_angle};
+use crate::time::Timestamp;
+
+/// The joints of a palm: wrist, then the knuckles of index, middle and little finger.
+const PALM: [Joint; 4] = [
+    Joint::Wrist,
+    Joint::IndexPhalanxProximal,
+    Joint::MiddlePhalanxProximal,
+    Joint::LittlePhalanxProximal,
+];
+
+/// Returns the frame of a palm: X across the knuckles to the right of a hand whose palm is down, Y from the wrist to the fingers, Z out
+/// of the back of the hand. `None` if the joints are on a line.
+fn palm_frame([wrist, index, middle, little]: [Vec3; 4], side: Side) -> Option<Pose> {
+    let away = (middle - wrist).try_normalize()?;
+    let across = match side {
+        Side::Right => little - index,
+        Side::Left => index - little,
+    };
+    let up = across.cross(away).try_normalize()?;
+    let axes = Mat3::from_cols(away.cross(up), away, up);
+    Some(Pose::from_parts(middle, Quat::from_mat3(&axes)))
+}
+
+/// Returns `world_from_palm` of a hand that was still during the readings: its origin at the knuckle of the middle finger, X to the
+/// right of a hand whose palm is down, Y from the wrist to the fingers, Z out of the back of the hand. `None` if fewer than ten
+/// readings show the palm.
+pub fn measure_palm(readings: &[JointPositions], side: Side) -> Option<Pose> {
+    let joints = PALM.map(|joint| median_position(readings, joint));
+    let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
+        return None;
+    };
+    let joints = [wrist, index, middle, little].map(|it| it.as_vec3());
+    palm_frame(joints, side)
+}
+
+/// Returns the frame of the palm relative to the elbow (`elbow_from_palm`, see [`measure_palm`]) in the typing posture with the forearm
+/// straight forward, for which layouts are drawn. `None` if the model lacks these joints.
+pub fn typing_palm(arm: &ArmModel) -> Option<Pose> {
+    let mut angles = JointAngles::default();
+    for &dof in Dof::ALL {
+        angles.set(dof, typing_angle(dof));
+    }
+    angles.set(Dof::ElbowFlexion, 0.0);
+    let typing = arm.forward(&Estimate::new(Timestamp(0), angles));
+    let elbow = typing.position(Joint::Elbow)?;
+    let joints = PALM.map(|joint| typing.position(joint));
+    let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
+        return None;
+    };
+    let joints = [wrist, index, middle, little].map(|it| it - elbow);
+    palm_frame(joints, arm.side())
+}

@@ -1,0 +1,158 @@
+//! How far each finger has bent lately: what tells a finger that presses from its neighbors that follow.
+
+use std::time::Duration;
+
+use parry3d::math::Vec3;
+
+use crate::hand::{Finger, FingerSet, Joint, Side};
+use crate::kinematics::HandPose;
+
+/// The time constant of the memory, in seconds: a fast tap goes down within 50 to 100 ms.
+const MEMORY: f32 = 0.08;
+
+/// The least way of a finger, in metres, that counts as pressing: above the noise of a camera.
+const LEAST_WAY: f32 = 0.004;
+
+/// The part of the way of another finger below which a finger follows it. Neighbors follow a pressing finger by up to 0.45
+/// of its bend (Zatsiorsky, Li & Latash 1998), and 10 to 25 ms later.
+const FOLLOWS: f32 = 0.5;
+
+/// The ways of the fingertips of one hand out of the plane of its palm, with a memory that fades. Movements of the whole hand do
+/// not count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Flexion {
+    known: FingerSet,
+    /// The heights of the fingertips below the palm, from their knuckles, in the last pose, in metres.
+    heights: [f32; Finger::COUNT],
+    /// The sums of their changes, positive for a bend.
+    ways: [f32; Finger::COUNT],
+}
+
+impl Flexion {
+    /// Appends a pose, `gap` after the last one. A finger that is not known in two poses in a row has no way.
+    pub fn push(&mut self, pose: &HandPose, gap: Duration) {
+        let kept = (-gap.as_secs_f32() / MEMORY).exp();
+        let palmar = palmar(pose);
+        for &finger in Finger::ALL {
+            let index = finger.index();
+            let ends = pose.fingertip(finger).zip(pose.position(knuckle(finger)));
+            let height = ends.zip(palmar);
+            let height = height.map(|((tip, knuckle), palmar)| (tip - knuckle).dot(palmar));
+            let Some(now) = height.filter(|height| height.is_finite()) else {
+                self.known = self.known.without(finger);
+                self.ways[index] = 0.0;
+                continue;
+            };
+            self.ways[index] = if self.known.contains(finger) && !pose.jumped {
+                self.ways[index] * kept + (now - self.heights[index])
+            } else {
+                0.0
+            };
+            self.heights[index] = now;
+            self.known = self.known.with(finger);
+        }
+    }
+
+    /// Returns whether a finger follows another one, which bends at least twice as far.
+    pub fn follows(&self, finger: Finger) -> bool {
+        let own = self.ways[finger.index()];
+        let others = Finger::ALL.iter().filter(|other| **other != finger);
+        let furthest = others.map(|other| self.ways[other.index()]);
+        let furthest = furthest.fold(0.0, f32::max);
+        self.known.contains(finger) && furthest > LEAST_WAY && own < FOLLOWS * furthest
+    }
+}
+
+/// Returns the direction out of the palm (world, unit length), or `None` if the palm is not known.
+fn palmar(pose: &HandPose) -> Option<Vec3> {
+    let wrist = pose.position(Joint::Wrist)?;
+    let index = pose.position(knuckle(Finger::Index))? - wrist;
+    let little = pose.position(knuckle(Finger::Little))? - wrist;
+    let normal = index.cross(little).try_normalize()?;
+    Some(match pose.side {
+        Side::Right => normal,
+        Side::Left => -normal,
+    })
+}
+
+/// Returns the joint around which a whole finger bends.
+const fn knuckle(finger: Finger) -> Joint {
+    match finger {
+        Finger::Thumb => Joint::ThumbPhalanxProximal,
+        Finger::Index => Joint::IndexPhalanxProximal,
+        Finger::Middle => Joint::MiddlePhalanxProximal,
+        Finger::Ring => Joint::RingPhalanxProximal,
+        Finger::Little => Joint::LittlePhalanxProximal,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::{Pose, Rotation};
+
+    use super::*;
+    use crate::time::Timestamp;
+
+    /// A hand whose fingers are bent by these millimetres, turned about its wrist.
+    fn pose(side: Side, ways: [f32; Finger::COUNT], turn: f32) -> HandPose {
+        let mut pose = HandPose::new(Timestamp(0), side, 0.008);
+        let mirror = if side == Side::Right { 1.0 } else { -1.0 };
+        let turned = Rotation::from_rotation_x(turn);
+        let mut set = |joint, at: Vec3| pose.set(joint, Pose::from_translation(turned * at));
+        set(Joint::Wrist, Vec3::ZERO);
+        for &finger in Finger::ALL {
+            let across = (finger.index() as f32 - 2.0) * 0.02 * mirror;
+            let base = Vec3::new(across, 0.0, -0.08);
+            set(knuckle(finger), base);
+            let bend = ways[finger.index()] * 1e-3;
+            set(
+                Joint::tip(finger),
+                base + Vec3::new(0.0, -0.03 - bend, -0.06),
+            );
+        }
+        pose
+    }
+
+    /// The flexion after fingers have bent by these millimetres in 40 ms, while the hand has turned.
+    fn after(side: Side, ways: [f32; Finger::COUNT], turn: f32) -> Flexion {
+        let mut flexion = Flexion::default();
+        for step in 0..=8 {
+            let part = step as f32 / 8.0;
+            let pose = pose(side, ways.map(|way| way * part), turn * part);
+            flexion.push(&pose, Duration::from_millis(5));
+        }
+        flexion
+    }
+
+    #[test]
+    fn a_neighbor_follows_and_a_finger_of_a_chord_does_not() {
+        for side in [Side::Right, Side::Left] {
+            for turn in [0.0, 0.3] {
+                let flexion = after(side, [0.0, 15.0, 6.0, 12.0, -2.0], turn);
+                let followers = Finger::ALL.iter().filter(|it| flexion.follows(**it));
+                let followers: Vec<Finger> = followers.copied().collect();
+                assert_eq!(followers, [Finger::Thumb, Finger::Middle, Finger::Little]);
+            }
+        }
+    }
+
+    #[test]
+    fn fingers_of_a_hand_that_goes_down_as_a_whole_do_not_follow() {
+        let flexion = after(Side::Right, [0.0, 1.0, 0.5, 0.0, 3.0], 0.4);
+        assert!(!Finger::ALL.iter().any(|it| flexion.follows(*it)));
+    }
+
+    #[test]
+    fn a_way_fades_and_a_jump_forgets_it() {
+        let ways = [0.0, 15.0, 0.0, 0.0, 0.0];
+        let mut flexion = after(Side::Right, ways, 0.0);
+        assert!(flexion.follows(Finger::Middle));
+        let mut pose = pose(Side::Right, ways, 0.0);
+        let mut later = flexion;
+        later.push(&pose, Duration::from_millis(300));
+        assert!(!later.follows(Finger::Middle));
+        pose.jumped = true;
+        flexion.push(&pose, Duration::from_millis(5));
+        assert!(!flexion.follows(Finger::Middle));
+    }
+}

@@ -1,0 +1,164 @@
+//! Taps as strokes: a fingertip that has gone through the front of a key, until it is known which key it means.
+//!
+//! A person means the lowest point of a stroke, not the point at which the fingertip passes the plane of the keys. A stroke presses
+//! at the press depth if the way so far leads to one key, clear of its edge; else as soon as the fingertip turns. A finger that
+//! follows another one, and one that sinks slowly, presses nothing.
+
+use std::time::Duration;
+
+use parry3d::math::{Vec2, Vec3};
+
+use super::target::Target;
+use super::tracker::TargetLocation;
+use crate::time::Timestamp;
+
+/// The longest time for which a stroke waits for its turn after it has passed the press depth: a finger turns within 40 to
+/// 60 ms.
+const MAX_WAIT: Duration = Duration::from_millis(60);
+
+/// The slowest stroke, in metres per second at its fastest: a resting finger sinks by 1 to 10 mm a second.
+const SLOWEST: f32 = 0.02;
+
+/// The part of the highest speed below which a stroke has come to its turn: within the last 2 % of a movement of minimum jerk.
+const AT_TURN: f32 = 0.2;
+
+/// The rise from the deepest point, in metres, that is a turn.
+const RISE: f32 = 0.0005;
+
+/// The way along the board, in metres, of a hand that passes by: half the pitch of a keyboard. A fingertip slips by up to 4 mm.
+const PASS: f32 = 0.0095;
+
+/// The speed along the board, in metres per second, of a hand that passes by; a slip has 0.2.
+const PASSING_SPEED: f32 = 0.8;
+
+/// The depth behind the travel, in metres, up to which the way of a stroke is extended: people press 4 to 10 mm deeper.
+const BEYOND_TRAVEL: f32 = 0.004;
+
+/// The distance from the edge of its key that the end of the way needs, in metres.
+const CLEAR_OF_EDGE: f32 = 0.0015;
+
+/// A fingertip that has entered a front and has not pressed yet. Points are positions of its pad in the frame of the entered target, in
+/// metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stroke {
+    /// The target whose front it entered.
+    pub location: TargetLocation,
+    /// The last point above the front, and the point at which it passed the front.
+    above: Vec3,
+    entry: Vec3,
+    /// The deepest point so far, and the point before it.
+    deepest: Vec3,
+    before: Vec3,
+    /// The point after the deepest one, once there is one.
+    after: Option<Vec3>,
+    /// The highest speed inwards, in metres per second.
+    fastest: f32,
+    /// The speed inwards in the last step.
+    speed: f32,
+    /// The speeds inwards and along the board in the step to the deepest point.
+    deepening: [f32; 2],
+    /// The time at which it passed the press depth.
+    pub passed: Option<Timestamp>,
+    /// It presses nothing until it is above the front again.
+    pub is_spent: bool,
+}
+
+impl Stroke {
+    /// Creates the stroke of a pad that enters a front at a point, in the step from another point.
+    pub fn new(location: TargetLocation, above: Vec3, entry: Vec3) -> Self {
+        Self {
+            location,
+            above,
+            entry,
+            deepest: above,
+            before: above,
+            after: None,
+            fastest: 0.0,
+            speed: 0.0,
+            deepening: [0.0; 2],
+            passed: None,
+            is_spent: false,
+        }
+    }
+
+    /// Appends a step of a duration in seconds.
+    pub fn push(&mut self, [from, to]: [Vec3; 2], seconds: f32) {
+        self.speed = if seconds > 0.0 {
+            (from.z - to.z) / seconds
+        } else {
+            0.0
+        };
+        self.fastest = self.fastest.max(self.speed);
+        if to.z < self.deepest.z {
+            let along = (to - from).truncate().length();
+            self.deepening = if seconds > 0.0 {
+                [self.speed, along / seconds]
+            } else {
+                [0.0; 2]
+            };
+            self.before = from;
+            self.deepest = to;
+            self.after = None;
+        } else {
+            self.after.get_or_insert(to);
+        }
+    }
+
+    /// Returns the greatest depth so far, in metres.
+    pub fn depth(&self) -> f32 {
+        -self.deepest.z
+    }
+
+    /// Returns whether it is fast enough for a tap.
+    pub fn is_fast(&self) -> bool {
+        self.fastest >= SLOWEST
+    }
+
+    /// Returns whether the fingertip has turned, comes to rest, or has gone on for so long that its present point counts.
+    pub fn has_turned(&self, at: Vec3, now: Timestamp) -> bool {
+        let is_late = self
+            .passed
+            .is_some_and(|passed| now.since(passed) >= MAX_WAIT);
+        is_late || at.z > self.deepest.z + RISE || self.speed < AT_TURN * self.fastest
+    }
+
+    /// Returns whether the fingertip has passed below the plane of the keys on its way along the board, instead of going down.
+    pub fn is_pass(&self) -> bool {
+        let [inward, along] = self.deepening;
+        let way = (self.deepest - self.entry).truncate().length();
+        way > PASS || along > PASSING_SPEED.max(inward)
+    }
+
+    /// Returns the lowest point of a parabola through the deepest pad and its neighbors in time.
+    pub fn turn(&self) -> Vec3 {
+        let Some(after) = self.after else {
+            return self.deepest;
+        };
+        let [before, deepest] = [self.before, self.deepest];
+        let curvature = before.z - 2.0 * deepest.z + after.z;
+        if curvature <= f32::EPSILON {
+            return deepest;
+        }
+        let t = (0.5 * (before.z - after.z) / curvature).clamp(-0.5, 0.5);
+        let slope = 0.5 * (after - before);
+        let bend = 0.5 * (before - 2.0 * deepest + after);
+        deepest + slope * t + bend * (t * t)
+    }
+
+    /// Returns the point at which the way so far ends, at the usual depth of taps on a target.
+    pub fn end_of_way(&self, at: Vec3, target: &Target) -> Vec3 {
+        let way = at - self.above;
+        let left = (at.z + target.travel + BEYOND_TRAVEL).max(0.0);
+        if way.z < -f32::EPSILON {
+            at + way * (left / -way.z)
+        } else {
+            at
+        }
+    }
+}
+
+/// Returns whether a point on the front of a target is clear of the edge of its part of the board.
+pub(super) fn is_clear_of_edge(target: &Target, point: Vec2) -> bool {
+    let (center, half) = target.entrance();
+    (point - center).abs().cmplt(half - CLEAR_OF_EDGE).all()
+}

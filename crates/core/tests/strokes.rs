@@ -1,0 +1,336 @@
+//! Keys that strokes press: where a fingertip turns, not where it passes the plane of the keys.
+
+use ademan_core::contact::surface::{Anchor, Scene, Shape, Share, TREMOR_MARGIN, Target};
+use ademan_core::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
+use ademan_core::hand::{Finger, Joint, Side};
+use ademan_core::kinematics::HandPose;
+use ademan_core::time::Timestamp;
+use parry3d::math::{Pose, Rotation, Vec2, Vec3};
+
+const RADIUS: f32 = 0.006;
+const PITCH: f32 = 0.019;
+/// Microseconds between two poses.
+const STEP: u64 = 5_000;
+/// A fingertip that is out of the way.
+const AWAY: Vec3 = Vec3::new(0.0, -0.3, 0.05);
+
+const KNUCKLES: [Joint; Finger::COUNT] = [
+    Joint::ThumbPhalanxProximal,
+    Joint::IndexPhalanxProximal,
+    Joint::MiddlePhalanxProximal,
+    Joint::RingPhalanxProximal,
+    Joint::LittlePhalanxProximal,
+];
+
+/// A row of five keys on a board that faces up. Its X is X of the world, its Y is −Z of the world, and key 0 is at the origin.
+struct Row {
+    scene: Scene,
+    tracker: ContactTracker,
+    time: u64,
+    touches: Vec<Touch>,
+}
+
+/// Points of the pads on the board of some fingers, in metres; others are away.
+type Pads<'a> = &'a [(Finger, Vec3)];
+
+impl Row {
+    fn new(is_struck: bool) -> Self {
+        let key = |index: u32| Target {
+            shape: Shape::Box(Vec2::splat(0.0085)),
+            share: Share {
+                low: Vec2::splat(0.001),
+                high: Vec2::splat(0.001),
+            },
+            surface_from_target: Pose::from_translation(Vec3::X * PITCH * index as f32),
+            travel: 0.004,
+            press_at: 0.5,
+            release_at: 0.25,
+            margin: TREMOR_MARGIN,
+        };
+        let mut scene = Scene::new();
+        let up = Pose::from_rotation(Rotation::from_rotation_x(-std::f32::consts::FRAC_PI_2));
+        scene.add_surface(Anchor::World, up, (0..5).map(key).collect());
+        for index in (0..5).filter(|_| is_struck) {
+            scene.set_struck(TargetId(index));
+        }
+        Self {
+            tracker: ContactTracker::new(&scene),
+            scene,
+            time: 0,
+            touches: Vec::new(),
+        }
+    }
+
+    /// Shows a hand. Knuckles are 30 mm above the plane of the keys and 60 mm behind the row, unless the hand is lowered.
+    fn show(&mut self, pads: Pads, lowered: f32) {
+        self.time += STEP;
+        let mut pose = HandPose::new(Timestamp(self.time), Side::Right, RADIUS);
+        let up = self.scene.surfaces()[0].anchor_from_surface();
+        let mut set = |joint, at: Vec3| pose.set(joint, Pose::from_translation(up * at));
+        let height = 0.03 - lowered;
+        set(Joint::Wrist, Vec3::new(0.0, -0.14, height));
+        for &finger in Finger::ALL {
+            let x = PITCH * finger.index() as f32;
+            set(KNUCKLES[finger.index()], Vec3::new(x, -0.06, height));
+            let pad = pads.iter().find(|(other, _)| *other == finger);
+            let pad = pad.map_or(AWAY - Vec3::Z * lowered, |(_, pad)| *pad);
+            set(Joint::tip(finger), pad + Vec3::Z * RADIUS);
+        }
+        self.update(&pose);
+    }
+
+    fn update(&mut self, pose: &HandPose) {
+        let mut touches = Touches::new();
+        self.tracker.update(&self.scene, pose, &mut touches);
+        self.touches.extend(touches);
+    }
+
+    /// Moves fingers by minimum jerk from points to points in milliseconds.
+    fn go(&mut self, ways: &[(Finger, Vec3, Vec3)], milliseconds: u64) {
+        let steps = milliseconds * 1_000 / STEP;
+        for step in 1..=steps {
+            let t = step as f32 / steps as f32;
+            let part = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+            let at = |&(finger, from, to): &(Finger, Vec3, Vec3)| (finger, from.lerp(to, part));
+            self.show(&ways.iter().map(at).collect::<Vec<_>>(), 0.0);
+        }
+    }
+
+    /// Goes down to points and up again to above them.
+    fn tap(&mut self, ways: &[(Finger, Vec3, Vec3)]) {
+        self.go(ways, 60);
+        let back = ways
+            .iter()
+            .map(|&(finger, from, to)| (finger, to, to.truncate().extend(from.z)));
+        self.go(&back.collect::<Vec<_>>(), 60);
+    }
+
+    fn pressed(&self) -> Vec<(Finger, u32)> {
+        let pressed = self
+            .touches
+            .iter()
+            .filter(|touch| touch.phase == Phase::Pressed);
+        pressed
+            .map(|touch| (touch.finger, touch.target.0))
+            .collect()
+    }
+
+    fn phases(&self) -> Vec<Phase> {
+        let phases = self.touches.iter().map(|touch| touch.phase);
+        phases.filter(|phase| *phase != Phase::Moved).collect()
+    }
+}
+
+/// Returns a point above or behind a key, in millimetres from its center.
+fn at(key: u32, x: f32, z: f32) -> Vec3 {
+    Vec3::new(PITCH * key as f32 + x * 1e-3, 0.0, z * 1e-3)
+}
+
+#[test]
+fn the_lowest_point_counts_and_not_the_point_at_the_plane() {
+    // It passes the plane above key 1, 1 mm from the edge, and turns above key 2.
+    let way = [(Finger::Index, at(1, 6.0, 15.0), at(2, -8.0, -9.0))];
+    for (is_struck, key) in [(true, 2), (false, 1)] {
+        let mut row = Row::new(is_struck);
+        row.tap(&way);
+        assert_eq!(row.pressed(), [(Finger::Index, key)], "{is_struck}");
+    }
+}
+
+#[test]
+fn a_stroke_that_means_one_key_presses_at_the_press_depth() {
+    let time = |is_struck| {
+        let mut row = Row::new(is_struck);
+        row.tap(&[(Finger::Index, at(1, 0.0, 15.0), at(1, 2.0, -8.0))]);
+        let phases = [Phase::Touched, Phase::Pressed, Phase::Released, Phase::Left];
+        assert_eq!(row.phases(), phases);
+        let pressed = row
+            .touches
+            .iter()
+            .find(|touch| touch.phase == Phase::Pressed);
+        let released = row
+            .touches
+            .iter()
+            .find(|touch| touch.phase == Phase::Released);
+        (pressed.unwrap().time, released.unwrap().time)
+    };
+    assert_eq!(time(true), time(false));
+}
+
+#[test]
+fn neighbors_that_follow_press_nothing_and_a_chord_presses_two() {
+    let ways = |second: f32| {
+        [
+            (Finger::Index, at(1, 0.0, 15.0), at(1, 0.0, -8.0)),
+            (Finger::Middle, at(2, 0.0, 4.0), at(2, 0.0, 4.0 - second)),
+        ]
+    };
+    // 9 of 23 mm, and 20 mm.
+    for (second, expected) in [(9.0, &[1][..]), (20.0, &[1, 2])] {
+        let mut row = Row::new(true);
+        row.go(&ways(second), 60);
+        // The middle finger stays down longer.
+        let [index, middle] = ways(second);
+        row.go(
+            &[
+                (Finger::Index, index.2, index.1),
+                (Finger::Middle, middle.2, middle.2),
+            ],
+            60,
+        );
+        row.go(&[(Finger::Middle, middle.2, middle.2)], 300);
+        row.go(&[(Finger::Middle, middle.2, middle.1)], 60);
+        let mut keys: Vec<u32> = row.pressed().into_iter().map(|(_, key)| key).collect();
+        keys.sort_unstable();
+        assert_eq!(keys, expected, "{second}");
+    }
+}
+
+#[test]
+fn a_resting_finger_presses_nothing() {
+    let mut row = Row::new(true);
+    let (start, deep) = (at(1, 0.0, 2.0), at(1, 0.0, -3.0));
+    row.go(&[(Finger::Index, start, deep)], 2_000);
+    row.go(&[(Finger::Index, deep, start)], 500);
+    assert_eq!(row.pressed(), []);
+    // It presses once it taps.
+    row.tap(&[(Finger::Index, start, at(1, 0.0, -6.0))]);
+    assert_eq!(row.pressed(), [(Finger::Index, 1)]);
+}
+
+#[test]
+fn a_hand_that_passes_below_the_plane_presses_nothing() {
+    let mut row = Row::new(true);
+    row.go(&[(Finger::Index, at(0, -5.0, 8.0), at(2, 0.0, -3.0))], 60);
+    row.go(&[(Finger::Index, at(2, 0.0, -3.0), at(4, 5.0, 8.0))], 60);
+    assert_eq!(row.pressed(), []);
+}
+
+#[test]
+fn a_stroke_that_does_not_turn_presses_within_70_ms() {
+    let mut row = Row::new(true);
+    // Towards the edge, at 60 mm a second.
+    let way = [(Finger::Index, at(1, 9.0, 6.0), at(1, 9.4, -30.0))];
+    row.go(&[(way[0].0, way[0].1, way[0].1)], 20);
+    let (from, to) = (way[0].1, way[0].2);
+    for step in 1..=120 {
+        row.show(&[(Finger::Index, from.lerp(to, step as f32 / 120.0))], 0.0);
+    }
+    let touched = row
+        .touches
+        .iter()
+        .find(|touch| touch.phase == Phase::Pressed);
+    // 8 mm to the press depth take 133 ms.
+    let passed = 20_000 + STEP + 8 * 1_000_000 / 60;
+    let waited = touched.expect("a press").time.0.saturating_sub(passed);
+    assert!((30_000..70_000).contains(&waited), "{waited} µs");
+}
+
+#[test]
+fn a_finger_that_is_lost_above_the_press_depth_presses_nothing() {
+    let mut row = Row::new(true);
+    // At the edge, so that it waits for its turn.
+    let way = [(Finger::Index, at(1, 9.0, 15.0), at(1, 9.4, -9.0))];
+    row.go(&way, 60);
+    assert_eq!(row.pressed(), [(Finger::Index, 1)], "it turns");
+    let mut row = Row::new(true);
+    for step in 1..=8 {
+        row.show(
+            &[(Finger::Index, at(1, 9.4, 15.0 - 2.0 * step as f32))],
+            0.0,
+        );
+    }
+    assert!(row.touches.is_empty(), "{:?}", row.touches);
+    for _ in 0..20 {
+        row.time += STEP;
+        row.update(&HandPose::new(Timestamp(row.time), Side::Right, RADIUS));
+    }
+    row.show(&[(Finger::Index, at(1, 0.0, 15.0))], 0.0);
+    assert!(row.touches.is_empty(), "{:?}", row.touches);
+}
+
+#[test]
+fn a_hand_that_is_lost_releases_what_a_stroke_pressed() {
+    let mut row = Row::new(true);
+    row.go(&[(Finger::Index, at(1, 0.0, 15.0), at(1, 0.0, -8.0))], 60);
+    assert_eq!(row.pressed().len(), 1);
+    for _ in 0..20 {
+        row.time += STEP;
+        row.update(&HandPose::new(Timestamp(row.time), Side::Right, RADIUS));
+    }
+    assert_eq!(row.phases().last(), Some(&Phase::Cancelled));
+    assert!(row.tracker.is_idle());
+}
+
+/// Shares of the bend of a finger (row) by which the others follow it: the upper ends of the bands of Zatsiorsky, Li & Latash (1998)
+/// as the lab has them.
+const SHARES: [[f32; Finger::COUNT]; Finger::COUNT] = [
+    [1.0, 0.05, 0.05, 0.05, 0.05],
+    [0.05, 1.0, 0.20, 0.10, 0.07],
+    [0.05, 0.15, 1.0, 0.30, 0.12],
+    [0.05, 0.08, 0.30, 1.0, 0.40],
+    [0.05, 0.07, 0.15, 0.45, 1.0],
+];
+
+/// Taps of fingers that rest 1 mm above keys of their own, with neighbors that follow 15 ms later by their shares times a scale.
+/// Returns F1 of the presses, and the presses that nobody meant by tap.
+fn detection(is_struck: bool, scale: f32, noise: f32) -> (f32, f32) {
+    const TAPS: usize = 1_500;
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut row = Row::new(is_struck);
+    let (mut hits, mut phantoms) = (0, 0);
+    for _ in 0..TAPS {
+        let master = random.usize(..Finger::COUNT);
+        let depth = 5.0 + 5.0 * random.f32();
+        // 40 ms up by 5 mm, 60 ms down, 30 ms there, 60 ms up to where it rests.
+        let height = |ms: f32| {
+            let part = |from: f32, time: f32| {
+                let t = ((ms - from) / time).clamp(0.0, 1.0);
+                t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
+            };
+            5.0 * part(0.0, 40.0) - (6.0 + depth) * part(40.0, 60.0)
+                + (1.0 + depth) * part(130.0, 60.0)
+        };
+        row.touches.clear();
+        for step in 0..52 {
+            let ms = step as f32 * 5.0;
+            let pads = Finger::ALL.iter().map(|&finger| {
+                let share = match finger.index() == master {
+                    true => height(ms),
+                    false => scale * SHARES[master][finger.index()] * height(ms - 15.0),
+                };
+                let mut shake = || noise * ((0..12).map(|_| random.f32()).sum::<f32>() - 6.0);
+                let shake = Vec3::new(shake(), shake(), shake());
+                (finger, at(finger.index() as u32, 0.0, 1.0 + share) + shake)
+            });
+            let pads: Vec<(Finger, Vec3)> = pads.collect();
+            row.show(&pads, 0.0);
+        }
+        let own = row
+            .pressed()
+            .iter()
+            .filter(|(_, key)| *key as usize == master)
+            .count();
+        hits += own.min(1);
+        phantoms += row.pressed().len() - own.min(1);
+    }
+    let f1 = 2.0 * hits as f32 / (TAPS + hits + phantoms) as f32;
+    (f1, phantoms as f32 / TAPS as f32)
+}
+
+#[test]
+fn taps_of_resting_hands_are_told_from_fingers_that_follow() {
+    for (scale, noise, least) in [(0.3, 1e-4, 0.999), (0.6, 1e-4, 0.995), (1.0, 1e-4, 0.9)] {
+        let (plane, stroke) = (
+            detection(false, scale, noise),
+            detection(true, scale, noise),
+        );
+        println!(
+            "scale {scale}, noise {noise} m: plane {plane:.4?}, stroke {stroke:.4?} (F1, phantom presses by tap)"
+        );
+        assert!(
+            stroke.0 >= least && stroke.0 >= plane.0,
+            "{plane:?} {stroke:?}"
+        );
+    }
+}

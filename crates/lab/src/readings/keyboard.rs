@@ -1,0 +1,83 @@
+//! The places of keys that type a character, in millimetres.
+
+use parry3d::math::Vec2;
+
+use crate::contact::TargetId;
+use crate::device::{KeyAction, KeyCode};
+use crate::layout::Layout;
+
+/// A tap of a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touch {
+    /// What the key types.
+    pub(crate) character: char,
+    /// The index of the board.
+    pub(crate) board: usize,
+    /// The place on it, in millimetres.
+    pub(crate) at: Vec2,
+}
+
+#[derive(Clone, Debug)]
+struct KeyPlace {
+    target: TargetId,
+    character: char,
+    board: usize,
+    center: Vec2,
+}
+
+/// The keys of a layout that type a character in the base layer.
+#[derive(Clone, Debug)]
+pub(crate) struct KeyPlaces(Vec<KeyPlace>);
+
+impl KeyPlaces {
+    pub(crate) fn new(layout: &Layout) -> Self {
+        let mut places = Vec::new();
+        for (board, own) in layout.boards.iter().enumerate() {
+            for key in &layout.keys[own.keys.clone()] {
+                let character = match key.action(0) {
+                    Some(KeyAction::Key(KeyCode::BACKSPACE)) => Some('\u{8}'),
+                    Some(KeyAction::Key(code)) => {
+                        let character = code.us_character(false);
+                        character.filter(|character| !character.is_control())
+                    }
+                    _ => None,
+                };
+                places.extend(character.map(|character| KeyPlace {
+                    target: key.face.target,
+                    character,
+                    board,
+                    center: key.face.row_position * 1e3,
+                }));
+            }
+        }
+        Self(places)
+    }
+
+    fn place(&self, target: TargetId) -> Option<&KeyPlace> {
+        self.0.iter().find(|place| place.target == target)
+    }
+
+    /// Returns the tap of a target at a point from its center, in metres; `None` if its key types nothing.
+    pub(crate) fn touch(&self, target: TargetId, point: Vec2) -> Option<Touch> {
+        let place = self.place(target)?;
+        Some(Touch {
+            character: place.character,
+            board: place.board,
+            at: place.center + point * 1e3,
+        })
+    }
+
+    /// Returns the board and the center of the key of a character, in millimetres.
+    pub(crate) fn center(&self, character: char) -> Option<(usize, Vec2)> {
+        let place = self.0.iter().find(|place| place.character == character)?;
+        Some((place.board, place.center))
+    }
+}
+
+/// Adds a character to a text; a Backspace removes the last one.
+pub(super) fn write(text: &mut String, character: char) {
+    match character {
+        '\u{8}' => _ = text.pop(),
+        other => text.push(other),
+    }
+}

@@ -1,0 +1,113 @@
+//! A trial of a participant.
+
+use serde::{Deserialize, Serialize};
+
+use crate::measures::PointingResult;
+use crate::sim::TypingScore;
+
+/// The kind of a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TrialKind {
+    /// A phrase of the study.
+    Phrase,
+    /// A ring of targets.
+    Targets,
+    /// A value of a slider or knob.
+    Value,
+    /// A practice session, with a text of its own.
+    Practice,
+}
+
+impl TrialKind {
+    /// Returns the name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Phrase => "phrase",
+            Self::Targets => "targets",
+            Self::Value => "value",
+            Self::Practice => "practice",
+        }
+    }
+}
+
+/// What a participant did in a trial. Numbers that a kind of trial does not have are `None`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// The pseudonym.
+    pub participant: String,
+    /// The number of trials of the participant before.
+    pub order: usize,
+    /// The name of the layout.
+    pub layout: String,
+    /// The kind.
+    pub kind: TrialKind,
+    /// The index of the task on its layout; `None` for practice.
+    pub task: Option<usize>,
+    /// The time of its end, in UTC.
+    pub time: String,
+    /// A simulated hand did it.
+    pub is_simulated: bool,
+    /// The version of the program.
+    pub program_version: String,
+    /// The time from the first to the last event, in seconds.
+    pub seconds: f64,
+    /// What was to be typed; absent for practice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presented: Option<String>,
+    /// What was typed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub typed: Option<String>,
+    /// Characters to be typed.
+    pub characters: Option<usize>,
+    /// Characters in place of another one.
+    pub substitutions: Option<usize>,
+    /// Characters too many.
+    pub insertions: Option<usize>,
+    /// Characters that are missing.
+    pub deletions: Option<usize>,
+    /// Keys that went down.
+    pub keystrokes: Option<usize>,
+    /// Of these, presses of Backspace.
+    pub backspaces: Option<usize>,
+    /// Words of correct text per minute.
+    pub wpm: Option<f64>,
+    /// The clicks on a ring.
+    pub pointing: Option<PointingResult>,
+    /// The value that was to be set, and the one that was.
+    pub value: Option<[f64; 2]>,
+    /// The file of the recording beside the trial, if there is one.
+    pub recording: Option<String>,
+}
+
+impl Trial {
+    /// Sets the figures of a typed text.
+    pub fn set_typing(&mut self, score: &TypingScore) {
+        let edits = score.edits;
+        self.characters = Some(score.presented.chars().count());
+        self.substitutions = Some(edits.substitutions);
+        self.insertions = Some(edits.insertions);
+        self.deletions = Some(edits.deletions);
+        self.wpm = Some(score.words_per_minute);
+        self.presented = Some(score.presented.clone());
+        self.typed = Some(score.typed.clone());
+    }
+
+    /// Returns insertions, deletions and substitutions by presented characters.
+    pub fn cer(&self) -> Option<f64> {
+        let errors = self.substitutions? + self.insertions? + self.deletions?;
+        let characters = self.characters.filter(|it| *it > 0)?;
+        Some(errors as f64 / characters as f64)
+    }
+
+    /// Returns keystrokes by presented characters.
+    pub fn kspc(&self) -> Option<f64> {
+        let characters = self.characters.filter(|it| *it > 0)?;
+        Some(self.keystrokes? as f64 / characters as f64)
+    }
+
+    /// Returns the difference from the value that was to be set.
+    pub fn value_error(&self) -> Option<f64> {
+        self.value.map(|[goal, set]| (set - goal).abs())
+    }
+}

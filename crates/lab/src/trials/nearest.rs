@@ -1,0 +1,114 @@
+//! The text of the nearest keys: what perfect detection of taps without a decoder would type.
+
+use parry3d::math::{Vec2, Vec3};
+
+use super::observed::{Stroke, StrokeKind};
+use crate::contact::TargetId;
+use crate::contact::surface::{Scene, Surface};
+use crate::contact::sweep::distance_from_outline;
+use crate::device::{EventKind, KeyAction, KeyCode, OutputEvent};
+use crate::kinematics::HandPose;
+use crate::layout::Layout;
+use crate::sim::UsTextField;
+use crate::time::Timestamp;
+
+/// A text that is typed by pressing the nearest key of each tap, in the base layer. A modifier
+/// applies to the next key.
+struct NearestText<'a> {
+    layout: &'a Layout,
+    field: UsTextField,
+    modifier: Option<KeyCode>,
+}
+
+impl<'a> NearestText<'a> {
+    fn new(layout: &'a Layout) -> Self {
+        Self {
+            layout,
+            field: UsTextField::new(),
+            modifier: None,
+        }
+    }
+
+    /// Returns the text so far.
+    fn text(&self) -> &str {
+        self.field.text()
+    }
+
+    /// Presses the key that is nearest to a point of a target (metres from its center).
+    fn tap(&mut self, target: TargetId, point: Vec2) {
+        let Some((surface, meant)) = self.layout.scene.target(target) else {
+            return;
+        };
+        let on_board = meant.surface_from_target * point.extend(0.0);
+        let Some(nearest) = nearest_target(surface, on_board) else {
+            return;
+        };
+        let keys = &self.layout.keys;
+        let key = keys.iter().find(|key| key.face.target == nearest);
+        match key.and_then(|key| key.actions.first().copied().flatten()) {
+            Some(KeyAction::Key(code)) => self.press(code),
+            Some(KeyAction::Modifier(code, _)) => self.modifier = Some(code),
+            _ => {}
+        }
+    }
+
+    fn press(&mut self, code: KeyCode) {
+        let modifier = self.modifier.take();
+        modifier
+            .into_iter()
+            .for_each(|it| self.emit(EventKind::KeyDown(it)));
+        self.emit(EventKind::KeyDown(code));
+        self.emit(EventKind::KeyUp(code));
+        modifier
+            .into_iter()
+            .for_each(|it| self.emit(EventKind::KeyUp(it)));
+    }
+
+    fn emit(&mut self, kind: EventKind) {
+        self.field.handle(&OutputEvent {
+            time: Timestamp::default(),
+            kind,
+        });
+    }
+}
+
+/// Returns the target of a surface that is nearest to a point on it: the one whose outline is, then the one whose center is.
+fn nearest_target(surface: &Surface, point: Vec3) -> Option<TargetId> {
+    let distances = surface.targets().map(|(id, target)| {
+        let at = target.surface_from_target.inverse_transform_point(point);
+        let beside = distance_from_outline(target.shape, at.truncate());
+        (beside, at.truncate().length_squared(), id)
+    });
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    nearest.map(|(_, _, id)| id)
+}
+
+/// Returns the text that the nearest keys of strokes type, by a point of each from the center of what is meant.
+pub(super) fn text_of_nearest_keys(
+    layout: &Layout,
+    strokes: &[Stroke],
+    point: fn(&Stroke) -> Vec2,
+) -> String {
+    let mut strokes: Vec<&Stroke> = strokes.iter().collect();
+    strokes.sort_by(|a, b| a.bottom.total_cmp(&b.bottom));
+    let mut text = NearestText::new(layout);
+    for stroke in strokes {
+        if stroke.kind != StrokeKind::Shallow {
+            text.tap(stroke.target, point(stroke));
+        }
+    }
+    text.text().to_owned()
+}
+
+/// Returns the point of the shown pad from the center of what a stroke means, in metres.
+pub(super) fn shown_point(scene: &Scene, stroke: &Stroke, pose: &HandPose) -> Option<Vec2> {
+    let (surface, target) = scene.target(stroke.target)?;
+    let tip = pose.fingertip(stroke.finger)?;
+    let on_surface = surface
+        .world_from_surface(pose)?
+        .inverse_transform_point(tip);
+    let at = target
+        .surface_from_target
+        .inverse_transform_point(on_surface);
+    Some(at.truncate())
+}

@@ -1,0 +1,163 @@
+//! A person who reads what is typed, and corrects it.
+
+use crate::people::{Draw, Participant};
+
+/// The time without strokes after which a person corrects, in seconds.
+const STILL: f64 = 0.05;
+/// The most corrections of a phrase, as a multiple of its characters: a person who hits another key than Backspace gives up.
+const MOST: usize = 2;
+
+/// The next thing that a person does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Decision {
+    /// Go on.
+    Type,
+    /// Let the strokes end that have begun.
+    Wait,
+    /// Press Backspace a number of times, and type again from a character of the phrase.
+    Correct {
+        /// The number of Backspaces.
+        backspaces: usize,
+        /// The index of the character.
+        from: usize,
+    },
+}
+
+/// An error in the text.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    since: f64,
+    is_corrected: bool,
+}
+
+/// Reads the text of a phrase while it is typed.
+#[derive(Clone, Debug)]
+pub(super) struct Proofreader {
+    presented: Vec<char>,
+    probability: f64,
+    notice: f64,
+    /// The numbers of typed and of presented characters before which nothing is looked at any more.
+    settled: (usize, usize),
+    seen: Option<Seen>,
+    left: usize,
+}
+
+impl Proofreader {
+    /// Creates a reader; one that never corrects for a layout without Backspace.
+    pub(super) fn new(presented: &str, person: &Participant, has_backspace: bool) -> Self {
+        let presented: Vec<char> = presented.chars().collect();
+        Self {
+            probability: if has_backspace { person.corrects } else { 0.0 },
+            notice: person.notice_ms * 1e-3,
+            settled: (0, 0),
+            seen: None,
+            left: MOST * presented.len(),
+            presented,
+        }
+    }
+
+    /// Returns the time after the last stroke in which a last error is seen, in seconds; 0 for a person who does not correct.
+    pub(super) fn last_look(&self) -> f64 {
+        match self.probability > 0.0 {
+            true => self.notice + 2.0 * STILL,
+            false => 0.0,
+        }
+    }
+
+    /// Decides what to do at a time in seconds. `done` is the number of presented characters whose strokes have pressed, and `end` is
+    /// when the last stroke that has begun is over.
+    pub(super) fn decide(
+        &mut self,
+        typed: &str,
+        (now, end): (f64, f64),
+        done: usize,
+        draw: &mut Draw,
+    ) -> Decision {
+        if self.probability <= 0.0 || self.left == 0 {
+            return Decision::Type;
+        }
+        let Some((typed_before, right)) = self.first_error(typed) else {
+            self.seen = None;
+            return Decision::Type;
+        };
+        let seen = *self.seen.get_or_insert_with(|| Seen {
+            since: now,
+            is_corrected: draw.happens(self.probability),
+        });
+        if now < seen.since + self.notice {
+            return Decision::Type;
+        }
+        let length = typed.chars().count();
+        if !seen.is_corrected {
+            self.settled = (length, done);
+            self.seen = None;
+            return Decision::Type;
+        }
+        if now < end + STILL {
+            return Decision::Wait;
+        }
+        self.seen = None;
+        self.left -= 1;
+        Decision::Correct {
+            backspaces: length - typed_before,
+            from: right,
+        }
+    }
+
+    /// Returns the numbers of typed and of presented characters before the first that is wrong.
+    fn first_error(&self, typed: &str) -> Option<(usize, usize)> {
+        let (skipped, right) = self.settled;
+        let rest = self.presented.get(right..).unwrap_or_default();
+        let mut typed = typed.chars().skip(skipped).enumerate();
+        let wrong = typed.find(|(index, own)| rest.get(*index) != Some(own));
+        wrong.map(|(index, _)| (skipped + index, right + index))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::people::{People, population};
+
+    fn reader(corrects: f64) -> Proofreader {
+        let person = Participant {
+            corrects,
+            notice_ms: 300.0,
+            ..population(&People::Drawn(1), None, 1).remove(0)
+        };
+        Proofreader::new("abc", &person, true)
+    }
+
+    #[test]
+    fn an_error_is_corrected_when_it_was_noticed_and_the_hand_is_still() {
+        let mut draw = Draw::new(1, 1);
+        let mut careful = reader(1.0);
+        let mut decide = |typed, now, end| careful.decide(typed, (now, end), 1, &mut draw);
+        assert_eq!(decide("a", 1.0, 1.0), Decision::Type);
+        assert_eq!(decide("ax", 1.1, 1.2), Decision::Type);
+        assert_eq!(decide("ax", 1.45, 1.45), Decision::Wait);
+        let correct = Decision::Correct {
+            backspaces: 2,
+            from: 1,
+        };
+        assert_eq!(decide("axc", 1.6, 1.45), correct);
+        assert_eq!(decide("abc", 2.0, 1.9), Decision::Type);
+        // A character too many.
+        assert_eq!(decide("abcc", 2.1, 2.1), Decision::Type);
+        let correct = Decision::Correct {
+            backspaces: 1,
+            from: 3,
+        };
+        assert_eq!(decide("abcc", 2.6, 2.1), correct);
+    }
+
+    #[test]
+    fn a_person_who_never_corrects_types_on() {
+        let mut draw = Draw::new(1, 1);
+        let mut careless = reader(0.0);
+        for now in [1.0, 2.0, 9.0] {
+            let decision = careless.decide("xxx", (now, 0.0), 3, &mut draw);
+            assert_eq!(decision, Decision::Type);
+        }
+    }
+}

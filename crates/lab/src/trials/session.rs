@@ -1,0 +1,215 @@
+//! A phrase that is being typed: the pipeline, the strokes so far, and the text that they type.
+
+use parry3d::math::Vec3;
+
+use super::nearest::shown_point;
+use super::observed::{Observed, Stroke, StrokeKind};
+use super::phrase::Step;
+use super::station::Station;
+use crate::capture::{Reading, Sample};
+use crate::contact::{Phase, TargetId};
+use crate::device::{EventKind, Events};
+use crate::estimate::JointAngles;
+use crate::layout::Layout;
+use crate::people::Draw;
+use crate::pipeline::Pipeline;
+use crate::readings::{PlaneCrossing, SharedRecorder};
+use crate::sim::UsTextField;
+use crate::sim::fluent::StrokePlan;
+use crate::time::Timestamp;
+
+/// The longest time between the lowest point of a stroke and a press that it causes, in seconds.
+const CAUSED: f64 = 0.15;
+
+/// Everything that happens in a phrase.
+pub(super) struct Session<'a> {
+    pub(super) pipeline: Pipeline,
+    events: Events,
+    pub(super) field: UsTextField,
+    pub(super) strokes: Vec<Stroke>,
+    /// The time in seconds, the target, and the place on its board if a fingertip touched it (metres).
+    presses: Vec<(f64, TargetId, Option<Vec3>)>,
+    pub(super) keystrokes: usize,
+    pub(super) span: Option<(Timestamp, Timestamp)>,
+    pub(super) draw: Draw,
+    /// With a decoder: the plainest detector of taps.
+    pub(super) plane: Option<PlaneCrossing>,
+    /// The time of the lowest point of the last stroke, and when the last finger is up.
+    pub(super) bottom: f64,
+    pub(super) end: f64,
+    /// The latest reading. It is large, and reused.
+    reading: Reading,
+    /// Index of the first stroke whose lowest point is not over.
+    first_open: usize,
+    /// Keeps what is seen from outside.
+    watch: Option<&'a mut Watch>,
+}
+
+/// A phrase as it is seen from outside.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    /// The readings that entered the pipeline.
+    pub readings: Vec<Reading>,
+    /// The text after each change, with the time of the reading.
+    pub texts: Vec<(Timestamp, String)>,
+    /// The strokes with what they pressed, in the order of their lowest points.
+    pub strokes: Vec<Stroke>,
+}
+
+impl Watch {
+    fn see(&mut self, reading: &Reading, text: &str) {
+        self.readings.push(reading.clone());
+        let last = self.texts.last().map_or("", |(_, last)| last);
+        if last != text {
+            self.texts.push((reading.time, text.to_owned()));
+        }
+    }
+}
+
+/// Returns a reading without values, to be overwritten.
+pub(super) fn no_reading() -> Reading {
+    let nothing = Sample::Angles {
+        angles: JointAngles::default(),
+    };
+    Reading::new(Timestamp::default(), None, nothing)
+}
+
+impl Station {
+    /// Passes what the sensors show at a time through the pipeline.
+    pub(super) fn read(
+        &mut self,
+        session: &mut Session,
+        seconds: f64,
+        period: f64,
+        observed: &mut Observed,
+    ) {
+        let time = Timestamp((seconds * 1e6).round() as u64);
+        // The lowest points of strokes ascend.
+        let is_over = |stroke: &Stroke| stroke.bottom < seconds - period;
+        while session.strokes.get(session.first_open).is_some_and(is_over) {
+            session.first_open += 1;
+        }
+        for (index, hand) in self.hands.iter_mut().enumerate() {
+            let reading = &mut session.reading;
+            if !hand.sample(seconds, period, &mut reading.sample) {
+                continue;
+            }
+            (reading.time, reading.side) = (time, Some(hand.side()));
+            observed.readings += 1;
+            observed.simulated_seconds += period;
+            session.events.clear();
+            if let Ok(output) = session.pipeline.step(reading, &mut session.events) {
+                let scene = &self.layout.scene;
+                let strokes = session.strokes[session.first_open..].iter_mut();
+                let lowest = strokes.filter(|stroke| {
+                    let is_now = (seconds - period..seconds).contains(&stroke.bottom);
+                    is_now && stroke.hand == index
+                });
+                for stroke in lowest {
+                    stroke.shown = shown_point(scene, stroke, &output.pose);
+                }
+                let pressed = output.touches.iter();
+                let pressed = pressed.filter(|touch| touch.phase == Phase::Pressed);
+                for touch in pressed {
+                    let press = output.presses.iter().find(|it| it.target == touch.target);
+                    let place = press.map(|press| press.point);
+                    let at = touch.time.0 as f64 * 1e-6;
+                    session.presses.push((at, touch.target, place));
+                }
+                if let Some(plane) = &mut session.plane {
+                    let scene = &self.layout.scene;
+                    let recorder = self.recorder.as_ref().map(SharedRecorder::lock);
+                    if let Some(recorder) = recorder {
+                        plane.see(scene, recorder.keys(), hand.side(), &output.pose);
+                    }
+                }
+                let start = output.pose.start;
+                let is_placed = start.own.is_some() && self.layout.scene.starts_at_hand();
+                if is_placed && start != hand.start() {
+                    hand.set_start(start);
+                }
+            }
+            for event in &session.events {
+                session.field.handle(event);
+                if matches!(event.kind, EventKind::KeyDown(_) | EventKind::Character(_)) {
+                    session.keystrokes += 1;
+                    let first = session.span.map_or(event.time, |(first, _)| first);
+                    session.span = Some((first, event.time));
+                }
+            }
+            if let Some(watch) = &mut session.watch {
+                watch.see(&session.reading, session.field.text());
+            }
+        }
+    }
+}
+
+impl<'a> Session<'a> {
+    /// Starts a phrase whose first stroke begins after `clear` seconds.
+    pub(super) fn new(
+        station: &Station,
+        seed: u64,
+        clear: f64,
+        watch: Option<&'a mut Watch>,
+    ) -> Self {
+        let plane = station.recorder.as_ref();
+        Self {
+            pipeline: station.pipeline(),
+            events: Events::new(),
+            field: UsTextField::new(),
+            strokes: Vec::new(),
+            presses: Vec::new(),
+            keystrokes: 0,
+            span: None,
+            draw: Draw::new(seed, 0x7e57),
+            plane: plane.map(|_| PlaneCrossing::new(station.layout.boards.len())),
+            bottom: clear,
+            end: clear,
+            reading: no_reading(),
+            first_open: 0,
+            watch,
+        }
+    }
+
+    pub(super) fn add(&mut self, step: &Step, kind: StrokeKind, plan: &StrokePlan) {
+        self.bottom = self.bottom.max(plan.bottom);
+        self.end = self.end.max(plan.end);
+        self.strokes.push(Stroke {
+            target: step.targets[0],
+            finger: step.finger,
+            hand: step.hand,
+            kind,
+            keys: step.targets.len(),
+            bottom: plan.bottom,
+            distance: plan.distance,
+            point: plan.point,
+            shown: None,
+            presses: Vec::new(),
+        });
+    }
+
+    /// Attributes each press to the stroke that is nearest in time, at the end of the phrase.
+    pub(super) fn attribute(&mut self, layout: &Layout) {
+        for &(seconds, target, place) in &self.presses {
+            let distance = |stroke: &Stroke| (stroke.bottom - seconds).abs();
+            let nearest = self
+                .strokes
+                .iter_mut()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let Some(stroke) = nearest.filter(|stroke| distance(stroke) <= CAUSED) else {
+                continue;
+            };
+            let meant = layout.scene.target(stroke.target);
+            let from_center = meant.zip(place).map(|((_, meant), place)| {
+                let place = meant.surface_from_target.inverse_transform_point(place);
+                place.truncate()
+            });
+            stroke
+                .presses
+                .push((target, from_center.unwrap_or_default()));
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.strokes.clone_from(&self.strokes);
+        }
+    }
+}

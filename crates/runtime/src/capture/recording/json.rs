@@ -1,0 +1,24 @@
+//! Messages in JSON, as recordings of format 1 have them.
+
+use serde_json::Value;
+
+use crate::capture::Reading;
+use ademan_core::command::Command;
+
+/// The `origin` of a command from outside the layout, which no reading repeats.
+pub(super) const EXTERNAL_ORIGIN: &str = "external";
+
+/// Decodes a reading.
+pub(super) fn decode_reading(data: &[u8]) -> Result<Reading, serde_json::Error> {
+    serde_json::from_slice(data)
+}
+
+/// Returns a recorded command that no reading repeats, or `None`: those of the layout are issued again, and those of a later
+/// version are not known.
+pub(super) fn decode_external_command(data: &[u8]) -> Option<Command> {
+    let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data).ok()?;
+    fields.remove("time_us");
+    let origin = fields.remove("origin")?;
+    let command: Command = serde_json::from_value(Value::Object(fields)).ok()?;
+    (origin == EXTERNAL_ORIGIN && command.check().is_ok()).then_some(command)
+}

@@ -1,0 +1,237 @@
+//! The age of readings, by the times that their sender states.
+
+use std::time::{Duration, Instant};
+
+use super::clock_offset::ClockOffset;
+use ademan_core::time::Timestamp;
+
+/// Largest age of a reading of a source on the network unless the setup says otherwise: the default stall timeout.
+pub(super) const DEFAULT_MAX_AGE: Duration = Duration::from_millis(200);
+
+/// Time in which the clock of a sender has to keep pace before readings are judged by it.
+const TRIAL: Duration = Duration::from_secs(2);
+
+/// Most that the smallest delay of the second half of a trial may exceed that of the first half. A clock that loses 3 % or
+/// counts other units than microseconds never passes.
+const TRIAL_TOLERANCE: Duration = Duration::from_millis(25);
+
+/// Time without a young reading after which the clock is tried anew: it may have been set, or have stood still.
+const MAX_LATENESS: Duration = Duration::from_secs(10);
+
+/// The clock of a sender, by which readings are recognised that a congested network has delayed.
+///
+/// The age of a reading is its delay less the smallest delay of the last 10 to 20 s, so that the two clocks need no common
+/// origin. A steady delay is therefore not recognised, only one that has grown. A clock that does not keep pace with that
+/// of the receiver is not used.
+#[derive(Debug)]
+pub(super) struct SenderClock {
+    max_age: Duration,
+    opened: Instant,
+    offset: ClockOffset,
+    /// The latest time that was stated.
+    latest: Timestamp,
+    /// `None` once the clock has kept pace.
+    trial: Option<Trial>,
+    /// Arrival of the first of the old readings that no young one has followed, in microseconds.
+    late_since: Option<i64>,
+}
+
+/// The smallest delays of both halves of a trial, in microseconds.
+#[derive(Debug)]
+struct Trial {
+    /// Arrival of the first reading, in microseconds.
+    started_at: i64,
+    smallest: [i64; 2],
+}
+
+impl SenderClock {
+    /// Creates the clock of a sender of which nothing was received.
+    pub fn new(max_age: Duration) -> Self {
+        Self {
+            max_age,
+            opened: Instant::now(),
+            offset: ClockOffset::default(),
+            latest: Timestamp::default(),
+            trial: Some(Trial::NEW),
+            late_since: None,
+        }
+    }
+
+    /// Forgets the clock: readings may come from another sender.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.max_age);
+    }
+
+    /// Sets the largest age.
+    pub fn set_max_age(&mut self, age: Duration) {
+        self.max_age = age;
+    }
+
+    /// Returns whether a reading that arrives `now` is older than the largest age. `sent_at` is the time that it states.
+    pub fn is_too_old(&mut self, now: Instant, sent_at: Timestamp) -> bool {
+        let arrival = now.saturating_duration_since(self.opened).as_micros() as i64;
+        if sent_at < self.latest {
+            // The clock was set back, or the sender has started again.
+            self.restart();
+        }
+        self.latest = sent_at;
+        // Beyond every clock: 292 000 years.
+        let time = sent_at.0.min(i64::MAX as u64 / 2) as i64;
+        let delay = arrival - time;
+        let age = delay - self.offset.update(arrival, time);
+        if let Some(trial) = &mut self.trial {
+            if trial.is_passed(arrival, delay) {
+                self.trial = None;
+            }
+            return false;
+        }
+        if age <= self.max_age.as_micros() as i64 {
+            self.late_since = None;
+            return false;
+        }
+        let late_since = *self.late_since.get_or_insert(arrival);
+        if arrival - late_since >= MAX_LATENESS.as_micros() as i64 {
+            self.restart();
+        }
+        true
+    }
+
+    fn restart(&mut self) {
+        self.offset = ClockOffset::default();
+        self.trial = Some(Trial::NEW);
+        self.late_since = None;
+    }
+}
+
+impl Trial {
+    const NEW: Self = Self {
+        started_at: i64::MIN,
+        smallest: [i64::MAX; 2],
+    };
+
+    /// Adds a reading. Returns whether the clock has kept pace; otherwise a new trial starts at the end of this one.
+    fn is_passed(&mut self, arrival: i64, delay: i64) -> bool {
+        if self.started_at == i64::MIN {
+            self.started_at = arrival;
+        }
+        let elapsed = arrival - self.started_at;
+        let length = TRIAL.as_micros() as i64;
+        if elapsed < length {
+            let half = &mut self.smallest[usize::from(elapsed >= length / 2)];
+            *half = delay.min(*half);
+            return false;
+        }
+        let [first, second] = self.smallest;
+        let is_passed = second < i64::MAX && second - first <= TRIAL_TOLERANCE.as_micros() as i64;
+        *self = Self::NEW;
+        is_passed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1000;
+
+    /// A clock and the readings that were too old, by the number of the reading.
+    struct Sender {
+        clock: SenderClock,
+        too_old: Vec<u64>,
+    }
+
+    impl Sender {
+        fn new() -> Self {
+            Self {
+                clock: SenderClock::new(DEFAULT_MAX_AGE),
+                too_old: Vec::new(),
+            }
+        }
+
+        /// Sends a reading every 10 ms from `start_ms` to `end_ms`; `stated` and `delay` are functions of its time, in
+        /// microseconds.
+        fn send(
+            &mut self,
+            milliseconds: std::ops::Range<u64>,
+            stated: impl Fn(u64) -> u64,
+            delay: impl Fn(u64) -> u64,
+        ) -> usize {
+            let before = self.too_old.len();
+            for number in milliseconds.step_by(10) {
+                let time = number * MS;
+                let arrival = self.clock.opened + Duration::from_micros(time + delay(time));
+                if self.clock.is_too_old(arrival, Timestamp(stated(time))) {
+                    self.too_old.push(number);
+                }
+            }
+            self.too_old.len() - before
+        }
+    }
+
+    fn fast(_: u64) -> u64 {
+        500
+    }
+
+    #[test]
+    fn readings_of_a_growing_delay_are_too_old_beyond_the_limit_and_young_ones_pass_again() {
+        let mut sender = Sender::new();
+        let right = |time| time + 77_000_000;
+        assert_eq!(sender.send(0..3_000, right, fast), 0);
+        // Each second arrives in two.
+        sender.send(3_000..5_000, right, |time| time - 3_000 * MS + 500);
+        assert_eq!(sender.too_old[0], 3_210, "the first beyond 200 ms");
+        assert_eq!(sender.too_old.len(), 179, "and all after it");
+        sender.too_old.clear();
+        assert_eq!(sender.send(5_000..60_000, right, fast), 0);
+    }
+
+    #[test]
+    fn jitter_below_the_limit_and_a_clock_that_drifts_are_no_age() {
+        let mut sender = Sender::new();
+        let jitter = |time: u64| (time * 7919) % (180 * MS);
+        // 500 parts per million, twice as much as any clock of a computer.
+        for loses in [true, false] {
+            let stated = |time: u64| match loses {
+                true => time - time / 2000,
+                false => time + time / 2000,
+            };
+            assert_eq!(sender.send(0..600_000, stated, jitter), 0, "{loses}");
+            sender.clock.reset();
+        }
+    }
+
+    #[test]
+    fn a_clock_that_jumps_is_followed_at_once_or_after_ten_seconds() {
+        const HOUR: u64 = 3_600_000_000;
+        let mut sender = Sender::new();
+        sender.send(0..5_000, |time| time + HOUR, fast);
+        assert_eq!(sender.send(5_000..10_000, |time| time + 2 * HOUR, fast), 0);
+        assert_eq!(sender.send(10_000..15_000, |time| time, fast), 0, "back");
+        // The sender slept for a second, in which its clock stood still: a delay like any other.
+        let stood = |time| time - 1_000 * MS;
+        assert_eq!(sender.send(16_000..40_000, stood, fast), 1_001);
+        assert_eq!(sender.too_old.last(), Some(&26_000));
+    }
+
+    #[test]
+    fn a_clock_of_other_units_or_one_that_stands_still_is_not_used() {
+        for stated in [
+            |time| time / 1000,
+            |_| 5,
+            |time| time * 8 / 10,
+            |time| time * 40,
+        ] {
+            let mut sender = Sender::new();
+            assert_eq!(sender.send(0..100_000, stated, fast), 0);
+        }
+    }
+
+    #[test]
+    fn readings_that_are_late_from_the_start_are_judged_once_the_delay_is_steady() {
+        let mut sender = Sender::new();
+        let growing = |time| time / 2;
+        assert_eq!(sender.send(0..4_000, |time| time, growing), 0);
+        sender.send(4_000..20_000, |time| time, |_| 2_000 * MS);
+        assert!(sender.too_old.len() > 500, "{:?}", sender.too_old.first());
+    }
+}

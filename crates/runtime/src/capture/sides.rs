@@ -1,0 +1,129 @@
+//! A source that measures both hands, as one reading for each hand of a setup.
+
+use std::time::Duration;
+
+use arrayvec::ArrayVec;
+
+use super::{
+    CancelToken, CaptureError, Reading, SampleKind, Source, SourceEvent, SourceStats, SourceWait,
+};
+use ademan_core::hand::Side;
+
+/// A source whose readings with both arms are repeated for each side, and so are sensor channels if one converter carries two gloves.
+///
+/// Readings of one hand pass unchanged if the setup has that hand. Others are left out.
+pub struct SidedSource {
+    source: Box<dyn Source>,
+    sides: ArrayVec<Side, { Side::COUNT }>,
+    /// Sensor channels are those of both gloves.
+    has_two_gloves: bool,
+    /// The latest reading, and the sides for which it was not returned.
+    pending: Option<Reading>,
+    remaining: ArrayVec<Side, { Side::COUNT }>,
+    /// Readings returned beyond those of the source.
+    repeated: u64,
+    /// Readings of the source that were left out.
+    left_out: u64,
+}
+
+impl SidedSource {
+    /// Creates a source with a reading for each of `sides`.
+    pub fn new(source: Box<dyn Source>, sides: impl IntoIterator<Item = Side>) -> Self {
+        Self {
+            source,
+            sides: sides.into_iter().collect(),
+            has_two_gloves: false,
+            pending: None,
+            remaining: ArrayVec::new(),
+            repeated: 0,
+            left_out: 0,
+        }
+    }
+
+    /// Creates a source whose sensor channels are those of the gloves of all `sides`.
+    pub fn with_two_gloves(source: Box<dyn Source>, sides: impl IntoIterator<Item = Side>) -> Self {
+        Self {
+            has_two_gloves: true,
+            ..Self::new(source, sides)
+        }
+    }
+
+    /// Returns the pending reading for the next side.
+    fn next_side(&mut self) -> Option<Reading> {
+        let side = self.remaining.pop_at(0)?;
+        let mut reading = match self.remaining.is_empty() {
+            true => self.pending.take()?,
+            false => self.pending.clone()?,
+        };
+        reading.side = Some(side);
+        Some(reading)
+    }
+}
+
+impl Source for SidedSource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        if let Some(reading) = self.next_side() {
+            self.repeated += 1;
+            return Ok(SourceEvent::Reading(reading));
+        }
+        let event = self.source.next()?;
+        let SourceEvent::Reading(reading) = event else {
+            return Ok(event);
+        };
+        if let Some(side) = reading.side {
+            if self.sides.contains(&side) {
+                return Ok(SourceEvent::Reading(reading));
+            }
+            self.left_out += 1;
+            return Ok(SourceEvent::Idle);
+        }
+        let kind = reading.sample.kind();
+        let is_of_two_gloves = self.has_two_gloves && kind == SampleKind::Channels;
+        if !kind.shows_both_arms() && !is_of_two_gloves {
+            return Ok(SourceEvent::Reading(reading));
+        }
+        self.remaining = self.sides.clone();
+        self.pending = Some(reading);
+        let first = self.next_side();
+        Ok(first.map_or(SourceEvent::Idle, SourceEvent::Reading))
+    }
+
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        self.source.set_cancel_token(cancel);
+    }
+
+    fn set_polled(&mut self) -> bool {
+        self.source.set_polled()
+    }
+
+    fn wait(&self) -> Option<SourceWait<'_>> {
+        match self.remaining.is_empty() {
+            true => self.source.wait(),
+            false => None,
+        }
+    }
+
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn packet_period(&self) -> Option<Duration> {
+        self.source.packet_period()
+    }
+
+    fn is_live(&self) -> bool {
+        self.source.is_live()
+    }
+
+    fn stop(&mut self) {
+        self.source.stop();
+    }
+
+    fn stats(&self) -> SourceStats {
+        let stats = self.source.stats();
+        SourceStats {
+            readings: stats.readings + self.repeated - self.left_out,
+            ..stats
+        }
+    }
+}

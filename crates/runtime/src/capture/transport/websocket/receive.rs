@@ -1,0 +1,148 @@
+//! The messages of a client: lines of text within limits.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Sender, TrySendError};
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Message, WebSocket};
+
+use super::clients::ClientId;
+use super::message_stream::MessageStream;
+
+/// Longest message: no protocol has longer lines.
+const MAX_MESSAGE_BYTES: usize = 1 << 16;
+
+/// Most frames in a second, of whatever kind: twice the messages of the fastest glove. A client that sends more is
+/// disconnected.
+const MAX_FRAMES_PER_SECOND: u32 = 2000;
+
+/// Messages that wait for the source. A client that is faster waits.
+pub(in crate::capture::transport) const QUEUE_CAPACITY: usize = 64;
+
+/// Pause before something is tried again that other threads make possible.
+const RETRY_INTERVAL: Duration = Duration::from_millis(1);
+
+/// Event of a client.
+#[derive(Debug)]
+pub(in crate::capture::transport) enum ClientEvent {
+    /// A message, with a line end.
+    Message(ClientId, Vec<u8>),
+    /// A client that was admitted has left, for this reason.
+    Left(ClientId, String),
+}
+
+/// Returns the limits of a connection.
+pub(in crate::capture::transport) fn socket_config() -> WebSocketConfig {
+    WebSocketConfig::default()
+        // A client that reads no answers to its pings is disconnected.
+        .write_buffer_size(0)
+        .max_write_buffer_size(MAX_MESSAGE_BYTES)
+        .max_message_size(Some(MAX_MESSAGE_BYTES))
+        .max_frame_size(Some(MAX_MESSAGE_BYTES))
+}
+
+/// The receiver of the messages of a client.
+pub(in crate::capture::transport) struct MessageReceiver<S> {
+    socket: WebSocket<MessageStream<S>>,
+    second: Instant,
+    frames: u32,
+}
+
+impl<S: Read + Write> MessageReceiver<S> {
+    /// Creates it after the handshake.
+    pub fn new(socket: WebSocket<MessageStream<S>>) -> Self {
+        Self {
+            socket,
+            second: Instant::now(),
+            frames: 0,
+        }
+    }
+
+    /// The connection, which a server of headsets writes to.
+    #[cfg(feature = "tls")]
+    pub fn socket_mut(&mut self) -> &mut WebSocket<MessageStream<S>> {
+        &mut self.socket
+    }
+
+    /// Passes the messages on, each with a line end, until `send` returns `false`. Returns the reason why the client has left.
+    pub fn receive(
+        &mut self,
+        is_stopped: impl Fn() -> bool,
+        mut send: impl FnMut(Vec<u8>) -> bool,
+    ) -> String {
+        while !is_stopped() {
+            match self.next() {
+                Ok(Some(line)) => {
+                    if !send(line) {
+                        break;
+                    }
+                }
+                Ok(None) => {}
+                Err(reason) => return reason,
+            }
+        }
+        "the server stops".to_owned()
+    }
+
+    /// Waits for a frame. Returns the text of a message, with a line end; `None` if there was none, or another frame. Fails with the
+    /// reason why the client leaves.
+    pub fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
+        let message = match self.socket.read() {
+            Ok(message) => message,
+            Err(tungstenite::Error::Io(error)) if is_timeout(&error) => return Ok(None),
+            Err(tungstenite::Error::ConnectionClosed) => {
+                return Err("the client has closed the connection".to_owned());
+            }
+            Err(error) => return Err(error.to_string()),
+        };
+        self.socket.get_mut().end_message();
+        if self.second.elapsed() >= Duration::from_secs(1) {
+            (self.second, self.frames) = (Instant::now(), 0);
+        }
+        self.frames += 1;
+        if self.frames > MAX_FRAMES_PER_SECOND {
+            return Err(format!(
+                "the client sent more than {MAX_FRAMES_PER_SECOND} frames in a second"
+            ));
+        }
+        match message {
+            Message::Text(text) => {
+                let mut line = Vec::from(text.as_bytes());
+                if !line.ends_with(b"\n") {
+                    line.push(b'\n');
+                }
+                Ok(Some(line))
+            }
+            Message::Binary(_) => {
+                Err("the client sent a binary message; lines are text messages".to_owned())
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Sends an event, and waits for room while the client and its server are open. Returns `false` if one of them has ended.
+pub(in crate::capture::transport) fn send_when_there_is_room(
+    sender: &Sender<ClientEvent>,
+    mut event: ClientEvent,
+    is_open: impl Fn() -> bool,
+) -> bool {
+    while is_open() {
+        match sender.try_send(event) {
+            Ok(()) => return true,
+            Err(TrySendError::Full(back)) => event = back,
+            Err(TrySendError::Disconnected(_)) => return false,
+        }
+        thread::sleep(RETRY_INTERVAL);
+    }
+    false
+}
+
+fn is_timeout(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+    )
+}

@@ -1,0 +1,142 @@
+//! Checks of the machine: the permissions and services that a setup needs, and commands that provide missing ones.
+//!
+//! [`gather_facts`] inspects the machine once and changes nothing. In particular it opens no serial port, since that can
+//! reset the adapter. [`check`] turns the [`Facts`] into [`Finding`]s, with the advice of [`advice`](crate::advice), which
+//! the errors of outputs and sources contain too. [`Backend::check`] uses an output without a visible effect.
+
+mod checks;
+mod facts;
+mod headset;
+mod panic_keys;
+mod probe;
+mod source;
+
+pub use checks::check;
+pub use facts::{
+    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
+    XDisplay,
+};
+pub use headset::check_headset;
+pub use panic_keys::check_panic_keys;
+pub use source::check_source;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::capture::SourceUri;
+use crate::output::{self, Backend};
+use crate::setup::Setup;
+
+/// The permissions and services that a setup needs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Requirements {
+    /// Serial ports to be read.
+    pub ports: Vec<String>,
+    /// `true` if the setup uses the output `desktop`.
+    pub desktop: bool,
+    /// `true` if the setup uses the output `uinput`.
+    pub uinput: bool,
+}
+
+impl Requirements {
+    /// Returns the requirements of a setup.
+    pub fn from_setup(setup: &Setup) -> Self {
+        let port = |source: &SourceUri| source.serial_port().map(str::to_owned);
+        let uses = |backend: &Backend| output::uses_backend(&setup.output, backend.name);
+        Self {
+            ports: setup.source_uris().filter_map(port).collect(),
+            desktop: uses(&output::desktop::BACKEND),
+            uinput: uses(&output::uinput::BACKEND),
+        }
+    }
+}
+
+/// The status of a permission or service.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CheckStatus {
+    /// It exists and the user may use it.
+    Ok,
+    /// It does not exist, or the user may not use it.
+    Missing,
+    /// Only a test can tell.
+    Unknown,
+}
+
+impl CheckStatus {
+    /// Returns `ok`, `missing` or `unknown`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Missing => "missing",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// The result of one check.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// Subject of the check: `user`, `serial port`, `source`, `headset`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
+    /// `sockets`, `panic keys`, `outputs`.
+    pub check: &'static str,
+    /// Status of the subject.
+    pub status: CheckStatus,
+    /// `true` if the setup needs it.
+    pub needed: bool,
+    /// Explanation.
+    pub text: String,
+    /// Shell commands that provide it, in order; may be empty.
+    pub commands: Vec<String>,
+    /// Step after the commands, or instead of them; may be empty.
+    pub next_step: String,
+}
+
+impl Finding {
+    /// Returns whether the setup works with this status.
+    pub fn is_satisfied(&self) -> bool {
+        !self.needed || self.status == CheckStatus::Ok
+    }
+}
+
+/// Inspects the parts of the machine that matter for these requirements.
+pub fn gather_facts(requirements: &Requirements) -> Facts {
+    let environment = probe::Environment::from_process();
+    probe::gather_facts(Path::new("/"), &environment, requirements)
+}
+
+/// Returns whether this process runs as root; `false` on systems other than Linux.
+pub fn is_running_as_root() -> bool {
+    probe::is_running_as_root()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_requirements_are_the_ports_and_outputs_of_the_setup() {
+        let mut setup = Setup {
+            source: Some("serial:/dev/ttyUSB0?baud=9600".parse().unwrap()),
+            output: "transcript, uinput".into(),
+            ..Setup::default()
+        };
+        let mut requirements = Requirements {
+            ports: vec!["/dev/ttyUSB0".into()],
+            desktop: false,
+            uinput: true,
+        };
+        assert_eq!(Requirements::from_setup(&setup), requirements);
+        setup.other_hand = Some(crate::setup::OtherHand {
+            source: Some("serial:/dev/ttyUSB1".parse().unwrap()),
+            ..Default::default()
+        });
+        setup.output = "desktop".into();
+        requirements.ports.push("/dev/ttyUSB1".into());
+        (requirements.desktop, requirements.uinput) = (true, false);
+        assert_eq!(Requirements::from_setup(&setup), requirements);
+        let empty = Requirements::from_setup(&Setup::default());
+        assert_eq!(empty, Requirements::default());
+    }
+}

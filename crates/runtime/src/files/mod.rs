@@ -1,0 +1,245 @@
+//! Access to the files of a person: only regular files are read, what a person types is written only to files that no
+//! one else can read, and files that decide what is typed are read only if no one else can write them.
+//!
+//! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
+//! refused before it is opened, and checked again on the open file.
+
+use ademan_core::message::{escape_path, shell_word};
+use std::fs::{self, File, FileType, Metadata};
+use std::io::{self, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+mod config;
+mod documents;
+mod replace;
+mod search;
+
+pub use config::{config_folder, in_config_folder, state_folder, transcript_folder};
+pub use documents::{Load, MAX_DOCUMENT_BYTES, OpenDocument};
+pub use replace::{replace_private_text, replace_public_text, replace_text};
+pub use search::{own_gloves, own_layouts, own_persons};
+
+#[cfg(unix)]
+mod unix;
+#[cfg(unix)]
+use unix as system;
+
+#[cfg(not(unix))]
+mod unsupported;
+#[cfg(not(unix))]
+use unsupported as system;
+
+/// Reason why a file is not opened.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The path leads to a directory.
+    #[error("this is a directory, name a file in it")]
+    IsDirectory,
+    /// The path leads to something else that is no regular file.
+    #[error("this is not a regular file but {0}, name a file")]
+    NotRegular(&'static str),
+    /// The path is a symbolic link.
+    #[error("this is a symbolic link, name the file itself")]
+    IsLink,
+    /// A new file is to be created, and there is something at its path.
+    #[error("the file exists; choose another name or remove it")]
+    Exists,
+    /// The file belongs to another user, who could read what is written or change what is read.
+    #[error("this file belongs to another user, use one of your own")]
+    OtherOwner,
+    /// The file has several names, so that it may lie where another user put it.
+    #[error("this file has {0} names (hard links), use one that has a single name")]
+    HardLinks(u64),
+    /// Other users may change what is read.
+    #[error("other users may write this file; `chmod go-w` makes it yours alone")]
+    OthersMayWrite,
+    /// Other users may replace the file by another one.
+    #[error(
+        "other users may replace this file, as they may write to its folder; `chmod go-w` makes the folder yours alone, or copy the file to such a folder"
+    )]
+    OthersMayReplace,
+    /// Other users may access the folder.
+    #[error(
+        "other users may access {}; restrict it to yourself: chmod 700 {}",
+        escape_path(.0),
+        shell_word(&.0.to_string_lossy())
+    )]
+    OpenFolder(PathBuf),
+    /// Other users may read the file.
+    #[error(
+        "other users may read it, so that its secret may be known; make it private and its tokens anew: chmod 600 {path}",
+        path = shell_word(&.0.to_string_lossy())
+    )]
+    Exposed(PathBuf),
+    /// The operating system refuses.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+/// Opens a regular file for reading. Follows symbolic links, and never waits.
+pub fn open_regular(path: &Path) -> Result<File, FileError> {
+    check_regular(fs::metadata(path)?.file_type())?;
+    let file = system::open_without_waiting(path)?;
+    check_regular(file.metadata()?.file_type())?;
+    system::wait_from_now_on(&file)?;
+    Ok(file)
+}
+
+/// Opens a file for reading that decides what is typed: a layout, a setup, a glove, an arm or a script. Only this user and root
+/// may own it, write it, or replace it by another file in its folder. In a folder with the sticky bit, such as `/tmp`, only
+/// the owner of a file replaces it.
+pub fn open_trusted(path: &Path) -> Result<File, FileError> {
+    let file = open_regular(path)?;
+    system::check_writers(&file.metadata()?)?;
+    // A link in one folder may lead to a file in another one.
+    for folder in [folder_of(path), folder_of(&fs::canonicalize(path)?)] {
+        system::check_folder_writers(&fs::metadata(folder)?)?;
+    }
+    Ok(file)
+}
+
+/// Opens a file with a secret for reading: a regular file of this user that no one else can access.
+pub fn open_secret(path: &Path) -> Result<File, FileError> {
+    let file = open_regular(path)?;
+    let metadata = file.metadata()?;
+    system::check_owner(&metadata)?;
+    match system::is_private_file(&metadata) {
+        true => Ok(file),
+        false => Err(FileError::Exposed(path.into())),
+    }
+}
+
+/// Creates a file that only its owner can access. Fails if anything exists at the path, also a link that leads nowhere.
+pub fn create_private(path: &Path) -> Result<File, FileError> {
+    created(path, system::create_private(path))
+}
+
+/// Creates a file with the usual permissions. Fails as [`create_private`] does.
+pub fn create_new(path: &Path) -> Result<File, FileError> {
+    created(path, File::create_new(path))
+}
+
+/// Creates a file as [`create_new`] does, in place of an existing regular file, which is removed: nothing is written through a
+/// symbolic link, or to another name of the file.
+pub fn replace(path: &Path) -> Result<File, FileError> {
+    match create_new(path) {
+        Err(FileError::Exists) => {
+            fs::remove_file(path)?;
+            create_new(path)
+        }
+        created => created,
+    }
+}
+
+/// Returns the file, or the reason why a new one cannot be created: what there is at its path.
+fn created(path: &Path, created: io::Result<File>) -> Result<File, FileError> {
+    match created {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            let metadata = fs::symlink_metadata(path)?;
+            check_no_link(&metadata)?;
+            check_regular(metadata.file_type())?;
+            Err(FileError::Exists)
+        }
+        created => Ok(created?),
+    }
+}
+
+/// Opens a file that only its owner can access for writing, or creates it. The content of an existing file stays.
+///
+/// An existing file must be a regular file of this user, with one name and not behind a symbolic link; its mode becomes
+/// 0600 before this function returns.
+pub fn open_private(path: &Path) -> Result<File, FileError> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) => check_own(&metadata)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error.into()),
+    }
+    let file = system::open_private(path)?;
+    check_own(&file.metadata()?)?;
+    system::make_private(&file)?;
+    system::wait_from_now_on(&file)?;
+    Ok(file)
+}
+
+/// Opens a file as [`open_private`] does, and removes its content.
+pub fn replace_private(path: &Path) -> Result<File, FileError> {
+    let file = open_private(path)?;
+    file.set_len(0)?;
+    Ok(file)
+}
+
+/// Opens a file as [`open_private`] does, to write at its end.
+pub fn append_private(path: &Path) -> Result<File, FileError> {
+    let mut file = open_private(path)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(file)
+}
+
+/// Returns the bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does not
+/// tell.
+pub fn free_bytes(path: &Path) -> Option<u64> {
+    system::free_bytes(folder_of(path))
+}
+
+/// Returns the folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent();
+    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
+}
+
+/// Creates a folder that only its owner can access. An existing one must be such a folder.
+pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
+    match system::create_folder(path) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error.into()),
+        _ => {}
+    }
+    check_private_folder(path)
+}
+
+/// Checks that a path is a folder that only this user can access.
+pub fn check_private_folder(path: &Path) -> Result<(), FileError> {
+    match system::is_private_folder(&fs::symlink_metadata(path)?) {
+        true => Ok(()),
+        false => Err(FileError::OpenFolder(path.into())),
+    }
+}
+
+/// Returns the file that an edited file is written to: the target of symbolic links, which must be a regular file of this
+/// user.
+///
+/// Managers of personal files link them from another folder; such a link is kept and its target is replaced.
+pub fn own_target(path: &Path) -> Result<PathBuf, FileError> {
+    let target = fs::canonicalize(path)?;
+    let metadata = fs::metadata(&target)?;
+    check_regular(metadata.file_type())?;
+    system::check_owner(&metadata)?;
+    Ok(target)
+}
+
+fn check_own(metadata: &Metadata) -> Result<(), FileError> {
+    check_no_link(metadata)?;
+    check_regular(metadata.file_type())?;
+    system::check_owner(metadata)?;
+    system::check_names(metadata)
+}
+
+fn check_no_link(metadata: &Metadata) -> Result<(), FileError> {
+    match metadata.is_symlink() {
+        true => Err(FileError::IsLink),
+        false => Ok(()),
+    }
+}
+
+fn check_regular(kind: FileType) -> Result<(), FileError> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    Err(match kind.is_dir() {
+        true => FileError::IsDirectory,
+        false => FileError::NotRegular(system::name_of(kind)),
+    })
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests;

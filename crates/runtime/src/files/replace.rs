@@ -1,0 +1,84 @@
+//! Whole files that are written at once.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::{FileError, check_regular, create_new, create_private, own_target, system};
+
+/// Creates a file of a new name.
+type CreateFile = fn(&Path) -> Result<File, FileError>;
+
+/// Most temporary files that killed processes of one number may leave beside a file.
+const MAX_TEMPORARY_FILES: u32 = 1000;
+
+/// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
+/// full disk. The group, permissions, extended attributes and symbolic links are kept.
+pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
+    let path = own_target(path)?;
+    let metadata = fs::metadata(&path)?;
+    if metadata.permissions().readonly() {
+        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
+        return Err(error.into());
+    }
+    write_and_rename((&path, create_private), text, Some(&metadata))
+}
+
+/// Writes a file that only its owner can access, atomically as [`replace_text`]. A file or a symbolic link of that name is replaced; a
+/// device, a pipe or a folder is refused.
+pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
+    check_replaceable(path)?;
+    write_and_rename((path, create_private), text, None)
+}
+
+/// Writes a file with the usual permissions, as [`replace_private_text`] does.
+pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
+    check_replaceable(path)?;
+    write_and_rename((path, create_new), text, None)
+}
+
+/// Fails for what a rename would replace although it is no file: a device such as `/dev/full`, a pipe.
+fn check_replaceable(path: &Path) -> Result<(), FileError> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) if !metadata.is_symlink() => check_regular(metadata.file_type()),
+        // An error is reported by the write.
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file beside `path` with a function that creates it, and gives it that name, and the attributes of the file with this
+/// metadata.
+fn write_and_rename(
+    (path, create): (&Path, CreateFile),
+    text: &str,
+    replaced: Option<&Metadata>,
+) -> Result<(), FileError> {
+    let (mut file, temporary) = create_temporary(path, create)?;
+    let kept = replaced.map_or(Ok(()), |replaced| {
+        system::copy_attributes(path, replaced, &file)
+    });
+    let written = kept
+        .and_then(|()| file.write_all(text.as_bytes()))
+        .and_then(|()| file.sync_all())
+        .and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    Ok(written?)
+}
+
+/// Creates a file of a new name in the folder of another one. A process of the same number may have been killed before it
+/// removed its own, as in a container, where each run has the same number.
+fn create_temporary(path: &Path, create: CreateFile) -> Result<(File, PathBuf), FileError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    for attempt in 0..MAX_TEMPORARY_FILES {
+        let temporary = path.with_file_name(format!(".{name}.{process}.{attempt}"));
+        match create(&temporary) {
+            Err(FileError::Exists | FileError::IsLink) => {}
+            created => return Ok((created?, temporary)),
+        }
+    }
+    let text = format!("{MAX_TEMPORARY_FILES} files `.{name}.{process}.…` are left; remove them");
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, text).into())
+}

@@ -1,0 +1,108 @@
+//! The interface to a display.
+
+use super::direct_keys::DirectConnection;
+use super::key_reporter::KeyReporter;
+use super::pending_motion::StatelessAction;
+use crate::output::character_key::CharacterKey;
+use crate::output::watchdog::ReleaseTarget;
+use ademan_core::device::KeyCode;
+use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
+
+/// A connection to a display, which presses and releases keys and buttons.
+pub trait Injector {
+    /// Presses or releases `key`. Returns `Ok` only if the display has accepted it.
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String>;
+
+    /// Performs an action that leaves nothing pressed.
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String>;
+
+    /// Reads what the display has sent, without waiting. Fails if the connection is closed.
+    fn check_connection(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Types a text entirely. Returns `false` if it has typed nothing, as the display cannot type all of it now. Reports
+    /// the keys that it adds to the keymap of the display.
+    fn type_text(&mut self, _text: &str, _reporter: &mut KeyReporter) -> Result<bool, String> {
+        Ok(false)
+    }
+
+    /// Removes the keys that it has added to the keymap, after receivers had time to look them up.
+    fn restore_keymap(&mut self, _reporter: &mut KeyReporter) {}
+
+    /// Removes the keys from the keymap that another process has added, unless the user has changed them since.
+    #[cfg_attr(
+        not(target_os = "linux"),
+        allow(dead_code, reason = "only the watchdog and the next run ask")
+    )]
+    fn remove_character_keys(&mut self, _keys: &[CharacterKey]) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Waits until the display has executed all requests, so that the next is executed at once.
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Returns those of `keys` that are pressed on the display, or `None` if it does not report them.
+    #[cfg_attr(
+        not(target_os = "linux"),
+        allow(dead_code, reason = "only the watchdog asks")
+    )]
+    fn query_pressed(&mut self, _: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        Ok(None)
+    }
+
+    /// Opens a connection on which the loop itself presses and releases keys, or returns `None` if the display cannot revoke
+    /// a press that is too late.
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        None
+    }
+
+    /// Returns the handle with which the watchdog releases keys that this injector has pressed.
+    fn release_target(&self) -> ReleaseTarget {
+        ReleaseTarget::default()
+    }
+}
+
+impl Injector for Box<dyn Injector> {
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+        (**self).inject(key, direction)
+    }
+
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        (**self).perform(action)
+    }
+
+    fn check_connection(&mut self) -> Result<(), String> {
+        (**self).check_connection()
+    }
+
+    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
+        (**self).type_text(text, reporter)
+    }
+
+    fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
+        (**self).restore_keymap(reporter);
+    }
+
+    fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+        (**self).remove_character_keys(keys)
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        (**self).wait_until_responsive()
+    }
+
+    fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        (**self).query_pressed(keys)
+    }
+
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        (**self).open_direct_connection()
+    }
+
+    fn release_target(&self) -> ReleaseTarget {
+        (**self).release_target()
+    }
+}

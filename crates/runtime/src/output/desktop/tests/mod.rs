@@ -1,0 +1,471 @@
+//! Requests to a display that records them.
+
+mod direct;
+#[cfg(target_os = "linux")]
+mod reports;
+
+use super::direct_keys::DirectConnection;
+use super::key_reporter::KeyReporter;
+use super::pending_motion::StatelessAction;
+use super::*;
+use crate::output::RETRIES;
+use crate::output::tests::{down, event, up};
+use ademan_core::device::pressed_keys::KeyDirection;
+use std::sync::Mutex;
+
+/// A display that records keys and actions as lines.
+#[derive(Clone, Default)]
+struct TestDisplay(Arc<Mutex<DisplayState>>);
+
+#[derive(Default)]
+struct DisplayState {
+    lines: Vec<String>,
+    /// Number of the next calls that fail.
+    failures: usize,
+    is_first_connection_broken: bool,
+    rejects_connections: bool,
+    connections: usize,
+    /// Number of times that a worker waited until the display responds.
+    waits: usize,
+    /// Calls of connections block.
+    is_blocked: bool,
+    direct: direct::DirectState,
+}
+
+struct Connection {
+    display: TestDisplay,
+    index: usize,
+    gate: Receiver<()>,
+}
+
+impl TestDisplay {
+    /// Opens a sink on this display. Each call of the connection blocks until the returned gate is dropped; presses may
+    /// wait for that.
+    fn open(&self) -> (Desktop, Sender<()>) {
+        self.open_with_max_age(Duration::MAX)
+    }
+
+    fn open_with_max_age(&self, max_press_age: Duration) -> (Desktop, Sender<()>) {
+        let (gate, gate_dropped) = bounded::<()>(0);
+        let display = self.clone();
+        let sink = Desktop::start(None, max_press_age, move || {
+            let mut state = display.0.lock().unwrap();
+            let index = state.connections;
+            state.connections += 1;
+            if state.rejects_connections {
+                return Err("no room".into());
+            }
+            Ok(Connection {
+                display: display.clone(),
+                index,
+                gate: gate_dropped.clone(),
+            })
+        });
+        (sink.unwrap(), gate)
+    }
+
+    fn set_blocked(&self, is_blocked: bool) {
+        self.0.lock().unwrap().is_blocked = is_blocked;
+    }
+
+    fn lines(&self) -> Vec<String> {
+        self.0.lock().unwrap().lines.clone()
+    }
+}
+
+impl Connection {
+    fn wait_for_gate(&self) {
+        let _ = self.gate.recv();
+        while self.display.0.lock().unwrap().is_blocked {
+            thread::yield_now();
+        }
+    }
+}
+
+impl Injector for Connection {
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+        self.wait_for_gate();
+        let mut state = self.display.0.lock().unwrap();
+        if state.is_first_connection_broken && self.index == 0 {
+            return Err("the display is gone".into());
+        }
+        if state.failures > 0 {
+            state.failures -= 1;
+            return Err("busy".into());
+        }
+        let sign = match direction {
+            KeyDirection::Press => '+',
+            KeyDirection::Release => '-',
+        };
+        state.lines.push(format!("{sign}{key}"));
+        Ok(())
+    }
+
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        self.wait_for_gate();
+        let mut state = self.display.0.lock().unwrap();
+        state.lines.push(format!("{action:?}"));
+        Ok(())
+    }
+
+    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+        let _ = self.gate.recv();
+        let mut state = self.display.0.lock().unwrap();
+        if text == "\0" {
+            drop(state);
+            panic!("meant to happen");
+        }
+        if state.failures > 0 {
+            state.failures -= 1;
+            return Err("busy".into());
+        }
+        let can_type = text.is_ascii();
+        if can_type {
+            state.lines.push(format!("type {text}"));
+        }
+        Ok(can_type)
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        self.display.0.lock().unwrap().waits += 1;
+        self.wait_for_gate();
+        Ok(())
+    }
+
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        direct::open(&self.display)
+    }
+}
+
+#[test]
+fn closing_sends_the_queue_and_releases_keys_modifiers_last() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    sink.send(&[down(1, "ShiftLeft"), down(1, "A"), up(1, "B")])
+        .unwrap();
+    sink.send(&[up(2, "A"), down(2, "C")]).unwrap();
+    drop(gate);
+    sink.close().unwrap();
+    sink.close().unwrap();
+    let lines = ["+ShiftLeft", "+A", "-A", "+C", "-C", "-ShiftLeft"];
+    assert_eq!(display.lines(), lines);
+    let error = sink.send(&[down(3, "A")]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the output `desktop` failed: it is closed"
+    );
+}
+
+#[test]
+fn a_panic_of_the_owner_releases_all_keys() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    let owner = thread::spawn(move || {
+        sink.send(&[down(1, "A")]).unwrap();
+        panic!("meant to happen");
+    });
+    assert!(owner.join().is_err());
+    assert_eq!(display.lines(), ["+A", "-A"]);
+}
+
+#[test]
+fn a_full_queue_drops_presses_but_no_release() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    sink.send(&[down(0, "ShiftLeft")]).unwrap();
+    display.wait_for_lines(1);
+    display.set_blocked(true);
+    for time in 0..QUEUE as u64 {
+        sink.send(&[down(time, "A"), up(time, "A")]).unwrap();
+    }
+    assert!(sink.dropped_presses() > 0 && sink.has_stalled());
+    sink.send(&[up(1, "ShiftLeft")]).unwrap();
+    display.set_blocked(false);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["+ShiftLeft", "-ShiftLeft"]);
+    assert_eq!(sink.dropped_presses(), QUEUE as u64);
+}
+
+/// Sends a press that waits in the queue behind a call that blocks.
+fn queue_a_press(sink: &mut Desktop) {
+    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
+    sink.send(&[down(1, "A"), event(1, EventKind::Character('x'))])
+        .unwrap();
+}
+
+#[test]
+fn void_presses_and_their_releases_are_not_sent_and_later_presses_are() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    queue_a_press(&mut sink);
+    sink.void_presses();
+    sink.send(&[up(2, "A"), down(2, "B")]).unwrap();
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["MoveBy(1, 0)", "+B", "-B"]);
+    assert_eq!(sink.dropped_presses(), 2);
+}
+
+#[test]
+fn a_press_that_has_waited_too_long_is_not_sent() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open_with_max_age(Duration::ZERO);
+    queue_a_press(&mut sink);
+    thread::sleep(Duration::from_millis(1));
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["MoveBy(1, 0)"]);
+    assert_eq!(sink.dropped_presses(), 2);
+}
+
+#[test]
+fn a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    sink.send(&[down(1, "A")]).unwrap();
+    while display.0.lock().unwrap().waits == 0 {
+        thread::yield_now();
+    }
+    sink.void_presses();
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), [""; 0]);
+    assert_eq!(sink.dropped_presses(), 1);
+}
+
+#[test]
+fn neither_sending_nor_closing_waits_for_a_display_that_hangs() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    sink.send(&[down(1, "A")]).unwrap();
+    let error = sink.close().unwrap_err();
+    assert!(
+        error.to_string().contains("may still be pressed"),
+        "{error}"
+    );
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["+A", "-A"]);
+}
+
+#[test]
+fn a_call_that_fails_three_times_is_repeated() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    display.0.lock().unwrap().failures = RETRIES;
+    sink.send(&[down(1, "A")]).unwrap();
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["+A", "-A"]);
+}
+
+#[test]
+fn after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    display.0.lock().unwrap().failures = 1 + RETRIES;
+    sink.send(&[down(1, "A"), down(2, "B")]).unwrap();
+    drop(gate);
+    let error = sink.close().unwrap_err();
+    assert_eq!(error.to_string(), "the output `desktop` failed: busy");
+    assert_eq!(display.lines(), ["-A"]);
+    assert!(sink.send(&[down(3, "C")]).is_err());
+}
+
+#[test]
+fn keys_are_released_on_a_new_connection_if_the_first_is_lost() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    sink.send(&[down(1, "A")]).unwrap();
+    while display.lines().is_empty() {
+        thread::yield_now();
+    }
+    display.0.lock().unwrap().is_first_connection_broken = true;
+    sink.close().unwrap_err();
+    assert_eq!(display.lines(), ["+A", "-A"]);
+    assert_eq!(display.0.lock().unwrap().connections, 2);
+}
+
+#[test]
+fn keys_that_cannot_be_released_are_named() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
+    while display.lines().len() < 2 {
+        thread::yield_now();
+    }
+    let mut state = display.0.lock().unwrap();
+    (state.is_first_connection_broken, state.rejects_connections) = (true, true);
+    drop(state);
+    let error = sink.close().unwrap_err().to_string();
+    let end = "the display is gone; may still be pressed: A, ShiftLeft";
+    assert!(error.ends_with(end), "{error}");
+}
+
+#[test]
+fn pointer_wheel_characters_and_buttons_stay_in_order() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    let events = [
+        event(1, EventKind::MoveTo(0.5, 0.25)),
+        down(1, "MouseLeft"),
+        event(1, EventKind::MoveBy(5, -5)),
+        up(1, "MouseLeft"),
+        event(1, EventKind::Scroll(0, -60)),
+        event(1, EventKind::Character('e')),
+    ];
+    sink.send(&events).unwrap();
+    sink.send(&[event(2, EventKind::Scroll(0, -60)), down(2, "MouseRight")])
+        .unwrap();
+    sink.close().unwrap();
+    let lines = [
+        "MoveTo(0.5, 0.25)",
+        "+MouseLeft",
+        "MoveBy(5, -5)",
+        "-MouseLeft",
+        "type e",
+        "Scroll(0, -1)",
+        "+MouseRight",
+        "-MouseRight",
+    ];
+    assert_eq!(display.lines(), lines);
+    assert_eq!(sink.coalesced_motions(), 0);
+}
+
+#[test]
+fn a_full_queue_coalesces_motion_and_drops_no_release() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    let keys: Vec<_> = KeyCode::all().collect();
+    for (index, key) in keys.iter().enumerate() {
+        sink.send(&[event(0, EventKind::KeyDown(*key))]).unwrap();
+        display.wait_for_lines(index + 1);
+    }
+    display.set_blocked(true);
+    for _ in 0..2 * QUEUE {
+        sink.send(&[event(0, EventKind::MoveBy(1, 0))]).unwrap();
+    }
+    let coalesced = sink.coalesced_motions() as usize;
+    assert!(coalesced > 0);
+    sink.send(&[event(0, EventKind::Character('x'))]).unwrap();
+    assert_eq!(sink.dropped_presses(), 1);
+    for key in &keys {
+        sink.send(&[event(0, EventKind::KeyUp(*key))]).unwrap();
+    }
+    display.set_blocked(false);
+    // Coalesced motion is sent with the next one.
+    while display.lines().len() < 2 * keys.len() + 2 * QUEUE - coalesced {
+        thread::yield_now();
+    }
+    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
+    sink.close().unwrap();
+    let lines = display.lines();
+    let count = |sign| lines.iter().filter(|line| line.starts_with(sign)).count();
+    assert_eq!((count('+'), count('-')), (keys.len(), keys.len()));
+    let last = format!("MoveBy({}, 0)", coalesced + 1);
+    assert_eq!(lines.last(), Some(&last));
+}
+
+fn characters(time: u64, text: &str) -> Vec<OutputEvent> {
+    let event = |character| event(time, EventKind::Character(character));
+    text.chars().map(event).collect()
+}
+
+#[test]
+fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    drop(gate);
+    let texts = [
+        characters(1, "abc"),
+        characters(2, "aéc"),
+        characters(3, "d"),
+    ];
+    sink.send(&texts.concat()).unwrap();
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["type abc", "type d"]);
+    assert_eq!(sink.dropped_presses(), 3);
+}
+
+#[test]
+fn a_text_without_room_in_the_queue_is_dropped_entirely() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    let text = "x".repeat(QUEUE / 8);
+    for time in 0..8 {
+        sink.send(&characters(time, &text)).unwrap();
+    }
+    assert!(sink.dropped_presses() > 0);
+    drop(gate);
+    sink.close().unwrap();
+    // What waits before a dropped text is void, too.
+    assert!(display.lines().is_empty());
+    assert_eq!(sink.dropped_presses() as usize, 8 * text.len());
+}
+
+#[test]
+fn a_failed_character_is_not_repeated() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    display.0.lock().unwrap().failures = 1;
+    sink.send(&[event(1, EventKind::Character('a'))]).unwrap();
+    drop(gate);
+    sink.close().unwrap_err();
+    assert_eq!(display.lines(), [""; 0]);
+}
+
+#[test]
+fn a_panic_of_the_connection_releases_all_keys() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    sink.send(&[
+        down(1, "A"),
+        down(1, "MouseLeft"),
+        event(1, EventKind::Character('\0')),
+    ])
+    .unwrap();
+    drop(gate);
+    let error = sink.close().unwrap_err().to_string();
+    assert!(
+        error.ends_with("the connection to the display panicked"),
+        "{error}"
+    );
+    assert_eq!(display.lines(), ["+A", "+MouseLeft", "-MouseLeft", "-A"]);
+}
+
+#[test]
+fn without_a_display_the_error_contains_the_remedy() {
+    let error = Desktop::open(Some(":59000"), &Capabilities::default())
+        .err()
+        .unwrap();
+    let start = "cannot open the output `desktop`: no X server answers at `:59000`";
+    assert!(error.to_string().starts_with(start), "{error}");
+}
+
+#[test]
+fn after_a_dropped_press_nothing_is_pressed_until_the_loop_has_noticed() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open_with_max_age(Duration::from_millis(500));
+    sink.send(&[down(1, "ControlLeft")]).unwrap();
+    thread::sleep(Duration::from_millis(501));
+    sink.send(&[down(2, "W")]).unwrap();
+    drop(gate);
+    while !sink.has_stalled() {
+        thread::yield_now();
+    }
+    // The layout still believes that Control is pressed.
+    sink.send(&[up(3, "W"), down(3, "C")]).unwrap();
+    sink.void_presses();
+    assert!(!sink.has_stalled());
+    sink.send(&[up(4, "C"), up(4, "ControlLeft"), down(5, "A")])
+        .unwrap();
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["+A", "-A"]);
+    assert_eq!(sink.dropped_presses(), 3);
+}

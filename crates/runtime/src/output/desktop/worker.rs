@@ -1,0 +1,435 @@
+//! The thread of an output that may be slow: it executes requests, repeats failed ones, and releases every key at the
+//! end.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, never, select};
+
+use super::direct_keys::{ConnectionNumber, DirectAnswers};
+use super::injector::Injector;
+use super::key_reporter::KeyReporter;
+use super::pending_motion::StatelessAction;
+use super::press_ticket::{MAX_PRESS_AGE, PressTicket, PressTickets};
+use crate::output::pressed_key_file::PressedKeyFile;
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, WatchdogClient};
+use crate::output::{RETRIES, RETRY_DELAY};
+use ademan_core::device::KeyCode;
+use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
+
+/// A request from the loop to the thread.
+#[derive(Clone, Copy)]
+pub enum WorkerRequest {
+    Press(KeyCode, PressTicket),
+    /// A character of a text. All characters have one ticket, and the last one has the text typed.
+    Type {
+        character: char,
+        is_last: bool,
+        ticket: PressTicket,
+    },
+    Release(KeyCode),
+    Perform(StatelessAction),
+    /// The loop has written a key event to a connection of its own, whose answers the thread reads.
+    Confirm(KeyCode, KeyDirection, ConnectionNumber, PressTicket),
+}
+
+/// Longest time without a call from the loop while a key is pressed. After it the watchdog receives no heartbeats.
+const LOOP_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Time after the last request for which heartbeats continue, so that the next press need not wait for a reply.
+const ACTIVE_TIME: Duration = Duration::from_secs(1);
+
+/// Interval at which an idle thread checks the connection to the display.
+const CHECK_INTERVAL: Duration = Duration::from_millis(400);
+
+/// State shared by the loop and the thread.
+pub struct WorkerStatus {
+    /// The first failure.
+    pub failure: OnceLock<String>,
+    /// The names of the keys that could not be released.
+    pub stuck_keys: OnceLock<String>,
+    /// Number of calls from the loop, as a sign of life.
+    pub loop_calls: AtomicU64,
+    /// Number of requests that the thread has executed.
+    pub executed: AtomicU64,
+    /// The validity of queued presses.
+    pub tickets: PressTickets,
+    /// Number of presses and characters that were not sent because their tickets were void, or the display cannot type the
+    /// text.
+    pub void_presses: AtomicU64,
+}
+
+impl WorkerStatus {
+    /// Creates the state for presses that are sent within `max_press_age`.
+    pub fn new(max_press_age: Duration) -> Self {
+        Self {
+            failure: OnceLock::new(),
+            stuck_keys: OnceLock::new(),
+            loop_calls: AtomicU64::new(0),
+            executed: AtomicU64::new(0),
+            tickets: PressTickets::new(max_press_age),
+            void_presses: AtomicU64::new(0),
+        }
+    }
+}
+
+/// The state of the thread: the pressed keys and the connection.
+pub struct Worker<'a, C> {
+    injector: C,
+    pressed: PressedKeys,
+    /// The characters of a text so far.
+    text: String,
+    status: &'a WorkerStatus,
+    watchdog: Option<WatchdogClient>,
+    reporter: KeyReporter,
+    direct: DirectAnswers,
+    /// The watchdog did not accept a message, or has exited.
+    is_watchdog_lost: bool,
+    liveness: Liveness,
+}
+
+/// Times of the last signs of life.
+struct Liveness {
+    last_heartbeat: Instant,
+    loop_calls: u64,
+    last_loop_call: Instant,
+    last_request: Instant,
+}
+
+impl<'a, C: Injector> Worker<'a, C> {
+    /// Creates a worker with no key pressed. Every press and release is reported to the watchdog.
+    pub fn new(
+        mut injector: C,
+        watchdog: Option<WatchdogClient>,
+        mut direct: DirectAnswers,
+        status: &'a WorkerStatus,
+    ) -> Self {
+        let now = Instant::now();
+        let file = watchdog.as_ref().and_then(|_| PressedKeyFile::create());
+        let reporter = KeyReporter::new(watchdog.as_ref(), file);
+        direct.open(|| injector.open_direct_connection(), &reporter);
+        Self {
+            injector,
+            pressed: PressedKeys::default(),
+            text: String::new(),
+            status,
+            watchdog,
+            reporter,
+            direct,
+            is_watchdog_lost: false,
+            liveness: Liveness {
+                last_heartbeat: now,
+                loop_calls: 0,
+                last_loop_call: now,
+                last_request: now,
+            },
+        }
+    }
+
+    /// Executes requests until the queue is closed, then releases every key.
+    pub fn run(
+        mut self,
+        queue: &Receiver<WorkerRequest>,
+        connect: impl FnMut() -> Result<C, String>,
+    ) {
+        let mut watchdog_exited = self
+            .watchdog
+            .as_ref()
+            .map_or_else(never, |watchdog| watchdog.exited().clone());
+        loop {
+            select! {
+                recv(queue) -> request => match request {
+                    // A panic in the display library must not keep keys pressed.
+                    Ok(request) => {
+                        if catch_unwind(AssertUnwindSafe(|| self.execute(request))).is_err() {
+                            self.fail("the connection to the display panicked");
+                        }
+                        self.status.executed.fetch_add(1, Ordering::Release);
+                        self.liveness.last_request = Instant::now();
+                    }
+                    Err(_) => break,
+                },
+                recv(watchdog_exited) -> _ => self.is_watchdog_lost = true,
+                default(self.poll_timeout()) => self.check_connection(),
+            }
+            self.send_heartbeat_if_due();
+            if self.is_watchdog_lost {
+                watchdog_exited = self.restart_watchdog();
+            }
+        }
+        self.finish(connect);
+    }
+
+    /// Releases every key, on a new connection if this one has failed: the display keeps a key pressed although the
+    /// connection that pressed it is gone.
+    fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
+        self.release_all();
+        if !self.pressed.is_empty()
+            && let Ok(injector) = connect()
+        {
+            self.injector = injector;
+            self.release_all();
+        }
+        self.injector.restore_keymap(&mut self.reporter);
+        let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
+        if !stuck.is_empty() {
+            let _ = self.status.stuck_keys.set(stuck.join(", "));
+            self.reporter.abandon_file();
+        }
+    }
+
+    /// Returns the time until the next heartbeat or check is due.
+    fn poll_timeout(&self) -> Duration {
+        match self.watchdog.is_some() && self.is_active(Instant::now()) {
+            true => HEARTBEAT_INTERVAL.saturating_sub(self.liveness.last_heartbeat.elapsed()),
+            false => CHECK_INTERVAL,
+        }
+    }
+
+    /// Returns whether a key is pressed, or something was requested a short time ago.
+    fn is_active(&self, now: Instant) -> bool {
+        !self.pressed.is_empty() || now - self.liveness.last_request < ACTIVE_TIME
+    }
+
+    /// Fails if the display is gone, which otherwise shows only at the next request.
+    fn check_connection(&mut self) {
+        if self.status.failure.get().is_none()
+            && let Err(reason) = self.injector.check_connection()
+        {
+            self.fail(&reason);
+        }
+    }
+
+    fn send_heartbeat_if_due(&mut self) {
+        let now = Instant::now();
+        let is_active = self.is_active(now);
+        let Some(watchdog) = &mut self.watchdog else {
+            return;
+        };
+        let calls = self.status.loop_calls.load(Ordering::Relaxed);
+        // A loop need not call while no key is pressed.
+        if calls != self.liveness.loop_calls || self.pressed.is_empty() {
+            self.liveness.loop_calls = calls;
+            self.liveness.last_loop_call = now;
+        }
+        if !is_active || now - self.liveness.last_heartbeat < HEARTBEAT_INTERVAL {
+            return;
+        }
+        self.liveness.last_heartbeat = now;
+        if now - self.liveness.last_loop_call < LOOP_TIMEOUT {
+            self.is_watchdog_lost |= watchdog.send_heartbeat().is_err();
+        }
+    }
+
+    /// Releases every key and restarts the watchdog. Returns the channel that closes when the new one exits.
+    fn restart_watchdog(&mut self) -> Receiver<()> {
+        self.status.tickets.void();
+        // The loop reports its presses to the lost watchdog.
+        self.direct.close();
+        self.release_all();
+        // The lost watchdog did not accept the reports of these releases.
+        self.is_watchdog_lost = false;
+        let Some(watchdog) = &mut self.watchdog else {
+            return never();
+        };
+        match watchdog.restart() {
+            Ok(()) => {
+                let exited = watchdog.exited().clone();
+                self.reporter.set_watchdog(self.watchdog.as_ref());
+                self.direct
+                    .open(|| self.injector.open_direct_connection(), &self.reporter);
+                exited
+            }
+            Err(reason) => {
+                self.watchdog = None;
+                self.reporter.set_watchdog(None);
+                self.fail(&reason);
+                never()
+            }
+        }
+    }
+
+    /// Reports a key to the watchdog. Returns `false` if it did not accept the report.
+    fn report_key(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        let is_accepted = self.reporter.report(key, direction);
+        self.is_watchdog_lost |= !is_accepted;
+        is_accepted
+    }
+
+    fn execute(&mut self, request: WorkerRequest) {
+        match request {
+            WorkerRequest::Release(key) => self.release(key),
+            WorkerRequest::Confirm(key, direction, connection, ticket) => {
+                self.confirm(key, direction, connection, ticket);
+            }
+            _ if self.status.failure.get().is_some() => {}
+            WorkerRequest::Press(key, ticket) => {
+                if !self.may_send(ticket, 1) {
+                    return;
+                }
+                // The watchdog could not release a key that it does not know.
+                if !self.report_key(key, KeyDirection::Press) {
+                    self.drop_presses(ticket, 1);
+                } else {
+                    // Added first: a press that failed may have arrived.
+                    self.pressed.press(key);
+                    self.inject(key, KeyDirection::Press);
+                    self.refresh_direct_connection();
+                }
+            }
+            WorkerRequest::Type {
+                character,
+                is_last,
+                ticket,
+            } => {
+                self.text.push(character);
+                if is_last {
+                    self.type_text(ticket);
+                }
+            }
+            WorkerRequest::Perform(action) => self.perform(action),
+        }
+    }
+
+    /// Waits until the display has executed a key event that the loop has written. If it does not, a press is revoked, and
+    /// the key released on the connection of this thread: the event may have arrived.
+    fn confirm(
+        &mut self,
+        key: KeyCode,
+        direction: KeyDirection,
+        connection: ConnectionNumber,
+        ticket: PressTicket,
+    ) {
+        let is_press = direction == KeyDirection::Press;
+        if is_press {
+            self.pressed.press(key);
+        }
+        let deadline = self.status.tickets.deadline(ticket);
+        let is_executed = self.direct.wait(connection, deadline);
+        if is_executed && !is_press {
+            self.pressed.release(key);
+            self.report_key(key, direction);
+        }
+        if !is_executed {
+            if is_press {
+                self.drop_presses(ticket, 1);
+            }
+            self.release(key);
+            self.refresh_direct_connection();
+        }
+    }
+
+    /// Types the text if its ticket is valid, and counts its characters as dropped if it was not typed. It is not
+    /// repeated, as a text that failed may have arrived.
+    fn type_text(&mut self, ticket: PressTicket) {
+        let text = std::mem::take(&mut self.text);
+        let count = text.chars().count() as u64;
+        if !self.may_send(ticket, count) {
+            return;
+        }
+        match self.injector.type_text(&text, &mut self.reporter) {
+            Ok(true) => {}
+            Ok(false) => self.count_dropped(count),
+            Err(reason) => self.fail(&reason),
+        }
+        // A change of the keymap is sent to every connection.
+        self.refresh_direct_connection();
+    }
+
+    fn count_dropped(&self, count: u64) {
+        self.status.void_presses.fetch_add(count, Ordering::Relaxed);
+    }
+
+    fn refresh_direct_connection(&mut self) {
+        let connect = || self.injector.open_direct_connection();
+        self.direct.refresh(connect, &self.reporter);
+    }
+
+    /// Returns `true` if this number of presses or characters may be sent, and counts them as dropped otherwise.
+    fn may_send(&mut self, ticket: PressTicket, count: u64) -> bool {
+        // A display that hangs executes a press when it continues, however late that is.
+        if self.status.tickets.is_valid(ticket)
+            && let Err(reason) = self.injector.wait_until_responsive()
+        {
+            self.fail(&reason);
+            return false;
+        }
+        let is_valid = self.wait_for_watchdog(ticket) && self.status.tickets.is_valid(ticket);
+        if !is_valid {
+            self.drop_presses(ticket, count);
+        }
+        is_valid
+    }
+
+    /// Waits until the watchdog has replied, unless it has a short time ago: it may be stopped, or have released keys. Returns
+    /// `false` if it does not while the press is valid.
+    fn wait_for_watchdog(&mut self, ticket: PressTicket) -> bool {
+        let tickets = &self.status.tickets;
+        let Some(watchdog) = self.watchdog.as_mut().filter(|_| tickets.is_valid(ticket)) else {
+            return true;
+        };
+        let deadline = tickets.deadline(ticket).min(Instant::now() + MAX_PRESS_AGE);
+        match watchdog.wait_for_fresh_reply(deadline) {
+            Ok(has_reply) => has_reply,
+            Err(_) => {
+                self.is_watchdog_lost = true;
+                false
+            }
+        }
+    }
+
+    /// Counts dropped presses or characters. Those that follow are dropped too, until the loop has noticed.
+    fn drop_presses(&self, ticket: PressTicket, count: u64) {
+        self.count_dropped(count);
+        self.status.tickets.void_with(ticket);
+    }
+
+    /// Performs an action. It is not repeated, as one that failed may have arrived.
+    fn perform(&mut self, action: StatelessAction) {
+        if let Err(reason) = self.injector.perform(action) {
+            self.fail(&reason);
+        }
+    }
+
+    /// Records a failure; only the first is kept.
+    fn fail(&self, reason: &str) {
+        let _ = self.status.failure.set(reason.into());
+    }
+
+    fn release(&mut self, key: KeyCode) {
+        if self.pressed.contains(key) && self.inject(key, KeyDirection::Release) {
+            self.pressed.release(key);
+            self.report_key(key, KeyDirection::Release);
+        }
+    }
+
+    fn release_all(&mut self) {
+        for key in self.pressed.clone().release_order() {
+            self.release(key);
+        }
+    }
+
+    /// Injects a key with retries and returns `true` if the display accepted it. After a failure there are no more
+    /// retries, so that releasing all keys stays within the close timeout.
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        let retries = match self.status.failure.get() {
+            None => RETRIES,
+            Some(_) => 0,
+        };
+        let mut result = self.injector.inject(key, direction);
+        for _ in 0..retries {
+            if result.is_ok() {
+                break;
+            }
+            thread::sleep(RETRY_DELAY);
+            result = self.injector.inject(key, direction);
+        }
+        if let Err(reason) = &result {
+            self.fail(reason);
+        }
+        result.is_ok()
+    }
+}

@@ -1,0 +1,201 @@
+//! A connection on which the loop itself presses and releases keys.
+//!
+//! The servers of X.Org close a connection whose other end is closed before they read what waits in it (`ClientReady` in
+//! `os/connection.c`, since 1.19). A press that such a server has not read is therefore revoked by closing the connection,
+//! even if the server hangs.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fd::{AsFd, OwnedFd};
+use rustix::io::Errno;
+use rustix::net::{
+    AddressFamily, RecvFlags, SendFlags, Shutdown, getsockname, recv, send, shutdown,
+};
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::xproto::{GetInputFocusRequest, Setup};
+use x11rb::protocol::xtest::{self, FakeInputRequest};
+use x11rb::rust_connection::RustConnection;
+
+use super::{fake_input, ignore_grabs};
+use crate::output::desktop::direct_keys::{AnswerReader, DirectConnection, KeyWriter};
+use ademan_core::device::KeyCode;
+use ademan_core::device::pressed_keys::KeyDirection;
+
+/// The vendor of the servers that close a connection before they read what waits in it, and their first release: 1.19.
+const VENDOR: &[u8] = b"The X.Org Foundation";
+const FIRST_RELEASE: u32 = 11_900_000;
+
+/// Lengths of `XTestFakeInput` and `GetInputFocus`, in bytes.
+const FAKE_INPUT: usize = 36;
+const GET_INPUT_FOCUS: usize = 4;
+
+/// Positions of the kind and the detail in `XTestFakeInput`.
+const KIND: usize = 4;
+const DETAIL: usize = 5;
+
+/// Length of an error, of an event, and of the reply to `GetInputFocus`, in bytes.
+const PACKET: usize = 32;
+
+/// Values of the first byte of a packet; others are events.
+const ERROR: u8 = 0;
+const REPLY: u8 = 1;
+
+/// Opens a connection. `None` if the server is not known to close it in time, or does not answer.
+pub fn open(name: Option<&str>) -> Option<DirectConnection> {
+    let (server, screen) = x11rb::connect(name).ok()?;
+    ignore_grabs(&server).ok()?;
+    let socket = server.stream().as_fd().try_clone_to_owned().ok()?;
+    if !closes_before_reading(server.setup(), &socket) {
+        return None;
+    }
+    let socket = Arc::new(Socket(socket));
+    let writer = Writer {
+        requests: requests(&server, screen)?,
+        socket: Arc::clone(&socket),
+    };
+    let reader = Reader {
+        socket,
+        incomplete: Vec::with_capacity(PACKET),
+        answers: 0,
+    };
+    Some((Box::new(writer), Box::new(reader)))
+}
+
+/// Returns `true` if the server is at the other end of the socket, and closes it before it reads what waits in it. Closing a
+/// TCP connection does not show before the bytes are read.
+fn closes_before_reading(setup: &Setup, socket: &OwnedFd) -> bool {
+    let is_local =
+        getsockname(socket).is_ok_and(|name| name.address_family() == AddressFamily::UNIX);
+    is_local && setup.vendor == VENDOR && setup.release_number >= FIRST_RELEASE
+}
+
+/// Returns the requests for a key event: the event, and a question whose answer shows that the server has executed it.
+fn requests(server: &RustConnection, screen: usize) -> Option<[u8; FAKE_INPUT + GET_INPUT_FOCUS]> {
+    let xtest = server
+        .extension_information(xtest::X11_EXTENSION_NAME)
+        .ok()??;
+    let event = FakeInputRequest {
+        type_: 0,
+        detail: 0,
+        time: 0,
+        root: server.setup().roots[screen].root,
+        root_x: 0,
+        root_y: 0,
+        deviceid: 0,
+    };
+    let ([event], _) = event.serialize(xtest.major_opcode);
+    let ([question], _) = GetInputFocusRequest.serialize();
+    [&event[..], &question[..]].concat().try_into().ok()
+}
+
+/// A socket that is shut down when either end is dropped.
+struct Socket(OwnedFd);
+
+impl Socket {
+    fn close(&self) {
+        // The server may have closed it.
+        let _ = shutdown(&self.0, Shutdown::Both);
+    }
+}
+
+struct Writer {
+    socket: Arc<Socket>,
+    requests: [u8; FAKE_INPUT + GET_INPUT_FOCUS],
+}
+
+impl KeyWriter for Writer {
+    fn write(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        let Ok((kind, detail)) = fake_input(key, direction) else {
+            return false;
+        };
+        self.requests[KIND] = kind;
+        self.requests[DETAIL] = detail;
+        let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
+        match send(&self.socket.0, &self.requests, flags) {
+            Ok(0) | Err(_) => false,
+            Ok(length) => {
+                if length < self.requests.len() {
+                    // The rest would not fit. Without an answer the event counts as not executed.
+                    self.socket.close();
+                }
+                true
+            }
+        }
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        self.socket.close();
+    }
+}
+
+struct Reader {
+    socket: Arc<Socket>,
+    /// The bytes of an incomplete packet.
+    incomplete: Vec<u8>,
+    /// Number of answers that have arrived and were not waited for.
+    answers: usize,
+}
+
+impl Reader {
+    /// Reads what has arrived. Returns `false` if the connection is closed or the server has rejected an event.
+    fn receive(&mut self) -> bool {
+        let mut bytes = [0; 64 * PACKET];
+        loop {
+            match recv(&self.socket.0, &mut bytes, RecvFlags::DONTWAIT) {
+                Ok((0, _)) => return false,
+                Ok((length, _)) => self.incomplete.extend(&bytes[..length]),
+                Err(Errno::AGAIN) => return true,
+                Err(Errno::INTR) => {}
+                Err(_) => return false,
+            }
+            let (packets, rest) = self.incomplete.as_chunks::<PACKET>();
+            if packets.iter().any(|packet| packet[0] == ERROR) {
+                return false;
+            }
+            self.answers += packets.iter().filter(|packet| packet[0] == REPLY).count();
+            let complete = self.incomplete.len() - rest.len();
+            self.incomplete.drain(..complete);
+        }
+    }
+
+    /// Waits until something can be read. Returns `false` after `deadline`.
+    fn poll(&self, deadline: Instant) -> bool {
+        let remaining = deadline.saturating_duration_since(Instant::now());
+        let timeout = Timespec::try_from(remaining).ok();
+        let is_over = remaining == Duration::ZERO;
+        !is_over
+            && poll(
+                &mut [PollFd::new(&self.socket.0, PollFlags::IN)],
+                timeout.as_ref(),
+            ) != Ok(0)
+    }
+}
+
+impl AnswerReader for Reader {
+    fn wait_for_answer(&mut self, deadline: Instant) -> bool {
+        loop {
+            let is_open = self.receive();
+            if self.answers > 0 {
+                self.answers -= 1;
+                return true;
+            }
+            if !is_open || !self.poll(deadline) {
+                return false;
+            }
+        }
+    }
+
+    fn discard_events(&mut self) -> bool {
+        self.receive()
+    }
+}
+
+impl Drop for Reader {
+    fn drop(&mut self) {
+        self.socket.close();
+    }
+}

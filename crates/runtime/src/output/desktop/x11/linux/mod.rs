@@ -1,0 +1,254 @@
+//! A connection to an X server that injects keys through the extension XTEST.
+//!
+//! The connection is impervious to grabs of the server (`XTestGrabControl`). A screen locker, a window manager or a
+//! screenshot tool that grabs the server would otherwise delay a release, and the key would repeat until the grab ends.
+
+mod characters;
+mod direct;
+mod keymap;
+
+use std::ops::RangeInclusive;
+
+use x11rb::connection::Connection;
+use x11rb::errors::ReplyError;
+use x11rb::protocol::xproto::{
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt as _, KEY_PRESS_EVENT,
+    KEY_RELEASE_EVENT, KeyButMask, MOTION_NOTIFY_EVENT,
+};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+use crate::output::character_key::CharacterKey;
+use crate::output::desktop::direct_keys::DirectConnection;
+use crate::output::desktop::injector::Injector;
+use crate::output::desktop::key_reporter::KeyReporter;
+use crate::output::desktop::pending_motion::StatelessAction;
+use crate::output::desktop::system;
+use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
+use ademan_core::device::{KeyCode, KeyKind};
+use characters::CharacterKeys;
+
+/// The version of XTEST that has `XTestGrabControl`.
+const XTEST_VERSION: (u8, u16) = (2, 2);
+
+/// Wheel detents are clicks of these buttons.
+const WHEEL_UP: u8 = 4;
+const WHEEL_DOWN: u8 = 5;
+const WHEEL_LEFT: u8 = 6;
+const WHEEL_RIGHT: u8 = 7;
+
+/// Buttons whose state `QueryPointer` reports.
+const QUERIED_BUTTONS: RangeInclusive<u8> = 1..=5;
+
+/// Values of the detail field of a motion.
+const ABSOLUTE: u8 = 0;
+const RELATIVE: u8 = 1;
+
+/// A connection to an X server.
+pub struct X11Injector {
+    name: Option<String>,
+    server: RustConnection,
+    root: u32,
+    character_keys: CharacterKeys,
+}
+
+/// Connects to the X server of this name, or to that of `DISPLAY`.
+pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
+    let (server, screen) = x11rb::connect(name).map_err(|_| system::no_display(name))?;
+    let (major, minor) = XTEST_VERSION;
+    let version = server.xtest_get_version(major, minor);
+    version
+        .map_err(ReplyError::from)
+        .and_then(|version| version.reply())
+        .map_err(|error| format!("the X server has no extension XTEST ({error}); enable it"))?;
+    ignore_grabs(&server).map_err(message)?;
+    let injector = X11Injector {
+        name: name.map(str::to_owned),
+        root: server.setup().roots[screen].root,
+        character_keys: CharacterKeys::new(&server),
+        server,
+    };
+    Ok(Box::new(injector))
+}
+
+/// Exempts a connection from grabs of the server by other clients.
+fn ignore_grabs(server: &RustConnection) -> Result<(), ReplyError> {
+    server.xtest_grab_control(true)?.check()
+}
+
+impl X11Injector {
+    /// Sends an input event and waits until the server has executed it.
+    fn fake(&self, kind: u8, detail: u8) -> Result<(), ReplyError> {
+        self.discard_events()?;
+        let event = self
+            .server
+            .xtest_fake_input(kind, detail, 0, self.root, 0, 0, 0)?;
+        event.check()
+    }
+
+    /// Clicks a button `count` times. All clicks are in one write, so that none is cut in half if this process is killed.
+    fn click(&self, button: u8, count: u32) -> Result<(), ReplyError> {
+        for _ in 0..count {
+            for kind in [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT] {
+                let event = self
+                    .server
+                    .xtest_fake_input(kind, button, 0, self.root, 0, 0, 0)?;
+                event.ignore_error();
+            }
+        }
+        self.wait()
+    }
+
+    fn move_pointer(&self, detail: u8, x: i16, y: i16) -> Result<(), ReplyError> {
+        let (kind, none) = (MOTION_NOTIFY_EVENT, x11rb::NONE);
+        let event = self
+            .server
+            .xtest_fake_input(kind, detail, 0, none, x, y, 0)?;
+        event.check()
+    }
+
+    fn move_to(&self, x: f32, y: f32) -> Result<(), ReplyError> {
+        // Queried each time, as the size of the screen changes with its monitors.
+        let screen = self.server.get_geometry(self.root)?.reply()?;
+        let pixel = |fraction: f32, size: u16| (fraction * (f32::from(size) - 1.0)).round() as i16;
+        self.move_pointer(ABSOLUTE, pixel(x, screen.width), pixel(y, screen.height))
+    }
+
+    fn scroll(&self, right: i32, up: i32) -> Result<(), ReplyError> {
+        let horizontal = if right > 0 { WHEEL_RIGHT } else { WHEEL_LEFT };
+        let vertical = if up > 0 { WHEEL_UP } else { WHEEL_DOWN };
+        self.click(horizontal, right.unsigned_abs())?;
+        self.click(vertical, up.unsigned_abs())
+    }
+
+    /// Waits until the server has executed all requests.
+    fn wait(&self) -> Result<(), ReplyError> {
+        self.discard_events()?;
+        self.server.get_input_focus()?.reply().map(drop)
+    }
+
+    /// Discards events: a server sends changes of the keymap to every client, and the library would collect them.
+    fn discard_events(&self) -> Result<(), ReplyError> {
+        while self.server.poll_for_event()?.is_some() {}
+        Ok(())
+    }
+
+    /// Returns those of `keys` that are pressed. A button whose state the server does not report counts as pressed.
+    fn pressed_among(&self, keys: &PressedKeys) -> Result<PressedKeys, ReplyError> {
+        let bits = self.server.query_keymap()?.reply()?.keys;
+        let buttons = u16::from(self.server.query_pointer(self.root)?.reply()?.mask);
+        let is_key_pressed = |code: u8| bits[usize::from(code / 8)] >> (code % 8) & 1 == 1;
+        let first_button = u16::from(KeyButMask::BUTTON1);
+        let is_pressed = |key: &KeyCode| match input(*key) {
+            Ok(Input::Key(code)) => is_key_pressed(code),
+            Ok(Input::Button(button)) if QUERIED_BUTTONS.contains(&button) => {
+                buttons & first_button << (button - 1) != 0
+            }
+            Ok(Input::Button(_)) => true,
+            Err(_) => false,
+        };
+        let mut pressed = PressedKeys::default();
+        let mut pressed_keys: Vec<_> = keys.release_order().filter(is_pressed).collect();
+        pressed_keys.reverse();
+        for key in pressed_keys {
+            pressed.press(key);
+        }
+        Ok(pressed)
+    }
+}
+
+impl Injector for X11Injector {
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+        let (kind, detail) = fake_input(key, direction)?;
+        self.fake(kind, detail).map_err(message)
+    }
+
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        let performed = match action {
+            StatelessAction::MoveBy(x, y) => self.move_pointer(RELATIVE, x as i16, y as i16),
+            StatelessAction::MoveTo(x, y) => self.move_to(x, y),
+            StatelessAction::Scroll(right, up) => self.scroll(right, up),
+        };
+        performed
+            .and_then(|()| self.discard_events())
+            .map_err(message)
+    }
+
+    fn check_connection(&mut self) -> Result<(), String> {
+        self.discard_events().map_err(message)
+    }
+
+    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
+        let keys = &mut self.character_keys;
+        let is_typed = keys.type_text(&self.server, self.root, text, reporter);
+        self.discard_events().map_err(message)?;
+        is_typed.map_err(message)
+    }
+
+    fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
+        // A server that is gone has no keymap to restore.
+        let _ = self.character_keys.restore(&self.server, reporter);
+    }
+
+    fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+        let mut keys = keys.iter();
+        keys.try_for_each(|key| keymap::remove(&self.server, *key))
+            .and_then(|()| self.discard_events())
+            .map_err(message)
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        self.wait().map_err(message)
+    }
+
+    fn open_direct_connection(&mut self) -> Option<DirectConnection> {
+        direct::open(self.name.as_deref())
+    }
+
+    fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        self.pressed_among(keys).map(Some).map_err(message)
+    }
+}
+
+/// A key or button as the server numbers it.
+enum Input {
+    Key(u8),
+    Button(u8),
+}
+
+fn input(key: KeyCode) -> Result<Input, String> {
+    if key.kind() == KeyKind::Keyboard {
+        let code = u8::try_from(key.x11_code());
+        return code
+            .map(Input::Key)
+            .map_err(|_| format!("an X server has no key {key}; remove it from the layout"));
+    }
+    Ok(Input::Button(match key.name() {
+        "MouseLeft" => 1,
+        "MouseMiddle" => 2,
+        "MouseRight" => 3,
+        "MouseBack" => 8,
+        "MouseForward" => 9,
+        _ => return Err("a desktop has no such button; remove it from the layout".into()),
+    }))
+}
+
+/// Returns the kind and the detail of the event that presses or releases a key.
+fn fake_input(key: KeyCode, direction: KeyDirection) -> Result<(u8, u8), String> {
+    let is_press = direction == KeyDirection::Press;
+    Ok(match (input(key)?, is_press) {
+        (Input::Key(code), true) => (KEY_PRESS_EVENT, code),
+        (Input::Key(code), false) => (KEY_RELEASE_EVENT, code),
+        (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
+        (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
+    })
+}
+
+fn message(error: ReplyError) -> String {
+    match error {
+        ReplyError::ConnectionError(error) => {
+            format!("the connection to the X server failed: {error}; check that it runs")
+        }
+        ReplyError::X11Error(error) => format!("the X server rejected a request: {error:?}"),
+    }
+}

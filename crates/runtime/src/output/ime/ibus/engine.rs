@@ -1,0 +1,324 @@
+//! The engine: what the daemon calls, and the signals that put text into the focused field.
+//!
+//! Text and keys take different ways to a program. Their order is kept on both:
+//!
+//! - Text before a key: the daemon shows the engine each key before the program gets it, and the engine has emitted all earlier text by
+//!   then.
+//! - A key before text: the text waits until the daemon has shown the engine the key and has its answer, at most [`KEY_TIMEOUT`].
+
+use std::collections::VecDeque;
+use std::num::NonZeroU32;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, after, never, select};
+use zbus::Message;
+use zbus::message::Type;
+use zbus::zvariant::{OwnedValue, Value};
+
+use super::bus::{Bus, ENGINE_PATH};
+use super::serial;
+use crate::output::FieldKind;
+use crate::output::ime::client::{Action, Request, Shared};
+
+/// Longest time that text waits for a key. A window manager may have taken the key.
+const KEY_TIMEOUT: Duration = Duration::from_millis(100);
+
+/// `IBUS_RELEASE_MASK`.
+const RELEASE: u32 = 1 << 30;
+
+/// `IBUS_ENGINE_PREEDIT_COMMIT`: a field that loses the focus keeps the word that it shows.
+const KEEP_WORD: u32 = 1;
+
+/// Purposes of fields that take no text from an input method (`GtkInputPurpose`, from 1): digits, a number, a telephone number, an
+/// address of the web or of mail, a password, a number that is secret, a terminal.
+const LITERAL_PURPOSES: [u32; 8] = [2, 3, 4, 5, 6, 8, 9, 10];
+
+/// `GTK_INPUT_HINT_PRIVATE`.
+const HINT_PRIVATE: u32 = 1 << 11;
+
+/// The client of the context that the daemon itself focuses while no text field has the focus.
+const OWN_CLIENT: &str = "fake";
+
+/// The end of the path of that context, which is the first one.
+const OWN_CONTEXT: &str = "/InputContext_1";
+
+/// The reason why an engine has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// The loop has dropped its requests.
+    Session,
+    /// The daemon has ended.
+    Daemon,
+}
+
+pub(super) struct Engine<'a> {
+    bus: Bus,
+    shared: &'a Shared,
+    /// A field of a program has the focus.
+    is_focused: bool,
+    is_enabled: bool,
+    /// The serial number of the question which context has the focus.
+    asked_context: Option<NonZeroU32>,
+    /// The kind of text that the field takes, as it says.
+    kind: FieldKind,
+    /// The word that the field shows.
+    shown: String,
+    /// The key presses of the output of keys that the daemon has shown.
+    seen: u32,
+    /// Requests that wait for keys, and since when.
+    waiting: VecDeque<Request>,
+    waiting_since: Instant,
+}
+
+impl<'a> Engine<'a> {
+    pub(super) fn new(bus: Bus, shared: &'a Shared) -> Self {
+        Self {
+            bus,
+            shared,
+            is_focused: false,
+            is_enabled: false,
+            asked_context: None,
+            kind: FieldKind::Text,
+            shown: String::new(),
+            seen: shared.presses(),
+            waiting: VecDeque::new(),
+            waiting_since: Instant::now(),
+        }
+    }
+
+    /// Serves the daemon and the loop until one of them ends.
+    pub(super) fn run(mut self, requests: &Receiver<Request>) -> End {
+        let messages = self.bus.messages.clone();
+        loop {
+            let timeout = match self.waiting.is_empty() {
+                true => never(),
+                false => after(
+                    (self.waiting_since + KEY_TIMEOUT).saturating_duration_since(Instant::now()),
+                ),
+            };
+            let done = select! {
+                recv(requests) -> request => match request {
+                    Ok(request) => self.take(request),
+                    Err(_) => {
+                        self.finish();
+                        return End::Session;
+                    }
+                },
+                recv(messages) -> message => match message {
+                    Ok(message) => self.answer(&message),
+                    Err(_) => return End::Daemon,
+                },
+                recv(timeout) -> _ => {
+                    self.seen = self.shared.presses();
+                    self.execute_waiting()
+                }
+            };
+            if done.is_err() {
+                return End::Daemon;
+            }
+        }
+    }
+
+    /// Executes what waits, and gives the desktop its engine back.
+    fn finish(mut self) {
+        self.seen = self.shared.presses();
+        let _ = self.execute_waiting();
+        self.bus.close();
+    }
+
+    fn take(&mut self, request: Request) -> zbus::Result<()> {
+        if self.waiting.is_empty() {
+            self.waiting_since = Instant::now();
+        }
+        self.waiting.push_back(request);
+        self.execute_waiting()
+    }
+
+    /// Executes the requests whose keys the daemon has shown.
+    fn execute_waiting(&mut self) -> zbus::Result<()> {
+        while let Some(request) = self.waiting.pop_front() {
+            // Counters wrap.
+            if (request.after_presses.wrapping_sub(self.seen) as i32) > 0 {
+                self.waiting.push_front(request);
+                return Ok(());
+            }
+            self.waiting_since = Instant::now();
+            self.execute(request)?;
+        }
+        Ok(())
+    }
+
+    fn execute(&mut self, request: Request) -> zbus::Result<()> {
+        let is_void = request.stops != self.shared.stops();
+        if is_void || request.field != self.shared.field().generation {
+            return Ok(());
+        }
+        match request.action {
+            Action::Show(word) => self.show(&word),
+            Action::Commit(text) => self.commit(&text),
+            Action::List(candidates) => {
+                let table = Value::from(serial::lookup_table(&candidates));
+                let is_visible = !candidates.is_empty();
+                self.bus.emit("UpdateLookupTable", &(table, is_visible))
+            }
+        }
+    }
+
+    fn show(&mut self, word: &str) -> zbus::Result<()> {
+        word.clone_into(&mut self.shown);
+        let cursor = word.chars().count() as u32;
+        let text = Value::from(serial::text(word, true));
+        let is_visible = !word.is_empty();
+        self.bus
+            .emit("UpdatePreeditText", &(text, cursor, is_visible, KEEP_WORD))
+    }
+
+    fn commit(&mut self, text: &str) -> zbus::Result<()> {
+        if !self.shown.is_empty() {
+            self.show("")?;
+        }
+        self.bus
+            .emit("CommitText", &(Value::from(serial::text(text, false)),))
+    }
+
+    /// Answers a call of the daemon.
+    fn answer(&mut self, message: &Message) -> zbus::Result<()> {
+        let header = message.header();
+        match message.message_type() {
+            Type::MethodCall => {}
+            Type::MethodReturn if header.reply_serial() == self.asked_context => {
+                self.asked_context = None;
+                let context: OwnedValue = message.body().deserialize()?;
+                self.set_focus(!is_own_context(&context));
+                return Ok(());
+            }
+            _ => return Ok(()),
+        }
+        let member = header.member().map_or("", |member| member.as_str());
+        let body = message.body();
+        match member {
+            "CreateEngine" => {
+                let path = zbus::zvariant::ObjectPath::from_static_str_unchecked(ENGINE_PATH);
+                return self.bus.reply(message, &path);
+            }
+            "ProcessKeyEvent" => return self.process_key(message),
+            "Get" => {
+                let (_, name): (String, String) = body.deserialize()?;
+                // The daemon tells then which program has the focus.
+                let has_it = name == "FocusId";
+                return self.bus.reply(message, &(Value::from(has_it),));
+            }
+            "GetAll" => {
+                let all = std::collections::HashMap::from([("FocusId", Value::from(true))]);
+                return self.bus.reply(message, &(all,));
+            }
+            "Set" => {
+                let (_, name, value): (String, String, OwnedValue) = body.deserialize()?;
+                if name == "ContentType" {
+                    self.set_purpose(value);
+                }
+            }
+            "FocusInId" => {
+                let (_, client): (String, String) = body.deserialize()?;
+                self.asked_context = None;
+                self.set_focus(client != OWN_CLIENT);
+            }
+            // Before the daemon knows that the engine wants to know who has the focus.
+            "FocusIn" => {
+                self.set_focus(false);
+                self.asked_context = Some(self.bus.ask_context()?);
+            }
+            "FocusOut" | "FocusOutId" => self.set_focus(false),
+            "Enable" => self.set_enabled(true),
+            "Disable" => self.set_enabled(false),
+            // The program has moved its cursor, or emptied its field.
+            "Reset" => self.enter_field(),
+            "CandidateClicked" => {
+                let (index, ..): (u32, u32, u32) = body.deserialize()?;
+                self.shared.choose(u8::try_from(index + 1).unwrap_or(0));
+            }
+            "SetCapabilities"
+            | "SetCursorLocation"
+            | "SetSurroundingText"
+            | "PageUp"
+            | "PageDown"
+            | "CursorUp"
+            | "CursorDown"
+            | "PropertyActivate"
+            | "PropertyShow"
+            | "PropertyHide"
+            | "PanelExtensionReceived"
+            | "PanelExtensionRegisterKeys"
+            | "Destroy" => {}
+            _ => return self.bus.refuse(message),
+        }
+        self.bus.reply(message, &())
+    }
+
+    /// Lets every key pass to the program, behind the text that precedes it.
+    fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
+        let (_, _, state): (u32, u32, u32) = message.body().deserialize()?;
+        let is_press = state & RELEASE == 0;
+        let expected = self.shared.presses();
+        if is_press && self.seen != expected {
+            self.seen = self.seen.wrapping_add(1);
+        } else if is_press && !self.shown.is_empty() {
+            // Somebody types on another keyboard.
+            let word = std::mem::take(&mut self.shown);
+            self.commit(&word)?;
+            self.enter_field();
+        }
+        self.bus.reply(message, &false)?;
+        self.execute_waiting()
+    }
+
+    fn set_purpose(&mut self, value: OwnedValue) {
+        let Ok((purpose, hints)) = <(u32, u32)>::try_from(value) else {
+            return;
+        };
+        let is_literal = LITERAL_PURPOSES.contains(&purpose) || hints & HINT_PRIVATE != 0;
+        let kind = if is_literal {
+            FieldKind::Literal
+        } else {
+            FieldKind::Text
+        };
+        if kind != self.kind {
+            self.kind = kind;
+            self.enter_field();
+        }
+    }
+
+    fn set_focus(&mut self, is_focused: bool) {
+        self.is_focused = is_focused;
+        // A field without a purpose says nothing.
+        if !is_focused {
+            self.kind = FieldKind::Text;
+        }
+        self.enter_field();
+    }
+
+    fn set_enabled(&mut self, is_enabled: bool) {
+        self.is_enabled = is_enabled;
+        self.enter_field();
+    }
+
+    /// Tells the loop that the field and its text are others. A shown word is the field's.
+    fn enter_field(&mut self) {
+        self.shown.clear();
+        self.shared
+            .enter_field(match self.is_focused && self.is_enabled {
+                true => self.kind,
+                // A field for a password may hide from the daemon.
+                false => FieldKind::Literal,
+            });
+    }
+}
+
+/// Returns whether this is the path of the context of the daemon itself.
+fn is_own_context(path: &Value) -> bool {
+    match path {
+        Value::Value(inner) => is_own_context(inner),
+        Value::ObjectPath(path) => path.ends_with(OWN_CONTEXT),
+        _ => true,
+    }
+}

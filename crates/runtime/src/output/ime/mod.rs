@@ -1,0 +1,61 @@
+//! The output `ime`: text through the input method of the desktop, everything else through another output.
+//!
+//! Characters reach the focused text field as text, whatever its keymap is. While a text decoder changes words, the word that is typed
+//! stays open: the field shows it underlined, and takes it with the character that ends it. Shortcuts, modifiers, keys without a
+//! character and the pointer go through the output `desktop` or the one that is named: `ime:uinput`. So do all keys while no text
+//! field has the focus, and in fields for passwords, numbers, addresses and terminals.
+
+use super::{BACKENDS, Backend, desktop, uinput};
+use ademan_core::device::Capabilities;
+
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod client;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod composition;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod ibus;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod sink;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+use sink::open;
+
+#[cfg(not(all(target_os = "linux", feature = "ime")))]
+mod unsupported;
+#[cfg(not(all(target_os = "linux", feature = "ime")))]
+use unsupported::open;
+
+/// The backend `ime`.
+pub const BACKEND: Backend = Backend {
+    name: "ime",
+    argument: Some("OUTPUT"),
+    is_argument_required: false,
+    summary: "text through the input method of the desktop (IBus; feature `ime`), keys through `desktop` or ime:uinput",
+    capabilities,
+    is_log: false,
+    is_fixed_when_open: false,
+    check: None,
+    open,
+};
+
+/// Returns what keys and text need, as far as one of the outputs for keys has it.
+fn capabilities() -> Capabilities {
+    let mut capabilities = (desktop::BACKEND.capabilities)();
+    for capability in (uinput::BACKEND.capabilities)().iter() {
+        capabilities.insert(capability);
+    }
+    capabilities
+}
+
+/// Returns the output for keys: the argument, or else `desktop`.
+#[cfg_attr(
+    not(all(target_os = "linux", feature = "ime")),
+    expect(dead_code, reason = "only the sink opens it")
+)]
+fn key_output(argument: Option<&str>) -> Result<&'static Backend, String> {
+    let name = argument.unwrap_or(desktop::BACKEND.name);
+    let is_allowed = [desktop::BACKEND.name, uinput::BACKEND.name].contains(&name);
+    let found = BACKENDS.iter().find(|backend| backend.name == name);
+    found.copied().filter(|_| is_allowed).ok_or_else(|| {
+        "its keys go through `desktop` or `uinput`: write `ime` or `ime:uinput`".into()
+    })
+}

@@ -1,0 +1,293 @@
+//! Outputs by name: a list such as `transcript:log.txt,desktop` → one [`Sink`].
+
+use super::router::{Route, Router, route};
+use super::watchdog::WatchdogSettings;
+use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, null, transcript};
+use ademan_core::device::{Capabilities, Capability};
+use ademan_core::message::escape;
+
+/// One output of a list, as written.
+struct NamedOutput<'a> {
+    /// The name with its argument: `transcript:log.txt`.
+    name: &'a str,
+    backend: &'static Backend,
+    argument: Option<&'a str>,
+}
+
+/// Opens the outputs in a list of names separated by commas.
+///
+/// A name is that of a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
+/// several outputs, each capability is carried by the first output that supports it (see [`Router`]). Nothing is
+/// opened if a required capability is not supported by any of them.
+pub fn open(names: &str, required: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
+    open_all(names, required, None)
+}
+
+/// Opens outputs as [`open`] does, each with a [watchdog](super::watchdog) if its keys would outlive this process.
+pub fn open_with_watchdog(
+    names: &str,
+    required: &Capabilities,
+    watchdog: &WatchdogSettings,
+) -> Result<Box<dyn Sink>, OutputError> {
+    open_all(names, required, Some(watchdog))
+}
+
+fn open_all(
+    names: &str,
+    required: &Capabilities,
+    watchdog: Option<&WatchdogSettings>,
+) -> Result<Box<dyn Sink>, OutputError> {
+    check(names, required)?;
+    let outputs = parse(names)?;
+    let routes = routes(&outputs);
+    let open_one = |(index, output): (usize, &NamedOutput)| {
+        (output.backend.open)(&OpenRequest {
+            name: output.name,
+            argument: output.argument,
+            required: &routed_to(&routes, index, required),
+            watchdog,
+        })
+    };
+    let sinks = outputs.iter().enumerate().map(open_one);
+    let mut sinks = sinks.collect::<Result<Vec<_>, _>>()?;
+    Ok(match sinks.len() {
+        1 => sinks.remove(0),
+        _ => Box::new(Router::new(sinks)),
+    })
+}
+
+/// Checks that every required capability is supported by one of the outputs. Opens nothing.
+pub fn check(names: &str, required: &Capabilities) -> Result<(), OutputError> {
+    match unsupported(&parse(names)?, required) {
+        None => Ok(()),
+        Some(reason) => Err(OutputError::open(names, reason)),
+    }
+}
+
+/// Checks that outputs opened for a layout that requires `opened` can serve a layout that requires `required`.
+/// Returns the cause and the remedy otherwise.
+pub fn check_layout_change(
+    names: &str,
+    opened: &Capabilities,
+    required: &Capabilities,
+) -> Result<(), String> {
+    let outputs = parse(names).map_err(|error| error.to_string())?;
+    if let Some(reason) = unsupported(&outputs, required) {
+        return Err(reason);
+    }
+    let routes = routes(&outputs);
+    for (index, output) in outputs.iter().enumerate() {
+        let routed = routed_to(&routes, index, required);
+        let missing = routed.iter().find(|new| !opened.contains(*new));
+        if let Some(missing) = missing.filter(|_| output.backend.is_fixed_when_open) {
+            return Err(format!(
+                "the output `{}` was opened without {missing}; restart to use it",
+                escape(output.name)
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Returns `true` if events reach another program: an output is neither a log nor [`none`](super::BACKENDS). Also if the names
+/// are invalid.
+pub fn has_effect(names: &str) -> bool {
+    let is_effective =
+        |output: &NamedOutput| !output.backend.is_log && output.backend != &null::BACKEND;
+    parse(names).map_or(true, |outputs| outputs.iter().any(is_effective))
+}
+
+/// Returns `true` if one of the outputs writes to the standard output.
+pub fn uses_stdout(names: &str) -> bool {
+    uses_backend(names, transcript::BACKEND.name)
+}
+
+/// Returns `true` if one of the outputs is this backend, without an argument.
+pub fn uses_backend(names: &str, backend: &str) -> bool {
+    names.split(',').any(|name| name.trim() == backend)
+}
+
+/// Returns all names for messages: `transcript, transcript:PATH, desktop, …`.
+pub fn available() -> String {
+    let forms = BACKENDS.iter().flat_map(|backend| {
+        let with_argument = backend.argument.map(|argument| {
+            let name = backend.name;
+            format!("{name}:{argument}")
+        });
+        let alone = (!backend.is_argument_required).then(|| backend.name.to_owned());
+        alone.into_iter().chain(with_argument)
+    });
+    forms.collect::<Vec<_>>().join(", ")
+}
+
+fn parse(names: &str) -> Result<Vec<NamedOutput<'_>>, OutputError> {
+    names
+        .split(',')
+        .map(|name| parse_one(name.trim()))
+        .collect()
+}
+
+fn parse_one(name: &str) -> Result<NamedOutput<'_>, OutputError> {
+    let (backend, argument) = match name.split_once(':') {
+        Some((backend, argument)) => (backend, Some(argument)),
+        None => (name, None),
+    };
+    let backend = find_backend(backend)?;
+    if argument.is_some() && backend.argument.is_none() {
+        return Err(OutputError::UnexpectedArgument {
+            output: name.into(),
+        });
+    }
+    Ok(NamedOutput {
+        name,
+        backend,
+        argument,
+    })
+}
+
+fn routes(outputs: &[NamedOutput]) -> Vec<Route> {
+    let route = |output: &NamedOutput| Route {
+        capabilities: (output.backend.capabilities)(),
+        is_log: output.backend.is_log,
+    };
+    outputs.iter().map(route).collect()
+}
+
+/// Returns the required capabilities that the output at `index` carries.
+fn routed_to(routes: &[Route], index: usize, required: &Capabilities) -> Capabilities {
+    let is_routed_here = |required: &Capability| route(routes, *required) == Some(index);
+    required.iter().filter(is_routed_here).collect()
+}
+
+/// Returns the first required capability that no output supports, with the remedy; `None` if all are supported.
+fn unsupported(outputs: &[NamedOutput], required: &Capabilities) -> Option<String> {
+    let routes = routes(outputs);
+    let missing = required
+        .iter()
+        .find(|required| route(&routes, *required).is_none())?;
+    let names: Vec<_> = outputs.iter().map(|output| output.name).collect();
+    let quoted = outputs
+        .iter()
+        .filter(|output| !output.backend.is_log)
+        .map(|output| format!("`{}`", escape(output.name)));
+    let quoted: Vec<_> = quoted.collect();
+    let verb = match quoted.len() {
+        1 => "does",
+        _ => "do",
+    };
+    let is_alternative = |backend: &&&Backend| {
+        !backend.is_log && **backend != &null::BACKEND && (backend.capabilities)().contains(missing)
+    };
+    let remedy = match BACKENDS.iter().find(is_alternative) {
+        Some(Backend { name, .. }) => {
+            format!(
+                "add the output `{name}`: `{},{name}`",
+                escape(&names.join(","))
+            )
+        }
+        None => "remove it from the layout, or use the output `transcript`".into(),
+    };
+    Some(format!(
+        "the layout requires {missing}, which {} {verb} not support; {remedy}",
+        quoted.join(" and ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::tests::key;
+    use ademan_core::device::Axis;
+
+    fn code(name: &str) -> Capability {
+        Capability::Key(key(name))
+    }
+
+    fn message(outputs: &str, required: Capability) -> Option<String> {
+        let outputs = parse(outputs).unwrap();
+        unsupported(&outputs, &Capabilities::from_iter([required]))
+    }
+
+    #[test]
+    fn an_unsupported_capability_is_reported_with_the_output_to_add() {
+        let table = [
+            (
+                "desktop",
+                code("PadSouth"),
+                "the layout requires `PadSouth`, which `desktop` does not support; \
+                 add the output `uinput`: `desktop,uinput`",
+            ),
+            (
+                "transcript,desktop",
+                Capability::Axis(Axis::LeftX),
+                "the layout requires `LeftX`, which `desktop` does not support; \
+                 add the output `uinput`: `transcript,desktop,uinput`",
+            ),
+            (
+                "uinput",
+                Capability::Text,
+                "the layout requires characters, which `uinput` does not support; \
+                 add the output `desktop`: `uinput,desktop`",
+            ),
+            (
+                "desktop,uinput",
+                Capability::Axis(Axis::TurnZ),
+                "the layout requires `TurnZ`, which `desktop` and `uinput` do not support; \
+                 add the output `spacenav`: `desktop,uinput,spacenav`",
+            ),
+            (
+                "spacenav",
+                code("PadStart"),
+                "the layout requires `PadStart`, which `spacenav` does not support; \
+                 add the output `uinput`: `spacenav,uinput`",
+            ),
+        ];
+        for (outputs, required, expected) in table {
+            assert_eq!(message(outputs, required).as_deref(), Some(expected));
+        }
+    }
+
+    #[test]
+    fn each_backend_supports_what_its_receiver_has() {
+        let pointer = [
+            code("A"),
+            code("MouseLeft"),
+            Capability::RelativeMotion,
+            Capability::AbsoluteMotion,
+            Capability::Scroll,
+        ];
+        for required in pointer {
+            assert_eq!(message("desktop", required), None, "{required}");
+            assert_eq!(message("uinput", required), None, "{required}");
+            assert!(message("spacenav", required).is_some(), "{required}");
+        }
+        let six_axes = [
+            Capability::Axis(Axis::MoveX),
+            Capability::Axis(Axis::TurnZ),
+            code("PadWest"),
+        ];
+        for required in six_axes {
+            assert_eq!(message("spacenav", required), None, "{required}");
+        }
+    }
+
+    #[test]
+    fn a_capability_is_routed_to_one_output() {
+        let required = Capabilities::from_iter([
+            code("A"),
+            code("PadSouth"),
+            Capability::Text,
+            Capability::Scroll,
+        ]);
+        let routes = routes(&parse("uinput,transcript,desktop").unwrap());
+        let to_uinput = [code("A"), code("PadSouth"), Capability::Scroll];
+        let expected = [
+            Capabilities::from_iter(to_uinput),
+            Capabilities::default(),
+            Capabilities::from_iter([Capability::Text]),
+        ];
+        for (index, expected) in expected.iter().enumerate() {
+            assert_eq!(routed_to(&routes, index, &required), *expected, "{index}");
+        }
+    }
+}

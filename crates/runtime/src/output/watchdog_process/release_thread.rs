@@ -1,0 +1,340 @@
+//! The thread that releases the keys of a lost client. A display that hangs blocks it, and not the main loop.
+
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+
+use super::ClientLoss;
+use super::record::{Record, SharedRecord};
+use crate::advice;
+use crate::output::character_key::KEYMAP_LIFETIME;
+use crate::output::desktop::injector::Injector;
+use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
+
+/// Time for which keys are released again after the display has responded: requests that a dead client had sent are
+/// executed after it.
+const SETTLE_TIME: Duration = Duration::from_millis(300);
+
+/// Longest time in which a display that does not hang releases all keys.
+const RESPONSE_TIME: Duration = Duration::from_millis(50);
+
+/// Delay before the next query.
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
+
+/// An injector that only releases keys, and centers axes.
+pub trait Releaser: Injector {
+    /// Centers the axes of all devices.
+    fn center_axes(&mut self);
+}
+
+/// The thread. Dropping it without [`finish`](Self::finish) detaches the thread.
+pub struct ReleaseThread {
+    faults: Sender<()>,
+    thread: JoinHandle<()>,
+}
+
+impl ReleaseThread {
+    /// Starts the thread and waits until it is connected. `connect` makes the connection, and another one after a
+    /// failure; `log` must not block.
+    pub fn start<R: Releaser>(
+        record: Arc<SharedRecord>,
+        connect: impl Fn() -> Result<R, String> + Send + 'static,
+        log: impl Fn(&str) + Send + 'static,
+    ) -> Result<Self, String> {
+        let (faults, received) = bounded(1);
+        let (connected, connection) = bounded(1);
+        let run = move || {
+            // Here, as a connection cannot always move to another thread.
+            let releaser = match connect() {
+                Ok(releaser) => releaser,
+                Err(reason) => return drop(connected.send(Err(reason))),
+            };
+            let _ = connected.send(Ok(()));
+            let mut state = ReleaseState {
+                releaser,
+                record,
+                connect,
+                log,
+            };
+            state.run(&received);
+        };
+        let thread = thread::Builder::new().name("releases".into()).spawn(run);
+        let thread = thread.map_err(|error| advice::no_thread(&error).to_string())?;
+        match connection.recv() {
+            Ok(result) => result.map(|()| Self { faults, thread }),
+            Err(_) => Err("connecting to the display panicked".into()),
+        }
+    }
+
+    /// Has everything in the record released, because the client hangs.
+    pub fn release(&self) {
+        // A fault that waits already has the same effect.
+        let _ = self.faults.try_send(());
+    }
+
+    /// Releases everything in the record, because the client has exited, and waits until that is confirmed.
+    pub fn finish(self) {
+        drop(self.faults);
+        let _ = self.thread.join();
+    }
+}
+
+struct ReleaseState<R, C, L> {
+    releaser: R,
+    record: Arc<SharedRecord>,
+    connect: C,
+    log: L,
+}
+
+impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, L> {
+    fn run(&mut self, faults: &Receiver<()>) {
+        while faults.recv().is_ok() {
+            self.handle(ClientLoss::Hung);
+        }
+        self.handle(ClientLoss::Exited);
+        self.remove_added_keys();
+    }
+
+    /// Removes what the client has added to the keymap, after receivers had time to look it up.
+    fn remove_added_keys(&mut self) {
+        let added = self.record.lock().added_keys.clone();
+        if added.as_slice().is_empty() {
+            return;
+        }
+        thread::sleep(KEYMAP_LIFETIME);
+        if self
+            .releaser
+            .remove_character_keys(added.as_slice())
+            .is_err()
+            && let Ok(releaser) = (self.connect)()
+        {
+            self.releaser = releaser;
+            // A display that is gone has no keymap.
+            let _ = self.releaser.remove_character_keys(added.as_slice());
+        }
+    }
+
+    fn handle(&mut self, loss: ClientLoss) {
+        let record = self.record.lock().clone();
+        if record.is_empty() {
+            return;
+        }
+        let reason = match loss {
+            ClientLoss::Exited => "the program exited",
+            ClientLoss::Hung => "the program does not respond",
+        };
+        let count = record.pressed.count();
+        match self.release_until_settled(loss) {
+            Ok(()) => (self.log)(&format!("{reason}; released its keys ({count})")),
+            Err(failure) => (self.log)(&format!(
+                "{reason}; keys may still be pressed: {failure}; press and release them on your keyboard"
+            )),
+        }
+    }
+
+    /// Releases everything in the record, and again until no press of the client can follow.
+    fn release_until_settled(&mut self, loss: ClientLoss) -> Result<(), String> {
+        let mut record = self.record.lock().clone();
+        let mut responded_at = self.release_all(&record)?;
+        loop {
+            let is_over = loss == ClientLoss::Hung && !self.record.is_client_lost();
+            if is_over || responded_at.elapsed() >= SETTLE_TIME {
+                return Ok(());
+            }
+            record.clone_from(&self.record.lock());
+            let start = Instant::now();
+            let Some(pressed) = self.releaser.query_pressed(&record.pressed)? else {
+                // The order of all requests is known: nothing can follow.
+                return Ok(());
+            };
+            for key in pressed.release_order() {
+                self.releaser.inject(key, KeyDirection::Release)?;
+            }
+            // While the display did not respond, requests of the client waited for it too.
+            if start.elapsed() > RESPONSE_TIME {
+                responded_at = Instant::now();
+            }
+            thread::sleep(POLL_INTERVAL);
+        }
+    }
+
+    /// Releases everything once, on a new connection if this one fails. Returns the time at which the display responded.
+    fn release_all(&mut self, record: &Record) -> Result<Instant, String> {
+        if record.are_axes_deflected {
+            self.releaser.center_axes();
+        }
+        if self.release_keys(&record.pressed).is_err() {
+            self.releaser = (self.connect)()?;
+            self.release_keys(&record.pressed)?;
+        }
+        Ok(Instant::now())
+    }
+
+    /// Releases all keys, also those after one that fails.
+    fn release_keys(&mut self, keys: &PressedKeys) -> Result<(), String> {
+        let release = |key| self.releaser.inject(key, KeyDirection::Release);
+        keys.release_order().map(release).fold(Ok(()), Result::and)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::character_key::{CharacterKey, KeymapChange};
+    use crate::output::desktop::pending_motion::StatelessAction;
+    use crate::output::tests::key;
+    use crate::output::watchdog::WatchdogMessage;
+    use ademan_core::device::KeyCode;
+    use std::sync::Mutex;
+
+    /// A display whose requests a test delays.
+    #[derive(Clone, Default)]
+    struct TestDisplay(Arc<Mutex<DisplayState>>);
+
+    #[derive(Default)]
+    struct DisplayState {
+        pressed: PressedKeys,
+        releases: usize,
+        centerings: usize,
+        /// A press of the dead client, which is executed after this number of releases.
+        delayed_press: Option<(usize, KeyCode)>,
+        reports_keys: bool,
+        failures: usize,
+        removed: Vec<CharacterKey>,
+    }
+
+    impl Injector for TestDisplay {
+        fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+            assert_eq!(direction, KeyDirection::Release);
+            let mut state = self.0.lock().unwrap();
+            if state.failures > 0 {
+                state.failures -= 1;
+                return Err("gone".into());
+            }
+            state.releases += 1;
+            state.pressed.release(key);
+            if let Some((releases, press)) = state.delayed_press
+                && releases == state.releases
+            {
+                state.pressed.press(press);
+            }
+            Ok(())
+        }
+
+        fn perform(&mut self, _: StatelessAction) -> Result<(), String> {
+            unreachable!()
+        }
+
+        fn remove_character_keys(&mut self, keys: &[CharacterKey]) -> Result<(), String> {
+            self.0.lock().unwrap().removed.extend(keys);
+            Ok(())
+        }
+
+        fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+            let state = self.0.lock().unwrap();
+            let mut pressed = PressedKeys::default();
+            for key in keys
+                .release_order()
+                .filter(|key| state.pressed.contains(*key))
+            {
+                pressed.press(key);
+            }
+            Ok(state.reports_keys.then_some(pressed))
+        }
+    }
+
+    impl Releaser for TestDisplay {
+        fn center_axes(&mut self) {
+            self.0.lock().unwrap().centerings += 1;
+        }
+    }
+
+    fn display(state: DisplayState) -> TestDisplay {
+        TestDisplay(Arc::new(Mutex::new(state)))
+    }
+
+    fn start(
+        display: &TestDisplay,
+        messages: &[WatchdogMessage],
+    ) -> (ReleaseThread, Arc<SharedRecord>) {
+        let record = Arc::<SharedRecord>::default();
+        for message in messages {
+            record.lock().apply(*message);
+        }
+        record.set_client_lost(true);
+        let display = display.clone();
+        let connect = move || Ok(display.clone());
+        let thread = ReleaseThread::start(Arc::clone(&record), connect, |_| {});
+        (thread.unwrap(), record)
+    }
+
+    #[test]
+    fn a_press_that_the_display_executes_after_the_release_is_released_too() {
+        let a = key("A");
+        let display = display(DisplayState {
+            delayed_press: Some((1, a)),
+            reports_keys: true,
+            ..DisplayState::default()
+        });
+        start(&display, &[WatchdogMessage::KeyDown(a)]).0.finish();
+        let state = display.0.lock().unwrap();
+        assert!(state.pressed.is_empty());
+        assert_eq!(state.releases, 2);
+    }
+
+    #[test]
+    fn a_key_is_released_at_every_fault_until_the_client_reports_its_release() {
+        let display = display(DisplayState::default());
+        let pressed = [
+            WatchdogMessage::KeyDown(key("A")),
+            WatchdogMessage::AxesDeflected,
+        ];
+        let (thread, record) = start(&display, &pressed);
+        let releases = || {
+            let state = display.0.lock().unwrap();
+            (state.releases, state.centerings)
+        };
+        for count in 1..=2 {
+            thread.release();
+            while releases() != (count, count) {
+                thread::yield_now();
+            }
+        }
+        record.lock().apply(WatchdogMessage::KeyUp(key("A")));
+        record.lock().apply(WatchdogMessage::AxesCentered);
+        thread.finish();
+        assert_eq!(releases(), (2, 2));
+    }
+
+    #[test]
+    fn keys_that_the_client_has_left_in_the_keymap_are_removed_once() {
+        let display = display(DisplayState::default());
+        let key = |code, keysym| CharacterKey { code, keysym };
+        let changes = [
+            (key(93, 0xf1), KeymapChange::Added),
+            (key(97, 0xdf), KeymapChange::Added),
+            (key(97, 0xdf), KeymapChange::Removed),
+            (key(93, 0xfc), KeymapChange::Added),
+        ];
+        let messages = changes.map(|(key, change)| WatchdogMessage::CharacterKey(key, change));
+        let (thread, record) = start(&display, &messages);
+        assert!(record.lock().is_empty(), "no key is pressed");
+        thread.release();
+        thread.finish();
+        assert_eq!(display.0.lock().unwrap().removed, [key(93, 0xfc)]);
+    }
+
+    #[test]
+    fn keys_are_released_on_a_new_connection_if_the_first_fails() {
+        let display = display(DisplayState {
+            failures: 1,
+            ..DisplayState::default()
+        });
+        start(&display, &[WatchdogMessage::KeyDown(key("A"))])
+            .0
+            .finish();
+        assert_eq!(display.0.lock().unwrap().releases, 1);
+    }
+}

@@ -1,0 +1,223 @@
+//! The writer of recordings.
+//!
+//! A recording is an MCAP file as described in [`capture::recording`](crate::capture::recording). Its messages are protocol
+//! buffers with their schema, which Foxglove and the packages of MCAP read. There is a channel for each stage but
+//! [`Stage::Pose`](crate::trace::Stage::Pose): poses follow from the readings and the setup. The time of a message is that of the source, in nanoseconds.
+
+mod container;
+mod messages;
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::capture::Reading;
+use crate::capture::recording::message::{self, encode_command, encode_reading};
+use crate::capture::recording::{
+    COMMANDS_TOPIC, FORMAT_RECORD, FORMAT_VERSION, MESSAGE_ENCODING, READINGS_TOPIC, RecordedSetup,
+    SETUP_RECORD,
+};
+use crate::files::{self, FileError};
+use ademan_core::message::{escape_line, escape_path};
+use ademan_core::snapshot::Snapshot;
+use container::Container;
+use messages::{encode_angles, encode_event, encode_press, encode_touch};
+
+/// Library name in the header of the file.
+const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
+
+/// Reason why a recording cannot be written.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file cannot be created.
+    #[error("cannot create the recording {}: {}", escape_path(.path), escape_line(.reason))]
+    Create {
+        /// Path of the file.
+        path: PathBuf,
+        /// Cause and remedy.
+        reason: String,
+    },
+    /// A write failed. Everything written before stays readable.
+    #[error("the recording {} is incomplete: {}", escape_path(.path), escape_line(.reason))]
+    Write {
+        /// Path of the file.
+        path: PathBuf,
+        /// Cause.
+        reason: String,
+    },
+}
+
+/// Returns the error of a file of a recording that cannot be created.
+pub fn cannot_create(path: &Path, error: FileError) -> RecordError {
+    RecordError::Create {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+/// A recording in progress.
+///
+/// Steps are written in chunks of up to half a second. Dropping the recorder completes the file; [`finish`](Self::finish) also
+/// returns errors.
+pub struct Recorder {
+    path: PathBuf,
+    /// `None` after an error and at the end.
+    container: Option<Container<File>>,
+    channels: Channels,
+}
+
+/// Ids of the channels.
+#[derive(Clone, Copy)]
+struct Channels {
+    readings: u16,
+    angles: u16,
+    touches: u16,
+    presses: u16,
+    events: u16,
+    commands: u16,
+}
+
+impl Recorder {
+    /// Creates a recording that only its owner can read. Fails if the file exists. `setup` is written at its start.
+    pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
+        let invalid = |reason: String| RecordError::Create {
+            path: path.to_owned(),
+            reason,
+        };
+        setup.check_size().map_err(invalid)?;
+        let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
+        let started = start(file, setup).map_err(|error| invalid(error.to_string()));
+        let (container, channels) = started?;
+        Ok(Self {
+            path: path.to_owned(),
+            container: Some(container),
+            channels,
+        })
+    }
+
+    /// Writes the results of all stages for one step. After an error every call fails and writes nothing.
+    pub fn write(&mut self, snapshot: &Snapshot) -> Result<(), RecordError> {
+        let channels = self.channels;
+        self.add(|container| add_step(container, &channels, snapshot))
+    }
+
+    /// Writes a reading without results of the other stages.
+    pub fn write_reading(&mut self, reading: &Reading) -> Result<(), RecordError> {
+        let channels = self.channels;
+        self.add(|container| add_reading(container, &channels, reading))
+    }
+
+    /// Hands all steps to the operating system, so that a crash of the program loses none.
+    pub fn flush(&mut self) -> Result<(), RecordError> {
+        self.change(Container::end_chunk)
+    }
+
+    /// Completes the file.
+    pub fn finish(mut self) -> Result<(), RecordError> {
+        self.change(Container::finish)?;
+        self.container = None;
+        Ok(())
+    }
+
+    fn add(&mut self, add: impl FnOnce(&mut Container<File>)) -> Result<(), RecordError> {
+        self.change(|container| {
+            add(container);
+            match container.is_chunk_due() {
+                true => container.end_chunk(),
+                false => Ok(()),
+            }
+        })
+    }
+
+    /// Changes the file. After an error it is closed without its end: after half a record a reader would not find it.
+    fn change(
+        &mut self,
+        change: impl FnOnce(&mut Container<File>) -> io::Result<()>,
+    ) -> Result<(), RecordError> {
+        let failed = |reason: String| RecordError::Write {
+            path: self.path.clone(),
+            reason,
+        };
+        let Some(container) = &mut self.container else {
+            return Err(failed("an earlier write failed".into()));
+        };
+        change(container).map_err(|error| {
+            self.container = None;
+            failed(error.to_string())
+        })
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        if let Some(container) = &mut self.container {
+            // `finish` returns the error to those who need it.
+            let _ = container.finish();
+        }
+    }
+}
+
+fn add_step(container: &mut Container<File>, channels: &Channels, snapshot: &Snapshot) {
+    let names = &snapshot.target_names;
+    if let Some(reading) = &snapshot.reading {
+        add_reading(container, channels, reading);
+    }
+    if let (Some(angles), Some(pose)) = (&snapshot.angles, &snapshot.pose) {
+        container.add_message(channels.angles, pose.time, |out| {
+            encode_angles(pose.time, pose.side, angles, out);
+        });
+    }
+    for touch in &snapshot.touches {
+        container.add_message(channels.touches, touch.time, |out| {
+            encode_touch(touch, names, out);
+        });
+    }
+    for press in &snapshot.presses {
+        container.add_message(channels.presses, press.time, |out| {
+            encode_press(press, names, out);
+        });
+    }
+    for event in &snapshot.events {
+        container.add_message(channels.events, event.time, |out| {
+            encode_event(event, names, out);
+        });
+    }
+    let issued = snapshot.commands.iter().map(|issued| (issued, false));
+    let executed = snapshot.executed.iter().map(|executed| (executed, true));
+    for (timed, is_external) in issued.chain(executed) {
+        container.add_message(channels.commands, timed.time, |out| {
+            encode_command(timed.time, &timed.command, is_external, out);
+        });
+    }
+}
+
+fn add_reading(container: &mut Container<File>, channels: &Channels, reading: &Reading) {
+    container.add_message(channels.readings, reading.time, |out| {
+        encode_reading(reading, out);
+    });
+}
+
+fn start(file: File, setup: &RecordedSetup) -> io::Result<(Container<File>, Channels)> {
+    let mut container = Container::new(file, LIBRARY)?;
+    container.write_metadata(FORMAT_RECORD, &[("format", FORMAT_VERSION)])?;
+    for entry in &setup.entries {
+        let fields = [
+            ("kind", entry.kind.as_str()),
+            ("name", entry.name.as_str()),
+            ("text", entry.text.as_str()),
+        ];
+        container.write_metadata(SETUP_RECORD, &fields)?;
+    }
+    let mut channel = |topic: &str, schema: &str| {
+        container.add_channel(topic, MESSAGE_ENCODING, schema, message::SCHEMA)
+    };
+    let channels = Channels {
+        readings: channel(READINGS_TOPIC, "ademan.Reading")?,
+        angles: channel("/angles", "ademan.Angles")?,
+        touches: channel("/touches", "ademan.Touch")?,
+        presses: channel("/presses", "ademan.Press")?,
+        events: channel("/events", "ademan.OutputEvent")?,
+        commands: channel(COMMANDS_TOPIC, "ademan.Command")?,
+    };
+    Ok((container, channels))
+}

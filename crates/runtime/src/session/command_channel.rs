@@ -1,0 +1,270 @@
+//! The channel that carries commands to the session loop, from any thread.
+//!
+//! The queue is bounded. A full queue refuses commands, except `Stop`, which needs no room: a flag carries it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
+
+use super::estimator_swap::EstimatorSwap;
+use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
+use super::reply::{Reply, ReplySender, RequestError};
+use super::waker::{WakeTarget, Waker};
+use ademan_core::command::{Command, CommandOrigin};
+
+/// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
+/// clients cannot crowd out.
+const QUEUE_LENGTH: usize = 16 + 8;
+
+/// Time that [`CommandSender::request`] waits for a reply.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// A command, its origin, and the channel for its reply, if one is expected.
+#[derive(Clone, Debug)]
+pub(super) struct QueuedCommand {
+    pub command: Command,
+    pub origin: CommandOrigin,
+    pub reply: Option<ReplySender>,
+}
+
+/// Sends commands to a session. Clones send to the same session.
+#[derive(Clone, Debug)]
+pub struct CommandSender {
+    origin: CommandOrigin,
+    queue: Sender<QueuedCommand>,
+    estimators: Sender<EstimatorSwap>,
+    stop: Arc<AtomicBool>,
+    waker: Waker,
+}
+
+impl CommandSender {
+    /// Returns a sender to the same session whose commands have this origin. That of a new channel is
+    /// [`Client`](CommandOrigin::Client).
+    #[must_use]
+    pub fn with_origin(&self, origin: CommandOrigin) -> Self {
+        Self {
+            origin,
+            ..self.clone()
+        }
+    }
+
+    /// Sends a command without waiting for its execution. A second `Stop` has no effect.
+    pub fn send(&self, command: Command) -> Result<(), RequestError> {
+        self.enqueue(command, None)
+    }
+
+    /// Sends a command and waits up to 2 s for its reply. `Stop` is confirmed at once.
+    pub fn request(&self, command: Command) -> Result<Reply, RequestError> {
+        self.request_with_timeout(command, REPLY_TIMEOUT)
+    }
+
+    /// As [`request`](Self::request), with another timeout.
+    pub fn request_with_timeout(
+        &self,
+        command: Command,
+        timeout: Duration,
+    ) -> Result<Reply, RequestError> {
+        let (reply, replies) = bounded(1);
+        self.enqueue(command, Some(reply))?;
+        if command == Command::Stop {
+            return Ok(Reply::Done);
+        }
+        replies.recv_timeout(timeout).map_err(|error| match error {
+            RecvTimeoutError::Timeout => RequestError::TimedOut,
+            RecvTimeoutError::Disconnected => RequestError::Ended,
+        })?
+    }
+
+    /// Sends an estimator without waiting. The queue has room for one.
+    pub(super) fn send_estimator(&self, swap: EstimatorSwap) -> Result<(), RequestError> {
+        self.estimators.try_send(swap).map_err(refusal)?;
+        self.waker.wake();
+        Ok(())
+    }
+
+    fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
+        command.check()?;
+        if command == Command::Stop {
+            self.stop.store(true, Ordering::Release);
+        } else {
+            let queued = QueuedCommand {
+                command,
+                origin: self.origin,
+                reply,
+            };
+            self.queue.try_send(queued).map_err(refusal)?;
+        }
+        self.waker.wake();
+        Ok(())
+    }
+}
+
+fn refusal<T>(error: TrySendError<T>) -> RequestError {
+    match error {
+        TrySendError::Full(_) => RequestError::QueueFull,
+        TrySendError::Disconnected(_) => RequestError::Ended,
+    }
+}
+
+/// The end of the channel for the session loop.
+#[derive(Debug)]
+pub struct CommandReceiver {
+    queue: Receiver<QueuedCommand>,
+    estimators: Receiver<EstimatorSwap>,
+    stop: Arc<AtomicBool>,
+    waker: Waker,
+    layouts: Option<LoopLayoutLink>,
+}
+
+/// A message to the session loop.
+pub(super) enum Message {
+    Command(QueuedCommand),
+    LayoutSwap(LayoutSwap),
+    EstimatorSwap(EstimatorSwap),
+}
+
+/// Creates a channel. Commands stay queued until a session loop receives them.
+pub fn command_channel() -> (CommandSender, CommandReceiver) {
+    let (sender, queue) = bounded(QUEUE_LENGTH);
+    let (estimator_sender, estimators) = bounded(1);
+    let (stop, waker) = (Arc::default(), Waker::default());
+    let receiver = CommandReceiver {
+        queue,
+        estimators,
+        stop: Arc::clone(&stop),
+        waker: waker.clone(),
+        layouts: None,
+    };
+    let sender = CommandSender {
+        origin: CommandOrigin::Client,
+        queue: sender,
+        estimators: estimator_sender,
+        stop,
+        waker,
+    };
+    (sender, receiver)
+}
+
+impl CommandReceiver {
+    /// A receiver without senders, for a loop that ends with its source.
+    pub fn disconnected() -> Self {
+        command_channel().1
+    }
+
+    /// Creates the link of a layout manager to the loop. Without one, the commands `Scale`, `Save` and `Reload` fail.
+    pub fn link_layouts(&mut self) -> LayoutLink {
+        let (manager_end, loop_end) = LayoutLink::new(self.waker.clone());
+        self.layouts = Some(loop_end);
+        manager_end
+    }
+
+    /// The link to the layout manager.
+    pub(super) fn layouts(&self) -> Option<&LoopLayoutLink> {
+        self.layouts.as_ref()
+    }
+
+    /// Sets the thread that receives messages; every message wakes it.
+    pub(super) fn attach(&self, target: WakeTarget) {
+        self.waker.attach(target);
+    }
+
+    /// Returns `true` after a `Stop`.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+
+    /// The next message, if there is one. Never waits.
+    pub(super) fn try_next(&self) -> Option<Message> {
+        self.waker.receive(|| {
+            let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
+            let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
+            let command = || self.queue.try_recv().ok().map(Message::Command);
+            let swap = swap.map(Message::LayoutSwap);
+            swap.or_else(estimator).or_else(command)
+        })
+    }
+
+    /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.
+    pub(super) fn wait_for_stop(&self, timeout: Duration) -> bool {
+        self.attach(WakeTarget::Parked(thread::current()));
+        let deadline = Instant::now() + timeout;
+        while !self.is_stopped() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return false;
+            }
+            thread::park_timeout(left);
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stop_reaches_a_loop_whose_queue_is_full() {
+        let (sender, receiver) = command_channel();
+        while sender.send(Command::Resume).is_ok() {}
+        assert_eq!(sender.send(Command::Pause), Err(RequestError::QueueFull));
+        assert!(!receiver.is_stopped());
+        assert_eq!(sender.request(Command::Stop), Ok(Reply::Done));
+        assert!(receiver.wait_for_stop(Duration::ZERO));
+    }
+
+    #[test]
+    fn commands_arrive_in_order_with_their_reply_channel() {
+        let (sender, receiver) = command_channel();
+        sender.send(Command::Pause).unwrap();
+        sender.send(Command::Resume).unwrap();
+        let next = || match receiver.try_next() {
+            Some(Message::Command(queued)) => Some(queued.command),
+            _ => None,
+        };
+        assert_eq!(
+            [next(), next(), next()],
+            [Some(Command::Pause), Some(Command::Resume), None]
+        );
+    }
+
+    #[test]
+    fn a_request_fails_when_the_session_ends() {
+        let (sender, receiver) = command_channel();
+        let session = thread::spawn(move || {
+            while receiver.try_next().is_none() {
+                thread::yield_now();
+            }
+        });
+        assert_eq!(sender.request(Command::State), Err(RequestError::Ended));
+        session.join().unwrap();
+        assert_eq!(sender.send(Command::Pause), Err(RequestError::Ended));
+    }
+
+    #[test]
+    fn a_command_out_of_range_is_not_sent() {
+        let (sender, receiver) = command_channel();
+        let refused = sender.send(Command::Scale { factor: 3.0 });
+        assert!(
+            matches!(refused, Err(RequestError::Invalid(_))),
+            "{refused:?}"
+        );
+        assert!(receiver.try_next().is_none());
+    }
+
+    #[test]
+    fn a_command_wakes_a_parked_loop() {
+        let (sender, receiver) = command_channel();
+        let session = thread::spawn(move || {
+            receiver.attach(WakeTarget::Parked(thread::current()));
+            while receiver.try_next().is_none() {
+                thread::park();
+            }
+        });
+        sender.send(Command::Pause).unwrap();
+        session.join().unwrap();
+    }
+}

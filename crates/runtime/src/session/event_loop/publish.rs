@@ -1,0 +1,105 @@
+//! The steps that observers see, by reference, and the statistics of the session.
+
+use std::time::Instant;
+
+use super::SessionLoop;
+use crate::capture::{CaptureError, Reading, SourceStats};
+use crate::session::reply::{LearnedSummary, SessionStatus};
+use ademan_core::command::Command;
+use ademan_core::device::TimedCommand;
+use ademan_core::pipeline::Pipeline;
+use ademan_core::snapshot::StepView;
+
+/// A function that sees every step, the time of the loop, and the pipeline after the step. It must not block.
+pub(in crate::session) type Observer<'a> = &'a mut dyn FnMut(&StepView, Instant, &Pipeline);
+
+impl SessionLoop<'_> {
+    /// Shows this step to the observer, with the results for `reading` if it was accepted. Its events belong to the profile
+    /// that was active before them.
+    pub(super) fn publish(
+        &mut self,
+        reading: Option<&Reading>,
+        is_accepted: bool,
+        source_error: Option<&CaptureError>,
+    ) {
+        self.update_stats();
+        let accepted = reading.filter(|_| is_accepted);
+        let output = accepted.map(|reading| self.pipeline.output_for(reading));
+        let step = StepView {
+            state: self.pipeline.state(),
+            paused_by: self.pipeline.paused_by(),
+            profile: self.profile,
+            target_names: &self.target_names,
+            reading,
+            source_error,
+            angles: output.map(|output| &output.estimate.angles),
+            pose: output.map(|output| &output.pose),
+            touches: output.map_or(&[], |output| &output.touches),
+            presses: output.map_or(&[], |output| &output.presses),
+            events: &self.events,
+            commands: output.map_or(&[], |output| &output.commands),
+            executed: self.executed.as_ref(),
+            lost_hands: self.pipeline.lost_hands(),
+            text: self.pipeline.text_state(),
+            stats: &self.stats,
+            latency: self.latency.take(),
+        };
+        (self.observe)(&step, self.now, self.pipeline);
+        self.executed = None;
+        if self.profile != self.pipeline.active_profile() {
+            self.update_target_names();
+        }
+    }
+
+    pub(super) fn publish_command(&mut self, command: Command, is_executed: bool) {
+        self.executed = is_executed.then_some(TimedCommand {
+            time: self.pipeline.time(),
+            command,
+        });
+        self.publish(None, false, None);
+    }
+
+    pub(super) fn status(&mut self) -> SessionStatus {
+        self.update_stats();
+        SessionStatus {
+            state: self.pipeline.state(),
+            paused_by: self.pipeline.paused_by(),
+            profile: self.pipeline.active_profile(),
+            stats: self.stats,
+            cursor: self.pipeline.layout().cursor(),
+            learned: LearnedSummary::new(self.pipeline.learned_ranges()),
+        }
+    }
+
+    /// Sets the statistics of the source, and adds what the loop has dropped to them.
+    pub(super) fn set_source_stats(&mut self, stats: &SourceStats) {
+        self.stats.source = *stats;
+        self.stats.source.dropped += self.dropped;
+    }
+
+    /// Counts readings that the loop drops.
+    pub(super) fn drop_readings(&mut self, count: u64) {
+        self.dropped += count;
+        self.stats.source.dropped += count;
+    }
+
+    /// Sets the statistics of the pipeline and the output to those after this step.
+    fn update_stats(&mut self) {
+        let stats = &mut self.stats;
+        stats.accepted = self.pipeline.accepted();
+        stats.rejected = self.pipeline.rejected();
+        stats.stalls = self.pipeline.stalls();
+        stats.suppressed = self.pipeline.suppressed();
+        stats.dropped_presses = self.sink.0.dropped_presses();
+    }
+
+    pub(super) fn update_target_names(&mut self) {
+        self.profile = self.pipeline.active_profile();
+        if let Some(link) = self.commands.layouts() {
+            link.set_active_profile(self.profile);
+        }
+        self.target_names = self.pipeline.target_names().clone();
+        self.sink.0.set_target_names(&self.target_names);
+        self.sink.0.set_signals(&self.pipeline.layout().signals());
+    }
+}

@@ -1,0 +1,60 @@
+//! Waits of the loop: until a message, a capture event, a stall or a heartbeat.
+
+use std::time::{Duration, Instant};
+
+use super::SessionLoop;
+use crate::session::SessionError;
+use ademan_core::time::NO_DEADLINE;
+
+/// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time:
+/// the disk of a recording hangs. Only a machine that is very busy delays its thread for a part of it.
+const MAX_SILENCE: Duration = Duration::from_secs(1);
+
+/// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
+/// without a heartbeat.
+const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
+
+/// Longest time without a call of an output with an effect while none are expected: the output reports there that its display is
+/// gone.
+const IDLE_PERIOD: Duration = Duration::from_millis(400);
+
+impl SessionLoop<'_> {
+    /// Waits for a message or a capture event, or until a stall or heartbeat is due.
+    pub(super) fn wait(&mut self) -> Result<(), SessionError> {
+        let timeout = self.time_to_stall().min(self.time_to_heartbeat());
+        self.capture.wait(timeout);
+        if !self.capture.has_events() {
+            self.now = Instant::now();
+            self.keep_output_alive()?;
+            self.stall_if_overdue()?;
+        }
+        Ok(())
+    }
+
+    fn time_to_heartbeat(&self) -> Duration {
+        if self.pipeline.expects_readings() {
+            HEARTBEAT_PERIOD
+        } else if self.sink.0.has_effect() {
+            IDLE_PERIOD
+        } else {
+            NO_DEADLINE
+        }
+    }
+
+    /// Time until a source without readings counts as stalled. One that is not live has the times of its readings for this,
+    /// and a deadline only if keys stay pressed outside of this process.
+    pub(super) fn time_to_stall(&self) -> Duration {
+        let timeout = self.pipeline.stall_timeout();
+        let timeout = match self.capture.is_live() {
+            true => timeout,
+            false if self.sink.0.has_effect() => timeout.max(MAX_SILENCE),
+            false => return NO_DEADLINE,
+        };
+        match self.last_reading_at {
+            Some(last) if self.pipeline.expects_readings() => {
+                (last + timeout).saturating_duration_since(self.now)
+            }
+            _ => NO_DEADLINE,
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! The link between the session loop and the layout manager.
+//!
+//! The loop forwards commands that need a layout to be built or written, and never waits for them. The manager hands built
+//! layouts back and waits until the loop has activated them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crossbeam_channel::{Receiver, Sender, bounded, select};
+
+use super::layout_trial::{self, LayoutTrial, TrialRequest};
+use super::reply::{ReplySender, RequestError};
+use super::waker::Waker;
+use crate::sim::LayoutFeed;
+use ademan_core::command::Command;
+use ademan_core::contact::board_pose::BoardPose;
+use ademan_core::layout::Layout;
+use ademan_core::pipeline::LayoutInstance;
+
+/// Requests that wait for a busy layout manager: one of each client of the control socket.
+const QUEUE_LENGTH: usize = 16;
+
+/// Work for the layout manager.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LayoutOperation {
+    /// Reads all layout files again, even unchanged ones.
+    Reload,
+    /// Multiplies the size of the boards by this factor. The boards keep their poses.
+    Scale(f32),
+    /// Writes the size of the boards and these poses, in the order of the layout, to the layout file.
+    Save(Vec<BoardPose>),
+}
+
+impl LayoutOperation {
+    /// Returns the operation that a command stands for. The loop fills in the board poses.
+    pub(super) fn from_command(command: &Command) -> Option<Self> {
+        match command {
+            Command::Scale { factor } => Some(Self::Scale(*factor)),
+            Command::Save => Some(Self::Save(Vec::new())),
+            Command::Reload => Some(Self::Reload),
+            _ => None,
+        }
+    }
+}
+
+/// An operation, the layout that it concerns and the channel for its reply.
+#[derive(Clone, Debug)]
+pub(crate) struct LayoutRequest {
+    /// The operation.
+    pub operation: LayoutOperation,
+    /// Index of the active profile.
+    pub profile: usize,
+    /// Channel for the reply; `None` for a command of the layout itself.
+    pub reply: Option<ReplySender>,
+}
+
+/// A layout that is ready to replace another one.
+pub(super) struct LayoutSwap {
+    /// The new layout.
+    pub layout: Box<LayoutInstance>,
+    /// Index of the profile whose layout it replaces.
+    pub profile: usize,
+    /// `true` if the boards keep their present poses instead of those of the file.
+    pub keep_board_poses: bool,
+    /// Receives the old layout after the swap, so that another thread than the loop frees it.
+    pub retired: Sender<Box<LayoutInstance>>,
+}
+
+/// The session has ended.
+pub(crate) struct SessionEnded;
+
+/// The layout manager's end of the link.
+#[derive(Debug)]
+pub struct LayoutLink {
+    requests: Receiver<LayoutRequest>,
+    trials: Receiver<TrialRequest>,
+    swaps: Sender<LayoutSwap>,
+    ended: Receiver<()>,
+    waker: Waker,
+    /// The simulated hands of the session.
+    hands: LayoutFeed,
+    active_profile: Arc<AtomicUsize>,
+}
+
+impl LayoutLink {
+    pub(super) fn new(waker: Waker) -> (Self, LoopLayoutLink) {
+        let (request_sender, requests) = bounded(QUEUE_LENGTH);
+        let (trial_sender, trials) = bounded(layout_trial::QUEUE_LENGTH);
+        let (swaps, swap_receiver) = bounded(1);
+        let (end, ended) = bounded(0);
+        let active_profile = Arc::new(AtomicUsize::new(0));
+        let manager_end = Self {
+            requests,
+            trials,
+            swaps,
+            ended,
+            waker,
+            hands: LayoutFeed::default(),
+            active_profile: Arc::clone(&active_profile),
+        };
+        let loop_end = LoopLayoutLink {
+            requests: request_sender,
+            trial: LayoutTrial::new(trial_sender),
+            swaps: swap_receiver,
+            active_profile,
+            _end: end,
+        };
+        (manager_end, loop_end)
+    }
+
+    /// Tells simulated hands of the layouts that become active.
+    #[must_use]
+    pub(super) fn with_hands(self, hands: LayoutFeed) -> Self {
+        Self { hands, ..self }
+    }
+
+    /// Requests of the loop; disconnected when the session has ended.
+    pub(crate) fn requests(&self) -> &Receiver<LayoutRequest> {
+        &self.requests
+    }
+
+    /// Layouts that are tried. Not disconnected before the requests are.
+    pub(super) fn trials(&self) -> &Receiver<TrialRequest> {
+        &self.trials
+    }
+
+    /// Activates a layout, waits until the loop uses it, and frees the old one. Simulated hands lift first and follow.
+    pub(crate) fn activate(
+        &self,
+        layout: LayoutInstance,
+        profile: usize,
+        keep_board_poses: bool,
+    ) -> Result<(), SessionEnded> {
+        let followed = (profile == self.active_profile.load(Ordering::Relaxed))
+            .then(|| self.hands.begin_change());
+        let layout_of_hands = layout.layout().cloned();
+        let (retired, old) = bounded(1);
+        let swap = LayoutSwap {
+            layout: Box::new(layout),
+            profile,
+            keep_board_poses,
+            retired,
+        };
+        select! {
+            send(self.swaps, swap) -> sent => sent.map_err(|_| SessionEnded)?,
+            recv(self.ended) -> _ => return Err(SessionEnded),
+        }
+        self.waker.wake();
+        let old = select! {
+            recv(old) -> old => old.map_err(|_| SessionEnded)?,
+            recv(self.ended) -> _ => return Err(SessionEnded),
+        };
+        if let Some((change, mut layout)) = followed.zip(layout_of_hands) {
+            if keep_board_poses {
+                copy_board_poses(&old, Arc::make_mut(&mut layout));
+            }
+            change.activate(layout);
+        }
+        Ok(())
+    }
+}
+
+/// Moves the boards of a layout to where they were, as the loop does if their number is the same.
+fn copy_board_poses(old: &LayoutInstance, layout: &mut Layout) {
+    let old = old.scene().surfaces();
+    if old.len() == layout.scene.surfaces().len() {
+        for (index, surface) in old.iter().enumerate() {
+            let pose = surface.anchor_from_surface();
+            layout.scene.set_surface_pose(index, pose);
+        }
+    }
+}
+
+/// The loop's end of the link. Dropping it ends the layout manager.
+#[derive(Debug)]
+pub(super) struct LoopLayoutLink {
+    requests: Sender<LayoutRequest>,
+    trial: LayoutTrial,
+    swaps: Receiver<LayoutSwap>,
+    active_profile: Arc<AtomicUsize>,
+    _end: Sender<()>,
+}
+
+impl LoopLayoutLink {
+    /// Forwards a request without waiting.
+    pub fn forward(&self, request: LayoutRequest) -> Result<(), RequestError> {
+        self.requests
+            .try_send(request)
+            .map_err(|_| RequestError::QueueFull)
+    }
+
+    /// Notes the active profile: a change of another one does not concern the hands.
+    pub fn set_active_profile(&self, profile: usize) {
+        self.active_profile.store(profile, Ordering::Relaxed);
+    }
+
+    /// The sending end for layouts that are tried.
+    pub fn trial(&self) -> &LayoutTrial {
+        &self.trial
+    }
+
+    /// Layouts that are ready.
+    pub fn swaps(&self) -> &Receiver<LayoutSwap> {
+        &self.swaps
+    }
+
+    /// The next layout, if one is ready.
+    pub fn try_swap(&self) -> Option<LayoutSwap> {
+        self.swaps.try_recv().ok()
+    }
+}

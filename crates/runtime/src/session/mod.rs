@@ -1,0 +1,480 @@
+//! A running setup: source, pipeline, outputs, and all threads around them.
+//!
+//! [`Session::start`] starts the threads and returns a [`SessionHandle`]. Commands go in through its [`CommandSender`],
+//! from any thread; [`Snapshot`]s of every step come out. `ademan run`, `demo`, `record` and `replay` are clients of this
+//! module, as a graphical interface would be.
+//!
+//! ```text
+//!  keys and gestures ─┐
+//!  control socket ────┤                        ┌─ snapshots ──▶ observer, recorder, control socket
+//!  panic keys ────────┼─ Command ──▶ event loop ┤
+//!  SessionHandle ─────┘                 ▲       ├─ views ──▶ terminal, control socket
+//!                                       │       └─ LayoutRequest ──▶ layout manager
+//!                                       └──────────── LayoutSwap ◀───┘
+//! ```
+
+mod close_on_panic;
+mod command_channel;
+pub mod control_socket;
+mod estimator_swap;
+mod event_loop;
+mod handle;
+mod haptics;
+mod latest;
+mod layout_link;
+mod layout_trial;
+mod notice;
+mod options;
+pub mod panic_keys;
+mod recordings;
+pub mod reload;
+mod replay;
+mod reply;
+mod run_pipeline;
+mod sensor_link;
+mod source;
+mod status;
+pub mod view;
+mod waker;
+mod write_failures;
+mod writer_thread;
+
+use std::io;
+use std::sync::Arc;
+use std::time::Instant;
+
+use crossbeam_channel::Sender;
+use hdrhistogram::Histogram;
+
+use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
+use self::event_loop::run_observed;
+use self::haptics::SessionHaptics;
+use self::notice::NoticeThread;
+use self::panic_keys::PanicKeysError;
+use self::recordings::Recordings;
+use self::reload::{FilePolicy, LayoutReport, LayoutSource};
+use self::status::{Hints, StatusLog};
+use self::view::{SessionNames, ViewHub, ViewPublisher};
+use crate::advice;
+use crate::capture::{CaptureError, Haptics, Source, SourceUri};
+use crate::output::watchdog::WatchdogSettings;
+use crate::output::{self, OutputError, Sink};
+use crate::priority;
+use crate::recorder::RecordError;
+use crate::setup::{LoadedSetup, SetupError};
+use crate::share::{ShareError, ShareHub};
+use ademan_core::command::{Command, CommandOrigin};
+use ademan_core::layout::Layout;
+use ademan_core::message::escape;
+use ademan_core::pipeline::{Pipeline, SourceRole};
+use ademan_core::snapshot::{Snapshot, Stats, StepView};
+
+pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
+#[doc(hidden)]
+pub use self::event_loop::with_loop_step;
+pub use self::handle::SessionHandle;
+pub use self::layout_link::LayoutLink;
+pub use self::layout_trial::{LayoutTrial, TrialOutcome};
+pub use self::notice::{Notice, counted};
+pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
+pub use self::replay::{first_view, replay};
+pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};
+pub use self::run_pipeline::run_pipeline;
+pub use self::sensor_link::SensorLink;
+pub use self::write_failures::WriteFailures;
+pub use ademan_core::pipeline::CommandError;
+
+/// Reason why a session could not start or ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// Neither the setup nor the options name a source.
+    #[error(
+        "no source is given: name one with --source or in the setup, such as serial:/dev/ttyUSB0, or try typist:hello"
+    )]
+    NoSource,
+    /// The source of the setup cannot be opened.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The source failed.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
+    /// The output failed.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// There is no control socket.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// The panic keys cannot be watched.
+    #[error(transparent)]
+    PanicKeys(#[from] PanicKeysError),
+    /// The recording cannot be created.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Angles or poses cannot be shared.
+    #[error(transparent)]
+    Share(#[from] ShareError),
+    /// The operating system refused a thread.
+    #[error("{}", advice::no_thread(.0))]
+    Thread(#[from] io::Error),
+}
+
+/// Result of a session that has ended.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Statistics of all readings.
+    pub stats: Stats,
+    /// Time from the arrival of the bytes that complete a reading to the call of the output, in ns, for steps with events.
+    /// A protocol may complete a reading only with bytes of the next packet.
+    pub latency_ns: Histogram<u64>,
+    /// Reason why the recording is incomplete.
+    pub record_error: Option<RecordError>,
+}
+
+/// A session on its way to its thread.
+pub struct Session {
+    setup: Arc<LoadedSetup>,
+    options: SessionOptions,
+    commands: CommandReceiver,
+    command_sender: CommandSender,
+    notices: NoticeThread,
+    write_failures: WriteFailures,
+    /// `None` once the owner has dropped the receiver.
+    snapshots: Option<Sender<Snapshot>>,
+    views: ViewPublisher,
+    /// Dropped once the outputs are open.
+    start_signal: Option<Sender<()>>,
+    /// Removes the socket when it is dropped.
+    control: Option<ControlServer>,
+    /// Programs that the hand is shared with.
+    share: ShareHub,
+}
+
+impl Session {
+    /// Starts a session on threads of its own.
+    ///
+    /// Errors in the setup, the control socket, the servers and the panic keys are returned at once; errors of the source and the
+    /// output by [`SessionHandle::join`].
+    pub fn start(
+        setup: LoadedSetup,
+        mut options: SessionOptions,
+    ) -> Result<SessionHandle, SessionError> {
+        if options.source.is_none() && setup.setup.source.is_none() {
+            return Err(SessionError::NoSource);
+        }
+        if options.output.is_none() {
+            output::check(&setup.setup.output, &setup.required_capabilities())?;
+        }
+        let (command_sender, mut commands) = command_channel();
+        let setup = Arc::new(setup);
+        let (hub, views) = start_view_hub(&setup, &options)?;
+        let on_notice = show_in_views(options.on_notice.take(), hub.clone());
+        let notices = NoticeThread::start(on_notice)?;
+        let write_failures = WriteFailures::new(notices.sender());
+        let socket_path = options.control_socket.path();
+        let mut control = socket_path
+            .as_deref()
+            .map(ControlServer::bind)
+            .transpose()?;
+        if options.use_panic_keys {
+            let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
+            let commands = command_sender.with_origin(CommandOrigin::PanicKeys);
+            // A full queue means that the loop stands still; then the watchdog releases everything.
+            panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
+        }
+        let layout = Arc::new(setup.layout.clone());
+        let share = ShareHub::start(&options.share, setup.arm.side(), layout)?;
+        let notifier = control.as_ref().map(ControlServer::notifier);
+        start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
+        if let Some(control) = &mut control {
+            control.serve(ServerContext {
+                profiles: profiles(&setup),
+                commands: command_sender.clone(),
+                views: Some(hub.clone()),
+                write_failures: write_failures.clone(),
+            })?;
+        }
+        let is_recorded = options.record_to.is_some();
+        let sensors = SensorLink::new(Arc::clone(&setup), command_sender.clone(), is_recorded);
+        let (snapshots, snapshot_receiver) = SessionHandle::snapshot_channel();
+        let session = Self {
+            setup,
+            options,
+            commands,
+            command_sender: command_sender.clone(),
+            notices,
+            write_failures,
+            snapshots: Some(snapshots),
+            views,
+            start_signal: None,
+            control,
+            share,
+        };
+        SessionHandle::spawn(session, command_sender, snapshot_receiver, hub, sensors)
+    }
+
+    /// Runs the session to its end on the calling thread.
+    fn run(mut self) -> Result<Summary, SessionError> {
+        let outcome = self.run_loop();
+        // Clients see the end before the last notices are printed.
+        drop(self.control.take());
+        self.notices.finish();
+        outcome
+    }
+
+    fn run_loop(&mut self) -> Result<Summary, SessionError> {
+        self.report_pointer_only_sources();
+        let Some(mut source) = self.open_source()? else {
+            return Ok(Summary {
+                stats: Stats::default(),
+                latency_ns: event_loop::new_histogram(),
+                record_error: None,
+            });
+        };
+        let mut sink = self.open_output()?;
+        let mut haptics = self.start_haptics(&mut *source)?;
+        let is_live = source.is_live();
+        if is_live && !self.options.lossless_snapshots {
+            sink.drop_when_full();
+        }
+        // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
+        let has_effect = sink.has_effect();
+        let may_wait = !is_live && !has_effect;
+        let failures = self.write_failures.clone();
+        sink.on_log_failure(Box::new(move |error| failures.report(error.to_string())));
+        let mut recordings = Recordings::new(self.write_failures.clone());
+        if let Some(path) = &self.options.record_to {
+            let recorded = self.setup.recorded_setup();
+            let recorded = recorded.with_packet_period(source.packet_period());
+            recordings.record_steps(path, &recorded, may_wait)?;
+        }
+        if let Some(path) = &self.options.record_bvh_to {
+            recordings.record_poses(path, may_wait)?;
+        }
+        if let Some(uri) = self.opened_uri().filter(|_| is_live) {
+            self.report_status(Notice::Listening(uri.clone()));
+        }
+        let wants_socket = self.options.control_socket == ControlSocket::Default;
+        // Nobody can do anything about it where there are none.
+        if cfg!(unix) && self.control.is_none() && wants_socket {
+            self.report_status(Notice::NoControlSocket);
+        }
+        for target in self.share.targets() {
+            self.report_status(Notice::Sharing(*target));
+        }
+        drop(self.start_signal.take());
+        let status = || StatusLog::new(has_effect);
+        let mut status = self.options.report_status.then(status);
+        let mut notifier = self.control.as_ref().map(ControlServer::notifier);
+        let (notices, snapshots) = (self.notices.sender(), &mut self.snapshots);
+        let views = &mut self.views;
+        let is_lossless = self.options.lossless_snapshots;
+        let share = &mut self.share;
+        let mut observe = |step: &StepView, now: Instant, pipeline: &Pipeline| {
+            haptics.update(step);
+            if let Some(status) = &mut status {
+                let hints = Hints::of(pipeline);
+                status.update(step, &hints, now, &mut |notice| notices.send(notice));
+            }
+            if let Some(notifier) = &mut notifier {
+                notifier.notify_step(step);
+                notifier.notify_cursor(pipeline.layout());
+            }
+            recordings.push(step);
+            views.update(step, now, pipeline);
+            share.push(step, pipeline);
+            publish(snapshots, step, is_lossless);
+        };
+        let mut pipeline = self.setup.pipeline();
+        // Not for a replay, which needs all of a processor. The thread of the source, which notices a pulled cable, inherits it.
+        if is_live {
+            priority::raise_thread_priority();
+        }
+        let ended = run_observed(
+            source,
+            &mut pipeline,
+            &mut *sink,
+            &self.commands,
+            &mut observe,
+        );
+        // Fingers are free before the recording is complete.
+        drop(haptics);
+        let record_error = recordings.finish();
+        Ok(Summary {
+            record_error,
+            ..ended?
+        })
+    }
+
+    /// Starts the feedback to the gloves.
+    fn start_haptics(&self, source: &mut dyn Source) -> io::Result<SessionHaptics> {
+        let kind = self.options.haptics;
+        let other = self.setup.other_hand.iter();
+        let sides = std::iter::once(self.setup.arm.side()).chain(other.map(|it| it.arm.side()));
+        let haptics = SessionHaptics::start(kind, source, sides)?;
+        if kind != Haptics::Off && haptics.is_empty() {
+            self.notices.sender().send(Notice::NoHaptics(kind));
+        }
+        Ok(haptics)
+    }
+
+    fn open_output(&mut self) -> Result<Box<dyn Sink>, OutputError> {
+        if let Some(sink) = self.options.output.take() {
+            return Ok(sink);
+        }
+        let names = &self.setup.setup.output;
+        let required = self.setup.required_capabilities();
+        let Some(watchdog) = self.options.watchdog.take() else {
+            return output::open(names, &required);
+        };
+        let commands = self.command_sender.with_origin(CommandOrigin::Watchdog);
+        let notices = self.notices.sender();
+        let WatchdogProgram {
+            program,
+            arguments,
+            on_lost,
+        } = watchdog;
+        let settings = WatchdogSettings {
+            program,
+            arguments,
+            on_lost: Arc::new(move || {
+                let _ = commands.send(on_lost);
+                notices.send(Notice::WatchdogLost);
+            }),
+        };
+        output::open_with_watchdog(names, &required, &settings)
+    }
+
+    /// The source that this session opens itself.
+    fn opened_uri(&self) -> Option<&SourceUri> {
+        self.setup.setup.source.as_ref()
+    }
+
+    fn report_status(&self, notice: Notice) {
+        if self.options.report_status {
+            self.notices.sender().send(notice);
+        }
+    }
+
+    /// Sources on the network press no keys by default, which surprises users of layouts with keys.
+    fn report_pointer_only_sources(&self) {
+        if !self.setup.required_capabilities().include_typing() {
+            return;
+        }
+        for source in self.setup.named_sources() {
+            if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
+                && source.permissions.role == SourceRole::Pointer
+            {
+                self.report_status(Notice::PointerOnly {
+                    source: uri.clone(),
+                    remedy: source.remedy,
+                });
+            }
+        }
+    }
+}
+
+/// Hands a snapshot to the owner of the session, until the owner drops the receiver.
+fn publish(snapshots: &mut Option<Sender<Snapshot>>, step: &StepView, is_lossless: bool) {
+    let Some(sender) = snapshots else {
+        return;
+    };
+    let is_disconnected = match is_lossless {
+        true => sender.send(step.to_snapshot()).is_err(),
+        false if sender.is_full() => false,
+        false => {
+            let sent = sender.try_send(step.to_snapshot());
+            sent.is_err_and(|error| error.is_disconnected())
+        }
+    };
+    if is_disconnected {
+        *snapshots = None;
+    }
+}
+
+/// Starts the thread that passes views of a session to displays.
+fn start_view_hub(
+    setup: &LoadedSetup,
+    options: &SessionOptions,
+) -> io::Result<(ViewHub, ViewPublisher)> {
+    let source = match &options.source {
+        Some(source) => source.name().to_owned(),
+        None => {
+            let sources = setup.sources().filter_map(|(source, _)| source);
+            let names: Vec<_> = sources.map(ToString::to_string).collect();
+            names.join(", ")
+        }
+    };
+    let names = SessionNames {
+        profiles: setup.profile_names().map(str::to_owned).collect(),
+        source,
+        output: setup.setup.output.clone(),
+    };
+    ViewHub::start(names, Arc::new(setup.layout.clone()))
+}
+
+/// Returns a receiver of notices that also adds them to the views.
+fn show_in_views(on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<NoticeReceiver> {
+    let mut on_notice = on_notice;
+    Some(Box::new(move |notice: Notice| {
+        hub.show_message(notice.to_string());
+        if let Some(on_notice) = &mut on_notice {
+            on_notice(notice);
+        }
+    }))
+}
+
+/// Names and files of the layouts of a setup.
+fn profiles(setup: &LoadedSetup) -> Vec<ProfileInfo> {
+    let layouts = setup.profile_names().zip(setup.layouts());
+    let profile = |(name, layout): (&str, &Layout)| ProfileInfo {
+        name: name.to_owned(),
+        file: layout.file.clone(),
+    };
+    layouts.map(profile).collect()
+}
+
+fn start_layout_manager(
+    setup: &Arc<LoadedSetup>,
+    options: &SessionOptions,
+    commands: &mut CommandReceiver,
+    notices: &NoticeThread,
+    mut notifier: Option<Notifier>,
+) -> io::Result<()> {
+    let layouts: Vec<_> = setup
+        .layouts()
+        .map(|layout| LayoutSource {
+            path: setup.layout_path(layout).map(str::to_owned),
+            layout: layout.clone(),
+        })
+        .collect();
+    let policy = FilePolicy {
+        watch: options.watch_layouts,
+        is_recorded: options.record_to.is_some(),
+    };
+    let hands = setup.layout_feed.clone();
+    let (setup, has_sink) = (Arc::clone(setup), options.output.is_some());
+    let required = setup.required_capabilities();
+    let build = move |layout: &Layout| {
+        if !has_sink {
+            let needed = setup.capabilities_of(layout);
+            output::check_layout_change(&setup.setup.output, &required, &needed)
+                .map_err(|reason| format!("{}: not used, as {reason}", escape(&layout.file)))?;
+        }
+        setup
+            .layout_instance(layout)
+            .map_err(|error| error.to_string())
+    };
+    let notices = notices.sender();
+    let of_hands = notices.clone();
+    hands.set_receiver(move |message| of_hands.send(Notice::SimulatedHand(message)));
+    let link = commands.link_layouts().with_hands(hands);
+    let report = move |report: LayoutReport| {
+        if let Some(notifier) = &mut notifier
+            && !matches!(report, LayoutReport::Command(_))
+        {
+            notifier.notify_reload(&report);
+        }
+        notices.send(Notice::Layout(report));
+    };
+    reload::start(layouts, link, policy, build, report)
+}

@@ -1,0 +1,429 @@
+//! Messages of a session for its user.
+
+use std::fmt;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, Sender, bounded, never};
+use parry3d::math::Vec3;
+
+use super::reload::LayoutReport;
+use crate::advice;
+use crate::capture::{Haptics, SourceUri};
+use crate::message_limits::HeldBack;
+use crate::share::{ShareFormat, ShareTarget};
+use ademan_core::command::CommandOrigin;
+use ademan_core::estimate::Rejection;
+use ademan_core::hand::{Finger, FingerSet, Side};
+use ademan_core::message::{escape, escape_line};
+
+/// Notices that wait for the receiver of the user.
+const QUEUE_LENGTH: usize = 64;
+
+/// Longest wait at the end of a session for notices that the user's receiver has not handled yet.
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// What a person does at the start of a layout that is placed by the hand.
+pub const AWAITING_HAND: &str =
+    "hold your hand open and still for a second: the layout is placed there";
+
+/// The control that is nearest to a hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearestTarget {
+    /// Its name; `None` for the range of the pointer.
+    pub name: Option<String>,
+    /// The way to it: to the right, up, towards the wearer, in metres.
+    pub way: Vec3,
+    /// It is on a board, which `recenter` moves.
+    pub is_on_board: bool,
+}
+
+/// A message for the user, one or more lines as [`Display`](fmt::Display).
+#[derive(Debug)]
+pub enum Notice {
+    /// A source on the network has the role `pointer`, so that it presses no keys of the layout.
+    PointerOnly {
+        /// The source.
+        source: SourceUri,
+        /// The field of the setup, and the flag, that let it press keys.
+        remedy: &'static str,
+    },
+    /// The session waits for a device, for this reason.
+    WaitingForSource(String),
+    /// The device that the session waited for is open.
+    SourceFound(SourceUri),
+    /// The session reads from this live source.
+    Listening(SourceUri),
+    /// This server of joint angles or poses listens.
+    Sharing(ShareTarget),
+    /// No source takes this feedback.
+    NoHaptics(Haptics),
+    /// There is no default path for a control socket.
+    NoControlSocket,
+    /// Output waits until the hand is clear of every control.
+    Disarmed,
+    /// Fingers that press by bending are bent: the output is not armed until they are straight.
+    BentFingers(FingerSet),
+    /// The layout is placed where an open hand is held still.
+    AwaitingHand,
+    /// A hand moves and reaches nothing: its side, the name of the nearest control, and the way to it.
+    Unreached(Side, Option<NearestTarget>),
+    /// Touches become events.
+    Armed {
+        /// The events reach other programs.
+        has_effect: bool,
+    },
+    /// A pause with this origin was requested.
+    Paused(CommandOrigin),
+    /// No readings arrive; everything is released.
+    Stalled,
+    /// The device was lost or the machine was suspended.
+    SourceLost(String),
+    /// This many readings gave no joint angles.
+    Rejected(u64, Rejection),
+    /// This many readings were dropped because the loop was late.
+    Dropped(u64),
+    /// This many presses and characters were dropped by the output.
+    DroppedPresses(u64),
+    /// This many system keys were suppressed.
+    SystemKeysSuppressed(u64),
+    /// This many keys were suppressed because of the role of their source.
+    KeysSuppressed(u64),
+    /// This many pointer events were suppressed because of the role of their source.
+    PointingSuppressed(u64),
+    /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
+    UntrustedFingers(FingerSet),
+    /// This hand is not tracked; what it held is released. Readings of something else still arrive.
+    HandLost(Side),
+    /// This hand is tracked again.
+    HandFound(Side),
+    /// The watchdog exited unexpectedly or does not respond.
+    WatchdogLost,
+    /// A file that the session writes is incomplete, for this reason.
+    FileIncomplete(String),
+    /// Outcome of a change to a layout.
+    Layout(LayoutReport),
+    /// What a simulated hand leaves out, and why.
+    SimulatedHand(String),
+    /// Notices of one kind and source that were held back, as there was one of them a short time ago.
+    HeldBack(Box<HeldBack<Notice>>),
+    /// This many notices were dropped because the receiver was too slow.
+    Missed(u64),
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PointerOnly { source, remedy } => {
+                write!(
+                    f,
+                    "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends",
+                    escape(&source.to_string())
+                )
+            }
+            Self::WaitingForSource(reason) => {
+                write!(f, "waiting: {}; Ctrl-C ends", escape_line(reason))
+            }
+            Self::SourceFound(source) => write!(f, "found {}", escape(&source.to_string())),
+            Self::Listening(source) => write!(
+                f,
+                "listening to {}, Ctrl-C ends",
+                escape(&source.to_string())
+            ),
+            Self::Sharing(target) => {
+                write!(f, "sharing {}: ", escape(&target.to_string()))?;
+                if target.format == ShareFormat::Web {
+                    write!(f, "open http://{}/; ", target.address)?;
+                }
+                f.write_str("the angles of a hand tell what it types")
+            }
+            Self::NoHaptics(kind) => write!(
+                f,
+                "no feedback: `haptics` is {}, but no glove takes it; that needs `protocol=lucidgloves` over `serial:`, `tcp:` or \
+                 `udp:`",
+                kind.name()
+            ),
+            Self::NoControlSocket => write!(f, "{}", advice::no_runtime_dir()),
+            Self::Disarmed => {
+                f.write_str("paused: hold the hand clear of all keys for a moment to arm")
+            }
+            Self::BentFingers(fingers) => write!(
+                f,
+                "paused: straighten {}: a bent finger types nothing until it was straight",
+                finger_names(*fingers)
+            ),
+            Self::AwaitingHand => f.write_str(AWAITING_HAND),
+            Self::Unreached(side, nearest) => write_unreached(f, *side, nearest.as_ref()),
+            Self::Armed { has_effect: true } => {
+                f.write_str("armed: touches are typed into other programs, Ctrl-C ends")
+            }
+            Self::Armed { has_effect: false } => {
+                f.write_str("armed: nothing is typed into other programs, Ctrl-C ends")
+            }
+            Self::Paused(origin) => write_paused(f, *origin),
+            Self::Stalled => f.write_str("stalled: no readings, everything is released"),
+            Self::SourceLost(reason) => f.write_str(reason),
+            Self::Rejected(count, reason) => {
+                write!(f, "{} rejected: {reason}", counted(*count, "reading"))
+            }
+            Self::Dropped(count) => write!(
+                f,
+                "{} dropped: this machine is too busy",
+                counted(*count, "reading")
+            ),
+            Self::DroppedPresses(count) => write!(
+                f,
+                "{} dropped: the output did not accept them within 250 ms or before a pause, has no such key, or cannot \
+                 type a text now (Control or Alt is held, or the keymap has too few unused keys)",
+                counted(*count, "keystroke")
+            ),
+            Self::SystemKeysSuppressed(count) => write!(
+                f,
+                "{} suppressed that would act on the system; `allow_system_keys: true` in the setup allows them",
+                counted(*count, "key")
+            ),
+            Self::KeysSuppressed(count) => write!(
+                f,
+                "{} suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type",
+                counted(*count, "key")
+            ),
+            Self::PointingSuppressed(count) => write!(
+                f,
+                "{} suppressed, as the source is only for keys; `role: Both` next to it in the setup lets it point",
+                counted(*count, "pointer event")
+            ),
+            Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
+            Self::HandLost(side) => write!(
+                f,
+                "the {side} hand is not tracked, or has pressed faster than the rate limit: what it held is released, and it touches nothing"
+            ),
+            Self::HandFound(side) => write!(f, "the {side} hand is tracked again"),
+            Self::WatchdogLost => {
+                f.write_str("the watchdog exited or hangs: everything is released")
+            }
+            Self::FileIncomplete(reason) => write!(f, "{reason}; the session goes on without it"),
+            Self::Layout(report) => report.fmt(f),
+            Self::SimulatedHand(message) => f.write_str(&escape_line(message)),
+            Self::HeldBack(held_back) => held_back.fmt(f),
+            Self::Missed(count) => write!(
+                f,
+                "{} dropped: they were not read in time",
+                counted(*count, "message")
+            ),
+        }
+    }
+}
+
+impl Notice {
+    /// Returns `true` for a notice that a person who wants only errors and warnings does not need.
+    pub fn is_routine(&self) -> bool {
+        matches!(
+            self,
+            Self::WaitingForSource(_)
+                | Self::SourceFound(_)
+                | Self::Listening(_)
+                | Self::NoControlSocket
+                | Self::Disarmed
+                | Self::BentFingers(_)
+                | Self::AwaitingHand
+                | Self::Armed { .. }
+        )
+    }
+}
+
+fn write_unreached(
+    f: &mut fmt::Formatter<'_>,
+    side: Side,
+    nearest: Option<&NearestTarget>,
+) -> fmt::Result {
+    let Some(NearestTarget {
+        name,
+        way,
+        is_on_board,
+    }) = nearest
+    else {
+        return write!(
+            f,
+            "the {side} hand moves, but the source does not show the joints that the layout needs; `webcam-mouse` and \
+             `webcam-qwerty` need only a hand"
+        );
+    };
+    write!(f, "the {side} hand moves and reaches nothing: ")?;
+    match name {
+        Some(name) => write!(f, "`{}`", escape(name))?,
+        None => f.write_str("the range of the pointer")?,
+    }
+    write!(f, " is {:.0} mm away", way.length() * 1e3)?;
+    write_directions(f, *way * 1e3)?;
+    f.write_str(match is_on_board {
+        true => "; `ademan ctl recenter` brings the boards below the hand, `ademan calibrate` corrects a glove, and a layout with \
+                 `anchor: start`, such as `webcam-qwerty`, is placed where the hand is",
+        false => {
+            "; `ademan calibrate` corrects a glove, and a layout with `anchor: start`, such as `webcam-mouse`, is placed where the \
+             hand is"
+        }
+    })
+}
+
+/// Writes the parts of a way in millimetres that matter, the largest first.
+fn write_directions(f: &mut fmt::Formatter<'_>, way: Vec3) -> fmt::Result {
+    let mut parts = [
+        (way.x, ["to the right", "to the left"]),
+        (way.y, ["up", "down"]),
+        (-way.z, ["forward", "back"]),
+    ];
+    parts.sort_by(|one, other| other.0.abs().total_cmp(&one.0.abs()));
+    let smallest = parts[0].0.abs() / 4.0;
+    let parts = parts.iter().filter(|(part, _)| part.abs() >= smallest);
+    for (index, (part, [positive, negative])) in parts.enumerate() {
+        let separator = if index == 0 { ", " } else { " and " };
+        let direction = if *part < 0.0 { negative } else { positive };
+        write!(f, "{separator}{:.0} mm {direction}", part.abs())?;
+    }
+    Ok(())
+}
+
+fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Result {
+    write!(f, "paused by {}: ", origin.description())?;
+    f.write_str(match origin {
+        CommandOrigin::Layout => {
+            "everything is released; that key or gesture, or `ademan ctl resume`, goes on"
+        }
+        CommandOrigin::Suspend => "everything is released until the program is continued",
+        CommandOrigin::RateLimit => {
+            "more presses than a person makes (`max_presses_per_second` of the setup); everything is released, `ademan ctl \
+             resume` goes on"
+        }
+        _ => "everything is released, `ademan ctl resume` goes on",
+    })
+}
+
+fn finger_names(fingers: FingerSet) -> String {
+    let all = Finger::ALL.iter();
+    let names = all.filter(|finger| fingers.contains(**finger));
+    names
+        .map(|finger| finger.name())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Result {
+    match fingers.is_empty() {
+        true => f.write_str("the sensors of all fingers work again"),
+        false => write!(
+            f,
+            "ignored and released: {}; the source does not see them, or a sensor has been at an end of its range for 1 s: check its wire",
+            finger_names(fingers)
+        ),
+    }
+}
+
+/// Sends notices without waiting; drops and counts them when the queue is full.
+#[derive(Clone)]
+pub(super) struct NoticeSender {
+    sender: Sender<Option<Notice>>,
+    missed: Arc<AtomicU64>,
+}
+
+impl NoticeSender {
+    /// Sends a notice.
+    pub fn send(&self, notice: Notice) {
+        if self.sender.try_send(Some(notice)).is_err() {
+            self.missed.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// A thread that hands notices to the user's receiver, which may block on a terminal.
+pub(super) struct NoticeThread {
+    sender: NoticeSender,
+    /// Disconnected when all notices were handled.
+    finished: Receiver<()>,
+}
+
+impl NoticeThread {
+    /// Starts the thread. Without a receiver all notices are dropped.
+    pub fn start(on_notice: Option<Box<dyn FnMut(Notice) + Send>>) -> io::Result<Self> {
+        let (sender, notices) = bounded::<Option<Notice>>(QUEUE_LENGTH);
+        let missed = Arc::new(AtomicU64::new(0));
+        let sender = NoticeSender {
+            sender,
+            missed: missed.clone(),
+        };
+        let Some(mut on_notice) = on_notice else {
+            return Ok(Self {
+                sender,
+                finished: never(),
+            });
+        };
+        let (finish, finished) = bounded::<()>(0);
+        thread::Builder::new()
+            .name("notices".into())
+            .spawn(move || {
+                // `None` marks the end: other threads may keep their senders.
+                for notice in notices.iter().map_while(|notice| notice) {
+                    on_notice(notice);
+                    let missed = missed.swap(0, Ordering::Relaxed);
+                    if missed > 0 {
+                        on_notice(Notice::Missed(missed));
+                    }
+                }
+                drop(finish);
+            })?;
+        Ok(Self { sender, finished })
+    }
+
+    /// A sender for any thread.
+    pub fn sender(&self) -> NoticeSender {
+        self.sender.clone()
+    }
+
+    /// Waits until all notices were handled, up to 1 s.
+    pub fn finish(&self) {
+        let sender = &self.sender.sender;
+        if sender.send_timeout(None, FLUSH_TIMEOUT).is_ok() {
+            let _ = self.finished.recv_timeout(FLUSH_TIMEOUT);
+        }
+    }
+}
+
+/// A number with its noun: `1 key`, `2 keys`.
+pub fn counted(count: u64, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_that_reaches_nothing_is_told_distance_directions_and_a_remedy() {
+        let text = |name: Option<&str>, way| {
+            let nearest = NearestTarget {
+                name: name.map(str::to_owned),
+                way,
+                is_on_board: name.is_some(),
+            };
+            Notice::Unreached(Side::Left, Some(nearest)).to_string()
+        };
+        let far = text(Some("Q"), Vec3::new(0.01, -0.09, -0.4));
+        assert!(
+            far.contains(
+                "the left hand moves and reaches nothing: `Q` is 410 mm away, 400 mm forward;"
+            ),
+            "{far}"
+        );
+        assert!(far.contains("`ademan ctl recenter`"), "{far}");
+        let range = text(None, Vec3::new(-0.3, 0.3, 0.3));
+        assert!(
+            range.contains("the range of the pointer is 520 mm away, 300 mm to the left and 300 mm up and 300 mm back;"),
+            "{range}"
+        );
+        let unknown = Notice::Unreached(Side::Right, None).to_string();
+        assert!(unknown.contains("`webcam-mouse`"), "{unknown}");
+    }
+}

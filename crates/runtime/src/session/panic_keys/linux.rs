@@ -1,0 +1,200 @@
+//! The keyboards of a Linux machine: `/dev/input/event*`.
+
+use std::fs;
+use std::io;
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, OwnedFd};
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use evdev::{Device, EventSummary};
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
+use rustix::io::Errno;
+
+use super::key_combination::KeyCombination;
+use crate::priority;
+use ademan_core::device::KeyCode;
+
+/// Prefix of the names of the devices that this program creates. Their keys are ignored.
+const OWN_PREFIX: &str = "Ademan ";
+
+/// Directory of the device nodes.
+const NODES: &str = "/dev/input";
+
+/// Events after which a node may be readable: udev sets its permissions some time after its creation.
+const NODE_EVENTS: WatchFlags = WatchFlags::CREATE
+    .union(WatchFlags::ATTRIB)
+    .union(WatchFlags::MOVED_TO);
+
+/// Checks that the keyboards can be watched.
+pub(super) fn check(keys: &[KeyCode]) -> Result<(), String> {
+    open(keys).map(drop)
+}
+
+/// Watches the keyboards on a thread of its own until the program ends.
+pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), String> {
+    let mut monitor = open(keys)?;
+    let run = move || {
+        // An emergency stop does not wait for other programs.
+        priority::raise_thread_priority();
+        while monitor.wait(&stop).is_ok() {}
+        tracing::error!("panic_keys: the keyboards can no longer be watched");
+    };
+    let thread = thread::Builder::new().name("panic keys".into());
+    thread
+        .spawn(run)
+        .map(drop)
+        .map_err(|error| error.to_string())
+}
+
+/// Opens the keyboards that have these keys.
+fn open(keys: &[KeyCode]) -> Result<KeyboardMonitor, String> {
+    let inotify_error = |error: Errno| format!("cannot watch {NODES}: {error}");
+    let inotify =
+        inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).map_err(inotify_error)?;
+    inotify::add_watch(&inotify, NODES, NODE_EVENTS).map_err(inotify_error)?;
+    let mut monitor = KeyboardMonitor {
+        combination: KeyCombination::new(keys),
+        inotify,
+        keyboards: Vec::new(),
+        next_id: 0,
+    };
+    let denied = monitor.open_new();
+    if monitor.keyboards.is_empty() {
+        return Err(match denied {
+            0 => format!("no keyboard in {NODES} has these keys"),
+            _ => format!(
+                "no permission to read the keyboards in {NODES}; a udev rule with TAG+=\"uaccess\" or the group \
+                 `input` gives it, and with it the permission to read all that is typed"
+            ),
+        });
+    }
+    Ok(monitor)
+}
+
+/// An open keyboard.
+struct Keyboard {
+    id: u64,
+    path: PathBuf,
+    device: Device,
+}
+
+/// The keyboards that have keys of the combination.
+struct KeyboardMonitor {
+    combination: KeyCombination,
+    inotify: OwnedFd,
+    keyboards: Vec<Keyboard>,
+    /// Number of keyboards opened so far.
+    next_id: u64,
+}
+
+impl KeyboardMonitor {
+    /// Opens the keyboards that are not open yet. Returns the number of nodes without permission.
+    fn open_new(&mut self) -> usize {
+        let nodes = fs::read_dir(NODES).into_iter().flatten().flatten();
+        let mut denied = 0;
+        for path in nodes.map(|node| node.path()).filter(|path| is_node(path)) {
+            if self.keyboards.iter().any(|keyboard| keyboard.path == path) {
+                continue;
+            }
+            match Device::open(&path) {
+                Ok(device) => self.add(path, device),
+                Err(error) => {
+                    denied += usize::from(error.kind() == io::ErrorKind::PermissionDenied);
+                }
+            }
+        }
+        denied
+    }
+
+    fn add(&mut self, path: PathBuf, device: Device) {
+        let is_own = device
+            .name()
+            .is_some_and(|name| name.starts_with(OWN_PREFIX));
+        let has_key = |key: &KeyCode| {
+            let code = evdev::KeyCode::new(key.event_code());
+            device
+                .supported_keys()
+                .is_some_and(|keys| keys.contains(code))
+        };
+        let is_relevant = !is_own && self.combination.keys.iter().any(has_key);
+        if !is_relevant || device.set_nonblocking(true).is_err() {
+            return;
+        }
+        self.next_id += 1;
+        self.keyboards.push(Keyboard {
+            id: self.next_id,
+            path,
+            device,
+        });
+    }
+
+    /// Waits for events of keyboards or nodes, and handles them.
+    fn wait(&mut self, stop: &impl Fn()) -> Result<(), Errno> {
+        let devices = self
+            .keyboards
+            .iter()
+            .map(|keyboard| keyboard.device.as_fd());
+        let mut poll_fds: Vec<_> = std::iter::once(self.inotify.as_fd())
+            .chain(devices)
+            .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
+            .collect();
+        match poll(&mut poll_fds, None) {
+            Ok(_) | Err(Errno::INTR) => {}
+            Err(error) => return Err(error),
+        }
+        let is_ready = |fd: &PollFd| !fd.revents().is_empty();
+        let has_new_node = is_ready(&poll_fds[0]);
+        let ready: Vec<_> = poll_fds[1..].iter().map(is_ready).collect();
+        drop(poll_fds);
+        let mut index = 0;
+        let mut is_complete = false;
+        for is_ready in ready {
+            if is_ready && !self.read(index, &mut is_complete) {
+                let removed = self.keyboards.remove(index);
+                self.combination.remove_keyboard(removed.id);
+            } else {
+                index += 1;
+            }
+        }
+        if is_complete {
+            stop();
+        }
+        if has_new_node {
+            self.discard_node_events();
+            self.open_new();
+        }
+        Ok(())
+    }
+
+    /// Reads the events of a keyboard. Returns whether it is still connected.
+    fn read(&mut self, index: usize, is_complete: &mut bool) -> bool {
+        let keyboard = &mut self.keyboards[index];
+        let events = match keyboard.device.fetch_events() {
+            Ok(events) => events,
+            Err(error) => return error.kind() == io::ErrorKind::WouldBlock,
+        };
+        for event in events {
+            // 0 is a release, 1 a press, 2 an auto-repeat.
+            let EventSummary::Key(_, code, value @ (0 | 1)) = event.destructure() else {
+                continue;
+            };
+            if let Some(key) = KeyCode::from_event_code(code.code()) {
+                *is_complete |= self.combination.update(keyboard.id, key, value == 1);
+            }
+        }
+        true
+    }
+
+    fn discard_node_events(&self) {
+        let mut buffer = [MaybeUninit::uninit(); 1024];
+        let mut events = Reader::new(&self.inotify, &mut buffer);
+        while events.next().is_ok() {}
+    }
+}
+
+fn is_node(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name.starts_with("event"))
+}

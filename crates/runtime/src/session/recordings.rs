@@ -1,0 +1,202 @@
+//! The files that a session records to: all results of each step, and the poses for animation programs.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crossbeam_channel::RecvTimeoutError;
+
+use super::write_failures::WriteFailures;
+use super::writer_thread::{QueuedSteps, WriterThread};
+use crate::capture::recording::RecordedSetup;
+use crate::files;
+use crate::recorder::{RecordError, Recorder, cannot_create};
+use crate::trace::bvh::{PoseOptions, PoseWriter};
+use ademan_core::kinematics::HandPose;
+use ademan_core::snapshot::{Snapshot, StepView};
+use ademan_core::time::NO_DEADLINE;
+
+/// Time without a step after which the steps so far reach the disk.
+const FLUSH_AFTER: Duration = Duration::from_millis(500);
+
+/// Frames per second of a BVH file.
+const BVH_RATE_HZ: f64 = 100.0;
+
+/// Frames after which a BVH file is complete again: those of one second.
+const FRAMES_PER_BLOCK: u64 = 100;
+
+/// Room for the frames of a block: they reach the disk together with their number.
+const BLOCK_BYTES: usize = 1 << 20;
+
+/// The recordings of a session, each with a thread of its own.
+#[derive(Default)]
+pub(super) struct Recordings {
+    steps: Option<WriterThread<Snapshot>>,
+    poses: Option<WriterThread<HandPose>>,
+    failures: WriteFailures,
+}
+
+impl Recordings {
+    /// Creates no recording yet. A file that becomes incomplete is one of the `failures` at once.
+    pub fn new(failures: WriteFailures) -> Self {
+        Self {
+            failures,
+            ..Self::default()
+        }
+    }
+
+    /// Creates a recording of all results. A lossless one delays the session loop when the disk is slow.
+    pub fn record_steps(
+        &mut self,
+        path: &Path,
+        setup: &RecordedSetup,
+        is_lossless: bool,
+    ) -> Result<(), RecordError> {
+        let mut recorder = Recorder::create(path, setup)?;
+        // A recording of a replay is the same on a slow machine.
+        let timeout = if is_lossless {
+            NO_DEADLINE
+        } else {
+            FLUSH_AFTER
+        };
+        let write = move |mut steps: QueuedSteps<Snapshot>| {
+            loop {
+                match steps.next_within(timeout) {
+                    Ok(step) => recorder.write(&step)?,
+                    Err(RecvTimeoutError::Timeout) => recorder.flush()?,
+                    Err(RecvTimeoutError::Disconnected) => return recorder.finish(),
+                }
+            }
+        };
+        let failures = self.failures.clone();
+        self.steps = Some(WriterThread::start(path, is_lossless, failures, write)?);
+        Ok(())
+    }
+
+    /// Creates a BVH file of the poses of the hands that are seen first.
+    pub fn record_poses(&mut self, path: &Path, is_lossless: bool) -> Result<(), RecordError> {
+        let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
+        let owned = path.to_owned();
+        let write = move |poses| write_bvh(poses, file, owned);
+        let failures = self.failures.clone();
+        self.poses = Some(WriterThread::start(path, is_lossless, failures, write)?);
+        Ok(())
+    }
+
+    /// Records a step.
+    pub fn push(&mut self, step: &StepView) {
+        if let Some(steps) = &mut self.steps {
+            steps.push(step.to_snapshot());
+        }
+        if let (Some(poses), Some(pose)) = (&mut self.poses, step.pose) {
+            poses.push(*pose);
+        }
+    }
+
+    /// Completes the files. Returns the first reason why one is incomplete.
+    pub fn finish(self) -> Option<RecordError> {
+        let steps = self.steps.and_then(|steps| steps.finish().err());
+        let poses = self.poses.and_then(|poses| poses.finish().err());
+        steps.or(poses)
+    }
+}
+
+/// Writes poses in blocks. After a failed write, the file ends with the last whole block.
+fn write_bvh(poses: QueuedSteps<HandPose>, file: File, path: PathBuf) -> Result<(), RecordError> {
+    let failed = |error: io::Error| RecordError::Write {
+        path: path.clone(),
+        reason: error.to_string(),
+    };
+    let whole = file.try_clone().map_err(failed)?;
+    let mut length = 0;
+    let result = write_blocks(poses, file, &mut || {
+        length = whole.metadata()?.len();
+        Ok(())
+    });
+    if result.is_err() {
+        // If this fails too, a reader finds a part of a frame after the last one.
+        let _ = whole.set_len(length);
+    }
+    result.map_err(failed)
+}
+
+/// Writes poses, and calls `complete` after each whole block.
+fn write_blocks(
+    poses: QueuedSteps<HandPose>,
+    file: File,
+    complete: &mut dyn FnMut() -> io::Result<()>,
+) -> io::Result<()> {
+    let file = BufWriter::with_capacity(BLOCK_BYTES, file);
+    let mut writer = PoseWriter::new(file, PoseOptions::new(BVH_RATE_HZ));
+    let mut next_block = 0;
+    for pose in poses {
+        writer.push(&pose)?;
+        if writer.frames() >= next_block {
+            writer.complete_block()?;
+            complete()?;
+            // The first frames come together.
+            next_block = (writer.frames() / FRAMES_PER_BLOCK + 1) * FRAMES_PER_BLOCK;
+        }
+    }
+    writer.finish().map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::capture::recording::Replay;
+    use crate::capture::{Channels, Reading, Sample, Source, SourceEvent};
+    use ademan_core::contact::TargetNames;
+    use ademan_core::pipeline::PipelineState;
+    use ademan_core::snapshot::Stats;
+    use ademan_core::time::Timestamp;
+
+    #[test]
+    fn a_step_of_a_live_source_reaches_the_disk_when_no_other_follows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hand.mcap");
+        let mut recordings = Recordings::default();
+        let setup = RecordedSetup::default();
+        recordings.record_steps(&path, &setup, false).unwrap();
+        let channels = Channels {
+            full_scale: 255,
+            counts: [3, 141].into_iter().collect(),
+            unsent: Default::default(),
+        };
+        let reading = Reading::new(Timestamp(7), None, Sample::Channels(channels));
+        recordings.push(&StepView {
+            state: PipelineState::Running,
+            paused_by: None,
+            profile: 0,
+            target_names: &TargetNames::default(),
+            reading: Some(&reading),
+            source_error: None,
+            angles: None,
+            pose: None,
+            touches: &[],
+            presses: &[],
+            events: &[],
+            commands: &[],
+            executed: None,
+            lost_hands: Default::default(),
+            text: None,
+            stats: &Stats::default(),
+            latency: None,
+        });
+        let start = Instant::now();
+        // The recording is not complete, as after a crash.
+        while Replay::open(&path).unwrap().next().unwrap() == SourceEvent::End {
+            assert!(
+                start.elapsed() < Duration::from_secs(60),
+                "nothing is written"
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let replayed = Replay::open(&path).unwrap().next().unwrap();
+        assert_eq!(replayed, SourceEvent::Reading(reading));
+        assert!(recordings.finish().is_none());
+    }
+}

@@ -1,0 +1,319 @@
+//! An active layout and its file.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::LayoutReport;
+use super::watched_file::WatchedFile;
+use crate::files::{self, OpenDocument};
+use crate::session::layout_link::{LayoutLink, SessionEnded};
+use ademan_core::contact::board_pose::BoardPose;
+use ademan_core::document::{Document, DocumentError};
+use ademan_core::layout::{self, Layout};
+use ademan_core::message::escape;
+use ademan_core::pipeline::LayoutInstance;
+
+const SHIPPED: &str = "the layout comes with the program or a recording and has no file; create one with `ademan layout new`";
+
+/// A function that builds a layout for the session loop, or returns the reason why the session cannot use it.
+pub(super) type Build<'a> = &'a dyn Fn(&Layout) -> Result<LayoutInstance, String>;
+
+/// One layout of the setup as the session loop uses it, and its file.
+pub(super) struct ActiveLayout {
+    /// `None` for a layout that comes with the program or a recording.
+    file: Option<WatchedFile>,
+    /// The layout with its present size, but with the board poses of the file.
+    layout: Layout,
+    /// Index of the profile.
+    profile: usize,
+    /// `layout` is an edited text that is not in the file.
+    is_trial: bool,
+}
+
+impl ActiveLayout {
+    /// Creates the entry of a layout that is active already.
+    pub fn new(file: Option<WatchedFile>, layout: Layout, profile: usize) -> Self {
+        Self {
+            file,
+            layout,
+            profile,
+            is_trial: false,
+        }
+    }
+
+    /// Returns whether the layout has a file.
+    pub fn has_file(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// Returns the content of the file, once it has changed and settled.
+    pub fn poll(&mut self, now: Instant) -> Option<Result<Layout, DocumentError>> {
+        self.file.as_mut().and_then(|file| file.poll(now))
+    }
+
+    /// Returns whether every change of the file was handled.
+    pub fn is_settled(&self) -> bool {
+        self.file.as_ref().is_none_or(WatchedFile::is_settled)
+    }
+
+    /// Notes that the file may have changed.
+    pub fn mark_changed(&mut self, now: Instant) {
+        if let Some(file) = &mut self.file {
+            file.mark_changed(now);
+        }
+    }
+
+    /// Reads the file, settled or not.
+    pub fn read(&self) -> Result<Layout, DocumentError> {
+        match &self.file {
+            Some(file) => file.read_now(),
+            None => Ok(self.layout.clone()),
+        }
+    }
+
+    /// Activates the content of the file.
+    pub fn apply(
+        &mut self,
+        found: Result<Layout, DocumentError>,
+        build: Build,
+        link: &LayoutLink,
+    ) -> Result<LayoutReport, SessionEnded> {
+        let layout = match found {
+            Err(error) => {
+                self.set_refused();
+                return Ok(LayoutReport::Invalid(error));
+            }
+            Ok(layout) => layout,
+        };
+        match build(&layout) {
+            Err(reason) => {
+                self.set_refused();
+                return Ok(LayoutReport::Rejected(reason));
+            }
+            Ok(instance) => link.activate(instance, self.profile, false)?,
+        }
+        if let Some(file) = &mut self.file {
+            file.set_active_text(&layout.text);
+        }
+        self.is_trial = false;
+        self.layout = layout.clone();
+        Ok(LayoutReport::Activated(Box::new(layout)))
+    }
+
+    fn set_refused(&mut self) {
+        if let Some(file) = &mut self.file {
+            file.set_refused();
+        }
+    }
+
+    /// Returns whether the content of the file is that which was activated last, and notes that it can be used.
+    pub fn accept_active(&mut self, found: &Layout) -> bool {
+        let active = self.file.as_mut().filter(|file| file.text() == found.text);
+        match active {
+            Some(file) => {
+                file.set_active_text(&found.text);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Returns the file of the layout, as messages name it.
+    pub fn file_name(&self) -> &str {
+        &self.layout.file
+    }
+
+    /// Activates a text that is not saved. The active layout stays if it is invalid.
+    pub fn try_text(
+        &mut self,
+        text: &str,
+        build: Build,
+        link: &LayoutLink,
+    ) -> Result<Result<(), String>, SessionEnded> {
+        let layout = match self.layout.with_text(text) {
+            Err(error) => return Ok(Err(format!("{error}\nthe active layout stays"))),
+            Ok(layout) => layout,
+        };
+        match build(&layout) {
+            Err(reason) => return Ok(Err(reason)),
+            Ok(instance) => link.activate(instance, self.profile, false)?,
+        }
+        self.is_trial = self.file.as_ref().is_some_and(|file| file.text() != text);
+        self.layout = layout;
+        Ok(Ok(()))
+    }
+
+    /// Multiplies the size of the boards by `factor`.
+    pub fn scale(
+        &mut self,
+        factor: f32,
+        build: Build,
+        link: &LayoutLink,
+    ) -> Result<Result<String, String>, SessionEnded> {
+        let layout = layout::scale_boards(&self.document(), factor)
+            .and_then(|text| self.layout.with_text(&text));
+        let layout = match layout {
+            Err(error) => return Ok(Err(format!("{error}\nthe size of the boards stays"))),
+            Ok(layout) => layout,
+        };
+        match build(&layout) {
+            Err(reason) => return Ok(Err(reason)),
+            Ok(instance) => link.activate(instance, self.profile, true)?,
+        }
+        self.layout = layout;
+        Ok(Ok(format!("scaled by {factor}")))
+    }
+
+    /// Writes the size of the boards and their poses to the file, unless another program has changed it.
+    pub fn save(&mut self, poses: &[BoardPose]) -> Result<String, String> {
+        let file = self.file.as_mut().ok_or(SHIPPED)?;
+        let name = escape(&self.layout.file);
+        if self.is_trial {
+            return Err(format!(
+                "{name}: not saved, as an edited text of it is tried; save that in its editor"
+            ));
+        }
+        let on_disk = Document::from_path(file.path()).map_err(|error| error.to_string())?;
+        if on_disk.text != file.text() {
+            return Err(format!(
+                "{name}: not saved, as the file differs from the active layout; `reload` activates the file"
+            ));
+        }
+        let active = Document::new(self.layout.file.as_str(), self.layout.text.as_str());
+        let text = layout::move_boards(&active, poses, &self.layout.fit)
+            .map_err(|error| error.to_string())?;
+        if text == on_disk.text {
+            return Err(format!(
+                "{name}: not saved, as no board was moved or scaled"
+            ));
+        }
+        let layout = self.layout.with_text(&text);
+        let layout = layout.map_err(|error| error.to_string())?;
+        files::replace_text(Path::new(file.path()), &text)
+            .map_err(|error| format!("{name}: cannot write the file: {error}"))?;
+        file.set_active_text(&text);
+        self.layout = layout;
+        Ok(format!("{}: saved", escape(&self.layout.file)))
+    }
+
+    fn document(&self) -> Document {
+        Document::new(self.layout.file.as_str(), self.layout.text.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Load;
+    use crate::session::layout_link::LayoutOperation;
+    use crate::session::reload::test_loop::TestLoop;
+    use std::time::Duration;
+    use std::{fs, thread};
+
+    const TEXT: &str = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
+                        rows: [(at_mm: (0, 0), keys: \"A\")])])";
+
+    fn session(path: Option<&Path>) -> TestLoop {
+        let layout = match path {
+            Some(path) => Layout::load(path.to_str().unwrap()).unwrap(),
+            None => Layout::parse(TEXT, "a.ron").unwrap(),
+        };
+        TestLoop::start(layout, path, |_| Ok(()))
+    }
+
+    fn save_at(height: f32) -> LayoutOperation {
+        LayoutOperation::Save(vec![BoardPose {
+            height,
+            ..BoardPose::default()
+        }])
+    }
+
+    #[test]
+    fn a_shipped_layout_is_scaled_but_neither_saved_nor_reloaded() {
+        let session = session(None);
+        assert_eq!(session.request(save_at(0.1)), Err(SHIPPED.into()));
+        let error = session.request(LayoutOperation::Reload).unwrap_err();
+        assert!(error.contains("no file"), "{error}");
+        assert!(session.activated.is_empty());
+        let double = || session.request(LayoutOperation::Scale(2.0));
+        assert_eq!(double(), Ok("scaled by 2".into()));
+        assert_eq!(
+            session.activated.recv(),
+            Ok(true),
+            "the boards keep their poses"
+        );
+        assert!(double().is_ok());
+        let error = double().unwrap_err();
+        assert!(
+            error.contains("8 is out of range: a scale is 0.25 to 4"),
+            "{error}"
+        );
+        assert!(error.ends_with("\nthe size of the boards stays"), "{error}");
+    }
+
+    #[test]
+    fn saving_is_not_detected_as_a_change_of_the_file() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        assert!(session.request(save_at(0.1)).is_ok());
+        let saved = fs::read_to_string(&path).unwrap();
+        assert_eq!(saved, TEXT.replace("elbow", "elbow, height_mm: 100"));
+        let again = session.request(save_at(0.1)).unwrap_err();
+        assert!(
+            again.ends_with("not saved, as no board was moved or scaled"),
+            "{again}"
+        );
+        thread::sleep(Duration::from_millis(400));
+        assert!(session.activated.is_empty());
+    }
+
+    #[test]
+    fn a_file_that_was_changed_or_is_read_only_is_not_overwritten() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        let writable = fs::metadata(&path).unwrap().permissions();
+        let mut readonly = writable.clone();
+        readonly.set_readonly(true);
+        fs::set_permissions(&path, readonly).unwrap();
+        let error = session.request(save_at(0.1)).unwrap_err();
+        assert!(
+            error.ends_with("cannot write the file: it is read-only"),
+            "{error}"
+        );
+        fs::set_permissions(&path, writable).unwrap();
+        fs::write(&path, "no layout").unwrap();
+        let error = session.request(save_at(0.1)).unwrap_err();
+        assert!(
+            error.contains("not saved, as the file differs from the active layout"),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "no layout");
+        fs::remove_file(&path).unwrap();
+        let error = session.request(save_at(0.1)).unwrap_err();
+        assert!(error.ends_with("there is no such file"), "{error}");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_text_is_tried_without_its_file_and_an_invalid_one_is_not_activated() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        assert_eq!(session.try_text(&TEXT.replace("\"A\"", "\"B\"")), Ok(()));
+        assert_eq!(session.activated.len(), 1);
+        let error = session.try_text("no layout").unwrap_err();
+        assert!(error.ends_with("the active layout stays"), "{error}");
+        assert_eq!(session.activated.len(), 1);
+        let error = session.request(save_at(0.1)).unwrap_err();
+        assert!(error.contains("is tried"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+        session.request(LayoutOperation::Reload).unwrap();
+        assert_eq!(session.activated.len(), 2);
+        assert!(session.request(save_at(0.1)).is_ok());
+    }
+}

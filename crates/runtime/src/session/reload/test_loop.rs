@@ -1,0 +1,114 @@
+//! A session loop for tests of the layout manager: it activates every layout at once.
+
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, bounded, unbounded};
+
+use super::{FilePolicy, LayoutReport, LayoutSource, start};
+use crate::session::command_channel::CommandReceiver;
+use crate::session::layout_link::{LayoutOperation, LayoutRequest};
+use crate::session::reply::Reply;
+use ademan_core::layout::Layout;
+use ademan_core::pipeline::LayoutInstance;
+
+/// Longest wait for something that a busy machine does late.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// A session with one layout. Dropping it ends the layout manager.
+pub struct TestLoop {
+    commands: CommandReceiver,
+    /// Name of the layout.
+    file: String,
+    /// For each activated layout, whether its boards keep their poses.
+    pub activated: Receiver<bool>,
+    pub reports: Receiver<LayoutReport>,
+}
+
+impl TestLoop {
+    /// Starts a layout manager for a layout and its file. `accept` refuses layouts.
+    pub fn start(
+        layout: Layout,
+        path: Option<&Path>,
+        accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
+    ) -> Self {
+        let session = Self::paused(layout, path, accept);
+        let swaps = session.commands.layouts().unwrap().swaps().clone();
+        let (sender, activated) = unbounded();
+        thread::spawn(move || {
+            for swap in swaps {
+                let _ = sender.send(swap.keep_board_poses);
+                let _ = swap.retired.send(swap.layout);
+            }
+        });
+        Self {
+            activated,
+            ..session
+        }
+    }
+
+    /// Like [`start`](Self::start), but activates no layout.
+    pub fn paused(
+        layout: Layout,
+        path: Option<&Path>,
+        accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
+    ) -> Self {
+        let mut commands = CommandReceiver::disconnected();
+        let (sender, reports) = unbounded();
+        let file = layout.file.clone();
+        let source = LayoutSource {
+            layout,
+            path: path.map(|path| path.to_str().unwrap().to_owned()),
+        };
+        let policy = FilePolicy {
+            watch: true,
+            is_recorded: false,
+        };
+        let build =
+            move |layout: &Layout| accept(layout).map(|()| LayoutInstance::from_layout(layout));
+        let report = move |report| sender.send(report).unwrap();
+        start([source], commands.link_layouts(), policy, build, report).unwrap();
+        Self {
+            commands,
+            file,
+            activated: unbounded().1,
+            reports,
+        }
+    }
+
+    /// Returns whether a layout waits for its activation.
+    pub fn has_swap(&self) -> bool {
+        !self.commands.layouts().unwrap().swaps().is_empty()
+    }
+
+    /// Tries a text and waits for the outcome.
+    pub fn try_text(&self, text: &str) -> Result<(), String> {
+        let trial = self.commands.layouts().unwrap().trial();
+        let outcome = trial.start(&self.file, text).unwrap();
+        let start = Instant::now();
+        while start.elapsed() < TIMEOUT {
+            if let Some(outcome) = outcome.poll() {
+                return outcome;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        panic!("no outcome");
+    }
+
+    /// Sends a request and waits for the outcome.
+    pub fn request(&self, operation: LayoutOperation) -> Result<String, String> {
+        let (reply, replies) = bounded(1);
+        let request = LayoutRequest {
+            operation,
+            profile: 0,
+            reply: Some(reply),
+        };
+        self.commands.layouts().unwrap().forward(request).unwrap();
+        match replies.recv_timeout(TIMEOUT).unwrap() {
+            Ok(Reply::Text(text)) => Ok(text),
+            Ok(reply) => panic!("{reply:?}"),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}

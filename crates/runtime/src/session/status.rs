@@ -1,0 +1,281 @@
+//! Notices that follow from changes of the state of a session.
+
+use std::time::Instant;
+
+use super::notice::{NearestTarget, Notice};
+use crate::message_limits::MessageLimits;
+use ademan_core::command::CommandOrigin;
+use ademan_core::estimate::Rejection;
+use ademan_core::hand::{FingerSet, Side};
+use ademan_core::pipeline::{Pipeline, PipelineState, Unreached};
+use ademan_core::snapshot::{Stats, StepView};
+
+/// Notices per 10 s that a person waits for: the pause that was asked for, and the start of typing, which must never
+/// be a surprise.
+const AWAITED: u32 = 10;
+
+/// Derives notices from steps: one for each change of state and each loss, but at most one per kind and source in
+/// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
+#[derive(Default)]
+pub(super) struct StatusLog {
+    /// The outputs reach other programs.
+    has_effect: bool,
+    limits: MessageLimits<Topic, Notice>,
+    state: Option<(PipelineState, Option<CommandOrigin>)>,
+    rejected: [u64; Rejection::COUNT],
+    dropped: u64,
+    dropped_presses: u64,
+    system_keys: u64,
+    keys_by_role: u64,
+    pointing_by_role: u64,
+    /// Fingers that were reported as bent.
+    bent: FingerSet,
+    /// The wait for an open hand was reported.
+    is_awaiting: bool,
+    /// A hand that reaches nothing was reported.
+    is_unreached: bool,
+    /// By side.
+    untrusted: [FingerSet; Side::COUNT],
+    /// By side.
+    lost_hands: [bool; Side::COUNT],
+}
+
+/// The kind and the source of a notice.
+#[derive(Debug, PartialEq)]
+enum Topic {
+    Rejected(Rejection),
+    Dropped,
+    DroppedPresses,
+    SystemKeys,
+    KeysByRole,
+    PointingByRole,
+    Untrusted(Side),
+    Hand(Side),
+    /// The name of the source.
+    Lost(String),
+    Paused,
+    Disarmed,
+    Bent,
+    Awaiting,
+    Armed,
+    Stalled,
+}
+
+/// What a person has to do before the layout works, as the pipeline has it after a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hints {
+    /// Fingers that must be straightened before the output is armed.
+    bent: FingerSet,
+    /// The layout waits for an open hand.
+    awaits_start: bool,
+    unreached: Option<Unreached>,
+}
+
+impl Hints {
+    pub fn of(pipeline: &Pipeline) -> Self {
+        Self {
+            bent: match pipeline.state() {
+                PipelineState::Paused => pipeline.bent_fingers(),
+                _ => FingerSet::NONE,
+            },
+            awaits_start: pipeline.awaits_start(),
+            unreached: pipeline.unreached(),
+        }
+    }
+}
+
+impl StatusLog {
+    /// Creates the log of a session whose outputs reach other programs, or do not.
+    pub fn new(has_effect: bool) -> Self {
+        Self {
+            has_effect,
+            ..Self::default()
+        }
+    }
+
+    /// Reports the changes since the last step.
+    pub fn update(
+        &mut self,
+        step: &StepView,
+        hints: &Hints,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        // At the end the readings that were not processed count as dropped.
+        if step.state != PipelineState::Stopped {
+            self.report_losses(step.stats, now, report);
+        }
+        if let Some(pose) = step.pose
+            && let reported = &mut self.untrusted[pose.side.index()]
+            && *reported != pose.untrusted
+            && self.limits.admits(Topic::Untrusted(pose.side), now)
+        {
+            *reported = pose.untrusted;
+            report(Notice::UntrustedFingers(pose.untrusted));
+        }
+        for &side in Side::ALL {
+            let is_lost = step.lost_hands[side.index()];
+            let reported = &mut self.lost_hands[side.index()];
+            if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
+                *reported = is_lost;
+                report(match is_lost {
+                    true => Notice::HandLost(side),
+                    false => Notice::HandFound(side),
+                });
+            }
+        }
+        if let Some(error) = step.source_error {
+            let topic = Topic::Lost(error.source_name().to_owned());
+            let notice = Notice::SourceLost(error.to_string());
+            if let Some(notice) = self.limits.admit(topic, 1, notice, now) {
+                report(notice);
+            }
+        }
+        self.report_state(step, now, report);
+        self.report_bent(step, hints.bent, now, report);
+        self.report_place(step, hints, now, report);
+        let is_end = step.state == PipelineState::Stopped;
+        while let Some(held_back) = match is_end {
+            true => self.limits.take_any(now),
+            false => self.limits.take_due(now),
+        } {
+            report(Notice::HeldBack(Box::new(held_back)));
+        }
+    }
+
+    /// Returns whether every counter has been reported, as in nearly all steps.
+    fn has_reported(&self, stats: &Stats) -> bool {
+        self.rejected == stats.rejected
+            && self.dropped == stats.source.dropped
+            && self.dropped_presses == stats.dropped_presses
+            && self.system_keys == stats.suppressed.system_keys
+            && self.keys_by_role == stats.suppressed.keys_by_role
+            && self.pointing_by_role == stats.suppressed.pointing_by_role
+    }
+
+    /// Reports counters that have increased, each with the increase since its last notice.
+    fn report_losses(&mut self, stats: &Stats, now: Instant, report: &mut impl FnMut(Notice)) {
+        if self.has_reported(stats) {
+            return;
+        }
+        let limits = &mut self.limits;
+        let mut update = |topic, reported: &mut u64, count, notice: &dyn Fn(u64) -> Notice| {
+            if count != *reported && limits.admits(topic, now) {
+                report(notice(count - std::mem::replace(reported, count)));
+            }
+        };
+        let rejected = self.rejected.iter_mut().zip(stats.rejected);
+        for (&reason, (reported, count)) in Rejection::ALL.iter().zip(rejected) {
+            let notice = |more| Notice::Rejected(more, reason);
+            update(Topic::Rejected(reason), reported, count, &notice);
+        }
+        let (suppressed, dropped) = (&stats.suppressed, stats.source.dropped);
+        let counters = [
+            (Topic::Dropped, &mut self.dropped, dropped),
+            (
+                Topic::DroppedPresses,
+                &mut self.dropped_presses,
+                stats.dropped_presses,
+            ),
+            (
+                Topic::SystemKeys,
+                &mut self.system_keys,
+                suppressed.system_keys,
+            ),
+            (
+                Topic::KeysByRole,
+                &mut self.keys_by_role,
+                suppressed.keys_by_role,
+            ),
+            (
+                Topic::PointingByRole,
+                &mut self.pointing_by_role,
+                suppressed.pointing_by_role,
+            ),
+        ];
+        let notices = [
+            Notice::Dropped,
+            Notice::DroppedPresses,
+            Notice::SystemKeysSuppressed,
+            Notice::KeysSuppressed,
+            Notice::PointingSuppressed,
+        ];
+        for ((topic, reported, count), notice) in counters.into_iter().zip(notices) {
+            update(topic, reported, count, &notice);
+        }
+    }
+
+    fn report_bent(
+        &mut self,
+        step: &StepView,
+        bent: FingerSet,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        let is_disarmed = step.state == PipelineState::Paused && step.paused_by.is_none();
+        if !is_disarmed || bent.is_empty() {
+            self.bent = FingerSet::NONE;
+        } else if self.bent != bent && self.limits.admits(Topic::Bent, now) {
+            self.bent = bent;
+            report(Notice::BentFingers(bent));
+        }
+    }
+
+    /// Reports that the layout has no place yet, or that the hand is beside it; the latter once.
+    fn report_place(
+        &mut self,
+        step: &StepView,
+        hints: &Hints,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        if !hints.awaits_start {
+            self.is_awaiting = false;
+        } else if !self.is_awaiting && self.limits.admits(Topic::Awaiting, now) {
+            self.is_awaiting = true;
+            report(Notice::AwaitingHand);
+        }
+        if let Some(Unreached { side, nearest }) = hints.unreached
+            && !self.is_unreached
+        {
+            self.is_unreached = true;
+            let nearest = nearest.map(|nearest| NearestTarget {
+                name: nearest
+                    .target
+                    .map(|id| step.target_names.get(id).to_string()),
+                way: nearest.way,
+                is_on_board: nearest.is_on_board,
+            });
+            report(Notice::Unreached(side, nearest));
+        }
+    }
+
+    fn report_state(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
+        let state = (step.state, step.paused_by);
+        if self.state.replace(state) == Some(state) {
+            return;
+        }
+        let (topic, limit, notice) = match state {
+            (PipelineState::Starting | PipelineState::Stopped, _) => return,
+            (PipelineState::Paused, Some(origin)) => {
+                (Topic::Paused, AWAITED, Notice::Paused(origin))
+            }
+            (PipelineState::Paused, None) => (Topic::Disarmed, 1, Notice::Disarmed),
+            (PipelineState::Running, _) => {
+                let has_effect = self.has_effect;
+                (Topic::Armed, AWAITED, Notice::Armed { has_effect })
+            }
+            (PipelineState::Stalled, _) => (Topic::Stalled, 1, Notice::Stalled),
+        };
+        let is_pause = topic == Topic::Paused;
+        let Some(notice) = self.limits.admit(topic, limit, notice, now) else {
+            return;
+        };
+        if is_pause {
+            // The person who pauses waits for the notices that follow.
+            self.limits
+                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Bent | Topic::Stalled));
+        }
+        report(notice);
+    }
+}

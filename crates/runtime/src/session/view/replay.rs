@@ -1,0 +1,51 @@
+//! Views of a recording that is played as fast as possible: those that are due by the time of its readings.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::time::Instant;
+
+use crossbeam_channel::Receiver;
+
+use super::View;
+use super::publisher::{Published, SessionNames, ViewPublisher};
+use crate::session::latest::LatestSender;
+use ademan_core::layout::Layout;
+use ademan_core::pipeline::Pipeline;
+use ademan_core::snapshot::StepView;
+use ademan_core::time::Timestamp;
+
+/// The publisher of the views of a replay, and their receiver.
+pub(in crate::session) struct ReplayViews {
+    publisher: ViewPublisher,
+    published: Receiver<Published>,
+    /// The instant of the time stamp 0.
+    start: Instant,
+}
+
+impl ReplayViews {
+    pub fn new(names: SessionNames, layout: Arc<Layout>) -> Self {
+        let (sender, published) = LatestSender::new();
+        // The replay is the only viewer.
+        let viewers = Arc::new(AtomicUsize::new(1));
+        Self {
+            publisher: ViewPublisher::new(sender, viewers, names, layout),
+            published,
+            start: Instant::now(),
+        }
+    }
+
+    /// Returns the view after a step, if one is due.
+    pub fn update(&mut self, step: &StepView, pipeline: &Pipeline) -> Option<View> {
+        let elapsed = pipeline.time().since(Timestamp::default());
+        let now = self.start.checked_add(elapsed).unwrap_or(self.start);
+        self.publisher.update(step, now, pipeline);
+        let published = self.published.try_recv().ok()?;
+        Some(View {
+            layout: published.layout,
+            boards: published.boards,
+            state: Arc::new(published.state),
+            messages: Arc::default(),
+            missed: 0,
+        })
+    }
+}

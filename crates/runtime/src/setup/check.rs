@@ -1,0 +1,165 @@
+//! Checks of a setup, and the settings of the stages that follow from it.
+
+use std::time::Duration;
+
+use super::{ArmSetup, OtherHand, PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
+use crate::capture::{PositionNoise, SourceUri};
+use ademan_core::device::{KeyCode, KeyKind};
+use ademan_core::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
+use ademan_core::kinematics::BoneLengths;
+use ademan_core::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
+
+impl Setup {
+    /// Checks all values.
+    pub(super) fn check(&self) -> Result<(), SetupError> {
+        self.smoothing_filter()?;
+        self.check_position_filter()?;
+        self.pipeline_settings()?;
+        self.check_panic_keys()?;
+        if let Some(other) = &self.other_hand {
+            other.arm.bone_lengths()?;
+        }
+        self.arm.bone_lengths().map(drop)
+    }
+
+    /// Checks the names of the panic keys. A session checks that a keyboard has them.
+    fn check_panic_keys(&self) -> Result<(), SetupError> {
+        for name in &self.panic_keys {
+            let message = match name.parse::<KeyCode>() {
+                Ok(key) if key.kind() == KeyKind::Keyboard => continue,
+                Ok(key) => format!("`panic_keys`: `{key}` is not a key of a keyboard"),
+                Err(error) => format!("`panic_keys`: {error}"),
+            };
+            return Err(SetupError::Value(message));
+        }
+        Ok(())
+    }
+
+    /// Returns the filter of the joint angles.
+    pub(super) fn smoothing_filter(&self) -> Result<Smoothing, SetupError> {
+        Ok(match self.smoothing {
+            SmoothingSetup::Default => Smoothing::default(),
+            SmoothingSetup::Off => Smoothing::Off,
+            SmoothingSetup::RecursiveAverage => Smoothing::RecursiveAverage,
+            SmoothingSetup::OneEuro {
+                min_cutoff_hz,
+                beta,
+                derivative_cutoff_hz,
+            } => Smoothing::OneEuro(checked(
+                "smoothing",
+                OneEuroSettings {
+                    min_cutoff_hz,
+                    beta,
+                    derivative_cutoff_hz,
+                },
+            )?),
+        })
+    }
+
+    /// Returns the filter of the positions that a source measures.
+    pub(super) fn position_filter(&self, source: Option<&SourceUri>) -> Option<OneEuroSettings> {
+        match self.position_smoothing {
+            PositionSmoothingSetup::Default => match source?.position_noise() {
+                PositionNoise::Landmarks => Some(LANDMARK_SMOOTHING),
+                PositionNoise::Markers => Some(MARKER_SMOOTHING),
+                PositionNoise::None => None,
+            },
+            PositionSmoothingSetup::Off => None,
+            PositionSmoothingSetup::OneEuro {
+                min_cutoff_hz,
+                beta,
+                derivative_cutoff_hz,
+            } => Some(OneEuroSettings {
+                min_cutoff_hz,
+                beta,
+                derivative_cutoff_hz,
+            }),
+        }
+    }
+
+    /// Checks the filter of positions.
+    pub(super) fn check_position_filter(&self) -> Result<(), SetupError> {
+        match self.position_filter(None) {
+            Some(settings) => checked("position_smoothing", settings).map(drop),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the settings of the pipeline.
+    pub(super) fn pipeline_settings(&self) -> Result<PipelineSettings, SetupError> {
+        if let Some(other @ (0 | 1001..)) = self.max_presses_per_second {
+            let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
+            return Err(SetupError::Value(message));
+        }
+        let stall_timeout_ms = self.stall_timeout_ms;
+        if !(20..=10_000).contains(&stall_timeout_ms) {
+            let message = format!("`stall_timeout_ms` is 20 to 10000, not {stall_timeout_ms}");
+            return Err(SetupError::Value(message));
+        }
+        if let Some(OtherHand {
+            source: None,
+            role: Some(_),
+            ..
+        }) = self.other_hand
+        {
+            let message = "`other_hand` has a `role` but no `source`; set the `role` of the first source, which provides both hands";
+            return Err(SetupError::Value(message.into()));
+        }
+        Ok(PipelineSettings {
+            arm_immediately: self.arm_immediately,
+            stall_timeout: Duration::from_millis(stall_timeout_ms.into()),
+            permissions: self.permissions(self.source.as_ref(), self.role),
+            allow_system_keys: self.allow_system_keys,
+            ..PipelineSettings::default()
+        })
+    }
+
+    /// Returns the permissions of a source with this role. A source on the network has stricter defaults.
+    pub(super) fn permissions(
+        &self,
+        source: Option<&SourceUri>,
+        role: Option<SourceRole>,
+    ) -> SourcePermissions {
+        let defaults = match source {
+            Some(source) if source.is_remote() => SourcePermissions::NETWORK,
+            _ => SourcePermissions::LOCAL,
+        };
+        let rate_limit = self
+            .max_presses_per_second
+            .map(|per_second| PressRateLimit { per_second });
+        SourcePermissions {
+            role: role.unwrap_or(defaults.role),
+            rate_limit: rate_limit.unwrap_or(defaults.rate_limit),
+        }
+    }
+}
+
+/// Checks the settings of a filter in `field`.
+fn checked(field: &str, settings: OneEuroSettings) -> Result<OneEuroSettings, SetupError> {
+    let is_cutoff = |cutoff_hz: f64| (1e-3..=1e4).contains(&cutoff_hz);
+    let is_valid = is_cutoff(settings.min_cutoff_hz)
+        && is_cutoff(settings.derivative_cutoff_hz)
+        && (0.0..=1e4).contains(&settings.beta);
+    match is_valid {
+        true => Ok(settings),
+        false => Err(SetupError::Value(format!(
+            "`{field}`: cutoffs are 0.001 to 10000 Hz, `beta` is 0 to 10000"
+        ))),
+    }
+}
+
+impl ArmSetup {
+    /// Returns the bone lengths of a measured arm; `None` for another arm.
+    pub(super) fn bone_lengths(&self) -> Result<Option<BoneLengths>, SetupError> {
+        let Self::Measured {
+            hand_length_mm,
+            forearm_length_mm,
+        } = self
+        else {
+            return Ok(None);
+        };
+        BoneLengths::from_hand_and_forearm(hand_length_mm * 1e-3, forearm_length_mm * 1e-3)
+            .map(Some)
+            .map_err(|reason| SetupError::Value(format!("`arm`: {reason}")))
+    }
+}

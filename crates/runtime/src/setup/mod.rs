@@ -1,0 +1,405 @@
+//! Setups: sources, gloves, arms, layouts, output and limits, as written in a file and as loaded.
+
+mod check;
+mod first;
+mod kind;
+mod loaded;
+mod outputs;
+mod person;
+mod reach;
+mod reach_advice;
+mod recorded;
+mod schema;
+mod simulated;
+mod sources;
+mod text;
+mod wearer;
+mod without_devices;
+
+pub use first::OWN_SETUP;
+pub use loaded::{GloveAndArm, LoadedSetup, Profile};
+pub use reach::{HandReach, ReachReport, TargetOutOfReach};
+pub use recorded::ReplaySettings;
+pub use schema::{setup_field_tables, setup_json_schema};
+pub use sources::NamedSource;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::capture::protocol::lucidgloves;
+use crate::capture::{CaptureError, Haptics, SourceUri};
+use crate::files::OpenDocument;
+use crate::share::ShareTarget;
+use crate::sim::TypistError;
+use crate::text::{TextModeSetup, TextSetup};
+use ademan_core::document::{Document, DocumentError, Format, Structure, first_error, schema};
+use ademan_core::hand::Side;
+use ademan_core::layout::Layout;
+use ademan_core::message::escape_line;
+use ademan_core::pipeline::SourceRole;
+
+/// The gloves of a setup that names none, for the right hand and for the left hand.
+const DEFAULT_GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
+/// As [`DEFAULT_GLOVES`], for sources that speak the protocol of LucidGloves.
+const DEFAULT_LUCIDGLOVES: [&str; 2] = ["lucidgloves", "lucidgloves-left"];
+/// The arm model of a setup that names none.
+const DEFAULT_ARM: &str = "unam";
+
+schema! {
+    /// A setup as written. Every field has a default.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "Setup", default, deny_unknown_fields)]
+    pub struct Setup {
+        /// The source of the readings, such as `serial:/dev/ttyUSB0?baud=9600`.
+        pub source: Option<SourceUri>,
+        /// The events that the source may cause. Default: all, or pointer events if the source is on the network.
+        pub role: Option<SourceRole>,
+        /// The source of the arm, if another one than that of the fingers: a camera beside a glove.
+        pub arm_source: Option<SourceUri>,
+        /// The events that the source of the arm may cause. The hand causes only those that both of its sources may.
+        pub arm_role: Option<SourceRole>,
+        /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11`, if the source provides channels.
+        pub glove: Option<String>,
+        /// The person: a shipped name or a path. Sets the side and, unless `arm` names a model or lengths, the arms.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub person: Option<String>,
+        /// The arm.
+        pub arm: ArmSetup,
+        /// The other hand of a setup with two hands.
+        pub other_hand: Option<OtherHand>,
+        /// The layout that is active at the start: a shipped name or a path.
+        pub layout: String,
+        /// Further layouts that keys and commands can activate.
+        pub profiles: Vec<ProfileSetup>,
+        /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
+        pub output: String,
+        /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. Those of a recording are not used.
+        pub share: Vec<ShareTarget>,
+        /// Feedback to the gloves while a session runs, when a finger touches or presses.
+        pub haptics: Haptics,
+        /// The text decoder. Without one, keys type what they say, and nothing is spent on it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub text: Option<TextSetup>,
+        /// The filter of the joint angles.
+        pub smoothing: SmoothingSetup,
+        /// The filter of joint positions, for sources that measure them.
+        pub position_smoothing: PositionSmoothingSetup,
+        /// The range of a finger sensor may widen while the glove is worn, by at most 15 % at each end of the calibrated one.
+        pub learn_ranges: bool,
+        /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
+        pub stall_timeout_ms: u32,
+        /// Output is armed by the first reading. Otherwise it is armed after the hand has been clear of every key.
+        pub arm_immediately: bool,
+        /// Maximum number of presses per second and source, 1 to 1000. Beyond it everything is released and the session pauses.
+        /// Default: 60, or 20 if the source is on the network.
+        pub max_presses_per_second: Option<u32>,
+        /// Keys that act on the system can be pressed: Meta, PrintScreen, and F1 to F12, Delete and Backspace with Control and Alt.
+        pub allow_system_keys: bool,
+        /// Keys of the real keyboards that pause the session while all of them are down. An empty list reads no keyboard.
+        pub panic_keys: Vec<String>,
+    }
+}
+
+schema! {
+    /// The other hand of a setup with two hands.
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "OtherHand", default, deny_unknown_fields)]
+    pub struct OtherHand {
+        /// The source of its readings. Default: the first source provides both hands.
+        pub source: Option<SourceUri>,
+        /// The events that its source may cause.
+        pub role: Option<SourceRole>,
+        /// The source of the arm. Default: that of the first hand, if it shows both arms.
+        pub arm_source: Option<SourceUri>,
+        /// The events that the source of the arm may cause.
+        pub arm_role: Option<SourceRole>,
+        /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11-left`, if the source provides channels.
+        pub glove: Option<String>,
+        /// The arm.
+        pub arm: ArmSetup,
+    }
+}
+
+schema! {
+    /// A layout and its name in the setup.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "Profile", deny_unknown_fields)]
+    pub struct ProfileSetup {
+        /// The name. `main` is the layout that is active at the start.
+        pub name: String,
+        /// The layout: a shipped name or a path.
+        pub layout: String,
+        /// What the text decoder changes in this layout. Default: as in the setup.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub text: Option<TextModeSetup>,
+    }
+}
+
+schema! {
+    /// An arm.
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "Arm", deny_unknown_fields)]
+    pub enum ArmSetup {
+        /// The arm of the person of the setup; the arm model `unam` if there is none, or no length in its file.
+        #[default]
+        Person,
+        /// An arm model: a shipped name or a path.
+        Model(String),
+        /// An arm of average proportions.
+        Measured {
+            /// Wrist crease to the end of the middle finger, in mm.
+            hand_length_mm: f64,
+            /// Elbow to wrist crease, in mm.
+            forearm_length_mm: f64,
+        },
+    }
+}
+
+schema! {
+    /// The filter of the joint angles.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "Smoothing", deny_unknown_fields)]
+    pub enum SmoothingSetup {
+        /// A 1-Euro filter with default settings.
+        #[default]
+        Default,
+        /// None.
+        Off,
+        /// The recursive averages of the founding system, with its errors corrected.
+        RecursiveAverage,
+        /// A 1-Euro filter.
+        OneEuro {
+            /// Cutoff frequency at rest, in Hz.
+            min_cutoff_hz: f64,
+            /// Increase of the cutoff frequency, in Hz per rad/s.
+            beta: f64,
+            /// Cutoff frequency of the speed, in Hz.
+            derivative_cutoff_hz: f64,
+        },
+    }
+}
+
+schema! {
+    /// The filter of joint positions.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "PositionSmoothing", deny_unknown_fields)]
+    pub enum PositionSmoothingSetup {
+        /// A 1-Euro filter for landmarks, a faster one for markers, none for motion capture files and headsets.
+        #[default]
+        Default,
+        /// None.
+        Off,
+        /// A 1-Euro filter.
+        OneEuro {
+            /// Cutoff frequency at rest, in Hz.
+            min_cutoff_hz: f64,
+            /// Increase of the cutoff frequency, in Hz per m/s.
+            beta: f64,
+            /// Cutoff frequency of the speed, in Hz.
+            derivative_cutoff_hz: f64,
+        },
+    }
+}
+
+/// The format of setup files.
+const FORMAT: Format = Format {
+    name: "Setup",
+    remedy: "; `ademan setup new NAME` writes a setup to start from",
+    reread: |text| first_error::<Setup>(text),
+    structures: || {
+        vec![
+            Structure::of::<Setup>("Setup"),
+            Structure::of::<OtherHand>("other_hand"),
+            Structure::of::<ProfileSetup>("profiles"),
+            Structure::of::<TextSetup>("text"),
+        ]
+    },
+};
+
+/// The reason why a setup cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// A file is missing or invalid.
+    #[error(transparent)]
+    File(#[from] DocumentError),
+    /// A value is invalid.
+    #[error("{}", escape_line(.0))]
+    Value(String),
+    /// The source cannot be opened.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
+    /// The simulated hand cannot type the text.
+    #[error(transparent)]
+    Typist(#[from] TypistError),
+}
+
+impl SetupError {
+    /// Returns the error at the value of the field that the message names first.
+    fn at_field(self, document: &Document) -> DocumentError {
+        let message = self.to_string();
+        let value = message.split('`').nth(1);
+        match value.and_then(|field| document.field_value(field)) {
+            Some(value) => document.error_at(value, message),
+            None => DocumentError::for_file(&document.file, message),
+        }
+    }
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            source: None,
+            role: None,
+            arm_source: None,
+            arm_role: None,
+            glove: None,
+            person: None,
+            arm: ArmSetup::default(),
+            other_hand: None,
+            layout: "qwerty-flat".into(),
+            profiles: Vec::new(),
+            output: "transcript".into(),
+            share: Vec::new(),
+            haptics: Haptics::Off,
+            text: None,
+            smoothing: SmoothingSetup::Default,
+            position_smoothing: PositionSmoothingSetup::Default,
+            learn_ranges: false,
+            stall_timeout_ms: 200,
+            arm_immediately: false,
+            max_presses_per_second: None,
+            allow_system_keys: false,
+            panic_keys: Vec::new(),
+        }
+    }
+}
+
+impl Setup {
+    /// Returns the sources that it names.
+    pub fn source_uris(&self) -> impl Iterator<Item = &SourceUri> {
+        let other = self.other_hand.as_ref();
+        let of_other = other.map(|hand| [&hand.source, &hand.arm_source]);
+        let own = [&self.source, &self.arm_source];
+        own.into_iter()
+            .chain(of_other.into_iter().flatten())
+            .flatten()
+    }
+
+    /// Loads a setup file. Paths in it become relative to the working folder, and transcripts get a new file in the
+    /// [`transcript_folder`](crate::files::transcript_folder).
+    pub fn load(path: &str) -> Result<Self, SetupError> {
+        let document = Document::open(path)?;
+        let mut setup: Self = document.parse_as(&FORMAT)?;
+        setup.check().map_err(|error| error.at_field(&document))?;
+        let folder = document.path.as_deref().and_then(Path::parent);
+        let folder = folder.unwrap_or(Path::new(""));
+        for name in setup.file_names() {
+            *name = Document::resolve(folder, name)?;
+        }
+        setup.output = outputs::with_new_transcripts(&setup.output)
+            .map_err(|error| error.at_field(&document))?;
+        Ok(setup)
+    }
+
+    /// Loads all files that the setup names.
+    pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
+        let mut loaded = LoadedSetup::new(self, &|_, name| Document::open(name))?;
+        loaded.load_language(text::read_model);
+        if let Some(note) = loaded.person_note() {
+            tracing::info!("{note}");
+        }
+        Ok(loaded)
+    }
+
+    /// Returns the names of all files: gloves, persons, arms and layouts.
+    fn file_names(&mut self) -> Vec<&mut String> {
+        let mut names = vec![&mut self.layout];
+        names.extend(self.profiles.iter_mut().map(|profile| &mut profile.layout));
+        names.extend(&mut self.glove);
+        names.extend(&mut self.person);
+        names.extend(self.arm.model_name());
+        if let Some(other) = &mut self.other_hand {
+            names.extend(&mut other.glove);
+            names.extend(other.arm.model_name());
+        }
+        names
+    }
+
+    /// The name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
+    fn glove_name(&self, side: Side) -> Option<&str> {
+        glove_name(&self.glove, self.source.as_ref(), side)
+    }
+
+    /// Returns whether a simulated hand wears a glove that the setup does not name.
+    fn has_default_simulated_glove(&self) -> bool {
+        let is_simulated =
+            |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
+        let is_simulated = self.source.as_ref().is_none_or(is_simulated);
+        let name = self.glove_name(Side::Right);
+        is_simulated && self.glove.is_none() && name == Some(DEFAULT_GLOVES[0])
+    }
+
+    /// Returns the setup with simulated gloves that have a stick and buttons, the first one for a hand of `side`.
+    fn with_simulated_inputs(self, side: Side) -> Self {
+        let glove = |side| Some(of_side(DEFAULT_LUCIDGLOVES, side).to_owned());
+        Self {
+            glove: glove(side),
+            other_hand: self.other_hand.map(|hand| OtherHand {
+                glove: hand.glove.or(glove(side.opposite())),
+                ..hand
+            }),
+            ..self
+        }
+    }
+}
+
+impl OtherHand {
+    /// The name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a hand without
+    /// one of its own.
+    fn glove_name(&self, first: Option<&SourceUri>, side: Side) -> Option<&str> {
+        let source = self.source.as_ref().or(first);
+        glove_name(&self.glove, source, side)
+    }
+}
+
+impl ArmSetup {
+    fn model_name(&mut self) -> Option<&mut String> {
+        match self {
+            Self::Model(name) => Some(name),
+            Self::Person | Self::Measured { .. } => None,
+        }
+    }
+}
+
+/// Returns the name of the glove of a hand.
+fn glove_name<'a>(
+    glove: &'a Option<String>,
+    source: Option<&SourceUri>,
+    side: Side,
+) -> Option<&'a str> {
+    let protocol = source.and_then(SourceUri::protocol);
+    let defaults = match protocol == Some(&lucidgloves::PROTOCOL) {
+        true => DEFAULT_LUCIDGLOVES,
+        false => DEFAULT_GLOVES,
+    };
+    let needs_glove = source.is_none_or(SourceUri::needs_glove);
+    let default = needs_glove.then(|| of_side(defaults, side));
+    glove.as_deref().or(default)
+}
+
+/// Returns the name of the glove that a simulated hand wears for a layout, if nothing names one.
+pub fn simulated_glove(layout: &Layout, side: Side) -> &'static str {
+    let gloves = match layout.uses_inputs() {
+        true => DEFAULT_LUCIDGLOVES,
+        false => DEFAULT_GLOVES,
+    };
+    of_side(gloves, side)
+}
+
+fn of_side([right, left]: [&'static str; 2], side: Side) -> &'static str {
+    match side {
+        Side::Right => right,
+        Side::Left => left,
+    }
+}

@@ -1,0 +1,275 @@
+//! The simulated hands of a setup, which type texts and play scripts.
+
+use std::sync::Arc;
+
+use super::{LoadedSetup, SetupError};
+use crate::capture::{Hc11Format, SampleKind, StreamFormat};
+use crate::sim::{
+    self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
+    SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, open_script,
+};
+use ademan_core::kinematics::ArmModel;
+use ademan_core::message::escape;
+
+impl LoadedSetup {
+    /// Returns a simulated hand that types `text` on the layout and sends packets in `format`.
+    pub fn typist(
+        &self,
+        text: &str,
+        format: &Hc11Format,
+        noise: f64,
+        seed: u64,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let settings = TypistSettings {
+            name: format!("typist:{text}"),
+            packet_period: format.packet_period(),
+            noise,
+            seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
+        };
+        self.typist_with(text, &settings, SampleKind::Channels)
+    }
+
+    /// Returns a simulated hand that types `text` on the layout through the bytes of a protocol.
+    pub fn encoded_typist(
+        &self,
+        text: &str,
+        format: &StreamFormat,
+        noise: f64,
+        seed: u64,
+    ) -> Result<SimulatedStream, SetupError> {
+        let settings = TypistSettings {
+            name: format!("typist:{text}{format}"),
+            packet_period: sim::packet_period(format),
+            noise,
+            seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
+        };
+        let typist = self.typist_with(text, &settings, format.protocol.sample)?;
+        SimulatedStream::new(typist, format).map_err(|reason| {
+            let name = escape(&settings.name);
+            SetupError::Value(format!("cannot use {name}: {reason}"))
+        })
+    }
+
+    fn typist_with(
+        &self,
+        text: &str,
+        settings: &TypistSettings,
+        kind: SampleKind,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let actions =
+            sim::taps_for_text(text, &self.layout.key_bindings(), self.layout.bend_chords());
+        let actions = actions.map_err(TypistError::from)?;
+        let hands = self.hands(kind)?;
+        let hands = borrowed(&hands);
+        let typist = SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands);
+        let typist = typist.map_err(|error| match self.reach_message(&error) {
+            Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
+                SetupError::Value(format!(
+                    "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
+                         pressed; choose a layout of fingers that bend, such as `chords-bend`, or play a script",
+                    escape(&self.layout.file),
+                ))
+            }
+            Some(message) => SetupError::Value(format!(
+                "cannot type on {}: key {message}",
+                escape(&self.layout.file),
+            )),
+            None => error.into(),
+        })?;
+        Ok(self.following(typist, HandTask::Text(text.to_owned())))
+    }
+
+    fn following(&self, typist: SimulatedTypist, task: HandTask) -> SimulatedTypist {
+        typist.following(task, Arc::new(self.layout.clone()), &self.layout_feed)
+    }
+
+    /// Returns a simulated hand that plays a script, a path or the text itself, and sends packets in `format`.
+    pub fn scripted(
+        &self,
+        path_or_text: &str,
+        format: &Hc11Format,
+        noise: f64,
+        seed: u64,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let script = open_script(path_or_text, &self.layout.target_names())?;
+        let settings = TypistSettings {
+            name: format!("script:{}", script.file()),
+            packet_period: format.packet_period(),
+            noise,
+            seed,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
+        };
+        let hands = self.hands(self.scripted_kind())?;
+        let hands = borrowed(&hands);
+        let scene = &self.layout.scene;
+        let fit = &self.layout.fit;
+        let actions = script.actions().iter().cloned();
+        let actions: Vec<HandAction> = actions.map(|action| action.placed(fit)).collect();
+        let typist = SimulatedTypist::with_hands(&settings, &actions, scene, &hands);
+        let typist = typist.map_err(|error| match &error {
+            TypistError::Action(action_error) => {
+                let message = self.reach_message(&error);
+                let message = message.unwrap_or_else(|| error.to_string());
+                script.error(action_error.index, message).into()
+            }
+            TypistError::CannotType(_) => SetupError::from(error),
+        })?;
+        Ok(self.following(typist, HandTask::Script(script)))
+    }
+
+    /// Returns a simulated hand that does a task as far as the layout permits, without end, and sends packets in `format`. It says what
+    /// it leaves out.
+    pub fn live_hand(
+        &self,
+        task: HandTask,
+        format: &Hc11Format,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let settings = TypistSettings {
+            name: "simulated hand".to_owned(),
+            packet_period: format.packet_period(),
+            noise: 0.0,
+            seed: 0,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
+        };
+        let hands = self.hands(self.scripted_kind())?;
+        let hands = borrowed(&hands);
+        let layout = Arc::new(self.layout.clone());
+        let typist = SimulatedTypist::live(&settings, task, layout, &self.layout_feed, &hands)?;
+        Ok(typist.repeated())
+    }
+
+    /// Returns a script that uses each control of the layout once, as far as the simulated hands can. Comments name what it leaves out.
+    pub fn tour(&self) -> String {
+        let can_play = |stop: &TourStop| {
+            let format = Hc11Format::default();
+            self.scripted(&stop.actions, &format, 0.0, 0).is_ok()
+        };
+        let (stops, others): (Vec<TourStop>, Vec<TourStop>) =
+            sim::tour(&self.layout).into_iter().partition(can_play);
+        let mut text = sim::tour_text(&self.layout, &stops);
+        for stop in others {
+            let name = escape(&stop.name);
+            text.push_str(&format!(
+                "# left out, as the simulated hand cannot use it: {name}\n"
+            ));
+        }
+        text
+    }
+
+    /// Returns what a script moves: a camera that sees the person for a layout of head or feet, else a glove.
+    fn scripted_kind(&self) -> SampleKind {
+        match self.layout.uses_body() {
+            true => SampleKind::Body,
+            false => SampleKind::Channels,
+        }
+    }
+
+    /// Returns the arm of the simulated person in place of an arm of the setup.
+    fn simulated_arm(&self, assumed: &ArmModel) -> Result<ArmModel, SetupError> {
+        match self.simulated_person.arm(assumed.side()) {
+            Some(own) => own.map_err(|error| SetupError::Value(error.to_string())),
+            None => Ok(assumed.clone()),
+        }
+    }
+
+    /// Returns the arms of the simulated hands with sensors whose samples are of this kind.
+    fn hands(&self, kind: SampleKind) -> Result<Vec<(ArmModel, Sensor<'_>)>, SetupError> {
+        let other = self.other_hand.iter().map(|hand| (&hand.arm, &hand.glove));
+        std::iter::once((&self.arm, &self.glove))
+            .chain(other)
+            .map(|(arm, glove)| {
+                let map = glove.as_ref().map(|glove| &glove.map);
+                let sensor = Sensor::for_kind(kind, map).ok_or_else(|| {
+                    let message = "a simulated hand needs a glove; add `glove` to the setup";
+                    SetupError::Value(message.into())
+                })?;
+                Ok((self.simulated_arm(arm)?, sensor))
+            })
+            .collect()
+    }
+
+    /// Returns whether the first hand has a glove that measures its fingers only, and no source measures its arm.
+    pub(super) fn measures_no_arm(&self) -> bool {
+        if self.setup.arm_source.is_some() {
+            return false;
+        }
+        let rows = self.glove.iter().flat_map(|glove| glove.map.rows());
+        rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
+    }
+
+    /// Returns the message for a target that no finger presses alone, with its name.
+    fn reach_message(&self, error: &TypistError) -> Option<String> {
+        let TypistError::Action(ActionError { kind, .. }) = error else {
+            return None;
+        };
+        let names = self.layout.target_names();
+        let name = |target| escape(&names.get(target).to_string()).to_string();
+        Some(match kind {
+            ActionErrorKind::OutOfReach {
+                target: Some(target),
+                metres,
+            } if metres.is_finite() => {
+                let report = self.reach_report(&self.layout);
+                // A script may push beyond what a tap needs.
+                let advice = report.map(|report| report.advice);
+                format!(
+                    "`{}` is {:.0} mm out of reach of the simulated hand; {}",
+                    name(*target),
+                    metres * 1e3,
+                    advice
+                        .as_deref()
+                        .unwrap_or("move the board, or change the script")
+                )
+            }
+            ActionErrorKind::OutOfReach {
+                target: Some(target),
+                ..
+            } => format!(
+                "`{}` is reserved for the other hand; add an `other_hand` to the setup",
+                name(*target)
+            ),
+            ActionErrorKind::WouldPress { finger, target } => format!(
+                "the {finger} finger of the simulated hand would press `{}`; make the keys smaller or move them apart",
+                name(*target)
+            ),
+            ActionErrorKind::WouldMiss(target) => format!(
+                "`{}` cannot be pressed: another control is in front of it",
+                name(*target)
+            ),
+            _ => return None,
+        })
+    }
+}
+
+fn borrowed<'a>(hands: &'a [(ArmModel, Sensor<'a>)]) -> Vec<(&'a ArmModel, Sensor<'a>)> {
+    hands.iter().map(|(arm, sensor)| (arm, *sensor)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::capture::{Hc11Format, Reading, Source, SourceEvent};
+    use crate::setup::Setup;
+
+    #[test]
+    fn a_repeated_typist_moves_as_at_first_and_time_goes_on() {
+        let setup = Setup::default().load_files().unwrap();
+        let typist = setup.typist("a", &Hc11Format::default(), 0.0, 0).unwrap();
+        let count = typist.count_packets() as usize;
+        let mut repeated = typist.repeated();
+        let next = || match repeated.next() {
+            Ok(SourceEvent::Reading(reading)) => Some(reading),
+            _ => None,
+        };
+        let readings: Vec<Reading> = std::iter::from_fn(next).take(3 * count).collect();
+        assert!(readings.is_sorted_by(|one, next| one.time < next.time));
+        let samples: Vec<_> = readings.iter().map(|reading| &reading.sample).collect();
+        assert_eq!(samples[..count], samples[count..2 * count]);
+        assert_eq!(samples[..count], samples[2 * count..]);
+    }
+}

@@ -1,0 +1,331 @@
+//! The sources of a setup: who measures which hand or part of a hand, and the permissions of each.
+
+use arrayvec::ArrayVec;
+
+use super::{LoadedSetup, Setup, SetupError};
+use crate::capture::recording::Replay;
+use crate::capture::{
+    self, Hc11Format, MAX_SOURCES, MergedSource, PartialSource, SidedSource, Source, SourceUri,
+};
+use crate::network::{self, TokenRole, tokens};
+use ademan_core::hand::{HandPart, Side};
+use ademan_core::message::escape;
+use ademan_core::pipeline::{SourcePermissions, SourceRole};
+
+/// A source that the setup names.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedSource<'a> {
+    /// The source.
+    pub uri: Option<&'a SourceUri>,
+    /// Its own permissions. A hand has those that all of its sources have.
+    pub permissions: SourcePermissions,
+    /// The field of the setup, and the flag, that let it press keys.
+    pub remedy: &'static str,
+}
+
+/// A source to open.
+struct OpenedPart<'a> {
+    uri: &'a SourceUri,
+    /// The hands that it measures.
+    sides: ArrayVec<Side, { Side::COUNT }>,
+    part: Option<HandPart>,
+}
+
+impl Setup {
+    /// Gives each source without a role that of its token. Reads the token files, which only the setup of the person who runs
+    /// the program may name.
+    pub fn use_token_roles(&mut self) -> Result<(), SetupError> {
+        use_token_role(&self.source, &mut self.role)?;
+        use_token_role(&self.arm_source, &mut self.arm_role)?;
+        if let Some(other) = &mut self.other_hand {
+            use_token_role(&other.source, &mut other.role)?;
+            use_token_role(&other.arm_source, &mut other.arm_role)?;
+        }
+        Ok(())
+    }
+}
+
+fn use_token_role(
+    source: &Option<SourceUri>,
+    role: &mut Option<SourceRole>,
+) -> Result<(), SetupError> {
+    let file = source.as_ref().and_then(SourceUri::token_file);
+    if let (Some(file), None) = (file, &role) {
+        let granted = tokens::role_of_file(&network::token_path(file));
+        *role = Some(
+            match granted.map_err(|error| SetupError::Value(error.to_string()))? {
+                TokenRole::See => {
+                    return Err(SetupError::Value(format!(
+                        "the token in {} only permits to see, so its source may cause nothing; use a token with the role `point` or \
+                     `type`, or state a role: `--role pointer`",
+                        escape(file)
+                    )));
+                }
+                TokenRole::Point => SourceRole::Pointer,
+                TokenRole::Type => SourceRole::Both,
+            },
+        );
+    }
+    Ok(())
+}
+
+/// The packet period of a recording, on which the stall timeout depends.
+#[derive(Clone, Copy)]
+enum PacketPeriod {
+    Recorded,
+    Unknown,
+}
+
+impl LoadedSetup {
+    /// Returns all sources, at most four: the first source, that of its arm, and those of the other hand.
+    pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
+        let setup = &self.setup;
+        let named = |uri, role, remedy| NamedSource {
+            uri,
+            permissions: setup.permissions(uri, role),
+            remedy,
+        };
+        let first = named(
+            setup.source.as_ref(),
+            setup.role,
+            "`role: Both` next to this source in the setup or `--role both`",
+        );
+        let arm_remedy = "`arm_role: Both` next to this source in the setup or `--arm-role both`";
+        let arm = setup.arm_source.as_ref();
+        let arm = arm.map(|uri| named(Some(uri), setup.arm_role, arm_remedy));
+        let other = setup.other_hand.iter().flat_map(move |hand| {
+            let source = hand.source.as_ref();
+            let remedy = "`role: Both` next to this source in the setup";
+            let source = source.map(|uri| named(Some(uri), hand.role, remedy));
+            let arm = hand.arm_source.as_ref();
+            let remedy = "`arm_role: Both` next to this source in the setup";
+            let arm = arm.map(|uri| named(Some(uri), hand.arm_role, remedy));
+            source.into_iter().chain(arm)
+        });
+        std::iter::once(first).chain(arm).chain(other)
+    }
+
+    /// Returns the sources of fingers with the permissions of their hands: the first source, then that of the other hand if
+    /// it has one. A hand may cause only what the source of its arm may cause too.
+    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
+        let setup = &self.setup;
+        let mut first = setup.permissions(setup.source.as_ref(), setup.role);
+        if let Some(arm) = &setup.arm_source {
+            first = first.and(setup.permissions(Some(arm), setup.arm_role));
+        }
+        let mut second = None;
+        if let Some(other) = &setup.other_hand {
+            let arm = match (&other.arm_source, self.other_arm_source()) {
+                (Some(arm), _) => Some(setup.permissions(Some(arm), other.arm_role)),
+                (None, Some(arm)) => Some(setup.permissions(Some(arm), setup.arm_role)),
+                (None, None) => None,
+            };
+            match &other.source {
+                Some(source) => {
+                    let own = setup.permissions(Some(source), other.role);
+                    let both = arm.map_or(own, |arm| own.and(arm));
+                    second = Some((Some(source), both));
+                }
+                None => first = arm.map_or(first, |arm| first.and(arm)),
+            }
+        }
+        std::iter::once((setup.source.as_ref(), first)).chain(second)
+    }
+
+    /// Checks that the roles of the sources of a hand permit anything together.
+    pub(super) fn check_roles(&self) -> Result<(), SetupError> {
+        let has = |role| {
+            self.named_sources()
+                .any(|source| source.permissions.role == role)
+        };
+        let other = self.setup.other_hand.as_ref();
+        let other_arm = other.and_then(|hand| hand.arm_source.as_ref());
+        let has_arm = self.setup.arm_source.as_ref().or(other_arm).is_some();
+        if has_arm && has(SourceRole::Keys) && has(SourceRole::Pointer) {
+            let message = "`role: Keys` of one source and the role `Pointer` of another one permit nothing together; a \
+                           source on the network has the role `Pointer` unless the setup says otherwise: set `arm_role: Keys`";
+            return Err(SetupError::Value(message.into()));
+        }
+        Ok(())
+    }
+
+    /// Checks that a source that measures the arm and the fingers is not one of two for the same hand.
+    pub(super) fn check_parts(&self) -> Result<(), SetupError> {
+        let setup = &self.setup;
+        let other = setup.other_hand.as_ref();
+        let has_parts = |source: &&SourceUri| source.has_parts();
+        let arms = [&setup.arm_source]
+            .into_iter()
+            .chain(other.map(|hand| &hand.arm_source));
+        let mut arms = arms.flatten().peekable();
+        let sources = [&setup.source]
+            .into_iter()
+            .chain(other.map(|hand| &hand.source));
+        let whole = sources.flatten().find(has_parts);
+        match arms.peek().and(whole).or_else(|| arms.find(has_parts)) {
+            None => Ok(()),
+            Some(source) => Err(SetupError::Value(format!(
+                "`arm_source`: {} measures the arm and the fingers; remove `arm_source`, or use `body-landmarks` and \
+                 `hand-landmarks`, which ignore the rest of such a line",
+                escape(&source.to_string())
+            ))),
+        }
+    }
+
+    /// Returns the source of the other hand's arm: its own, or that of the first hand if that shows both arms.
+    pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
+        let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();
+        let first = self.setup.arm_source.as_ref();
+        own.or(first.filter(|source| source.has_both_hands()))
+    }
+
+    /// Opens a source, merged with all others of the setup.
+    pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        self.open_merged_source(source, PacketPeriod::Recorded)
+    }
+
+    /// Opens a source as [`open_source`](Self::open_source) does, for the outputs of the setup: a recording does not raise its
+    /// stall timeout.
+    pub fn open_source_for_outputs(
+        &self,
+        source: &SourceUri,
+    ) -> Result<Box<dyn Source>, SetupError> {
+        self.open_merged_source(source, PacketPeriod::Unknown)
+    }
+
+    fn open_merged_source(
+        &self,
+        source: &SourceUri,
+        period: PacketPeriod,
+    ) -> Result<Box<dyn Source>, SetupError> {
+        self.check_channels_of_two_gloves(source)?;
+        let mut parts = self.parts(source);
+        if parts.len() == 1 {
+            let part = parts.remove(0);
+            return self.open_single_source(part.uri, part.sides, period);
+        }
+        let mut sources = ArrayVec::new();
+        for OpenedPart { uri, sides, part } in parts {
+            let side = match sides.as_slice() {
+                [side] => Some(*side),
+                _ => None,
+            };
+            sources.push(PartialSource {
+                source: self.open_single_source(uri, sides, period)?,
+                side,
+                part,
+                delay: uri.delay(),
+            });
+        }
+        Ok(Box::new(MergedSource::start(sources)?))
+    }
+
+    /// Checks that two gloves on one source have channels of their own: otherwise one hand would move the other.
+    fn check_channels_of_two_gloves(&self, source: &SourceUri) -> Result<(), SetupError> {
+        let is_shared = matches!(&self.setup.other_hand, Some(other) if other.source.is_none());
+        let other = self.other_hand.as_ref();
+        let gloves = self
+            .glove
+            .as_ref()
+            .zip(other.and_then(|hand| hand.glove.as_ref()));
+        let is_stream = matches!(source, SourceUri::Stream(_)) && source.needs_glove();
+        let Some((first, second)) = gloves.filter(|_| is_shared && is_stream) else {
+            return Ok(());
+        };
+        let mut channels = first.map.channels();
+        match channels.find(|channel| second.map.channels().any(|other| other == *channel)) {
+            None => Ok(()),
+            Some(channel) => Err(SetupError::Value(format!(
+                "`other_hand` has no `source`, and both gloves have channel {channel} of the first one, so that one hand would move the \
+                 other; set the `source` of the other hand, or name a `glove` there with channels of its own"
+            ))),
+        }
+    }
+
+    /// Opens a source for the first hand, without the others of the setup.
+    pub fn open_source_alone(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        self.open_single_source(source, [self.arm.side()], PacketPeriod::Recorded)
+    }
+
+    /// Returns what each source measures. `first` replaces the first source of the setup.
+    fn parts<'a>(&'a self, first: &'a SourceUri) -> ArrayVec<OpenedPart<'a>, MAX_SOURCES> {
+        let setup = &self.setup;
+        let other = setup.other_hand.as_ref().zip(self.other_hand.as_ref());
+        let second_source = other.and_then(|(hand, _)| hand.source.as_ref());
+        let second_arm = other.and_then(|(hand, _)| hand.arm_source.as_ref());
+        let first_side = self.arm.side();
+        let second_side = other.map(|(_, hand)| hand.arm.side());
+        let fingers = |arm: Option<&SourceUri>| arm.map(|_| HandPart::Fingers);
+        let mut parts = ArrayVec::new();
+        let mut add = |uri, sides: [Option<Side>; Side::COUNT], part| {
+            let sides = sides.into_iter().flatten().collect();
+            parts.push(OpenedPart { uri, sides, part });
+        };
+        let shared = second_side.filter(|_| second_source.is_none());
+        let part = fingers(setup.arm_source.as_ref()).or(fingers(
+            self.other_arm_source().filter(|_| shared.is_some()),
+        ));
+        add(first, [Some(first_side), shared], part);
+        if let Some(arm) = &setup.arm_source {
+            let shared = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
+            add(arm, [Some(first_side), shared], Some(HandPart::Arm));
+        }
+        if let Some(source) = second_source {
+            add(
+                source,
+                [second_side, None],
+                fingers(self.other_arm_source()),
+            );
+        }
+        if let Some(arm) = second_arm {
+            add(arm, [second_side, None], Some(HandPart::Arm));
+        }
+        parts
+    }
+
+    /// Opens a source that measures the hands of these sides.
+    fn open_single_source(
+        &self,
+        source: &SourceUri,
+        sides: impl IntoIterator<Item = Side>,
+        period: PacketPeriod,
+    ) -> Result<Box<dyn Source>, SetupError> {
+        let format = Hc11Format::default();
+        Ok(match source {
+            SourceUri::Recording { path } => {
+                let replay = Replay::open(path)?;
+                Box::new(match period {
+                    PacketPeriod::Recorded => replay,
+                    PacketPeriod::Unknown => replay.without_packet_period(),
+                })
+            }
+            SourceUri::Typist { text, format: None } => {
+                Box::new(self.typist(text, &format, 0.0, 0)?)
+            }
+            SourceUri::Typist {
+                text,
+                format: Some(format),
+            } => {
+                let stream = Box::new(self.encoded_typist(text, format, 0.0, 0)?);
+                match format.protocol.has_both_hands {
+                    true => Box::new(SidedSource::new(stream, sides)),
+                    false => stream,
+                }
+            }
+            SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
+            _ => {
+                let mut opened = capture::open(source)?;
+                opened.set_max_age(self.pipeline.stall_timeout);
+                let sides: ArrayVec<Side, { Side::COUNT }> = sides.into_iter().collect();
+                let has_two_gloves = source.needs_glove() && sides.len() > 1;
+                match source.has_both_hands() {
+                    true => Box::new(SidedSource::new(opened, sides)),
+                    false if has_two_gloves => {
+                        Box::new(SidedSource::with_two_gloves(opened, sides))
+                    }
+                    false => opened,
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,21 @@
+//! Scripts from files and texts.
+
+use std::path::{Path, is_separator};
+
+use super::Script;
+use crate::files::OpenDocument;
+use ademan_core::contact::TargetNames;
+use ademan_core::document::{Document, DocumentError};
+
+/// Reads a script for targets with these names: the file at a path, or the text itself.
+///
+/// A text is a script if it has more than one word or is an action, and the path of a file otherwise. With a folder or `.txt`, it
+/// is the path of a file that exists, also if it has several words.
+pub fn open_script(path_or_text: &str, names: &TargetNames) -> Result<Script, DocumentError> {
+    let is_text = path_or_text.is_empty() || Script::is_script(path_or_text);
+    let is_path = path_or_text.contains(is_separator) || path_or_text.ends_with(".txt");
+    match is_text && !(is_path && Path::new(path_or_text).is_file()) {
+        true => Script::from_text(path_or_text, names),
+        false => Script::parse(Document::from_path(path_or_text)?, names),
+    }
+}

@@ -1,0 +1,163 @@
+//! The items of a board of a checked layout, and fingertips over it.
+
+use parry3d::math::{Vec2, Vec3};
+
+use super::{Item, ItemShape};
+use ademan_core::contact::TargetId;
+use ademan_core::contact::surface::Shape;
+use ademan_core::layout::{Board, BoardShape, Face, Handle, Layout};
+
+/// Largest height of a fingertip that is drawn over a board, in millimetres.
+const MAX_HEIGHT_MM: f32 = 120.0;
+
+/// A board as the canvas shows it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoardItems {
+    /// Its keys and controls, and then those that are not in the layout because of an error.
+    pub items: Vec<Item>,
+    /// The targets of the items of the layout, in the same order.
+    pub targets: Vec<TargetId>,
+    /// Radius of an arc or cylinder in the file, in millimetres.
+    pub radius: Option<f32>,
+    shape: Option<BoardShape>,
+    /// Millimetres of the file per metre.
+    mm_per_metre: f32,
+}
+
+/// A fingertip over a board.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fingertip {
+    /// Position in row coordinates of the file, in millimetres.
+    pub position: Vec2,
+    /// Height over the board, in millimetres.
+    pub height_mm: f32,
+}
+
+impl BoardItems {
+    /// Returns the items of a board with a scale in its file.
+    pub fn new(layout: &Layout, board: &Board, scale: f32) -> Self {
+        let mm_per_metre = 1000.0 / scale;
+        let item = |face: &Face, can_turn| item(face, board, mm_per_metre, can_turn);
+        let keys = layout.keys[board.keys.clone()].iter();
+        let keys = keys.map(|key| (key.face.target, item(&key.face, true)));
+        let controls = layout.controls[board.controls.clone()].iter();
+        let faces = controls.flat_map(|control| {
+            let can_turn = matches!(control.kind.handle(), Handle::Line { .. });
+            control.faces.iter().map(move |face| (face, can_turn))
+        });
+        let controls = faces.map(|(face, can_turn)| {
+            let marks = layout.front_marks(face.target, None);
+            let item = Item {
+                marks: marks.unwrap_or_default(),
+                ..item(face, can_turn)
+            };
+            (face.target, item)
+        });
+        let (targets, items) = keys.chain(controls).unzip();
+        // The radius of a board does not scale with what is on it.
+        let radius = match board.shape {
+            BoardShape::Flat => None,
+            BoardShape::Arc(radius)
+            | BoardShape::CurvedRows(radius)
+            | BoardShape::CurvedColumns(radius) => Some(radius * 1000.0),
+        };
+        Self {
+            items,
+            targets,
+            radius,
+            shape: Some(board.shape),
+            mm_per_metre,
+        }
+    }
+
+    /// Drops all items, and keeps the shape of the board.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.targets.clear();
+    }
+
+    /// Returns a fingertip at a point in the frame of the board, or `None` far above it.
+    pub fn fingertip(&self, point: Vec3) -> Option<Fingertip> {
+        let shape = self.shape?;
+        let unbent = shape.unbend(point);
+        let position = unbent.truncate() * self.mm_per_metre;
+        let height_mm = unbent.z * 1000.0;
+        (height_mm < MAX_HEIGHT_MM).then_some(Fingertip {
+            position,
+            height_mm,
+        })
+    }
+}
+
+fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
+    let outline = &face.outline;
+    let rotation = outline.rotation - board.shape.row_rotation(face.row_position);
+    Item {
+        shape: ItemShape {
+            center: face.row_position * mm_per_metre,
+            half: outline.half_extents() * mm_per_metre,
+            rotation_deg: rotation.to_degrees(),
+            is_disc: matches!(outline.shape, Shape::Disc(_)),
+        },
+        label: face.label.clone(),
+        marks: Vec::new(),
+        can_turn,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_runtime::files::Load;
+
+    fn items(name: &str, scale: f32) -> BoardItems {
+        let layout = Layout::load(name).unwrap();
+        BoardItems::new(&layout, &layout.boards[0], scale)
+    }
+
+    #[test]
+    fn the_rows_of_an_arc_are_straight() {
+        let board = items("qwerty-arc", 1.0);
+        let q = &board.items[0];
+        assert_eq!(q.label, "Q");
+        assert!((q.shape.center - Vec2::new(-95.0, 28.5)).length() < 1e-3);
+        assert!(q.shape.rotation_deg.abs() < 1e-3);
+        assert_eq!(board.radius, Some(320.0));
+    }
+
+    #[test]
+    fn positions_are_those_of_the_file_on_a_scaled_board() {
+        let name = "keyboards/qwerty-flat-22";
+        let text = ademan_core::document::Document::shipped(name).unwrap().text;
+        let unscaled = Layout::parse(&text, name).unwrap();
+        let larger = text.replacen("anchor: elbow", "anchor: elbow, scale: 1.5", 1);
+        let scaled = Layout::parse(&larger, name).unwrap();
+        let positions = |layout: &Layout, scale| {
+            let board = BoardItems::new(layout, &layout.boards[0], scale);
+            board.items[3].shape
+        };
+        let (a, b) = (positions(&unscaled, 1.0), positions(&scaled, 1.5));
+        assert!((a.center - b.center).length() < 1e-3 && (a.half - b.half).length() < 1e-3);
+    }
+
+    #[test]
+    fn every_target_of_a_board_is_an_item() {
+        for name in ["workshop", "media", "switches", "game"] {
+            let layout = Layout::load(name).unwrap();
+            for board in &layout.boards {
+                let items = BoardItems::new(&layout, board, 1.0);
+                assert_eq!(items.items.len(), layout.faces(board).count(), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fingertip_over_a_key_of_an_arc_is_over_its_item() {
+        let layout = Layout::load("qwerty-arc").unwrap();
+        let face = &layout.keys[0].face;
+        let above = face.outline.center.extend(0.02);
+        let tip = items("qwerty-arc", 1.0).fingertip(above).unwrap();
+        assert!((tip.position - face.row_position * 1000.0).length() < 0.1);
+        assert!((tip.height_mm - 20.0).abs() < 1e-3);
+    }
+}

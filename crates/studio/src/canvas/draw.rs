@@ -1,0 +1,500 @@
+//! The picture of the canvas: grid, keys, selection and guides.
+
+use parry3d::math::Vec2;
+
+use super::board::Fingertip;
+use super::gesture::Preview;
+use super::handles::{self, Handle};
+use super::selection::Selection;
+use super::viewport::Viewport;
+use super::{Bounds, Item, ItemShape, bend};
+use crate::marks::{FrontView, add_marks};
+use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
+use crate::scene::SceneColors;
+use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
+
+/// Height of a label as a fraction of the smaller side of its item.
+const LABEL_HEIGHT: f32 = 0.36;
+
+/// Range of the height of labels, in points. Smaller ones are not drawn.
+const LABEL_SIZES: (f32, f32) = (6.5, 22.0);
+
+/// Height of the radius of a bend, in points.
+const RADIUS_LABEL: f32 = 9.0;
+
+/// Width of a letter as a fraction of its height, for labels that must fit their item.
+const LETTER_WIDTH: f32 = 0.78;
+
+/// Side of an item on the screen below which it is drawn without an edge, in points.
+const SMALL: f32 = 7.0;
+
+/// The longest side of a disc on the screen, in points, and the range of the number of its sides.
+const DISC_SIDE: f32 = 3.0;
+const DISC_SIDES: (usize, usize) = (24, 128);
+
+/// Width of the outline of an item with an error, in points.
+const FAULT: f32 = 3.0;
+
+/// The part of the colour in an item with the strongest one: its label stays readable.
+const HOTTEST: f32 = 0.75;
+
+/// Half the side of a square handle, in points.
+const HANDLE: f32 = 4.0;
+
+/// Everything that the picture shows.
+pub struct CanvasScene<'a> {
+    /// The keys and controls.
+    pub items: &'a [Item],
+    /// The selected ones.
+    pub selected: &'a Selection,
+    /// Items with an error.
+    pub faulty: &'a [usize],
+    /// The strengths of a colour over the items, 0..=1, in their order; items without one have none.
+    pub heats: &'a [f32],
+    /// Items that are pressed at present.
+    pub pressed: &'a [usize],
+    /// Fingertips over the board.
+    pub fingertips: &'a [Fingertip],
+    /// A gesture in progress.
+    pub preview: &'a Preview,
+    /// Radius of an arc or cylinder, in millimetres.
+    pub radius: Option<f32>,
+    /// A grid is drawn below the items.
+    pub has_grid: bool,
+}
+
+/// The pen of a picture.
+struct Pen<'a> {
+    picture: Picture,
+    viewport: &'a Viewport,
+    size: Vec2,
+    colors: &'a SceneColors,
+}
+
+/// Draws the canvas in a picture of this size in points.
+pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &SceneColors) -> Picture {
+    let mut pen = Pen {
+        picture: Picture::default(),
+        viewport,
+        size,
+        colors,
+    };
+    if scene.has_grid {
+        pen.add_grid();
+    }
+    if let Some(radius) = scene.radius {
+        pen.add_bend(scene.items, radius);
+    }
+    let visible = viewport.visible(size);
+    let mut shapes: Vec<ItemShape> = scene.items.iter().map(|item| item.shape).collect();
+    for &(index, shape) in &scene.preview.shapes {
+        if let Some(own) = shapes.get_mut(index) {
+            *own = shape;
+        }
+    }
+    // What is dragged is above everything, and what is selected above the rest.
+    let is_dragged = |index: usize| scene.preview.shapes.iter().any(|(own, _)| *own == index);
+    let layer = |index: usize| match scene.selected.contains(index) {
+        true if is_dragged(index) => 2,
+        true => 1,
+        false => 0,
+    };
+    let mut order: Vec<usize> = (0..shapes.len()).collect();
+    order.sort_by_key(|&index| layer(index));
+    for index in order {
+        let (item, shape) = (&scene.items[index], &shapes[index]);
+        if shape.bounds().touches(visible) {
+            let look = match (
+                scene.pressed.contains(&index),
+                scene.selected.contains(index),
+            ) {
+                (true, _) => Look::Pressed,
+                (false, true) => Look::Selected,
+                (false, false) => Look::Plain,
+            };
+            let heat = scene.heats.get(index).copied().unwrap_or_default();
+            pen.add_item(item, shape, (look, heat));
+        }
+    }
+    for &index in scene.faulty {
+        if let Some(shape) = shapes.get(index) {
+            pen.add_fault(shape);
+        }
+    }
+    if let Some(item) = scene.selected.single().and_then(|it| scene.items.get(it)) {
+        let index = scene.selected.single().unwrap_or_default();
+        pen.add_handles(&Item {
+            shape: shapes[index],
+            ..item.clone()
+        });
+    }
+    for guide in &scene.preview.guides {
+        pen.add_line(guide.from, guide.to, 1.5, colors.lit);
+    }
+    for fingertip in scene.fingertips {
+        pen.add_fingertip(fingertip);
+    }
+    if let Some(band) = scene.preview.band {
+        pen.add_band(band);
+    }
+    pen.picture
+}
+
+/// The look of an item.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Look {
+    Plain,
+    Selected,
+    Pressed,
+}
+
+impl Pen<'_> {
+    fn to_screen(&self, point: Vec2) -> Vec2 {
+        self.viewport.to_screen(point, self.size)
+    }
+
+    fn add_grid(&mut self) {
+        let step = self.viewport.grid_mm();
+        let visible = self.viewport.visible(self.size);
+        let (weak, strong) = (
+            self.colors.background.mix(self.colors.board, 0.35),
+            self.colors.background.mix(self.colors.board, 0.9),
+        );
+        for axis in [0, 1] {
+            let (first, last) = (visible.min[axis] / step, visible.max[axis] / step);
+            for line in first.ceil() as i32..=last.floor() as i32 {
+                let (mut from, mut to) = (visible.min, visible.max);
+                from[axis] = line as f32 * step;
+                to[axis] = from[axis];
+                let color = if line % 5 == 0 { strong } else { weak };
+                self.add_line(from, to, 1.0, color);
+            }
+        }
+        let axis_color = self.colors.background.mix(self.colors.bone, 0.6);
+        for (from, to) in [
+            (Vec2::new(visible.min.x, 0.0), Vec2::new(visible.max.x, 0.0)),
+            (Vec2::new(0.0, visible.min.y), Vec2::new(0.0, visible.max.y)),
+        ] {
+            self.add_line(from, to, 1.0, axis_color);
+        }
+    }
+
+    /// Adds a line between two points of the board, of a width in points.
+    fn add_line(&mut self, from: Vec2, to: Vec2, width: f32, color: Color) {
+        let (from, to) = (self.to_screen(from), self.to_screen(to));
+        let side = (to - from).normalize_or_zero().perp() * (width / 2.0);
+        let corners = [from + side, to + side, to - side, from - side];
+        add_plain_polygon(&mut self.picture.below, &corners, color);
+    }
+
+    fn add_bend(&mut self, items: &[Item], radius: f32) {
+        let curve = bend::curve(radius, bend_half_width(items));
+        for ends in curve.windows(2) {
+            self.add_line(ends[0], ends[1], 2.0, self.colors.ring.with_opacity(0.7));
+        }
+        if let Some(&end) = curve.last() {
+            let end = self.to_screen(end);
+            let (ring, fill) = (self.colors.ring, self.colors.background);
+            self.picture.above.add_flat_polygon(&disc(end, 5.0), fill);
+            self.picture.above.add_ring(end, 5.0, 2.0, ring);
+            self.picture.labels.push(Label {
+                position: end + Vec2::new(0.0, 18.0),
+                right: Vec2::X * RADIUS_LABEL,
+                down: Vec2::Y * RADIUS_LABEL,
+                color: self.colors.label,
+                text: format!("R {radius:.0} mm"),
+            });
+        }
+    }
+
+    fn add_item(&mut self, item: &Item, shape: &ItemShape, (look, heat): (Look, f32)) {
+        let colors = self.colors;
+        let heated = colors.key.mix(colors.fault, HOTTEST * heat.clamp(0.0, 1.0));
+        let (front, side) = match look {
+            Look::Plain => (heated, colors.key_side),
+            Look::Selected => (colors.key.mix(colors.ring, 0.35), colors.ring),
+            Look::Pressed => (colors.lit, colors.lit_side),
+        };
+        let side_pt = shape.half.min_element() * 2.0 * self.viewport.scale;
+        if side_pt < SMALL {
+            let outline = self.outline(shape, 0.0);
+            add_plain_polygon(&mut self.picture.below, &outline, front);
+            return;
+        }
+        let edge = if look == Look::Selected { 2.0 } else { 1.2 };
+        let outer = self.outline(shape, 0.0);
+        let inner = self.outline(shape, edge);
+        self.picture.below.add_flat_polygon(&outer, side);
+        self.picture.below.add_flat_polygon(&inner, front);
+        match item.marks.is_empty() {
+            true => self.add_label(item, shape, look),
+            false => self.add_marks(item, shape, look),
+        }
+    }
+
+    /// Adds handle, scale and label of a control. While it is resized, they are stretched.
+    fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+        let viewport = *self.viewport;
+        let size = self.size;
+        let well = item.marks.iter().find_map(|mark| match mark.shape {
+            MarkShape::Box { half, .. } if mark.role == MarkRole::Well => Some(half),
+            MarkShape::Disc { radius, .. } if mark.role == MarkRole::Well => {
+                Some(Vec2::splat(radius))
+            }
+            _ => None,
+        });
+        let stretch = well.map_or(Vec2::ONE, |well| shape.half / well);
+        let to_screen = |point: Vec2| {
+            let on_board = shape.center + shape.rotated(point * stretch);
+            Some(viewport.to_screen(on_board, size))
+        };
+        let view = FrontView {
+            to_screen: &to_screen,
+            scale: viewport.scale * stretch.min_element(),
+            colors: self.colors,
+            is_lit: look == Look::Pressed,
+        };
+        // The selection is seen in the front, which the well would hide.
+        let marks = item.marks.iter();
+        let marks: Vec<FrontMark> = marks
+            .filter(|mark| mark.role != MarkRole::Well || look == Look::Plain)
+            .cloned()
+            .collect();
+        add_marks(&mut self.picture, &marks, &view);
+    }
+
+    /// Adds the outline of an item with an error, above all items.
+    fn add_fault(&mut self, shape: &ItemShape) {
+        let color = self.colors.fault;
+        if shape.is_disc {
+            let radius = shape.half.x * self.viewport.scale;
+            let center = self.to_screen(shape.center);
+            self.picture.above.add_ring(center, radius, FAULT, color);
+            return;
+        }
+        let corners = self.outline(shape, 0.0);
+        for (index, &from) in corners.iter().enumerate() {
+            let to = corners[(index + 1) % corners.len()];
+            let ends = [(from, color), (to, color)];
+            self.picture.above.add_line(ends, FAULT);
+        }
+    }
+
+    /// Returns the outline on the screen, without an edge of a width in points.
+    fn outline(&self, shape: &ItemShape, edge: f32) -> Vec<Vec2> {
+        let inset = edge / self.viewport.scale;
+        if shape.is_disc {
+            let radius = (shape.half.x - inset) * self.viewport.scale;
+            return disc(self.to_screen(shape.center), radius);
+        }
+        let inner = ItemShape {
+            half: shape.half - inset,
+            ..*shape
+        };
+        inner.corners().map(|corner| self.to_screen(corner)).into()
+    }
+
+    fn add_label(&mut self, item: &Item, shape: &ItemShape, look: Look) {
+        let text = with_known_signs(&item.label);
+        let length = text.chars().count().max(1) as f32;
+        let extent = shape.bounds().size() * self.viewport.scale;
+        let fitting = extent.x * 0.88 / (length * LETTER_WIDTH);
+        let size = (extent.min_element() * LABEL_HEIGHT).min(fitting);
+        if size < LABEL_SIZES.0 {
+            return;
+        }
+        let size = size.min(LABEL_SIZES.1);
+        let color = match look {
+            Look::Pressed => self.colors.lit_label,
+            Look::Plain | Look::Selected => self.colors.label,
+        };
+        self.picture.labels.push(Label {
+            position: self.to_screen(shape.center),
+            right: Vec2::X * size,
+            down: Vec2::Y * size,
+            color,
+            text,
+        });
+    }
+
+    fn add_handles(&mut self, item: &Item) {
+        let (ring, fill) = (self.colors.ring, self.colors.background);
+        for (handle, at) in handles::handles(item, self.viewport.scale) {
+            let at = self.to_screen(at);
+            match handle {
+                Handle::Corner(_) => {
+                    for (half, color) in [(HANDLE + 1.5, ring), (HANDLE, fill)] {
+                        let corners = super::CORNERS.map(|sign| at + sign * half);
+                        self.picture.above.add_flat_polygon(&corners, color);
+                    }
+                }
+                Handle::Turn => {
+                    let center = self.to_screen(item.shape.center);
+                    let rim = center.lerp(
+                        at,
+                        item.shape.half.y * self.viewport.scale / (at - center).length(),
+                    );
+                    let side = (at - center).normalize_or_zero().perp() * 0.75;
+                    let stem = [rim + side, at + side, at - side, rim - side];
+                    add_plain_polygon(&mut self.picture.above, &stem, ring);
+                    self.picture
+                        .above
+                        .add_flat_polygon(&disc(at, HANDLE + 1.0), fill);
+                    self.picture.above.add_ring(at, HANDLE, 2.0, ring);
+                }
+            }
+        }
+    }
+
+    /// Adds a disc that is larger and paler the higher the fingertip is.
+    fn add_fingertip(&mut self, fingertip: &Fingertip) {
+        let height = fingertip.height_mm.max(0.0);
+        let radius = (4.0 + height * 0.08) * self.viewport.scale;
+        let color = self.colors.skin.with_opacity(0.8 / (1.0 + height * 0.08));
+        let center = self.to_screen(fingertip.position);
+        let (above, edge) = (&mut self.picture.above, self.colors.skin_edge);
+        above.add_flat_polygon(&disc(center, radius), color);
+        above.add_ring(center, radius, 1.0, edge.with_opacity(0.7));
+    }
+
+    fn add_band(&mut self, band: Bounds) {
+        let corners = [
+            band.min,
+            Vec2::new(band.max.x, band.min.y),
+            band.max,
+            Vec2::new(band.min.x, band.max.y),
+        ];
+        let on_screen = corners.map(|corner| self.to_screen(corner));
+        let fill = self.colors.ring.with_opacity(0.18);
+        add_plain_polygon(&mut self.picture.above, &on_screen, fill);
+        for index in 0..corners.len() {
+            let next = corners[(index + 1) % corners.len()];
+            self.add_line(corners[index], next, 1.0, self.colors.ring);
+        }
+    }
+}
+
+/// Returns half the width of the row that shows the bend: that of the items, and at least 60 mm.
+pub fn bend_half_width(items: &[Item]) -> f32 {
+    let bounds = Bounds::around(items.iter().map(|item| &item.shape));
+    let reach = bounds.map_or(0.0, |bounds| bounds.max.x.abs().max(bounds.min.x.abs()));
+    reach.max(60.0)
+}
+
+fn disc(center: Vec2, radius: f32) -> Vec<Vec2> {
+    let sides = (radius * std::f32::consts::TAU / DISC_SIDE) as usize;
+    let sides = sides.clamp(DISC_SIDES.0, DISC_SIDES.1);
+    let angle = |step: usize| step as f32 / sides as f32 * std::f32::consts::TAU;
+    (0..sides)
+        .map(|step| center + Vec2::from_angle(angle(step)) * radius)
+        .collect()
+}
+
+/// Adds a convex polygon without soft edges, which many small items do not need.
+fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) {
+    let first = triangles.vertices.len() as u32;
+    let vertices = corners.iter().map(|&corner| (corner, color));
+    triangles.vertices.extend(vertices);
+    for index in 1..(corners.len() as u32).saturating_sub(1) {
+        let triangle = [first, first + index, first + index + 1];
+        triangles.indices.extend(triangle);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::square;
+    use super::*;
+
+    const SIZE: Vec2 = Vec2::new(800.0, 500.0);
+
+    fn picture(items: &[Item], viewport: &Viewport) -> Picture {
+        let scene = CanvasScene {
+            items,
+            selected: &Selection::default(),
+            faulty: &[],
+            heats: &[],
+            pressed: &[],
+            fingertips: &[],
+            preview: &Preview::default(),
+            radius: None,
+            has_grid: true,
+        };
+        draw(&scene, viewport, SIZE, &SceneColors::LIGHT)
+    }
+
+    #[test]
+    fn labels_are_drawn_only_where_they_can_be_read() {
+        let items = [square(0.0, 0.0), square(19.0, 0.0)];
+        let near = picture(&items, &Viewport::default());
+        assert_eq!(near.labels.len(), 2);
+        let far = Viewport {
+            scale: 0.4,
+            ..Viewport::default()
+        };
+        assert!(picture(&items, &far).labels.is_empty());
+    }
+
+    #[test]
+    fn an_item_that_is_often_missed_has_a_colour() {
+        let items = [square(0.0, 0.0), square(19.0, 0.0)];
+        let heated = |heats: &[f32]| {
+            let scene = CanvasScene {
+                items: &items,
+                selected: &Selection::default(),
+                faulty: &[],
+                heats,
+                pressed: &[],
+                fingertips: &[],
+                preview: &Preview::default(),
+                radius: None,
+                has_grid: false,
+            };
+            let picture = draw(&scene, &Viewport::default(), SIZE, &SceneColors::LIGHT);
+            let vertices = picture.below.vertices.into_iter();
+            vertices.map(|(_, color)| color).collect::<Vec<_>>()
+        };
+        let (plain, one) = (heated(&[]), heated(&[0.0, 1.0]));
+        assert_eq!(plain, heated(&[0.0; 2]));
+        assert_ne!(plain, one);
+        let hottest = SceneColors::LIGHT
+            .key
+            .mix(SceneColors::LIGHT.fault, HOTTEST);
+        assert!(one.contains(&hottest) && one.contains(&SceneColors::LIGHT.key));
+    }
+
+    #[test]
+    fn items_outside_the_picture_cost_nothing() {
+        let empty = picture(&[], &Viewport::default());
+        let outside = picture(&[square(900.0, 0.0)], &Viewport::default());
+        assert_eq!(outside.below.vertices.len(), empty.below.vertices.len());
+    }
+
+    #[test]
+    fn a_previewed_item_is_drawn_where_it_is_dragged() {
+        let items = [square(0.0, 0.0)];
+        let mut selected = Selection::default();
+        selected.set([0]);
+        let offset = Vec2::new(40.0, 0.0);
+        let snap = super::super::snap::SnapSettings::OFF;
+        let preview = super::super::gesture::moved(&items, &selected, offset, snap);
+        let viewport = Viewport::default();
+        let scene = CanvasScene {
+            items: &items,
+            selected: &selected,
+            faulty: &[],
+            heats: &[],
+            pressed: &[],
+            fingertips: &[],
+            preview: &preview,
+            radius: Some(320.0),
+            has_grid: true,
+        };
+        let picture = draw(&scene, &viewport, SIZE, &SceneColors::DARK);
+        let label = picture.labels.iter().find(|label| label.text == "A");
+        let expected = viewport.to_screen(offset, SIZE);
+        assert_eq!(label.map(|label| label.position), Some(expected));
+        let count = picture.above.vertices.len() as u32;
+        assert!(count > 0 && picture.above.indices.iter().all(|&index| index < count));
+    }
+}

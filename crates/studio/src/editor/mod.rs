@@ -1,0 +1,439 @@
+//! The layout editor without its view: a text, the edits of it, and what they lead to.
+//!
+//! The RON text is the truth. An [`Edit`] becomes replacements of parts of the text, so that comments, order and the spelling of
+//! numbers stay in everything that is not edited. The loader reads the text after each edit, with its faults: controls may
+//! overlap, share a name or have no action while they are edited. Only brackets have to be balanced.
+//!
+//! ```text
+//!  Edit ──▶ edit(text) ──▶ Patch ──▶ text ──▶ loader ──▶ layout with faults, problems
+//!                            └──▶ history: undo, redo
+//! ```
+//!
+//! # For a view
+//!
+//! - [`LayoutEditor::open`] opens a file; a layout that comes with the program is opened as an unsaved copy.
+//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::targets_of`] is the
+//!   way back, and [`Part::board`] tells the board. [`LayoutEditor::unplaced`] are the controls of the text that are not in
+//!   the layout because of an error, as far as their places are written.
+//! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
+//!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
+//!   Both select the parts that were edited or added.
+//! - [`LayoutEditor::value`] is a field as written (`None`: the default), [`FieldSpec`]s of [`fields_of`] are the fields that a
+//!   part can have, with units and ranges, for forms. [`Edit::SetField`] sets any of them.
+//! - [`LayoutEditor::problems`] lists all errors and warnings with bytes of the text and the part there.
+//! - [`LayoutEditor::save`] and [`LayoutEditor::save_as`] write the file; [`LayoutEditor::poll`], a few times a second, reads changes
+//!   that other programs made, merges them, or reports a conflict. [`LayoutEditor::start_recovery`] keeps unsaved work.
+//! - [`ReachCheck`] adds warnings about controls out of reach of the hands of the session.
+//! - [`EditorTrial`] gives the text to the running session while it is edited.
+//! - An error of any of these is for the status line: it says what failed, why, and what to do.
+
+mod file;
+mod history;
+mod problems;
+mod reach;
+mod recovery;
+mod trial;
+#[cfg(test)]
+mod fault_tests;
+#[cfg(test)]
+mod file_tests;
+#[cfg(test)]
+mod tests;
+
+pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
+pub use self::problems::{Problem, Severity};
+pub use self::reach::ReachCheck;
+pub use self::recovery::UnsavedWork;
+pub use self::trial::EditorTrial;
+pub use ademan_core::editing::{
+    AlignEdge, Binding, BoardAxis, ControlKind, Edit, EditError, Edited, FieldSpec, FieldType,
+    NewPart, Part, Patch, Place, PlaceTo, Replacement, Slot, beside, can_turn, edit, fields_of,
+};
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use self::file::EditedFile;
+use self::history::{History, Step};
+use self::recovery::Recovery;
+use ademan_core::contact::TargetId;
+use ademan_core::document::{Document, DocumentError, Node, quote, read_tree};
+use ademan_core::editing;
+use ademan_core::layout::{Fit, Layout, LayoutDraft};
+use ademan_runtime::files::OpenDocument;
+
+/// A layout that is being edited.
+pub struct LayoutEditor {
+    file: EditedFile,
+    text: String,
+    fit: Fit,
+    /// `None` while brackets are not balanced.
+    tree: Option<Node>,
+    layout: Option<Arc<Layout>>,
+    /// The targets of `layout` in its text.
+    layout_targets: Vec<Part>,
+    /// `layout` is that of the present text.
+    is_read: bool,
+    problems: Vec<Problem>,
+    /// The parts with an error.
+    faulty: BTreeSet<Part>,
+    selection: Vec<Part>,
+    history: History,
+    /// Number of changes of the text.
+    revision: u64,
+    recovery: Option<Recovery>,
+}
+
+impl LayoutEditor {
+    /// Opens the layout with a name, as [`Document::open`] finds it, for these hands. One that comes with the program is an unsaved
+    /// copy: [`save`](Self::save) fails until [`save_as`](Self::save_as) has given it a file.
+    ///
+    /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons.
+    pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
+        let document = Document::open(name)?;
+        let file = EditedFile::open(&document);
+        Ok(Self::new(file, document.text, fit))
+    }
+
+    /// Edits a text that has no file. `name` stands for it in messages.
+    pub fn from_text(name: &str, text: &str, fit: Fit) -> Self {
+        let document = Document::new(name, text);
+        let file = EditedFile::unsaved(name).with_text(&document.text);
+        Self::new(file, document.text, fit)
+    }
+
+    fn new(file: EditedFile, text: String, fit: Fit) -> Self {
+        let mut editor = Self {
+            file,
+            text,
+            fit,
+            tree: None,
+            layout: None,
+            layout_targets: Vec::new(),
+            is_read: false,
+            problems: Vec::new(),
+            faulty: BTreeSet::new(),
+            selection: Vec::new(),
+            history: History::default(),
+            revision: 0,
+            recovery: None,
+        };
+        editor.read();
+        editor
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The name of the file in messages.
+    pub fn name(&self) -> &str {
+        self.file.name()
+    }
+
+    /// The path of the file; `None` for an unsaved copy.
+    pub fn path(&self) -> Option<&Path> {
+        self.file.path()
+    }
+
+    /// The hands that the layout fits.
+    pub fn fit(&self) -> Fit {
+        self.fit
+    }
+
+    /// The layout of the last text that could be read, to be drawn: it may have faults. `None` if there has been none.
+    pub fn layout(&self) -> Option<&Arc<Layout>> {
+        self.layout.as_ref()
+    }
+
+    /// Returns `true` if [`layout`](Self::layout) is that of the present text.
+    pub fn is_read(&self) -> bool {
+        self.is_read
+    }
+
+    /// Returns `true` if the text can be read as far as its parts: it can be edited.
+    pub fn is_editable(&self) -> bool {
+        self.tree.is_some()
+    }
+
+    /// Returns `true` if a part has an error.
+    pub fn is_faulty(&self, part: Part) -> bool {
+        self.faulty.contains(&part)
+    }
+
+    /// Returns `true` if a session can use the layout: there is no error.
+    pub fn is_valid(&self) -> bool {
+        !self
+            .problems
+            .iter()
+            .any(|it| it.severity == Severity::Error)
+    }
+
+    /// The problems of the text, in its order.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// Counts the changes of the text, for views that keep what they computed from it.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// The selected parts.
+    pub fn selection(&self) -> &[Part] {
+        &self.selection
+    }
+
+    /// Selects parts. Those that are not in the text are left out.
+    pub fn select(&mut self, parts: impl IntoIterator<Item = Part>) {
+        let mut selection = Vec::new();
+        for part in parts {
+            if self.node(part).is_some() && !selection.contains(&part) {
+                selection.push(part);
+            }
+        }
+        self.selection = selection;
+    }
+
+    /// Returns the part of a target of [`layout`](Self::layout); `None` if the text has other parts by now.
+    pub fn part_of(&self, target: TargetId) -> Option<Part> {
+        let part = editing::part_of(&self.layout_targets, target)?;
+        self.is_read.then_some(part)
+    }
+
+    /// Returns the controls of a board that [`layout`](Self::layout) does not have because of an error, with their places as written.
+    pub fn unplaced(&self, board: usize) -> Vec<(Part, Place)> {
+        let Some(tree) = &self.tree else {
+            return Vec::new();
+        };
+        let placed: BTreeSet<Part> = match self.is_read {
+            true => self.layout_targets.iter().copied().collect(),
+            false => BTreeSet::new(),
+        };
+        let mut missing = editing::targets(&self.text, tree);
+        missing.retain(|part| part.board() == Some(board) && !placed.contains(part));
+        editing::places(&self.text, missing)
+    }
+
+    /// Returns the targets of a part: one, those of a row, board or radio group, or none.
+    pub fn targets_of(&self, part: Part) -> Vec<TargetId> {
+        let ancestors = |own: Part| std::iter::successors(Some(own), |part| part.parent());
+        let targets = self.layout_targets.iter().enumerate();
+        targets
+            .filter(|(_, own)| ancestors(**own).any(|own| own == part))
+            .map(|(index, _)| TargetId(index as u32))
+            .collect()
+    }
+
+    /// Returns the part at a byte of the text, such as that of the cursor.
+    pub fn part_at(&self, offset: usize) -> Option<Part> {
+        let tree = self.tree.as_ref()?;
+        Some(editing::part_at(&self.text, tree, offset))
+    }
+
+    /// Returns the bytes of a part in the text. Those of a key of a row are the row.
+    pub fn range_of(&self, part: Part) -> Option<std::ops::Range<usize>> {
+        Some(self.node(part)?.range.clone())
+    }
+
+    /// Returns a field of a part as written, such as `4.0` or `Box(17, 17)`; `None` if it is not written. `field` is as in
+    /// [`Edit::SetField`].
+    pub fn value(&self, part: Part, field: &str) -> Option<&str> {
+        let node = self.node(part)?.at(&self.text, field.split('.'))?;
+        Some(node.text(&self.text))
+    }
+
+    /// Returns the name of a part in layers, chords and messages, if it has one.
+    pub fn part_name(&self, part: Part) -> Option<String> {
+        editing::name_of(&self.text, self.tree.as_ref()?, part)
+    }
+
+    /// Returns the selected controls as text, for the clipboard and [`Edit::Paste`]; `None` if no control is selected.
+    pub fn copied(&self) -> Option<String> {
+        editing::copied(&self.text, &self.selection)
+    }
+
+    /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers` or `spaces`.
+    pub fn count(&self, list: &str) -> usize {
+        let list = self
+            .node(Part::Layout)
+            .and_then(|layout| layout.field(&self.text, list));
+        list.map_or(0, |list| list.items().len())
+    }
+
+    /// Returns the names of the selected keys.
+    pub fn selected_keys(&self) -> Vec<String> {
+        let is_key = |part: &&Part| {
+            matches!(
+                part,
+                Part::RowKey { .. }
+                    | Part::Control {
+                        kind: ControlKind::Key,
+                        ..
+                    }
+            )
+        };
+        let keys = self.selection().iter().filter(is_key);
+        keys.filter_map(|key| self.part_name(*key)).collect()
+    }
+
+    /// Returns the centers of the targets of a space, in millimetres.
+    pub fn targets_in(&self, space: usize) -> Vec<[f64; 3]> {
+        let center = |index| {
+            let node = self.node(Part::SpaceTarget { space, index })?;
+            let at = node
+                .field(self.text(), "at_mm")
+                .map_or(&[][..], |at| at.items());
+            let number = |axis: usize| at.get(axis)?.value.number(self.text());
+            let axes = [0, 1, 2];
+            Some(axes.map(|axis| number(axis).unwrap_or_default()))
+        };
+        (0..).map_while(center).collect()
+    }
+
+    fn node(&self, part: Part) -> Option<&Node> {
+        part.node(&self.text, self.tree.as_ref()?)
+    }
+
+    /// Makes an edit. The text may become invalid, which [`problems`](Self::problems) tells; undo leads back.
+    pub fn apply(&mut self, edit: &Edit) -> Result<(), EditError> {
+        let edited = editing::edit(&self.text, edit)?;
+        self.adopt(edited)
+    }
+
+    /// Makes an edit in place of the last one: the present state of a drag.
+    pub fn amend(&mut self, edit: &Edit) -> Result<(), EditError> {
+        let Some(step) = self.history.undo().cloned() else {
+            return self.apply(edit);
+        };
+        // The text in between is not read: a drag on a layout with 10 000 keys reads one text per picture.
+        let edited = match patched(&self.text, &step.undo) {
+            Some(text) => editing::edit(&text, edit).map(|edited| (text, edited)),
+            None => Err(EditError::Overlap),
+        };
+        match edited {
+            Ok((text, edited)) => {
+                let [before, _] = step.selection;
+                (self.text, self.selection) = (text, before);
+                let adopted = self.adopt(edited);
+                if adopted.is_err() {
+                    self.read();
+                }
+                adopted
+            }
+            Err(error) => {
+                self.history.redo();
+                Err(error)
+            }
+        }
+    }
+
+    fn adopt(&mut self, edited: Edited) -> Result<(), EditError> {
+        let mut text = self.text.clone();
+        let (mut undo, mut redo) = (Vec::new(), Vec::new());
+        for patch in edited.patches {
+            let (patched, inverse) = patch.apply(&text).ok_or(EditError::Overlap)?;
+            text = patched;
+            undo.insert(0, inverse);
+            redo.push(patch);
+        }
+        let before = std::mem::take(&mut self.selection);
+        self.text = text;
+        self.read();
+        self.select(edited.parts);
+        self.history.push(Step {
+            undo,
+            redo,
+            selection: [before, self.selection.clone()],
+        });
+        Ok(())
+    }
+
+    /// Undoes the last edit. Returns `false` if there is none.
+    pub fn undo(&mut self) -> bool {
+        let Some(step) = self.history.undo().cloned() else {
+            return false;
+        };
+        let [before, _] = step.selection;
+        self.patch(&step.undo, before);
+        true
+    }
+
+    /// Makes the last undone edit again. Returns `false` if there is none.
+    pub fn redo(&mut self) -> bool {
+        let Some(step) = self.history.redo().cloned() else {
+            return false;
+        };
+        let [_, after] = step.selection;
+        self.patch(&step.redo, after);
+        true
+    }
+
+    /// Returns `true` if there is an edit to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo()
+    }
+
+    /// Returns `true` if there is an edit to redo.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo()
+    }
+
+    /// Applies patches that were made for the present text.
+    fn patch(&mut self, patches: &[Patch], selection: Vec<Part>) {
+        if let Some(text) = patched(&self.text, patches) {
+            self.text = text;
+        }
+        self.read();
+        self.select(selection);
+    }
+
+    /// Reads the present text.
+    fn read(&mut self) {
+        self.revision += 1;
+        self.update_recovery();
+        self.tree = read_tree(&self.text);
+        let (text, tree) = (&self.text, self.tree.as_ref());
+        let document = Document::new(self.file.name(), text.as_str());
+        match LayoutDraft::read(&document, self.fit) {
+            Ok(draft) => {
+                let parts = tree.map(|tree| editing::parts_of(text, tree, draft.sources()));
+                let parts = parts.unwrap_or_default();
+                self.problems = problems::of_draft(&draft, &parts, text, tree);
+                let (layout, faulty) = draft.into_parts();
+                let faulty = faulty.iter();
+                self.faulty = faulty
+                    .filter_map(|target| editing::part_of(&parts, *target))
+                    .collect();
+                self.layout = Some(Arc::new(layout));
+                self.layout_targets = parts;
+                self.is_read = true;
+            }
+            Err(error) => {
+                self.problems = problems::of_error(&error, text, tree);
+                self.faulty = BTreeSet::new();
+                self.is_read = false;
+            }
+        }
+        let errors = self.problems.iter();
+        let errors = errors.filter(|problem| problem.severity == Severity::Error);
+        self.faulty
+            .extend(errors.filter_map(|problem| problem.part));
+    }
+}
+
+/// Returns the text after patches that were made for it and for each other.
+fn patched(text: &str, patches: &[Patch]) -> Option<String> {
+    let mut text = text.to_owned();
+    for patch in patches {
+        (text, _) = patch.apply(&text)?;
+    }
+    Some(text)
+}
+
+/// Returns a text as it is written in a layout, in quotes.
+pub fn quoted(text: &str) -> String {
+    quote(text)
+}

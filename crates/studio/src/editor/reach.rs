@@ -1,0 +1,216 @@
+//! Warnings about controls that the hands of the session do not reach.
+
+use std::sync::Arc;
+use std::thread;
+
+use crossbeam_channel::{Receiver, TryRecvError, bounded};
+
+use super::{LayoutEditor, Problem, Severity};
+use ademan_core::contact::TargetId;
+use ademan_core::layout::Layout;
+use ademan_runtime::setup::{HandReach, TargetOutOfReach};
+
+/// The largest number of controls with a warning each: the nearest ones.
+const MAX_WARNINGS: usize = 20;
+
+/// Targets out of reach, the nearest first.
+type Found = Vec<TargetOutOfReach>;
+
+/// Finds the controls out of reach after each edit, on a thread of its own: 10 000 keys take seconds.
+pub struct ReachCheck {
+    hands: Arc<HandReach>,
+    /// The layout that is checked, and its result.
+    job: Option<(Arc<Layout>, Receiver<Found>)>,
+    /// The layout that was checked last.
+    checked: Option<Arc<Layout>>,
+    warnings: Vec<Problem>,
+}
+
+impl ReachCheck {
+    /// Creates the check for the hands of a setup.
+    pub fn new(hands: HandReach) -> Self {
+        Self {
+            hands: Arc::new(hands),
+            job: None,
+            checked: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The warnings about the layout that was checked last, the nearest control first.
+    pub fn warnings(&self) -> &[Problem] {
+        &self.warnings
+    }
+
+    /// Receives a result, and starts a check if the layout of the editor has changed. Does not wait.
+    pub fn advance(&mut self, editor: &LayoutEditor) {
+        let Some(layout) = editor.layout() else {
+            return;
+        };
+        if let Some((checked, result)) = &self.job {
+            match result.try_recv() {
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {}
+                // The targets of an older layout may be others.
+                Ok(found) if Arc::ptr_eq(checked, layout) => {
+                    self.warnings = warnings(&found, editor, layout);
+                }
+                Ok(_) => {}
+            }
+            self.checked = self.job.take().map(|(checked, _)| checked);
+        }
+        let is_checked = |checked: &Arc<Layout>| Arc::ptr_eq(checked, layout);
+        if !self.checked.as_ref().is_some_and(is_checked) {
+            self.start(Arc::clone(layout));
+        }
+    }
+
+    fn start(&mut self, layout: Arc<Layout>) {
+        let (sender, result) = bounded(1);
+        let (hands, checked) = (Arc::clone(&self.hands), Arc::clone(&layout));
+        let check = move || {
+            // The editor may be closed.
+            let _ = sender.send(hands.on_boards(&checked));
+        };
+        // Without a thread there are no warnings; the next edit tries again.
+        let _ = thread::Builder::new().name("reach".into()).spawn(check);
+        self.job = Some((layout, result));
+    }
+}
+
+fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Problem> {
+    let names = layout.target_names();
+    let warning = |found: &TargetOutOfReach| {
+        let (target, metres) = (found.target, found.metres());
+        let name = names.get(target);
+        let message = match metres.is_finite() {
+            true => format!(
+                "`{name}` is {:.0} mm out of reach of the hand; move it or its board {}",
+                metres * 1e3,
+                found.step()
+            ),
+            false => {
+                format!("`{name}` is out of reach: its board has no position without a second hand")
+            }
+        };
+        problem(message, editor, Some(target))
+    };
+    let mut warnings: Vec<Problem> = found.iter().take(MAX_WARNINGS).map(warning).collect();
+    if let Some(rest) = found
+        .len()
+        .checked_sub(MAX_WARNINGS)
+        .filter(|rest| *rest > 0)
+    {
+        let step = TargetOutOfReach::common_step(&found[MAX_WARNINGS..]);
+        let message = format!("{rest} more controls are out of reach; {step}");
+        warnings.push(problem(message, editor, None));
+    }
+    warnings
+}
+
+fn problem(message: String, editor: &LayoutEditor, target: Option<TargetId>) -> Problem {
+    let part = target.and_then(|target| editor.part_of(target));
+    let range = part.and_then(|part| editor.range_of(part));
+    let range = range.unwrap_or_default();
+    let before = editor.text().get(..range.start).filter(|_| part.is_some());
+    let line = before.map(|text| text.matches('\n').count() + 1);
+    Problem {
+        message,
+        severity: Severity::Warning,
+        line,
+        column: None,
+        range,
+        part,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editor::{ControlKind, Edit, Part};
+    use ademan_core::layout::Fit;
+    use ademan_runtime::setup::Setup;
+    use std::time::{Duration, Instant};
+
+    fn editor(keys: &str) -> LayoutEditor {
+        let text = format!(
+            "Layout(name: \"a\", boards: [(\n\
+             pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
+             keys: [\n(code: \"A\", at_mm: (0, 0)),\n{keys}])])"
+        );
+        LayoutEditor::from_text("a.ron", &text, Fit::default())
+    }
+
+    fn check() -> ReachCheck {
+        ReachCheck::new(Setup::default().load_files().unwrap().hand_reach())
+    }
+
+    /// Advances until the layout of the editor is checked.
+    fn finish(check: &mut ReachCheck, editor: &LayoutEditor) {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        check.advance(editor);
+        while check.job.is_some() {
+            assert!(Instant::now() < deadline, "no result");
+            thread::sleep(Duration::from_millis(1));
+            check.advance(editor);
+        }
+    }
+
+    #[test]
+    fn a_key_out_of_reach_is_a_warning_until_it_is_moved_nearer() {
+        let mut editor = editor("(code: \"B\", at_mm: (900, 0))");
+        assert_eq!(editor.problems(), []);
+        let mut check = check();
+        finish(&mut check, &editor);
+        let [warning] = check.warnings() else {
+            panic!("{:?}", check.warnings());
+        };
+        assert!(warning.message.starts_with("`B` is "), "{warning:?}");
+        assert_eq!(warning.severity, Severity::Warning);
+        assert_eq!(warning.line, Some(5));
+        let key = Part::Control {
+            board: 0,
+            kind: ControlKind::Key,
+            index: 1,
+        };
+        assert_eq!(warning.part, Some(key));
+        let nearer = Edit::Move {
+            parts: vec![key],
+            by_mm: [-880.0, 0.0, 0.0],
+        };
+        editor.apply(&nearer).unwrap();
+        finish(&mut check, &editor);
+        assert_eq!(check.warnings(), []);
+    }
+
+    #[test]
+    fn a_key_that_is_too_near_is_moved_away_and_one_that_is_too_far_nearer() {
+        for (at_mm, step) in [("0, -290", "away"), ("0, 400", "nearer")] {
+            let editor = editor(&format!("(code: \"B\", at_mm: ({at_mm}))"));
+            let mut check = check();
+            finish(&mut check, &editor);
+            let [warning] = check.warnings() else {
+                panic!("{at_mm}: {:?}", check.warnings());
+            };
+            let message = &warning.message;
+            let is_named = message.ends_with(&format!("move it or its board {step}"));
+            assert!(is_named, "{at_mm}: {message}");
+        }
+    }
+
+    #[test]
+    fn many_keys_out_of_reach_are_few_warnings() {
+        let key = |index: usize| {
+            let at = 900 + 20 * index;
+            format!("(code: \"B\", name: \"k{index}\", at_mm: ({at}, 0)),")
+        };
+        let keys: String = (0..50).map(key).collect();
+        let editor = editor(&keys);
+        let mut check = check();
+        finish(&mut check, &editor);
+        assert_eq!(check.warnings().len(), MAX_WARNINGS + 1);
+        assert!(check.warnings()[0].message.starts_with("`k0`"));
+        let last = check.warnings().last().unwrap();
+        assert!(last.message.starts_with("30 more"), "{}", last.message);
+    }
+}

@@ -1,0 +1,98 @@
+//! The mouse as a fingertip: a session beside that of the window, whose hand follows the pointer over the 3D view.
+//!
+//! ```text
+//!  mouse ─ Ray ──▶ Aim ─ front under it ──▶ PointerSource ─ positions of joints ──▶ session without an output ──▶ model
+//! ```
+//!
+//! The readings pass through a pipeline like that of the session of the window, but nothing reaches an output, as the keys would
+//! go to the window itself, which has the focus. The session has one layout: another one has another session.
+
+mod aim;
+mod source;
+
+use std::sync::Arc;
+
+use crossbeam_channel::{Receiver, TryRecvError, unbounded};
+
+pub use self::aim::{Aim, Mouse};
+use self::source::PointerSource;
+use crate::model::StudioModel;
+use crate::sensors::SensorTable;
+use ademan_core::command::Command;
+use ademan_core::layout::Layout;
+use ademan_core::snapshot::Snapshot;
+use ademan_runtime::session::view::Viewer;
+use ademan_runtime::session::{Session, SessionError, SessionHandle, SessionOptions};
+use ademan_runtime::setup::LoadedSetup;
+
+/// A session whose hand follows the mouse. Dropping it releases everything and ends it.
+pub struct Fingertip {
+    /// The layout of the window that it is for.
+    layout: Arc<Layout>,
+    /// The state that the 3D view shows.
+    pub model: StudioModel,
+    /// The movements of the mouse.
+    pub aim: Aim,
+    snapshots: Receiver<Snapshot>,
+    viewer: Viewer,
+    session: SessionHandle,
+}
+
+impl Fingertip {
+    /// Starts a session on a layout, with the hands of a setup.
+    pub fn start(setup: &LoadedSetup, layout: &Arc<Layout>) -> Result<Self, SessionError> {
+        let setup = setup.without_devices(layout);
+        let (moves, received) = unbounded();
+        let source = PointerSource::new(&setup, received);
+        let first_side = setup.arm.side();
+        let options = SessionOptions {
+            source: Some(Box::new(source)),
+            speed: Some(1.0),
+            ..SessionOptions::default()
+        };
+        let session = Session::start(setup, options)?;
+        let viewer = session.add_viewer();
+        let view = viewer.views().recv();
+        // A session that ends so early says why.
+        let Ok(view) = view else {
+            session.join()?;
+            return Err(SessionError::NoSource);
+        };
+        Ok(Self {
+            layout: Arc::clone(layout),
+            model: StudioModel::new(view, SensorTable::default()),
+            aim: Aim::new(first_side, moves),
+            snapshots: session.snapshots().clone(),
+            viewer,
+            session,
+        })
+    }
+
+    /// Returns whether it is for this layout of the window.
+    pub fn is_for(&self, layout: &Arc<Layout>) -> bool {
+        Arc::ptr_eq(&self.layout, layout)
+    }
+
+    /// Receives what the session has sent since the last picture. Does not wait.
+    pub fn receive(&mut self) {
+        for snapshot in self.snapshots.try_iter() {
+            self.model.update(&snapshot);
+        }
+        match self.viewer.views().try_recv() {
+            Ok(view) => self.model.set_view(view),
+            Err(TryRecvError::Disconnected) => self.model.has_ended = true,
+            Err(TryRecvError::Empty) => {}
+        }
+    }
+
+    /// Waits for the end of its session, and returns the reason if it failed.
+    pub fn end(self) -> Result<(), SessionError> {
+        drop(self.aim);
+        self.session.join().map(drop)
+    }
+
+    /// Sends a command to its session, which may have ended.
+    pub fn send(&self, command: Command) {
+        let _ = self.session.commands().send(command);
+    }
+}

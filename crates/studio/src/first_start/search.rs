@@ -1,0 +1,83 @@
+//! The search for sources: what the serial ports send, and a camera.
+
+use std::path::Path;
+use std::thread;
+
+use crossbeam_channel::{Receiver, unbounded};
+
+use ademan_runtime::capture::SourceUri;
+use ademan_runtime::capture::recognition::{self, Recognition, port_names, recognize};
+
+/// A serial port, and what was heard there. `None` while it is listened to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Port {
+    /// Its path or name.
+    pub name: String,
+    /// What it sends, or the reason why it cannot be listened to.
+    pub heard: Option<Result<Recognition, String>>,
+}
+
+/// The ports and cameras of this machine. Each port is listened to for some seconds, on a thread of its own.
+pub struct Search {
+    ports: Vec<Port>,
+    camera: Option<&'static Path>,
+    heard: Receiver<(usize, Result<Recognition, String>)>,
+}
+
+impl Search {
+    /// Starts to listen to all serial ports of this machine.
+    pub fn of_this_machine() -> Self {
+        Self::new(port_names(), recognition::camera())
+    }
+
+    /// Starts to listen to these serial ports. `camera` is the path of one that is connected.
+    pub fn new(ports: Vec<String>, camera: Option<&'static Path>) -> Self {
+        let (sender, heard) = unbounded();
+        let start = |(index, name): (usize, String)| {
+            let (sender, port) = (sender.clone(), name.clone());
+            let thread = thread::Builder::new().name("listen".into());
+            let listened = thread.spawn(move || {
+                // Nobody waits for it once the window is closed.
+                let _ = sender.send((index, recognize(&port)));
+            });
+            let heard = listened.err().map(|error| Err(error.to_string()));
+            Port { name, heard }
+        };
+        Self {
+            ports: ports.into_iter().enumerate().map(start).collect(),
+            camera,
+            heard,
+        }
+    }
+
+    /// Receives what was heard meanwhile. Does not wait.
+    pub fn update(&mut self) {
+        for (index, heard) in self.heard.try_iter() {
+            self.ports[index].heard = Some(heard);
+        }
+    }
+
+    /// Returns the ports.
+    pub fn ports(&self) -> &[Port] {
+        &self.ports
+    }
+
+    /// Returns the path of a camera.
+    pub fn camera(&self) -> Option<&'static Path> {
+        self.camera
+    }
+
+    /// Returns whether a port is still listened to.
+    pub fn is_listening(&self) -> bool {
+        self.ports.iter().any(|port| port.heard.is_none())
+    }
+
+    /// Returns the sources that were recognized, in the order of the ports.
+    pub fn sources(&self) -> impl Iterator<Item = &SourceUri> {
+        let heard = self.ports.iter().filter_map(|port| port.heard.as_ref());
+        heard.flat_map(|heard| match heard {
+            Ok(Recognition::Sources(sources)) => sources.as_slice(),
+            _ => &[],
+        })
+    }
+}

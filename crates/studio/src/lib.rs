@@ -1,0 +1,65 @@
+//! Studio: one window that shows a session: the hand over its boards, its sensors, and time plots.
+//!
+//! Studio receives [`Snapshot`](ademan_core::snapshot::Snapshot)s and [`View`](ademan_runtime::session::view::View)s, and sends
+//! [`Command`](ademan_core::command::Command)s and, through a [`SensorLink`](ademan_runtime::session::SensorLink), other
+//! calibrations. It shares nothing else with a session: both channels drop what a slow window does not receive, so that
+//! typing does not depend on it.
+//!
+//! ```text
+//!  session ─ snapshots, views ──▶ StudioModel ──▶ panels (egui) ─ Command ──▶ session
+//!                                     └──▶ scene, camera ──▶ Picture ──▶ panels/space
+//! ```
+//!
+//! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
+//! [`glove_editor`], [`guide`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
+//! [`settings`]. Only `app`, the window of the overlay and the files of `panels` name egui.
+//!
+//! # Adding a panel
+//!
+//! 1. What it shows: a file beside this one, without egui, with unit tests.
+//! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui` and a `PanelContext`.
+//! 3. A variant of `panels::PanelKind`, which gives it an entry in the menu, and a line in `panels::show`.
+//! 4. Its keys: actions in the table of `panels/actions.rs`, which the toolbar and the list of keys show.
+//! 5. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
+
+mod app;
+mod error;
+pub mod camera;
+pub mod canvas;
+pub mod editor;
+pub mod filter_trace;
+pub mod fingertip;
+pub mod first_start;
+pub mod glove_editor;
+pub mod glove_file;
+mod graphics;
+pub mod guide;
+pub mod history;
+mod joint_names;
+pub mod lab;
+pub mod latency;
+pub mod marks;
+pub mod model;
+pub mod notices;
+pub mod overlay;
+pub mod pace;
+mod panels;
+pub mod picture;
+pub mod playback;
+pub mod plot;
+pub mod pose_picture;
+pub mod scene;
+pub mod sensor_control;
+pub mod sensors;
+pub mod settings;
+pub mod settings_file;
+pub mod shapes;
+pub mod sound;
+pub mod texts;
+pub mod tour;
+pub mod trails;
+pub mod typing;
+
+pub use self::app::{StudioApp, StudioStart, open_window};
+pub use self::error::StudioError;
+pub use self::overlay::window::{Overlay, open_overlay};

@@ -1,0 +1,194 @@
+//! The marks on fronts of controls - handles, scales, labels - on a picture.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+use parry3d::math::Vec2;
+
+use super::picture::{Color, Label, Picture, with_known_signs};
+use super::scene::SceneColors;
+use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
+
+/// Height of a capital letter as a fraction of the height of its font.
+const CAPITAL_HEIGHT: f32 = 0.72;
+
+/// The smallest label that can be read, in points.
+const MIN_LABEL_PT: f32 = 5.0;
+
+/// Lines of a quarter of a disc and of a round corner.
+const ARC_STEPS: usize = 10;
+const CORNER_STEPS: usize = 3;
+
+/// The place of a front on the screen.
+pub struct FrontView<'a> {
+    /// Returns the position on the screen, in points, of a point of the front, in millimetres from its center.
+    pub to_screen: &'a dyn Fn(Vec2) -> Option<Vec2>,
+    /// Points per millimetre in the middle of the front.
+    pub scale: f32,
+    /// The colors.
+    pub colors: &'a SceneColors,
+    /// The control is pressed.
+    pub is_lit: bool,
+}
+
+/// Adds marks to a picture, from below to above.
+pub fn add_marks(picture: &mut Picture, marks: &[FrontMark], view: &FrontView) {
+    for mark in marks {
+        // A mark that is partly behind the eye is left out.
+        let _ = add_mark(picture, mark, view);
+    }
+}
+
+fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option<()> {
+    let color = view.color(mark.role);
+    match &mark.shape {
+        MarkShape::Disc {
+            center,
+            radius,
+            is_hollow,
+        } => {
+            let corners = view.map(&circle(*center, *radius))?;
+            match is_hollow {
+                true => add_lines(picture, &corners, true, view.width(0.4), color),
+                false => picture.below.add_flat_polygon(&corners, color),
+            }
+        }
+        MarkShape::Box {
+            center,
+            half,
+            radius,
+            rotation,
+        } => {
+            let outline = rounded(*half, *radius);
+            let turned = outline.into_iter();
+            let turned = turned.map(|at| *center + Vec2::from_angle(*rotation).rotate(at));
+            let corners = view.map(&turned.collect::<Vec<_>>())?;
+            picture.below.add_flat_polygon(&corners, color);
+        }
+        MarkShape::Polygon(points) => {
+            let points = view.map(points)?;
+            add_lines(picture, &points, true, view.width(0.5), color);
+        }
+        MarkShape::Line(points, width) => {
+            let points = view.map(points)?;
+            add_lines(picture, &points, false, view.width(*width), color);
+        }
+        MarkShape::Text {
+            center,
+            size,
+            rotation,
+            text,
+        } => {
+            let size = size * CAPITAL_HEIGHT;
+            if size * view.scale < MIN_LABEL_PT {
+                return None;
+            }
+            let along = Vec2::from_angle(*rotation) * size;
+            let position = (view.to_screen)(*center)?;
+            picture.labels.push(Label {
+                position,
+                right: (view.to_screen)(*center + along)? - position,
+                down: (view.to_screen)(*center - along.perp())? - position,
+                color,
+                text: with_known_signs(text),
+            });
+        }
+    }
+    Some(())
+}
+
+impl FrontView<'_> {
+    fn map(&self, points: &[Vec2]) -> Option<Vec<Vec2>> {
+        points
+            .iter()
+            .map(|point| (self.to_screen)(*point))
+            .collect()
+    }
+
+    /// Returns the width of a line on the screen, which is seen at any distance.
+    fn width(&self, millimetres: f32) -> f32 {
+        (millimetres * self.scale).max(0.7)
+    }
+
+    fn color(&self, role: MarkRole) -> Color {
+        let colors = self.colors;
+        match role {
+            MarkRole::Well if self.is_lit => colors.lit,
+            MarkRole::Well => colors.key.mix(colors.key_side, 0.3),
+            MarkRole::Groove => colors.key_side,
+            MarkRole::Handle => colors.label.mix(colors.key, 0.25),
+            MarkRole::Cap => colors.key,
+            MarkRole::OnHandle => colors.key,
+            MarkRole::Value => colors.ring,
+            MarkRole::Scale => colors.label.mix(colors.key, 0.45),
+            MarkRole::Label if self.is_lit => colors.lit_label,
+            MarkRole::Label => colors.label,
+        }
+    }
+}
+
+fn add_lines(picture: &mut Picture, points: &[Vec2], is_closed: bool, width: f32, color: Color) {
+    for ends in points.windows(2) {
+        let ends = [(ends[0], color), (ends[1], color)];
+        picture.below.add_line(ends, width);
+    }
+    if let (true, [first, .., last]) = (is_closed, points) {
+        picture
+            .below
+            .add_line([(*last, color), (*first, color)], width);
+    }
+}
+
+fn circle(center: Vec2, radius: f32) -> Vec<Vec2> {
+    let steps = 4 * ARC_STEPS;
+    let angle = |step: usize| step as f32 / steps as f32 * TAU;
+    (0..steps)
+        .map(|step| center + Vec2::from_angle(angle(step)) * radius)
+        .collect()
+}
+
+/// Returns the outline of a rectangle with round corners around the origin.
+fn rounded(half: Vec2, radius: f32) -> Vec<Vec2> {
+    let radius = radius.min(half.min_element());
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    let mut outline = Vec::with_capacity(corners.len() * (CORNER_STEPS + 1));
+    for (corner, (x, y)) in corners.into_iter().enumerate() {
+        for step in 0..=CORNER_STEPS {
+            let turn = corner as f32 + step as f32 / CORNER_STEPS as f32;
+            let round = Vec2::from_angle(turn * FRAC_PI_2) * radius;
+            outline.push(Vec2::new(x, y) * (half - radius) + round);
+        }
+    }
+    outline
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::layout::Layout;
+    use ademan_runtime::files::Load;
+
+    #[test]
+    fn the_handle_of_a_fader_moves_with_its_value() {
+        let layout = Layout::load("media").unwrap();
+        let fader = &layout.controls[0].faces[0];
+        let to_screen = |point: Vec2| Some(point * Vec2::new(3.0, -3.0));
+        let picture = |value: f32| {
+            let marks = layout.front_marks(fader.target, Some(value)).unwrap();
+            let mut picture = Picture::default();
+            let view = FrontView {
+                to_screen: &to_screen,
+                scale: 3.0,
+                colors: &SceneColors::DARK,
+                is_lit: false,
+            };
+            add_marks(&mut picture, &marks, &view);
+            picture
+        };
+        let (low, high) = (picture(0.0), picture(1.0));
+        assert_eq!(low.below.vertices.len(), high.below.vertices.len());
+        assert_ne!(low.below.vertices, high.below.vertices);
+        assert!(low.labels.iter().any(|label| !label.text.is_empty()));
+        let count = low.below.vertices.len() as u32;
+        assert!(low.below.indices.iter().all(|index| *index < count));
+    }
+}

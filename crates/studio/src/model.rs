@@ -1,0 +1,234 @@
+//! The state that the panels show: the latest of everything, and the last seconds.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use parry3d::math::{Pose, Vec3};
+
+use super::history::{History, Moment, SentEvent};
+use super::latency::LatencyLog;
+use super::sensors::SensorTable;
+use super::shapes::Shapes;
+use super::trails::Trail;
+use ademan_core::contact::surface::Anchor;
+use ademan_core::contact::{Phase, TargetId};
+use ademan_core::device::EventKind;
+use ademan_core::hand::{Dof, Finger, FingerSet, JointAngles, Side};
+use ademan_core::kinematics::HandPose;
+use ademan_core::layout::Layout;
+use ademan_core::pipeline::PipelineState;
+use ademan_core::snapshot::{Snapshot, Stats};
+use ademan_runtime::capture::Sample;
+use ademan_runtime::session::view::View;
+
+/// The contact of a fingertip with a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The target.
+    pub target: TargetId,
+    /// Depth as a fraction of the travel, 0..=1.
+    pub depth: f32,
+    /// The target is pressed.
+    pub is_pressed: bool,
+}
+
+/// The state of a session, as far as Studio has received it.
+#[derive(Clone)]
+pub struct StudioModel {
+    /// The latest view.
+    pub view: View,
+    /// The latest pose of each hand that is tracked, by side.
+    pub poses: [Option<HandPose>; Side::COUNT],
+    /// The paths of the fingertips, by side and finger.
+    pub trails: [[Trail; Finger::COUNT]; Side::COUNT],
+    /// Contacts, by side and finger.
+    pub contacts: [[Option<Contact>; Finger::COUNT]; Side::COUNT],
+    /// The latest joint angles.
+    pub angles: Option<JointAngles>,
+    /// Statistics of all readings so far.
+    pub stats: Stats,
+    /// The channels of the glove.
+    pub sensors: SensorTable,
+    /// Latency of the session.
+    pub latency: LatencyLog,
+    /// The latest values of controls of the layout: positions of sliders and knobs, 1 for what is on.
+    pub values: BTreeMap<TargetId, f32>,
+    /// The meshes of the layout.
+    pub shapes: Shapes,
+    /// The layout of `values`.
+    valued: Option<Arc<Layout>>,
+    /// The last seconds.
+    pub history: History,
+    /// The session has ended.
+    pub has_ended: bool,
+}
+
+impl StudioModel {
+    /// Creates the state before the first snapshot.
+    pub fn new(view: View, sensors: SensorTable) -> Self {
+        let mut shapes = Shapes::default();
+        shapes.update(&view.layout);
+        Self {
+            view,
+            poses: [None; Side::COUNT],
+            trails: Default::default(),
+            contacts: Default::default(),
+            angles: None,
+            stats: Stats::default(),
+            sensors,
+            latency: LatencyLog::default(),
+            values: BTreeMap::new(),
+            shapes,
+            valued: None,
+            history: History::default(),
+            has_ended: false,
+        }
+    }
+
+    /// Replaces the view, and reads the meshes of a new layout.
+    pub fn set_view(&mut self, view: View) {
+        self.shapes.update(&view.layout);
+        self.view = view;
+    }
+
+    /// Adds the results of a step.
+    pub fn update(&mut self, snapshot: &Snapshot) {
+        self.stats = snapshot.stats;
+        if let Some(latency) = snapshot.latency {
+            self.latency.push(latency);
+        }
+        if let Some(reading) = &snapshot.reading
+            && let Sample::Channels(channels) = &reading.sample
+        {
+            self.sensors.update(reading.time, channels);
+        }
+        self.angles = snapshot.angles.or(self.angles);
+        match &snapshot.pose {
+            Some(pose) => self.set_pose(pose),
+            None if snapshot.state != PipelineState::Running => self.clear_contacts(),
+            None => {}
+        }
+        for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
+            *pose = pose.filter(|_| !is_lost);
+        }
+        for touch in &snapshot.touches {
+            let contact = &mut self.contacts[touch.side.index()][touch.finger.index()];
+            let was_pressed = contact.is_some_and(|contact| contact.is_pressed);
+            *contact = match touch.phase {
+                Phase::Left | Phase::Cancelled => None,
+                phase => Some(Contact {
+                    target: touch.target,
+                    depth: touch.depth,
+                    is_pressed: match phase {
+                        Phase::Pressed => true,
+                        Phase::Released => false,
+                        _ => was_pressed,
+                    },
+                }),
+            };
+        }
+        self.keep_values(snapshot);
+        self.remember(snapshot);
+    }
+
+    /// Keeps the values of controls, until another layout is used.
+    fn keep_values(&mut self, snapshot: &Snapshot) {
+        let used = &self.view.layout;
+        if !self.valued.as_ref().is_some_and(|it| Arc::ptr_eq(it, used)) {
+            self.valued = Some(Arc::clone(used));
+            self.values.clear();
+        }
+        for event in &snapshot.events {
+            if let EventKind::Value(target, value) = event.kind {
+                self.values.insert(target, value);
+            }
+        }
+    }
+
+    fn set_pose(&mut self, pose: &HandPose) {
+        self.poses[pose.side.index()] = Some(*pose);
+        for &finger in Finger::ALL {
+            let trail = &mut self.trails[pose.side.index()][finger.index()];
+            match pose.fingertip(finger).filter(|_| !pose.jumped) {
+                Some(tip) => trail.push(pose.time, tip),
+                None => trail.clear(),
+            }
+        }
+    }
+
+    fn clear_contacts(&mut self) {
+        self.contacts = Default::default();
+    }
+
+    fn remember(&mut self, snapshot: &Snapshot) {
+        if let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) {
+            let degrees = |dof: Dof| match angles.is_known(dof) {
+                true => angles.get(dof).to_degrees() as f32,
+                false => f32::NAN,
+            };
+            self.history.push(Moment {
+                time: pose.time,
+                degrees: std::array::from_fn(|index| degrees(Dof::ALL[index])),
+                heights_mm: self.heights_mm(),
+                pressing: self.pressing(),
+                latency_ms: snapshot
+                    .latency
+                    .map_or(f32::NAN, |latency| latency.as_secs_f32() * 1e3),
+            });
+        }
+        for event in snapshot.events.iter().filter_map(SentEvent::new) {
+            self.history.push_event(event);
+        }
+    }
+
+    /// Returns the heights of the pads of all fingertips over the first board; NaN for those that are not known.
+    fn heights_mm(&self) -> [[f32; Finger::COUNT]; Side::COUNT] {
+        let mut heights = [[f32::NAN; Finger::COUNT]; Side::COUNT];
+        let Some(world_from_board) = self.world_from_board(0) else {
+            return heights;
+        };
+        let surface_from_world = world_from_board.inverse();
+        for pose in self.poses.iter().flatten() {
+            for &finger in Finger::ALL {
+                if let Some(tip) = pose.fingertip(finger) {
+                    let height = (surface_from_world * tip).z - pose.tip_radius;
+                    heights[pose.side.index()][finger.index()] = height * 1e3;
+                }
+            }
+        }
+        heights
+    }
+
+    /// Returns the fingers that press a target, by side.
+    fn pressing(&self) -> [FingerSet; Side::COUNT] {
+        self.contacts.map(|contacts| {
+            let fingers = Finger::ALL.iter().copied().zip(contacts);
+            let pressing =
+                fingers.filter(|(_, contact)| contact.is_some_and(|contact| contact.is_pressed));
+            pressing.fold(FingerSet::NONE, |set, (finger, _)| set.with(finger))
+        })
+    }
+
+    /// Returns the present pose of a board in the world, or `None` while the hand that it follows is not known.
+    pub fn world_from_board(&self, index: usize) -> Option<Pose> {
+        let surface = self.view.layout.scene.surfaces().get(index)?;
+        let anchor_from_board = self.view.boards.get(index)?;
+        let origin = match surface.anchor() {
+            Anchor::World => Vec3::ZERO,
+            anchor @ (Anchor::Joint(_) | Anchor::Start) => {
+                let is_own = |pose: &&HandPose| surface.side().is_none_or(|side| side == pose.side);
+                let mut poses = self.poses.iter().rev().flatten().filter(is_own);
+                poses.find_map(|pose| anchor.position(pose, surface.side().is_none()))?
+            }
+        };
+        let translation = origin + anchor_from_board.translation;
+        Some(Pose::from_parts(translation, anchor_from_board.rotation))
+    }
+
+    /// Returns the deepest contact with a target.
+    pub fn contact_with(&self, target: TargetId) -> Option<Contact> {
+        let contacts = self.contacts.iter().flatten().flatten();
+        let own = contacts.filter(|contact| contact.target == target);
+        own.copied().max_by(|a, b| a.depth.total_cmp(&b.depth))
+    }
+}

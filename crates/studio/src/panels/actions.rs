@@ -1,0 +1,253 @@
+//! The actions with their keys: one table for the toolbar, the keyboard and the list of keys.
+
+use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, Ui};
+
+use super::{PanelContext, PanelKind, PanelState};
+use crate::camera::Viewpoint;
+use crate::model::StudioModel;
+use crate::texts::text;
+use ademan_core::command::Command;
+
+/// An action of the person.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    Pause,
+    Recenter,
+    Zero,
+    Look(Viewpoint),
+    Bones,
+    Opaque,
+    Trails,
+    Reach,
+    Fingertip,
+    Show(PanelKind),
+    NextPanel,
+    PreviousPanel,
+    Keys,
+}
+
+/// An action with its key, and the keys of its words.
+pub(super) struct ActionSpec {
+    pub action: Action,
+    pub name: &'static str,
+    pub hint: &'static str,
+    shortcut: KeyboardShortcut,
+    /// The shortcut acts while words are edited.
+    is_global: bool,
+}
+
+const fn spec(
+    action: Action,
+    (modifiers, key): (Modifiers, Key),
+    name: &'static str,
+    hint: &'static str,
+) -> ActionSpec {
+    ActionSpec {
+        action,
+        name,
+        hint,
+        shortcut: KeyboardShortcut::new(modifiers, key),
+        is_global: false,
+    }
+}
+
+const fn global(spec: ActionSpec) -> ActionSpec {
+    ActionSpec {
+        is_global: true,
+        ..spec
+    }
+}
+
+const fn plain(key: Key) -> (Modifiers, Key) {
+    (Modifiers::NONE, key)
+}
+
+/// All actions. A shortcut with more modifiers stands before one with fewer.
+pub(super) const ACTIONS: [ActionSpec; 16] = [
+    spec(Action::Pause, plain(Key::P), "button-pause", "hint-pause"),
+    spec(
+        Action::Recenter,
+        plain(Key::C),
+        "button-recenter",
+        "hint-recenter",
+    ),
+    spec(Action::Zero, plain(Key::Z), "button-zero", "hint-zero"),
+    spec(
+        Action::Look(Viewpoint::Eye),
+        plain(Key::Num1),
+        "view-eye",
+        "hint-view",
+    ),
+    spec(
+        Action::Look(Viewpoint::Above),
+        plain(Key::Num2),
+        "view-above",
+        "hint-view",
+    ),
+    spec(
+        Action::Look(Viewpoint::Side),
+        plain(Key::Num3),
+        "view-side",
+        "hint-view",
+    ),
+    spec(Action::Bones, plain(Key::B), "view-bones", "hint-view"),
+    spec(Action::Opaque, plain(Key::O), "view-opaque", "hint-view"),
+    spec(Action::Trails, plain(Key::T), "view-trails", "hint-view"),
+    spec(Action::Reach, plain(Key::R), "view-reach", "hint-view"),
+    spec(
+        Action::Fingertip,
+        plain(Key::M),
+        "button-fingertip",
+        "hint-fingertip",
+    ),
+    global(spec(
+        Action::Show(PanelKind::Sensors),
+        plain(Key::F7),
+        "panel-sensors",
+        "hint-panel",
+    )),
+    global(spec(
+        Action::Show(PanelKind::Scope),
+        plain(Key::F8),
+        "panel-scope",
+        "hint-panel",
+    )),
+    global(spec(
+        Action::PreviousPanel,
+        (Modifiers::SHIFT, Key::F6),
+        "keys-previous-panel",
+        "hint-panel",
+    )),
+    global(spec(
+        Action::NextPanel,
+        plain(Key::F6),
+        "keys-next-panel",
+        "hint-panel",
+    )),
+    global(spec(
+        Action::Keys,
+        plain(Key::F1),
+        "keys-title",
+        "hint-panel",
+    )),
+];
+
+/// Keys of panels and of the toolkit: names of the keys, and the key of the words.
+pub(super) const OTHER_KEYS: [(&str, &str); 8] = [
+    ("←↑↓→", "keys-orbit"),
+    ("Shift+←↑↓→", "keys-pan"),
+    ("+, −", "keys-zoom"),
+    ("Tab, Shift+Tab", "keys-tab"),
+    ("Space, Enter", "keys-operate"),
+    ("Esc", "keys-escape"),
+    ("Ctrl+Plus, Ctrl+Minus", "keys-scale"),
+    ("Ctrl+0", "keys-normal-scale"),
+];
+
+impl Action {
+    /// Returns the entry of the table.
+    pub fn spec(self) -> &'static ActionSpec {
+        const TABLE: &[ActionSpec] = &ACTIONS;
+        let own = TABLE.iter().find(|spec| spec.action == self);
+        own.expect("each action has an entry")
+    }
+
+    /// Returns the word on the button.
+    pub fn name(self, model: &StudioModel) -> &'static str {
+        match self {
+            Self::Pause if model.view.state.paused_by.is_some() => text("button-resume"),
+            _ => text(self.spec().name),
+        }
+    }
+
+    /// Returns `true` unless the action is for a session and none is shown.
+    pub fn is_enabled(self, context: &PanelContext) -> bool {
+        if self == Self::Fingertip {
+            return context.player.is_none() && !context.session.has_ended;
+        }
+        let is_command = matches!(self, Self::Pause | Self::Recenter | Self::Zero);
+        !is_command || (!context.session.has_ended && !context.is_replay)
+    }
+
+    /// Performs the action.
+    pub fn perform(self, ui: &Context, state: &mut PanelState, context: &mut PanelContext) {
+        match self {
+            Self::Pause if context.session.view.state.paused_by.is_some() => {
+                context.sent.push(Command::Resume);
+            }
+            Self::Pause => context.sent.push(Command::Pause),
+            Self::Recenter => context.sent.push(Command::Recenter),
+            Self::Zero => context.sent.push(Command::Zero),
+            Self::Look(viewpoint) => state.next_viewpoint = Some(viewpoint),
+            Self::Bones => state.scene.bones = !state.scene.bones,
+            Self::Opaque => state.scene.opaque = !state.scene.opaque,
+            Self::Trails => state.scene.trails = !state.scene.trails,
+            Self::Reach => state.scene.reach = !state.scene.reach,
+            Self::Fingertip => state.is_fingertip = !state.is_fingertip,
+            Self::Show(kind) => state.shown[kind as usize] = !state.shown[kind as usize],
+            Self::NextPanel => move_focus(ui, state, 1),
+            Self::PreviousPanel => move_focus(ui, state, -1),
+            Self::Keys => state.shows_keys = !state.shows_keys,
+        }
+    }
+}
+
+impl ActionSpec {
+    /// Returns the names of the keys.
+    pub fn keys(&self, ui: &Context) -> String {
+        ui.format_shortcut(&self.shortcut)
+    }
+}
+
+/// Moves the focus to another panel.
+fn move_focus(ui: &Context, state: &mut PanelState, step: isize) {
+    let count = state.panel_ids.len() as isize;
+    if count == 0 {
+        return;
+    }
+    let index = state
+        .focused_panel
+        .map_or(-step.min(0), |index| index as isize + step);
+    let index = index.rem_euclid(count) as usize;
+    state.focused_panel = Some(index);
+    ui.memory_mut(|memory| memory.request_focus(state.panel_ids[index]));
+}
+
+/// Performs the actions whose keys were pressed. Letters are left to words that are edited.
+pub(super) fn handle_keys(ui: &Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let is_editing = ui.ctx().text_edit_focused();
+    for spec in &ACTIONS {
+        if is_editing && !spec.is_global {
+            continue;
+        }
+        let is_pressed = ui.input_mut(|input| {
+            let is_help = spec.action == Action::Keys && !is_editing;
+            input.consume_shortcut(&spec.shortcut)
+                || is_help && input.consume_key(Modifiers::NONE, Key::Questionmark)
+        });
+        if is_pressed && spec.action.is_enabled(context) {
+            spec.action.perform(ui.ctx(), state, context);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shortcut_belongs_to_one_action() {
+        for (index, spec) in ACTIONS.iter().enumerate() {
+            let mut others = ACTIONS[index + 1..].iter();
+            let same = others.find(|other| other.shortcut == spec.shortcut);
+            assert!(same.is_none(), "{:?} twice", spec.shortcut);
+        }
+    }
+
+    #[test]
+    fn every_panel_has_a_key() {
+        for kind in PanelKind::ALL {
+            assert_eq!(Action::Show(kind).spec().action, Action::Show(kind));
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The guided calibration: start, poses, and result.
+
+mod live;
+mod picture;
+mod pose;
+mod result;
+
+use eframe::egui::{self, Key, RichText};
+
+use super::PanelContext;
+use super::sensors::show_question;
+use crate::guide::Guide;
+use crate::scene::SceneColors;
+use crate::texts::{text, text_with};
+use ademan_core::command::Command;
+
+/// Number of the simulated person of the demonstration.
+const PERSON: u64 = 1;
+
+/// Space around the content, in points.
+const MARGIN: i8 = 20;
+
+/// Width of lines of text, in points.
+const TEXT_WIDTH: f32 = 640.0;
+
+pub(super) fn show(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContext) {
+    let frame = egui::Frame::NONE.inner_margin(MARGIN);
+    frame.show(ui, |ui| match &context.sensors.guide {
+        None => show_start(ui, context),
+        Some(guide) if guide.result().is_some() => result::show(ui, context),
+        Some(_) => pose::show(ui, colors, context),
+    });
+}
+
+/// Shows what a calibration is, and the buttons that start it.
+fn show_start(ui: &mut egui::Ui, context: &mut PanelContext) {
+    let sensors = &mut *context.sensors;
+    let Some(editor) = &sensors.editor else {
+        ui.label(text("calibration-none"));
+        return;
+    };
+    let name = editor.glove().name.clone();
+    let title = text_with("calibration-title", &[("glove", name.into())]);
+    ui.heading(RichText::new(title).size(22.0));
+    ui.add_space(8.0);
+    ui.scope(|ui| {
+        ui.set_max_width(TEXT_WIDTH);
+        ui.label(RichText::new(text("calibration-intro")).size(15.0));
+        ui.add_space(12.0);
+        ui.horizontal(|ui| {
+            let is_live = !context.session.has_ended;
+            let start = big_button(text("calibration-start"));
+            if ui.add_enabled(is_live, start).clicked() {
+                sensors.start_calibration(Guide::new);
+                context.sent.push(Command::Pause);
+            }
+            let demo = ui.add(big_button(text("calibration-demo")));
+            if demo.on_hover_text(text("calibration-demo-hint")).clicked() {
+                sensors.start_calibration(|editor| Guide::demonstration(editor, PERSON));
+            }
+        });
+        ui.add_space(12.0);
+        show_question(ui, sensors);
+        for message in sensors.notice.iter().chain(&sensors.message) {
+            ui.label(RichText::new(message).size(15.0));
+        }
+    });
+}
+
+fn big_button(name: &str) -> egui::Button<'_> {
+    egui::Button::new(RichText::new(name).size(16.0)).min_size(egui::vec2(120.0, 34.0))
+}
+
+/// Returns whether a button is clicked, or its key is pressed.
+fn button(ui: &mut egui::Ui, name: &'static str, key: Key, hint: &str) -> bool {
+    let is_pressed = ui.input(|input| input.key_pressed(key)) && !ui.ctx().text_edit_focused();
+    let response = ui.add(big_button(name));
+    let response = match hint {
+        "" => response,
+        hint => response.on_hover_text(hint),
+    };
+    response.clicked() || is_pressed
+}
+
+/// Ends the calibration without a result.
+fn quit(context: &mut PanelContext) {
+    resume(context);
+    context.sensors.guide = None;
+}
+
+/// Ends the pause of a calibration with the source of the session.
+fn resume(context: &mut PanelContext) {
+    let guide = context.sensors.guide.as_ref();
+    if guide.is_some_and(|guide| !guide.is_demonstration()) {
+        context.sent.push(Command::Resume);
+    }
+}

@@ -1,0 +1,55 @@
+//! The pictures of a pose: the hand from above or below, and from the side.
+
+use eframe::egui::{self, Align2, FontId};
+use parry3d::math::Vec2;
+
+use crate::camera::Viewpoint;
+use crate::panels::space;
+use crate::pose_picture::PosePicture;
+use crate::scene::SceneColors;
+use crate::texts::text;
+use ademan_core::calibrate::CalibrationPose;
+
+/// Shows a pose in an area of this size, from above or below in the left or upper half, and from the side in the other.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    pose: CalibrationPose,
+    picture: Option<&PosePicture>,
+    (size, colors): (egui::Vec2, &SceneColors),
+) {
+    let (area, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, pose.instruction())
+    });
+    let Some(picture) = picture else {
+        return;
+    };
+    let is_wide = size.x > 1.2 * size.y;
+    let halves = match is_wide {
+        true => area.split_left_right_at_fraction(0.5),
+        false => area.split_top_bottom_at_fraction(0.5),
+    };
+    let fingers = picture.finger_viewpoint();
+    let name = match fingers {
+        Viewpoint::Below => text("calibration-below"),
+        _ => text("calibration-above"),
+    };
+    let views = [
+        (halves.0, fingers, name),
+        (halves.1, Viewpoint::Side, text("calibration-side")),
+    ];
+    for (area, viewpoint, name) in views {
+        let area = area.shrink(3.0);
+        let painter = ui.painter_at(area);
+        let size = Vec2::new(area.width(), area.height());
+        let drawn = picture.draw(viewpoint, size, colors);
+        space::paint(&painter, area, &drawn, colors.background);
+        painter.text(
+            area.left_top() + egui::vec2(8.0, 6.0),
+            Align2::LEFT_TOP,
+            name,
+            FontId::proportional(13.0),
+            ui.visuals().weak_text_color(),
+        );
+    }
+}

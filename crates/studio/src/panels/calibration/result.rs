@@ -1,0 +1,102 @@
+//! The result of a calibration: score, problems, and the angles before and after.
+
+use eframe::egui::{self, Key, RichText};
+
+use super::{big_button, button, quit, resume};
+use crate::guide::{Guide, GuideResult, JointChange};
+use crate::joint_names::joint_name;
+use crate::panels::PanelContext;
+use crate::texts::{text, text_with};
+use ademan_core::calibrate::{Problem, Severity};
+use ademan_core::message::escape_path;
+
+/// Height of the row of buttons, in points.
+const BUTTONS_HEIGHT: f32 = 56.0;
+
+pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
+    let Some(result) = context.sensors.guide.as_ref().and_then(Guide::result) else {
+        return;
+    };
+    // The result of a demonstration fits no glove of this person.
+    let is_live = |guide: &Guide| !guide.is_demonstration();
+    let is_usable = result.is_ok() && context.sensors.guide.as_ref().is_some_and(is_live);
+    let height = (ui.available_height() - BUTTONS_HEIGHT).max(100.0);
+    let area = egui::ScrollArea::vertical().max_height(height);
+    area.auto_shrink(false).show(ui, |ui| match result {
+        Ok(result) => show_result(ui, result),
+        Err(error) => {
+            ui.heading(RichText::new(text("calibration-failed")).size(22.0));
+            ui.add_space(8.0);
+            ui.label(RichText::new(format!("× {error}")).size(15.0));
+        }
+    });
+    ui.add_space(8.0);
+    ui.horizontal(|ui| show_buttons(ui, context, is_usable));
+}
+
+fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
+    let score = text_with("calibration-score", &[("score", result.fit.score.into())]);
+    ui.heading(RichText::new(score).size(22.0));
+    ui.add_space(6.0);
+    if result.fit.problems.is_empty() {
+        ui.label(format!("√ {}", text("calibration-no-problem")));
+    }
+    for problem in &result.fit.problems {
+        ui.label(format!("{} {problem}", sign(problem)));
+    }
+    ui.add_space(10.0);
+    let grid = egui::Grid::new("changes").num_columns(3).striped(true);
+    grid.spacing([28.0, 3.0]).show(ui, |ui| {
+        for key in ["channel-joint", "calibration-before", "calibration-after"] {
+            ui.strong(text(key));
+        }
+        ui.end_row();
+        for JointChange { dof, before, after } in &result.changes {
+            ui.label(joint_name(*dof));
+            for [low, high] in [before, after] {
+                ui.monospace(format!(
+                    "{:>4.0}° … {:>4.0}°",
+                    low.round() + 0.0,
+                    high.round() + 0.0
+                ));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn sign(problem: &Problem) -> char {
+    match problem.severity() {
+        Severity::Corrected => '√',
+        Severity::Inexact => '▲',
+        Severity::Unusable => '×',
+    }
+}
+
+fn show_buttons(ui: &mut egui::Ui, context: &mut PanelContext, is_usable: bool) {
+    let file = context.sensors.file().map(escape_path);
+    let hint = text_with(
+        "calibration-use-hint",
+        &[("file", file.unwrap_or_default().into())],
+    );
+    let save = ui.add_enabled(is_usable, big_button(text("calibration-use")));
+    let is_saved = save.on_hover_text(hint).clicked();
+    let only_use = ui.add_enabled(is_usable, big_button(text("calibration-try")));
+    if is_saved || only_use.clicked() {
+        resume(context);
+        context.sensors.adopt_result();
+        if is_saved {
+            context.sensors.save(false);
+        }
+        return;
+    }
+    let Some(guide) = &mut context.sensors.guide else {
+        return;
+    };
+    if button(ui, text("calibration-repeat"), Key::R, "") {
+        guide.repeat();
+    }
+    if button(ui, text("calibration-quit"), Key::Q, "") {
+        quit(context);
+    }
+}

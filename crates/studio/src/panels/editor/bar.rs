@@ -1,0 +1,232 @@
+//! The bar of the layout editor: boards, undo, save, arrangement.
+
+use eframe::egui;
+
+use super::{EditorPanel, icons};
+use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
+use crate::texts::{Language, language, text, text_with};
+
+/// Distances between positions on the grid, in millimetres.
+const GRIDS_MM: [f32; 5] = [0.5, 1.0, 2.0, 5.0, 9.5];
+
+/// Alignment of several parts: words, and edge.
+pub(super) const ALIGNMENTS: [(&str, AlignEdge); 6] = [
+    ("editor-align-left", AlignEdge::Left),
+    ("editor-align-center", AlignEdge::CenterX),
+    ("editor-align-right", AlignEdge::Right),
+    ("editor-align-far", AlignEdge::Top),
+    ("editor-align-middle", AlignEdge::CenterY),
+    ("editor-align-near", AlignEdge::Bottom),
+];
+
+/// Distribution of several parts.
+pub(super) const DISTRIBUTIONS: [(&str, BoardAxis); 2] = [
+    ("editor-distribute-x", BoardAxis::X),
+    ("editor-distribute-y", BoardAxis::Y),
+];
+
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.add_space(3.0);
+    ui.horizontal_wrapped(|ui| {
+        show_file(ui, panel);
+        ui.separator();
+        show_history(ui, panel);
+        ui.separator();
+        show_add(ui, panel);
+        show_arrangement(ui, panel);
+        ui.separator();
+        show_snapping(ui, panel);
+        show_trial(ui, panel);
+    });
+    ui.horizontal_wrapped(|ui| show_boards(ui, panel));
+    ui.add_space(2.0);
+}
+
+fn show_file(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.strong(panel.marked_name());
+    if button(ui, text("editor-open"), text("editor-open-hint"), true) {
+        panel.ask_for_layout();
+    }
+    if button(ui, text("editor-save"), text("editor-save-hint"), true) {
+        panel.save();
+    }
+    if button(
+        ui,
+        text("editor-save-as"),
+        text("editor-save-as-hint"),
+        true,
+    ) {
+        panel.ask_for_path();
+    }
+}
+
+fn show_history(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let can_undo = panel.editor.can_undo();
+    if button(ui, text("editor-undo"), text("editor-undo-hint"), can_undo) {
+        panel.undo();
+    }
+    let can_redo = panel.editor.can_redo();
+    if button(ui, text("editor-redo"), text("editor-redo-hint"), can_redo) {
+        panel.redo();
+    }
+}
+
+fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.menu_button(text("editor-add"), |ui| {
+        for &kind in ControlKind::ALL {
+            if ui.button(kind_words(kind)).clicked() {
+                panel.add_control(kind);
+            }
+        }
+        ui.separator();
+        let others = [
+            ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
+            ("editor-new-layer", NewPart::Layer),
+            ("editor-new-trigger", NewPart::Trigger),
+            ("editor-new-pointer", NewPart::Pointer),
+            ("editor-new-space", NewPart::Space),
+        ];
+        for (name, part) in others {
+            if ui.button(text(name)).clicked() {
+                panel.add(part);
+            }
+        }
+    });
+    let has_selection = !panel.editor.selection().is_empty();
+    if button(
+        ui,
+        text("editor-duplicate"),
+        text("editor-duplicate-hint"),
+        has_selection,
+    ) {
+        panel.duplicate();
+    }
+    if button(
+        ui,
+        text("editor-delete"),
+        text("editor-delete-hint"),
+        has_selection,
+    ) {
+        panel.delete();
+    }
+}
+
+/// Returns the words for a kind of control.
+pub(super) fn kind_words(kind: ControlKind) -> &'static str {
+    let [english, spanish] = kind.spec().words;
+    match language() {
+        Language::English => english,
+        Language::Spanish => spanish,
+    }
+}
+
+fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let count = panel.selected.len();
+    ui.separator();
+    for (hint, edge) in ALIGNMENTS {
+        if icons::button(ui, icons::alignment(edge), text(hint), count >= 2) {
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Align { parts, edge });
+        }
+    }
+    for (hint, axis) in DISTRIBUTIONS {
+        if icons::button(ui, icons::distribution(axis), text(hint), count >= 3) {
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Distribute { parts, axis });
+        }
+    }
+    ui.add_enabled_ui(count > 0, |ui| {
+        ui.menu_button(text("editor-repeat"), |ui| show_repeat(ui, panel));
+    });
+}
+
+/// Shows the numbers of a repetition, and a button that makes it.
+fn show_repeat(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let repeat = &mut panel.repeat;
+    egui::Grid::new("editor-repeat").show(ui, |ui| {
+        let counts = ["editor-columns", "editor-rows"];
+        for (name, count) in counts.into_iter().zip(&mut repeat.count) {
+            let label = ui.label(text(name));
+            let number = egui::DragValue::new(count).range(1..=40).speed(0.05);
+            ui.add(number).labelled_by(label.id);
+            ui.end_row();
+        }
+        let pitches = ["editor-pitch-x", "editor-pitch-y"];
+        for (name, pitch) in pitches.into_iter().zip(&mut repeat.pitch_mm) {
+            let label = ui.label(text(name));
+            let number = egui::DragValue::new(pitch).range(-500.0..=500.0);
+            ui.add(number.speed(0.1).suffix(" mm"))
+                .labelled_by(label.id);
+            ui.end_row();
+        }
+    });
+    if ui.button(text("editor-repeat-now")).clicked() {
+        let (count, pitch_mm) = (repeat.count, repeat.pitch_mm);
+        let parts = panel.selected_parts();
+        panel.apply(&Edit::Repeat {
+            parts,
+            count,
+            pitch_mm,
+        });
+        ui.close();
+    }
+}
+
+fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.checkbox(&mut panel.snaps, text("editor-snap"))
+        .on_hover_text(text("editor-snap-hint"));
+    let grid = egui::ComboBox::from_id_salt("editor-grid")
+        .selected_text(format!("{} mm", panel.grid_mm))
+        .width(70.0);
+    let shown = grid.show_ui(ui, |ui| {
+        for grid_mm in GRIDS_MM {
+            ui.selectable_value(&mut panel.grid_mm, grid_mm, format!("{grid_mm} mm"));
+        }
+    });
+    let name = text("editor-grid");
+    shown
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
+        panel.viewport = None;
+    }
+}
+
+/// Shows the switch of the trial in the running session.
+fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(trial) = &mut panel.trial else {
+        return;
+    };
+    ui.separator();
+    let mut is_on = trial.is_on();
+    let switch = ui.checkbox(&mut is_on, text("editor-try"));
+    if switch.on_hover_text(text("editor-try-hint")).changed() {
+        trial.set_on(is_on);
+    }
+}
+
+/// Shows a tab for each board, and the result of the last operation.
+pub fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    for board in 0..panel.editor.count("boards") {
+        let name = text_with("editor-board", &[("number", (board + 1).into())]);
+        let tab = ui.selectable_label(panel.board == board, name);
+        if tab.clicked() {
+            panel.show_board(board);
+        }
+    }
+    // One line, so that a message does not move the board.
+    let (message, color) = match &panel.message {
+        Some(Ok(message)) => (*message, ui.visuals().weak_text_color()),
+        Some(Err(message)) => (message.as_str(), ui.visuals().warn_fg_color),
+        None => return,
+    };
+    let words = egui::RichText::new(message).color(color);
+    ui.add(egui::Label::new(words).truncate())
+        .on_hover_text(message);
+}
+
+/// Shows a button with a hint. Returns `true` if it was clicked.
+fn button(ui: &mut egui::Ui, name: &str, hint: &str, is_enabled: bool) -> bool {
+    let button = ui.add_enabled(is_enabled, egui::Button::new(name));
+    button.on_hover_text(hint).clicked()
+}

@@ -1,0 +1,292 @@
+//! The canvas of the layout editor: mouse, keyboard and painting.
+
+use eframe::egui::{self, EventFilter, PointerButton, Sense};
+use parry3d::math::Vec2;
+
+use super::super::{PanelContext, space};
+use super::{EditorPanel, rounded};
+use crate::canvas::board::Fingertip;
+use crate::canvas::draw::{self, CanvasScene};
+use crate::canvas::gesture::{self, Gesture, Preview};
+use crate::canvas::handles::{self, Handle};
+use crate::canvas::snap::SnapSettings;
+use crate::canvas::viewport::Viewport;
+use crate::canvas::{Bounds, CORNERS, bend};
+use crate::editor::{Edit, Part};
+use crate::model::StudioModel;
+use crate::scene::SceneColors;
+use crate::texts::text;
+use ademan_core::hand::Finger;
+
+/// Distance at which edges attract, in points.
+const SNAP_REACH: f32 = 6.0;
+
+/// Distance at which the handle of a bend is hit, in points.
+const BEND_REACH: f32 = 9.0;
+
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let size = Vec2::new(area.width(), area.height());
+    if size.min_element() < 1.0 {
+        return;
+    }
+    panel.canvas_size = Some(size);
+    name_for_readers(panel, &response);
+    keep_arrow_keys(ui, &response);
+    let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
+    let viewport = panel.viewport.get_or_insert_with(|| match bounds {
+        Some(bounds) => Viewport::fit(bounds, size),
+        None => Viewport::default(),
+    });
+    let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
+    move_view(ui, &response, viewport, to_local, size);
+    let viewport = *viewport;
+    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
+        let point = viewport.to_board(to_local(at), size);
+        handle_mouse(ui, panel, &response, point, viewport.scale);
+        set_cursor(ui, panel, point, viewport.scale);
+    }
+    let over = Over {
+        heats: &[],
+        hint: text("editor-hint"),
+    };
+    paint(ui, panel, context, (area, &viewport), &over);
+}
+
+/// What is drawn over the items, and below the board.
+pub(super) struct Over<'a> {
+    /// The strengths of a colour, by item.
+    pub heats: &'a [f32],
+    /// The words at the lower edge.
+    pub hint: &'a str,
+}
+
+/// Tells screen readers what is on the canvas.
+fn name_for_readers(panel: &EditorPanel, response: &egui::Response) {
+    let name = text("editor-canvas");
+    let selected = panel.selected.single();
+    let label = selected.and_then(|index| panel.items.items.get(index));
+    let name = label.map_or_else(|| name.to_owned(), |item| format!("{name}: {}", item.label));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, &name));
+}
+
+/// Keeps the arrow keys from moving the focus away from the canvas.
+fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    let filter = EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        escape: true,
+        ..EventFilter::default()
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+}
+
+pub(super) fn move_view(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    viewport: &mut Viewport,
+    to_local: impl Fn(egui::Pos2) -> Vec2,
+    size: Vec2,
+) {
+    let pans =
+        response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary);
+    if pans {
+        let drag = response.drag_delta();
+        viewport.pan(Vec2::new(drag.x, drag.y));
+    }
+    if let Some(at) = response.hover_pos() {
+        let (scroll, zoom) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = (scroll * 0.002).exp() * zoom;
+        viewport.zoom_at(to_local(at), size, factor);
+    }
+}
+
+fn handle_mouse(
+    ui: &egui::Ui,
+    panel: &mut EditorPanel,
+    response: &egui::Response,
+    point: Vec2,
+    scale: f32,
+) {
+    let modifiers = ui.input(|input| input.modifiers);
+    let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
+    if starts && response.contains_pointer() {
+        if bend_handle(panel).is_some_and(|at| (at - point).length() * scale <= BEND_REACH) {
+            panel.dragged_radius = panel.items.radius;
+            return;
+        }
+        let items = &panel.items.items;
+        let begun = gesture::begin(items, &mut panel.selected, point, scale, modifiers.shift);
+        panel.gesture = Some(begun);
+        panel.message = None;
+        panel.select_items_in_editor();
+    }
+    let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
+    if panel.dragged_radius.is_some() {
+        drag_bend(panel, point, is_down);
+        return;
+    }
+    let Some(gesture) = panel.gesture.clone() else {
+        return;
+    };
+    if response.dragged_by(PointerButton::Primary) {
+        let snap = match panel.snaps && !modifiers.alt {
+            true => SnapSettings {
+                grid_mm: panel.grid_mm,
+                reach_mm: SNAP_REACH / scale,
+            },
+            false => SnapSettings::OFF,
+        };
+        let items = &panel.items.items;
+        panel.preview = gesture.preview(items, &mut panel.selected, point, snap);
+    }
+    if !is_down {
+        let preview = std::mem::take(&mut panel.preview);
+        panel.gesture = None;
+        finish(panel, &gesture, &preview);
+    }
+}
+
+/// Makes the edit of a finished gesture: one step of undo.
+fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
+    if let Gesture::Band { .. } = gesture {
+        panel.select_items_in_editor();
+    }
+    let Some(&(index, new)) = preview.shapes.first() else {
+        return;
+    };
+    let (Some(old), Some(Some(part))) = (
+        panel.items.items.get(index).map(|item| item.shape),
+        panel.parts.get(index).copied(),
+    ) else {
+        panel.message = Some(Err(text("editor-unbalanced").to_owned()));
+        return;
+    };
+    match gesture {
+        Gesture::Band { .. } => {}
+        Gesture::Move { .. } => panel.move_selected(new.center - old.center),
+        Gesture::Handle { handle, .. } => match handle {
+            Handle::Turn => panel.apply(&Edit::Turn {
+                parts: vec![part],
+                degrees: rounded(new.rotation_deg - old.rotation_deg),
+            }),
+            Handle::Corner(corner) => {
+                let by = (new.half - old.half) * 2.0;
+                let fixed = match old.is_disc {
+                    true => Vec2::ZERO,
+                    false => -CORNERS[*corner],
+                };
+                panel.apply(&Edit::Resize {
+                    parts: vec![part],
+                    by_mm: [rounded(by.x), rounded(by.y)],
+                    fixed: [f64::from(fixed.x), f64::from(fixed.y)],
+                });
+            }
+        },
+    }
+}
+
+/// Returns the position of the handle that sets the radius of the board.
+fn bend_handle(panel: &EditorPanel) -> Option<Vec2> {
+    let radius = panel.items.radius?;
+    let half_width = draw::bend_half_width(&panel.items.items);
+    bend::curve(radius, half_width).last().copied()
+}
+
+fn drag_bend(panel: &mut EditorPanel, point: Vec2, is_down: bool) {
+    let half_width = draw::bend_half_width(&panel.items.items);
+    let radius = bend::radius_for_drop(half_width, -point.y).round();
+    panel.dragged_radius = Some(radius);
+    if !is_down {
+        panel.dragged_radius = None;
+        if panel.items.radius != Some(radius) {
+            panel.apply(&Edit::SetField {
+                parts: vec![Part::Board(panel.board)],
+                field: "shape.radius_mm".to_owned(),
+                value: Some(radius.to_string()),
+            });
+        }
+    }
+}
+
+fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, point: Vec2, scale: f32) {
+    let single = panel.selected.single();
+    let item = single.and_then(|index| panel.items.items.get(index));
+    let handle = item.and_then(|item| handles::handle_at(item, point, scale));
+    let icon = match (&panel.gesture, handle) {
+        (Some(Gesture::Move { .. }), _) if !panel.preview.shapes.is_empty() => {
+            egui::CursorIcon::Grabbing
+        }
+        (_, Some(Handle::Turn)) => egui::CursorIcon::Crosshair,
+        (_, Some(Handle::Corner(_))) => egui::CursorIcon::ResizeNwSe,
+        _ => return,
+    };
+    ui.ctx().set_cursor_icon(icon);
+}
+
+pub(super) fn paint(
+    ui: &egui::Ui,
+    panel: &EditorPanel,
+    context: &PanelContext,
+    (area, viewport): (egui::Rect, &Viewport),
+    over: &Over,
+) {
+    let colors = match ui.visuals().dark_mode {
+        true => SceneColors::DARK,
+        false => SceneColors::LIGHT,
+    };
+    let (pressed, fingertips) = live(panel, context.session);
+    let scene = CanvasScene {
+        items: &panel.items.items,
+        selected: &panel.selected,
+        pressed: &pressed,
+        fingertips: &fingertips,
+        preview: &panel.preview,
+        faulty: &panel.faulty,
+        heats: over.heats,
+        radius: panel.dragged_radius.or(panel.items.radius),
+        has_grid: true,
+    };
+    let size = Vec2::new(area.width(), area.height());
+    let picture = draw::draw(&scene, viewport, size, &colors);
+    let painter = ui.painter_at(area);
+    space::paint(&painter, area, &picture, colors.background);
+    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
+    let font = egui::FontId::proportional(12.0);
+    let color = ui.visuals().weak_text_color();
+    painter.text(hint, egui::Align2::CENTER_BOTTOM, over.hint, font, color);
+}
+
+/// Returns the pressed items and the fingertips over the board, if the session uses the present text.
+fn live(panel: &EditorPanel, model: &StudioModel) -> (Vec<usize>, Vec<Fingertip>) {
+    let is_live = panel.editor.layout().is_some_and(|layout| {
+        let used = &model.view.layout;
+        used.text == layout.text && used.boards.len() == layout.boards.len()
+    });
+    if !is_live {
+        return (Vec::new(), Vec::new());
+    }
+    let is_pressed = |target| model.contact_with(target).is_some_and(|it| it.is_pressed);
+    let targets = panel.items.targets.iter().enumerate();
+    let pressed = targets.filter(|(_, target)| is_pressed(**target));
+    let pressed = pressed.map(|(index, _)| index).collect();
+    let Some(world_from_board) = model.world_from_board(panel.board) else {
+        return (pressed, Vec::new());
+    };
+    let board_from_world = world_from_board.inverse();
+    let poses = model.poses.iter().flatten();
+    let tips = poses.flat_map(|pose| {
+        let tips = Finger::ALL
+            .iter()
+            .filter_map(|&finger| pose.fingertip(finger));
+        tips.map(|tip| (board_from_world * tip, pose.tip_radius))
+    });
+    let tips = tips.filter_map(|(tip, radius)| {
+        let pad = tip - parry3d::math::Vec3::Z * radius;
+        panel.items.fingertip(pad)
+    });
+    (pressed, tips.collect())
+}

@@ -1,0 +1,237 @@
+//! The form of the selection: geometry, fields, binding.
+
+use eframe::egui::{self, DragValue};
+
+use super::{EditorPanel, bar, binding, field_row, rounded, several};
+use crate::canvas::ItemShape;
+use crate::editor::{ControlKind, Edit, FieldSpec, FieldType, Part, fields_of};
+use crate::panels::is_other_number;
+use crate::texts::{text, text_with};
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 2;
+
+/// Fields that the geometry above them shows.
+const GEOMETRY_FIELDS: [&str; 5] = ["at_mm", "size_mm", "length_mm", "width_mm", "diameter_mm"];
+
+/// The form between two pictures.
+#[derive(Default)]
+pub(super) struct FormState {
+    /// Geometry that is being changed, with the index of its item.
+    geometry: Option<(usize, ItemShape)>,
+    /// The text of a field that is being written.
+    pub text: Option<(&'static str, String)>,
+    /// A number that is being dragged, with the parts as they were before.
+    pub dragged: Option<(&'static str, Vec<Part>)>,
+}
+
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.add_space(4.0);
+    let parts = panel.editor.selection().to_vec();
+    let Some(&first) = parts.first() else {
+        ui.weak(text("editor-nothing-selected"));
+        return;
+    };
+    match parts.len() {
+        1 => ui.strong(title(panel, first)),
+        count => ui.strong(text_with(
+            "editor-several-selected",
+            &[("count", count.into())],
+        )),
+    };
+    match panel.selected.len() > 1 {
+        true => several::show(ui, panel),
+        false => show_geometry(ui, panel),
+    }
+    if parts.len() == 1 {
+        binding::show(ui, panel, first);
+    }
+    show_fields(ui, panel, &parts);
+}
+
+fn title(panel: &EditorPanel, part: Part) -> String {
+    let name = panel.editor.part_name(part).unwrap_or_default();
+    title_of(words(part), &name)
+}
+
+/// Returns the kind and the name of a part; the name alone if it begins with the kind, as those of new controls do.
+fn title_of(kind: &str, name: &str) -> String {
+    match name.to_lowercase().starts_with(&kind.to_lowercase()) {
+        true => name.to_owned(),
+        false => format!("{kind} {name}"),
+    }
+}
+
+/// Returns the words for a part.
+fn words(part: Part) -> &'static str {
+    text(match part {
+        Part::Layout => "editor-layout",
+        Part::Board(_) => "editor-new-board",
+        Part::Row { .. } => "editor-row",
+        Part::RowKey { .. } => return bar::kind_words(ControlKind::Key),
+        Part::Control { kind, .. } => return bar::kind_words(kind),
+        Part::RadioOption { .. } => "editor-option",
+        Part::Trigger(_) => "editor-new-trigger",
+        Part::Pointer => "editor-pointer",
+        Part::Space(_) => "editor-new-space",
+        Part::SpaceTarget { .. } => "editor-target",
+        Part::Layer(_) => "editor-new-layer",
+        Part::Chord(_) => "editor-chord",
+    })
+}
+
+/// Shows position, size and angle of the selected item; all are edited as the handles of the canvas do.
+fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(index) = panel.selected.single() else {
+        panel.form.geometry = None;
+        return;
+    };
+    let Some(item) = panel.items.items.get(index) else {
+        return;
+    };
+    let (old, can_turn) = (item.shape, item.can_turn);
+    let draft = panel.form.geometry.filter(|(own, _)| *own == index);
+    // While the item is dragged, the numbers are those under the mouse.
+    let dragged = panel.preview.shapes.iter();
+    let dragged = dragged.copied().find(|(own, _)| *own == index);
+    let mut shape = draft.or(dragged).map_or(old, |(_, shape)| shape);
+    let mut is_active = false;
+    egui::Grid::new("editor-geometry")
+        .num_columns(4)
+        .show(ui, |ui| {
+            let mut number =
+                |ui: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
+                    let label = ui.label(name);
+                    let drag = DragValue::new(value).speed(0.1).max_decimals(DECIMALS);
+                    let drag = ui
+                        .add(drag.range(range).suffix(suffix))
+                        .labelled_by(label.id);
+                    is_active |= drag.dragged() || drag.has_focus();
+                };
+            number(ui, "X", &mut shape.center.x, -2000.0..=2000.0, " mm");
+            number(ui, "Y", &mut shape.center.y, -2000.0..=2000.0, " mm");
+            ui.end_row();
+            let mut size = shape.half * 2.0;
+            match shape.is_disc {
+                true => {
+                    number(ui, text("editor-diameter"), &mut size.x, 1.0..=500.0, " mm");
+                    size.y = size.x;
+                }
+                false => {
+                    number(ui, text("editor-width"), &mut size.x, 1.0..=500.0, " mm");
+                    number(ui, text("editor-depth"), &mut size.y, 1.0..=500.0, " mm");
+                }
+            }
+            shape.half = size / 2.0;
+            ui.end_row();
+            if can_turn {
+                let angle = &mut shape.rotation_deg;
+                number(ui, text("editor-angle"), angle, -180.0..=180.0, "°");
+                ui.end_row();
+            }
+        });
+    if is_active {
+        panel.form.geometry = Some((index, shape));
+        panel.preview.shapes = vec![(index, shape)];
+    } else if let Some((index, _)) = panel.form.geometry.take() {
+        panel.preview.shapes.clear();
+        apply_geometry(panel, index, &old, &shape);
+    }
+}
+
+fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &ItemShape) {
+    let Some(Some(part)) = panel.parts.get(index).copied() else {
+        return;
+    };
+    // A field that is left without a change rounds its number to what it shows.
+    let changed = |old: f32, new: f32| match is_other_number(old.into(), new.into(), DECIMALS) {
+        true => rounded(new - old),
+        false => 0.0,
+    };
+    let by = [
+        changed(old.center.x, new.center.x),
+        changed(old.center.y, new.center.y),
+    ];
+    let (old_size, new_size) = (old.half * 2.0, new.half * 2.0);
+    let wider = [
+        changed(old_size.x, new_size.x),
+        changed(old_size.y, new_size.y),
+    ];
+    let turned = changed(old.rotation_deg, new.rotation_deg);
+    // One field changes at a time, so that one edit is made.
+    let edit = if by != [0.0; 2] {
+        Edit::Move {
+            parts: vec![part],
+            by_mm: [by[0], by[1], 0.0],
+        }
+    } else if wider != [0.0; 2] {
+        Edit::Resize {
+            parts: vec![part],
+            by_mm: wider,
+            fixed: [0.0, 0.0],
+        }
+    } else if turned != 0.0 {
+        Edit::Turn {
+            parts: vec![part],
+            degrees: turned,
+        }
+    } else {
+        return;
+    };
+    panel.apply(&edit);
+}
+
+/// Shows the fields that all selected parts have: those that are written, then the others folded.
+fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
+    let first = parts[0];
+    let has_shapes = !panel.selected.is_empty();
+    let mut fields = fields_of(first);
+    fields.retain(|field| {
+        let is_shown_above = has_shapes && GEOMETRY_FIELDS.contains(&field.name);
+        field.field_type != FieldType::Action && !is_shown_above
+    });
+    for part in &parts[1..parts.len().min(50)] {
+        let own = fields_of(*part);
+        fields.retain(|field| own.contains(field) && field.name != "name");
+    }
+    let is_row_key = matches!(first, Part::RowKey { .. });
+    let is_written = |panel: &EditorPanel, field: &FieldSpec| {
+        field.name == "name" || (!is_row_key && panel.editor.value(first, field.name).is_some())
+    };
+    let (written, unwritten): (Vec<FieldSpec>, Vec<FieldSpec>) = fields
+        .into_iter()
+        .partition(|field| is_written(panel, field));
+    ui.add_space(6.0);
+    field_rows(ui, panel, parts, &written, "editor-written");
+    if !unwritten.is_empty() {
+        ui.collapsing(text("editor-optional"), |ui| {
+            field_rows(ui, panel, parts, &unwritten, "editor-unwritten");
+        });
+    }
+}
+
+fn field_rows(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    fields: &[FieldSpec],
+    id: &str,
+) {
+    egui::Grid::new(id).num_columns(3).show(ui, |ui| {
+        for field in fields {
+            field_row::show(ui, panel, parts, field);
+            ui.end_row();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kind_of_a_part_is_not_written_twice() {
+        assert_eq!(title_of("Knob", "Knob 2"), "Knob 2");
+        assert_eq!(title_of("Knob", "volume"), "Knob volume");
+    }
+}

@@ -1,0 +1,392 @@
+//! The layout editor: a board to scale, the form of the selection, and the problems of the text.
+
+mod bar;
+mod binding;
+mod canvas;
+mod field_row;
+mod form;
+mod heat;
+mod icons;
+mod key_press;
+mod lists;
+mod new_parts;
+mod open;
+mod outside;
+mod palette;
+mod problems;
+mod several;
+mod shortcuts;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use eframe::egui;
+use parry3d::math::Vec2;
+
+use super::PanelContext;
+use crate::canvas::board::BoardItems;
+use crate::canvas::gesture::{Gesture, Preview};
+use crate::canvas::selection::Selection;
+use crate::canvas::viewport::Viewport;
+use crate::canvas::{Bounds, Item};
+use crate::editor::{
+    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, UnsavedWork,
+    can_turn,
+};
+use crate::texts::text;
+use crate::typing::Typing;
+use ademan_core::document::DocumentError;
+use ademan_core::layout::Fit;
+
+pub(super) use self::bar::show_boards;
+use self::binding::BindingState;
+pub(super) use self::binding::capture as capture_key;
+use self::form::FormState;
+pub(super) use self::heat::{BoardHeat, show as show_heat};
+use self::new_parts::Repeat;
+use self::open::OpenQuestion;
+pub(super) use self::outside::guard_close;
+use self::outside::{SaveAs, SaveQuestion};
+use self::palette::Palette;
+
+/// The editor between two pictures.
+pub struct EditorPanel {
+    /// The text and its edits.
+    pub editor: LayoutEditor,
+    /// Index of the board on the canvas.
+    board: usize,
+    /// Size of the canvas in the last picture, in points.
+    canvas_size: Option<Vec2>,
+    /// The part of the board that is shown; `None` until the first picture of a board.
+    viewport: Option<Viewport>,
+    items: BoardItems,
+    /// The parts of the items; `None` while the brackets of the text are not balanced.
+    parts: Vec<Option<Part>>,
+    /// The items with an error.
+    faulty: Vec<usize>,
+    /// Revision and board of `items`.
+    shown: Option<(u64, usize)>,
+    selected: Selection,
+    gesture: Option<Gesture>,
+    preview: Preview,
+    /// Radius that a drag of the bend would give, in millimetres.
+    dragged_radius: Option<f32>,
+    /// Edges and centers of other items and the grid attract.
+    snaps: bool,
+    grid_mm: f32,
+    /// Numbers of the next repetition.
+    repeat: Repeat,
+    palette: Palette,
+    binding: BindingState,
+    form: FormState,
+    /// A save of a layout that no session can use waits for an answer.
+    save_question: Option<SaveQuestion>,
+    /// Another layout is chosen.
+    open_question: Option<OpenQuestion>,
+    /// Folder with unsaved work.
+    work: Option<PathBuf>,
+    /// Name that is written to save a copy.
+    save_as: Option<SaveAs>,
+    /// Unsaved work of an earlier run, to restore or discard.
+    found_work: Option<UnsavedWork>,
+    /// The text in the running session; `None` before the first picture.
+    trial: Option<EditorTrial>,
+    reach: Option<ReachCheck>,
+    /// Time of the next look at the file, in seconds.
+    next_poll: f64,
+    /// Result of the last operation, or the reason why it failed.
+    message: Option<Result<&'static str, String>>,
+    /// Title of the window.
+    title: String,
+    /// A position in the text that is shown.
+    shown_line: Option<usize>,
+    /// The window asks before it closes.
+    is_close_asked: bool,
+    /// The answer was to discard the changes.
+    may_close: bool,
+}
+
+impl EditorPanel {
+    /// Opens a layout for the hands of a setup, and looks for unsaved work of an earlier run in a folder.
+    pub fn open(name: &str, fit: Fit, work: Option<&Path>) -> Result<Self, DocumentError> {
+        let mut editor = LayoutEditor::open(name, fit)?;
+        let recovery = work.map(|folder| editor.start_recovery(folder));
+        let mut panel = Self::new(editor);
+        panel.work = work.map(Path::to_owned);
+        match recovery {
+            Some(Ok(found)) => panel.found_work = found,
+            Some(Err(error)) => panel.message = Some(Err(error.to_string())),
+            None => {}
+        }
+        Ok(panel)
+    }
+
+    fn new(editor: LayoutEditor) -> Self {
+        Self {
+            editor,
+            board: 0,
+            canvas_size: None,
+            viewport: None,
+            items: BoardItems::default(),
+            parts: Vec::new(),
+            faulty: Vec::new(),
+            shown: None,
+            selected: Selection::default(),
+            gesture: None,
+            preview: Preview::default(),
+            dragged_radius: None,
+            snaps: true,
+            grid_mm: 1.0,
+            repeat: Repeat::default(),
+            palette: Palette::default(),
+            binding: BindingState::default(),
+            form: FormState::default(),
+            save_question: None,
+            open_question: None,
+            work: None,
+            save_as: None,
+            found_work: None,
+            trial: None,
+            reach: None,
+            next_poll: 0.0,
+            message: None,
+            title: String::new(),
+            shown_line: None,
+            is_close_asked: false,
+            may_close: false,
+        }
+    }
+
+    /// Returns the name of the layout, with a mark if there is unsaved work.
+    fn marked_name(&self) -> String {
+        let mark = if self.is_unsaved() { "* " } else { "" };
+        format!("{mark}{}", self.editor.name())
+    }
+
+    /// Shows the name and the mark in the title of the window.
+    fn show_title(&mut self, ui: &egui::Ui) {
+        let title = format!("{} – {}", self.marked_name(), text("window-title"));
+        if title != self.title {
+            let command = egui::ViewportCommand::Title(title.clone());
+            ui.ctx().send_viewport_cmd(command);
+            self.title = title;
+        }
+    }
+
+    fn apply(&mut self, edit: &Edit) {
+        let applied = self.editor.apply(edit);
+        self.report(applied);
+    }
+
+    fn report(&mut self, result: Result<(), EditError>) {
+        self.message = result.err().map(|error| Err(error.to_string()));
+    }
+
+    /// Reads the items of the board anew after a change of the text.
+    fn update_items(&mut self) {
+        if self.editor.is_editable() {
+            let boards = self.editor.count("boards");
+            self.board = self.board.min(boards.saturating_sub(1));
+        }
+        let shown = (self.editor.revision(), self.board);
+        if self.shown == Some(shown) {
+            return;
+        }
+        self.shown = Some(shown);
+        self.gesture = None;
+        self.preview = Preview::default();
+        if !self.editor.is_editable() {
+            // What was shown stays, and cannot be edited until the brackets are corrected.
+            self.parts = vec![None; self.items.items.len()];
+            self.faulty.clear();
+            return;
+        }
+        let scale = self.board_scale();
+        let layout = self.editor.layout().filter(|_| self.editor.is_read());
+        let board = layout.and_then(|layout| Some((layout, layout.boards.get(self.board)?)));
+        match board {
+            Some((layout, board)) => self.items = BoardItems::new(layout, board, scale),
+            None => self.items.clear(),
+        }
+        let targets = self.items.targets.iter();
+        self.parts = targets.map(|target| self.editor.part_of(*target)).collect();
+        for (part, place) in self.editor.unplaced(self.board) {
+            let name = self.editor.part_name(part).unwrap_or_default();
+            self.items
+                .items
+                .push(Item::written(&place, name, can_turn(part)));
+            self.parts.push(Some(part));
+        }
+        let is_faulty = |part: &Option<Part>| part.is_some_and(|part| self.is_faulty(part));
+        let indices = self.parts.iter().enumerate();
+        let faulty = indices.filter(|(_, part)| is_faulty(part));
+        self.faulty = faulty.map(|(index, _)| index).collect();
+        self.select_parts_of_editor();
+    }
+
+    /// Returns `true` if a part or its group has an error.
+    fn is_faulty(&self, part: Part) -> bool {
+        self.editor.is_faulty(part) || group(part).is_some_and(|it| self.editor.is_faulty(it))
+    }
+
+    /// Returns the scale of the board in the file.
+    fn board_scale(&self) -> f32 {
+        let written = self.editor.value(Part::Board(self.board), "pose.scale");
+        written.and_then(|scale| scale.parse().ok()).unwrap_or(1.0)
+    }
+
+    /// Undoes the last edit, and forgets the message about it.
+    fn undo(&mut self) {
+        self.editor.undo();
+        self.message = None;
+    }
+
+    /// Makes the last undone edit again.
+    fn redo(&mut self) {
+        self.editor.redo();
+        self.message = None;
+    }
+
+    /// Selects everything on the board.
+    fn select_all(&mut self) {
+        let count = self.items.items.len();
+        self.selected.set(0..count);
+        self.select_items_in_editor();
+    }
+
+    /// Shows the selected items as large as they fit, or the whole board without any.
+    fn zoom_to_selection(&mut self) {
+        let shapes = self.selected.shapes(&self.items.items);
+        let bounds = Bounds::around(shapes.iter().map(|(_, shape)| shape));
+        self.viewport = match (bounds, self.canvas_size) {
+            (Some(bounds), Some(size)) => Some(Viewport::fit(bounds, size)),
+            _ => None,
+        };
+    }
+
+    /// Selects on the canvas what the editor has selected, as after an edit.
+    fn select_parts_of_editor(&mut self) {
+        let selection = self.editor.selection();
+        let selection: HashSet<Part> = selection.iter().copied().collect();
+        let is_selected = |part: &Option<Part>| {
+            part.is_some_and(|part| {
+                selection.contains(&part) || group(part).is_some_and(|it| selection.contains(&it))
+            })
+        };
+        let indices = self.parts.iter().enumerate();
+        let indices = indices.filter(|(_, part)| is_selected(part));
+        self.selected.set(indices.map(|(index, _)| index));
+    }
+
+    /// Tells the editor what is selected on the canvas.
+    fn select_items_in_editor(&mut self) {
+        let parts = self.selected_parts();
+        self.editor.select(parts);
+    }
+
+    fn selected_parts(&self) -> Vec<Part> {
+        let parts = self.selected.iter();
+        parts.filter_map(|index| *self.parts.get(index)?).collect()
+    }
+
+    /// Shows a part: its board, and its item selected.
+    fn show_part(&mut self, part: Part) {
+        if let Some(board) = part.board() {
+            self.show_board(board);
+        }
+        self.editor.select([part]);
+        self.update_items();
+        self.select_parts_of_editor();
+    }
+
+    fn show_board(&mut self, board: usize) {
+        if board != self.board {
+            self.board = board;
+            self.viewport = None;
+            // The form shows nothing of a board that is not on the canvas.
+            self.editor.select([]);
+            self.message = None;
+            self.update_items();
+        }
+    }
+
+    fn move_selected(&mut self, by: Vec2) {
+        let parts = self.selected_parts();
+        if !parts.is_empty() {
+            self.apply(&Edit::Move {
+                parts,
+                by_mm: [rounded(by.x), rounded(by.y), 0.0],
+            });
+        }
+    }
+}
+
+/// Gives the text to the running session while it is edited, unless that types into other programs: then only on request.
+pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
+    let Some(session) = context.trial else {
+        return;
+    };
+    let editor = &panel.editor;
+    let trial = panel.trial.get_or_insert_with(|| {
+        let is_on = Typing::new(context.session) == Typing::Nowhere;
+        EditorTrial::new(&context.session.view.layout, is_on)
+    });
+    let now = Duration::from_secs_f64(ui.input(|input| input.time));
+    if let Some(refusal) = trial.advance(now, editor, session) {
+        panel.message = Some(Err(refusal));
+    }
+}
+
+/// Returns the row of a key, or the radio group of an option.
+const fn group(part: Part) -> Option<Part> {
+    match part {
+        Part::RowKey { board, row, .. } => Some(Part::Row { board, row }),
+        Part::RadioOption { board, radio, .. } => Some(Part::Control {
+            board,
+            kind: ControlKind::Radio,
+            index: radio,
+        }),
+        _ => None,
+    }
+}
+
+/// Rounds a distance of the canvas to hundredths, as files have them.
+fn rounded(value: f32) -> f64 {
+    (f64::from(value) * 100.0).round() / 100.0
+}
+
+/// Draws the editor.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
+    panel.show_title(ui);
+    let reach = &mut panel.reach;
+    let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));
+    reach.advance(&panel.editor);
+    panel.update_items();
+    shortcuts::handle(ui, panel);
+    palette::show(ui, panel);
+    panel.update_items();
+    egui::Panel::top("editor-bar").show(ui, |ui| bar::show(ui, panel));
+    outside::show(ui, panel);
+    open::show(ui, panel);
+    egui::Panel::bottom("editor-problems")
+        .resizable(true)
+        .default_size(96.0)
+        .min_size(48.0)
+        .show(ui, |ui| problems::show(ui, panel));
+    egui::Panel::right("editor-form")
+        .default_size(320.0)
+        .min_size(240.0)
+        .show(ui, |ui| {
+            let area = egui::ScrollArea::vertical().auto_shrink(false);
+            area.show(ui, |ui| {
+                form::show(ui, panel);
+                lists::show(ui, panel);
+            });
+        });
+    panel.update_items();
+    let frame = egui::Frame::NONE;
+    egui::CentralPanel::default()
+        .frame(frame)
+        .show(ui, |ui| canvas::show(ui, panel, context));
+}

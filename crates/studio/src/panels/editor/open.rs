@@ -1,0 +1,110 @@
+//! Other layouts in the editor: a file, or a new layout from one that comes with the program; and pictures of the layout.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Key};
+
+use super::EditorPanel;
+use crate::texts::text;
+use ademan_core::document::shipped_layouts;
+use ademan_core::layout::Wearer;
+use ademan_core::message::escape_path;
+use ademan_runtime::files::{self, FileError};
+
+/// Width of the question, in points.
+const WIDTH: f32 = 420.0;
+
+/// A layout that is chosen.
+#[derive(Default)]
+pub(super) struct OpenQuestion {
+    query: String,
+}
+
+impl EditorPanel {
+    /// Asks for a layout to open.
+    pub(super) fn ask_for_layout(&mut self) {
+        self.open_question = Some(OpenQuestion::default());
+    }
+
+    /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again.
+    fn open_other(&mut self, name: &str) {
+        match Self::open(name, self.editor.fit(), self.work.as_deref()) {
+            Ok(opened) => {
+                *self = Self {
+                    snaps: self.snaps,
+                    grid_mm: self.grid_mm,
+                    ..opened
+                }
+            }
+            Err(error) => self.message = Some(Err(error.to_string())),
+        }
+    }
+
+    /// Writes a picture beside the file of the layout.
+    pub(super) fn export_svg(&mut self) {
+        let Some(layout) = self.editor.layout() else {
+            return;
+        };
+        let name = self.editor.name().rsplit('/').next().unwrap_or_default();
+        let beside = self.editor.path().map(Path::to_owned);
+        let path = beside.unwrap_or_else(|| PathBuf::from(name));
+        let path = path.with_extension("svg");
+        let written = match layout.to_svg(&Wearer::default()) {
+            Ok(svg) => write_new(&path, &svg),
+            Err(error) => Err(error.to_string()),
+        };
+        self.message = Some(match written {
+            Ok(()) => Ok(text("editor-exported")),
+            Err(reason) => Err(format!("{}: {reason}", escape_path(&path))),
+        });
+    }
+}
+
+fn write_new(path: &Path, content: &str) -> Result<(), String> {
+    let file = files::create_new(path);
+    let written = file.and_then(|mut file| Ok(file.write_all(content.as_bytes())?));
+    written.map_err(|error| match error {
+        FileError::Exists => text("editor-export-exists").to_owned(),
+        error => error.to_string(),
+    })
+}
+
+/// Asks which layout is opened: a file, or one that comes with the program.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(mut question) = panel.open_question.take() else {
+        return;
+    };
+    let is_unsaved = panel.is_unsaved();
+    let mut chosen = None;
+    let mut is_closed = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
+    let modal = egui::Modal::new(egui::Id::unique("open-question"));
+    modal.show(ui.ctx(), |ui| {
+        ui.set_width(WIDTH);
+        ui.strong(text("editor-open-title"));
+        if is_unsaved {
+            ui.colored_label(ui.visuals().warn_fg_color, text("editor-open-unsaved"));
+        }
+        let label = ui.label(text("editor-open-name"));
+        let field = egui::TextEdit::singleline(&mut question.query).desired_width(f32::INFINITY);
+        let field = ui.add(field).labelled_by(label.id);
+        if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+            chosen = Some(question.query.trim().to_owned());
+        }
+        let area = egui::ScrollArea::vertical().max_height(260.0);
+        area.show(ui, |ui| {
+            let query = question.query.trim().to_lowercase();
+            for name in shipped_layouts().filter(|name| name.contains(&query)) {
+                if ui.selectable_label(false, name).clicked() {
+                    chosen = Some(name.to_owned());
+                }
+            }
+        });
+        is_closed |= ui.button(text("editor-cancel")).clicked();
+    });
+    match chosen.filter(|name| !name.is_empty()) {
+        Some(name) => panel.open_other(&name),
+        None if is_closed => {}
+        None => panel.open_question = Some(question),
+    }
+}

@@ -1,0 +1,281 @@
+//! Saving, the questions before something is lost, and changes by other programs.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use eframe::egui::{self, Key};
+
+use super::EditorPanel;
+use crate::editor::{Change, FileState, Resolution, SaveError, Severity};
+use crate::texts::text;
+
+/// Time between two looks at the file.
+const POLL_PERIOD: Duration = Duration::from_millis(500);
+
+/// A name that is written to save a copy.
+#[derive(Default)]
+pub(super) struct SaveAs {
+    path: String,
+    /// The file exists; a second click replaces it.
+    may_replace: bool,
+    /// The window closes after the copy is saved.
+    then_close: bool,
+}
+
+/// A save of a layout with errors, until it is answered.
+#[derive(Default)]
+pub(super) struct SaveQuestion {
+    /// The window closes after the save.
+    then_close: bool,
+}
+
+/// The largest number of errors that the question about a save lists.
+const MAX_LISTED: usize = 4;
+
+/// Draws what needs an answer.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    poll(ui, panel);
+    show_recovery(ui, panel);
+    if panel.editor.conflict().is_some() {
+        ask(ui, "conflict-question", |ui| {
+            ui.colored_label(ui.visuals().warn_fg_color, text("editor-changed-outside"));
+            if ui.button(text("editor-keep-mine")).clicked() {
+                panel.editor.resolve(Resolution::KeepMine);
+            }
+            if ui.button(text("editor-take-theirs")).clicked() {
+                panel.editor.resolve(Resolution::TakeTheirs);
+            }
+        });
+    }
+    show_save_question(ui, panel);
+    if panel.save_as.is_some() {
+        ask(ui, "editor-save-as", |ui| show_save_as(ui, panel));
+    }
+}
+
+fn ask(ui: &mut egui::Ui, id: &str, content: impl FnOnce(&mut egui::Ui)) {
+    let question = egui::Panel::top(id.to_owned());
+    question.show(ui, |ui| {
+        ui.add_space(3.0);
+        ui.horizontal_wrapped(content);
+        ui.add_space(3.0);
+    });
+}
+
+fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let now = ui.input(|input| input.time);
+    if now < panel.next_poll {
+        return;
+    }
+    panel.next_poll = now + POLL_PERIOD.as_secs_f64();
+    match panel.editor.poll() {
+        Some(Change::Reloaded) => panel.message = Some(Ok(text("editor-reloaded"))),
+        Some(Change::Merged) => panel.message = Some(Ok(text("editor-merged"))),
+        Some(Change::Unreadable(error)) => panel.message = Some(Err(error.to_string())),
+        Some(Change::Conflict) | None => {}
+    }
+    if let Some(error) = panel.editor.recovery_error() {
+        panel.message = Some(Err(error));
+    }
+}
+
+fn show_recovery(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(work) = panel.found_work.clone() else {
+        return;
+    };
+    ask(ui, "recovery-question", |ui| {
+        ui.colored_label(ui.visuals().warn_fg_color, text("editor-recovered"));
+        if ui.button(text("editor-restore")).clicked() {
+            panel.editor.restore(&work);
+            panel.found_work = None;
+        }
+        if ui.button(text("editor-discard")).clicked() {
+            panel.editor.discard_unsaved_work();
+            panel.found_work = None;
+        }
+    });
+}
+
+fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(mut save_as) = panel.save_as.take() else {
+        return;
+    };
+    let label = ui.label(text("editor-save-path"));
+    let field = egui::TextEdit::singleline(&mut save_as.path).desired_width(320.0);
+    let field = ui.add(field).labelled_by(label.id);
+    if field.changed() {
+        save_as.may_replace = false;
+    }
+    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let words = match (save_as.may_replace, panel.editor.is_valid()) {
+        (true, _) => text("editor-replace"),
+        (false, true) => text("editor-save"),
+        (false, false) => text("editor-save-anyway"),
+    };
+    if !panel.editor.is_valid() {
+        ui.colored_label(ui.visuals().warn_fg_color, text("editor-cannot-run"));
+    }
+    let is_saved = ui.button(words).clicked() || is_entered;
+    if ui.button(text("editor-cancel")).clicked() {
+        return;
+    }
+    if !is_saved {
+        panel.save_as = Some(save_as);
+        return;
+    }
+    let path = PathBuf::from(save_as.path.trim());
+    match panel.editor.save_as(&path, save_as.may_replace) {
+        Ok(()) => {
+            panel.message = Some(Ok(panel.saved_message()));
+            if save_as.then_close {
+                close(ui);
+            }
+        }
+        Err(error) => {
+            save_as.may_replace = matches!(error, SaveError::Exists(_));
+            panel.message = Some(Err(error.to_string()));
+            panel.save_as = Some(save_as);
+        }
+    }
+}
+
+/// Asks whether a layout is saved that no session can use.
+fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(question) = &panel.save_question else {
+        return;
+    };
+    let then_close = question.then_close;
+    let problems = panel.editor.problems().iter();
+    let errors = problems.filter(|problem| problem.severity == Severity::Error);
+    let errors: Vec<String> = errors.map(|problem| problem.message.clone()).collect();
+    let modal = egui::Modal::new(egui::Id::unique("save-question"));
+    modal.show(ui.ctx(), |ui| {
+        ui.strong(text("editor-cannot-run"));
+        for error in errors.iter().take(MAX_LISTED) {
+            ui.label(error);
+        }
+        if errors.len() > MAX_LISTED {
+            ui.label("…");
+        }
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button(text("editor-save-anyway")).clicked() {
+                panel.save_question = None;
+                if panel.save_as_it_is() && then_close {
+                    close(ui);
+                }
+            }
+            if ui.button(text("editor-close-cancel")).clicked() {
+                panel.save_question = None;
+            }
+        });
+    });
+}
+
+fn close(ui: &egui::Ui) {
+    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+}
+
+/// Asks before the window closes with unsaved work.
+pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let is_requested = ui.input(|input| input.viewport().close_requested());
+    if is_requested && panel.is_unsaved() && !panel.may_close {
+        ui.ctx()
+            .send_viewport_cmd(egui::ViewportCommand::CancelClose);
+        panel.is_close_asked = true;
+    }
+    if !panel.is_close_asked {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("close-question"));
+    modal.show(ui.ctx(), |ui| {
+        ui.strong(text("editor-close-question"));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button(text("editor-close-save")).clicked() {
+                panel.is_close_asked = false;
+                if panel.save() {
+                    close(ui);
+                } else if let Some(question) = &mut panel.save_question {
+                    question.then_close = true;
+                } else if let Some(save_as) = &mut panel.save_as {
+                    save_as.then_close = true;
+                }
+            }
+            if ui.button(text("editor-close-discard")).clicked() {
+                panel.editor.discard_unsaved_work();
+                panel.is_close_asked = false;
+                panel.may_close = true;
+                close(ui);
+            }
+            if ui.button(text("editor-close-cancel")).clicked() {
+                panel.is_close_asked = false;
+            }
+        });
+    });
+}
+
+impl EditorPanel {
+    /// Writes the file, or asks for one, or whether a layout that cannot be used is saved. Returns `false` if the text is not saved
+    /// yet.
+    pub(super) fn save(&mut self) -> bool {
+        if !self.editor.is_valid() && self.editor.path().is_some() {
+            self.save_question = Some(SaveQuestion::default());
+            return false;
+        }
+        self.save_as_it_is()
+    }
+
+    /// Returns the message after a save.
+    fn saved_message(&self) -> &'static str {
+        match self.editor.is_valid() {
+            true => text("editor-saved"),
+            false => text("editor-saved-with-errors"),
+        }
+    }
+
+    fn save_as_it_is(&mut self) -> bool {
+        match self.editor.save() {
+            Ok(()) => {
+                self.message = Some(Ok(self.saved_message()));
+                true
+            }
+            Err(error) => {
+                if matches!(error, SaveError::NoFile) {
+                    self.ask_for_path();
+                }
+                self.message = Some(Err(error.to_string()));
+                false
+            }
+        }
+    }
+
+    /// Asks for the name of a copy.
+    pub(super) fn ask_for_path(&mut self) {
+        let path = match self.editor.path() {
+            Some(path) => path.to_string_lossy().into_owned(),
+            None => {
+                let name = self.editor.name().rsplit('/').next().unwrap_or_default();
+                format!("my-{}.ron", name.trim_end_matches(".ron"))
+            }
+        };
+        self.save_as = Some(SaveAs {
+            path,
+            ..SaveAs::default()
+        });
+    }
+
+    /// Lets the window close without a question.
+    pub fn permit_close(&mut self) {
+        self.may_close = true;
+    }
+
+    /// Returns `true` if closing the window would lose work. An untouched copy of a shipped layout is none.
+    pub fn is_unsaved(&self) -> bool {
+        match self.editor.file_state() {
+            FileState::Saved => false,
+            FileState::Modified => true,
+            FileState::Unsaved => self.editor.is_modified(),
+        }
+    }
+}

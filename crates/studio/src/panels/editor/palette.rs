@@ -1,0 +1,217 @@
+//! The palette of commands: every command of the editor, found by a part of its name.
+
+use eframe::egui::{self, Align2, Key};
+
+use super::{EditorPanel, bar};
+use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
+use crate::texts::text;
+
+/// Width of the palette, in points.
+const WIDTH: f32 = 420.0;
+
+/// Distance of the palette from the upper edge of the window, in points.
+const TOP: f32 = 90.0;
+
+/// The palette between two pictures.
+#[derive(Default)]
+pub(super) struct Palette {
+    is_open: bool,
+    query: String,
+    /// Index of the chosen command among those that are found.
+    chosen: usize,
+}
+
+/// What a command does.
+type Run = Box<dyn Fn(&mut EditorPanel, &egui::Context)>;
+
+/// A command of the editor.
+struct Command {
+    name: String,
+    /// Keys that do the same; may be empty.
+    shortcut: &'static str,
+    run: Run,
+}
+
+impl Palette {
+    /// Opens the palette, or closes it.
+    pub(super) fn toggle(&mut self) {
+        *self = Self {
+            is_open: !self.is_open,
+            ..Self::default()
+        };
+    }
+}
+
+fn command(
+    name: &'static str,
+    shortcut: &'static str,
+    run: impl Fn(&mut EditorPanel, &egui::Context) + 'static,
+) -> Command {
+    Command {
+        name: text(name).to_owned(),
+        shortcut,
+        run: Box::new(run),
+    }
+}
+
+/// Returns all commands.
+fn commands() -> Vec<Command> {
+    let mut commands = vec![
+        command("editor-open", "Ctrl-O", |panel, _| panel.ask_for_layout()),
+        command("editor-export", "", |panel, _| panel.export_svg()),
+        command("editor-save", "Ctrl-S", |panel, _| _ = panel.save()),
+        command("editor-save-as", "", |panel, _| panel.ask_for_path()),
+        command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
+        command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()),
+        command("editor-copy", "Ctrl-C", EditorPanel::copy),
+        command("editor-cut", "Ctrl-X", |panel, context| {
+            panel.copy(context);
+            panel.delete();
+        }),
+        command("editor-duplicate", "Ctrl-D", |panel, _| panel.duplicate()),
+        command("editor-delete", "Delete", |panel, _| panel.delete()),
+        command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
+        command("editor-fit", "", |panel, _| panel.viewport = None),
+        command("editor-zoom-selection", "F", |panel, _| {
+            panel.zoom_to_selection();
+        }),
+        command("editor-snap-to-grid", "", |panel, _| {
+            let (parts, grid_mm) = (panel.selected_parts(), f64::from(panel.grid_mm));
+            panel.apply(&Edit::Snap { parts, grid_mm });
+        }),
+        command("editor-repeat-now", "", |panel, _| {
+            let (count, pitch_mm) = (panel.repeat.count, panel.repeat.pitch_mm);
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Repeat {
+                parts,
+                count,
+                pitch_mm,
+            });
+        }),
+    ];
+    commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
+    commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
+    for &kind in ControlKind::ALL {
+        let mut add = command("editor-add", "", move |panel, _| panel.add_control(kind));
+        add.name = format!("{}: {}", add.name, bar::kind_words(kind));
+        commands.push(add);
+    }
+    let others = [
+        ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
+        ("editor-new-layer", NewPart::Layer),
+        ("editor-new-trigger", NewPart::Trigger),
+        ("editor-new-pointer", NewPart::Pointer),
+        ("editor-new-space", NewPart::Space),
+    ];
+    for (name, new) in others {
+        let mut add = command(name, "", move |panel, _| panel.add(new.clone()));
+        add.name = format!("{}: {}", text("editor-add"), add.name);
+        commands.push(add);
+    }
+    commands
+}
+
+fn align(name: &'static str, edge: AlignEdge) -> Command {
+    command(name, "", move |panel, _| {
+        let parts = panel.selected_parts();
+        panel.apply(&Edit::Align { parts, edge });
+    })
+}
+
+fn distribute(name: &'static str, axis: BoardAxis) -> Command {
+    command(name, "", move |panel, _| {
+        let parts = panel.selected_parts();
+        panel.apply(&Edit::Distribute { parts, axis });
+    })
+}
+
+/// Returns whether a name has all words of a query, in any order and case.
+fn is_found(name: &str, query: &str) -> bool {
+    let name = name.to_lowercase();
+    let query = query.to_lowercase();
+    query.split_whitespace().all(|word| name.contains(word))
+}
+
+/// Draws the palette while it is open, and runs the chosen command.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    if !panel.palette.is_open {
+        return;
+    }
+    let mut found = commands();
+    found.retain(|command| is_found(&command.name, &panel.palette.query));
+    let keys = ui.input_mut(|input| {
+        let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
+        [Key::Escape, Key::ArrowDown, Key::ArrowUp, Key::Enter].map(&mut pressed)
+    });
+    let [is_closed, down, up, is_entered] = keys;
+    let last = found.len().saturating_sub(1);
+    let palette = &mut panel.palette;
+    palette.chosen = (palette.chosen + usize::from(down))
+        .saturating_sub(usize::from(up))
+        .min(last);
+    let mut run = is_entered.then_some(palette.chosen);
+    egui::Window::new(text("editor-palette"))
+        .anchor(Align2::CENTER_TOP, [0.0, TOP])
+        .collapsible(false)
+        .resizable(false)
+        .show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            let field = egui::TextEdit::singleline(&mut palette.query)
+                .hint_text(text("editor-palette-hint"))
+                .desired_width(f32::INFINITY);
+            let field = ui.add(field);
+            let name = text("editor-palette-hint");
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+            field.request_focus();
+            if field.changed() {
+                palette.chosen = 0;
+            }
+            let area = egui::ScrollArea::vertical().max_height(320.0);
+            area.show(ui, |ui| {
+                for (index, command) in found.iter().enumerate() {
+                    if show_row(ui, command, index == palette.chosen) {
+                        run = Some(index);
+                    }
+                }
+            });
+        });
+    if is_closed {
+        panel.palette = Palette::default();
+        return;
+    }
+    if let Some(command) = run.and_then(|index| found.get(index)) {
+        panel.palette = Palette::default();
+        (command.run)(panel, ui.ctx());
+    }
+}
+
+/// Shows a command. Returns `true` if it was clicked.
+fn show_row(ui: &mut egui::Ui, command: &Command, is_chosen: bool) -> bool {
+    let row = ui.horizontal(|ui| {
+        let row = ui.selectable_label(is_chosen, &command.name);
+        if is_chosen {
+            row.scroll_to_me(None);
+        }
+        ui.weak(command.shortcut);
+        row.clicked()
+    });
+    row.inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_found_by_parts_of_its_name() {
+        assert!(is_found("Align left edges", "edg LEFT"));
+        assert!(!is_found("Align left edges", "right"));
+    }
+
+    #[test]
+    fn every_command_has_its_own_name() {
+        let names: Vec<String> = commands().into_iter().map(|it| it.name).collect();
+        let unique: std::collections::BTreeSet<&String> = names.iter().collect();
+        assert_eq!(unique.len(), names.len(), "{names:?}");
+    }
+}

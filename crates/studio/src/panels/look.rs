@@ -1,0 +1,131 @@
+//! The look of the window: colours, and what marks the focus.
+
+use eframe::egui::{self, Color32, Role, Stroke, ThemePreference, Visuals, WidgetInfo};
+
+use super::PanelState;
+use crate::settings::{Settings, Theme};
+use crate::texts::{self, text};
+
+/// Width of the line around what has the focus, in points.
+const FOCUS_WIDTH: f32 = 2.0;
+
+/// Applies theme, contrast and language where they have changed.
+pub(super) fn apply(context: &egui::Context, state: &mut PanelState) {
+    let settings = &state.settings;
+    if let Some(language) = settings.language {
+        texts::set_language(language);
+    }
+    let wanted = (settings.theme, settings.has_high_contrast);
+    if state.applied_look == Some(wanted) {
+        return;
+    }
+    // The context follows the system until another theme is chosen.
+    let is_start = state.applied_look.is_none();
+    state.applied_look = Some(wanted);
+    if !(is_start && settings.theme == Theme::System) {
+        set_theme(context, settings.theme);
+    }
+    for theme in [egui::Theme::Light, egui::Theme::Dark] {
+        context.set_visuals_of(theme, visuals(theme, settings));
+    }
+}
+
+fn set_theme(context: &egui::Context, theme: Theme) {
+    context.set_theme(match theme {
+        Theme::System => ThemePreference::System,
+        Theme::Light => ThemePreference::Light,
+        Theme::Dark => ThemePreference::Dark,
+    });
+}
+
+pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
+    let is_dark = theme == egui::Theme::Dark;
+    let mut visuals = match is_dark {
+        true => Visuals::dark(),
+        false => Visuals::light(),
+    };
+    if settings.has_high_contrast {
+        increase_contrast(&mut visuals);
+    }
+    let stroke = Stroke::new(FOCUS_WIDTH, focus_color(is_dark));
+    visuals.widgets.active.bg_stroke = stroke;
+    visuals
+}
+
+fn increase_contrast(visuals: &mut Visuals) {
+    let (paper, ink) = match visuals.dark_mode {
+        true => (Color32::BLACK, Color32::WHITE),
+        false => (Color32::WHITE, Color32::BLACK),
+    };
+    visuals.override_text_color = Some(ink);
+    visuals.weak_text_color = Some(ink);
+    visuals.panel_fill = paper;
+    visuals.window_fill = paper;
+    visuals.extreme_bg_color = paper;
+    visuals.faint_bg_color = paper;
+    visuals.window_stroke = Stroke::new(1.5, ink);
+    let widgets = &mut visuals.widgets;
+    for widget in [
+        &mut widgets.noninteractive,
+        &mut widgets.inactive,
+        &mut widgets.hovered,
+        &mut widgets.active,
+        &mut widgets.open,
+    ] {
+        widget.bg_stroke = Stroke::new(1.0, ink);
+        widget.fg_stroke = Stroke::new(1.5, ink);
+        widget.weak_bg_fill = paper;
+    }
+}
+
+fn focus_color(is_dark: bool) -> Color32 {
+    match is_dark {
+        true => Color32::from_rgb(0x7f, 0xbf, 0xff),
+        false => Color32::from_rgb(0x00, 0x50, 0xb0),
+    }
+}
+
+/// Makes a panel reachable with F6, names it for screen readers, and draws a line around it while it has the focus. Returns whether
+/// it has.
+pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'static str) -> bool {
+    let area = ui.max_rect();
+    let id = egui::Id::unique(("panel", key));
+    let response = ui.interact(area, id, egui::Sense::focusable_noninteractive());
+    response.widget_info(|| {
+        WidgetInfo::labeled(
+            Role::Group,
+            true,
+            format!("{}: {}", text("panel-word"), text(key)),
+        )
+    });
+    state.panel_ids.push(id);
+    if response.has_focus() {
+        let color = focus_color(ui.visuals().dark_mode);
+        let line = Stroke::new(FOCUS_WIDTH, color);
+        let painter = ui.ctx().layer_painter(egui::LayerId::new(
+            egui::Order::Foreground,
+            egui::Id::unique("focus"),
+        ));
+        painter.rect_stroke(area.shrink(1.0), 2.0, line, egui::StrokeKind::Inside);
+    }
+    response.has_focus()
+}
+
+/// Leaves the arrow keys to what has the focus: otherwise they move it.
+pub(super) fn keep_arrow_keys(ui: &egui::Ui) {
+    let arrows = egui::EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        ..egui::EventFilter::default()
+    };
+    ui.memory_mut(|memory| {
+        if let Some(id) = memory.focused() {
+            memory.set_focus_lock_filter(id, arrows);
+        }
+    });
+}
+
+/// Names an area that is drawn, for screen readers.
+pub(super) fn name_image(response: &egui::Response, name: &str) {
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+}

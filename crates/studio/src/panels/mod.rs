@@ -1,0 +1,382 @@
+//! The panels of the window, one file each, and the part of the window that each fills.
+
+mod actions;
+mod calibration;
+mod editor;
+mod first_start;
+mod fonts;
+mod help;
+mod lab;
+mod look;
+mod recording;
+mod scope;
+mod sensors;
+mod space;
+mod status;
+mod toolbar;
+
+use std::path::PathBuf;
+
+use eframe::egui;
+
+use self::editor::EditorPanel;
+use self::lab::LabState;
+use self::recording::RecordingState;
+use self::scope::ScopeState;
+use super::camera::{Camera, Viewpoint};
+use super::fingertip::Aim;
+use super::lab::WatchedPerson;
+use super::model::StudioModel;
+use super::playback::{Move, Player};
+use super::scene::{SceneColors, SceneOptions};
+use super::sensor_control::SensorControl;
+use super::settings::{CameraPlace, Settings, Theme};
+use super::texts::text;
+use super::tour::Tour;
+use ademan_core::command::Command;
+use ademan_core::document::DocumentError;
+use ademan_core::layout::Fit;
+use ademan_runtime::files;
+use ademan_runtime::session::LayoutTrial;
+
+pub use self::first_start::show as show_first_start;
+pub use self::fonts::fonts;
+pub use self::lab::WatchChange;
+pub use self::space::{color32, paint};
+
+/// The state of the session, and commands to it, for a panel.
+pub struct PanelContext<'a> {
+    /// The state to show: of the session, of a recording, of a person of the lab, or of the mouse as a fingertip.
+    pub model: &'a StudioModel,
+    /// The state of the session, or of the recording in place of it.
+    pub session: &'a StudioModel,
+    /// A recording is shown in place of a session, which takes commands.
+    pub is_replay: bool,
+    /// The changes of sensors.
+    pub sensors: &'a mut SensorControl,
+    /// Tries edited layouts; `None` while a recording is shown.
+    pub trial: Option<&'a LayoutTrial>,
+    /// Commands that are sent after the picture.
+    pub sent: &'a mut Vec<Command>,
+    /// The recording that is shown, if any.
+    pub player: Option<&'a Player>,
+    /// The person of the lab whose recording is shown, if any.
+    pub watched: Option<&'a WatchedPerson>,
+    /// The fingertip that follows the mouse, if any.
+    pub fingertip: Option<&'a mut Aim>,
+    /// The change of who is watched, which follows the picture.
+    pub watch: &'a mut Option<WatchChange>,
+    /// Moves within the recording, which follow the picture.
+    pub moves: &'a mut Vec<Move>,
+}
+
+/// The content of the middle of the window, chosen by tabs in the toolbar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Workspace {
+    /// The 3D view, with the panels beside it.
+    #[default]
+    Hand,
+    /// The layout editor.
+    Layout,
+    /// Simulated people use the layout of the editor.
+    Lab,
+    /// The guided calibration.
+    Calibration,
+}
+
+impl Workspace {
+    const ALL: [Self; 4] = [Self::Hand, Self::Layout, Self::Lab, Self::Calibration];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Hand => text("workspace-hand"),
+            Self::Calibration => text("workspace-calibration"),
+            Self::Layout => text("workspace-layout"),
+            Self::Lab => text("workspace-lab"),
+        }
+    }
+}
+
+/// The state of the panels between two pictures.
+pub struct PanelState {
+    workspace: Workspace,
+    /// The layout editor, once its tab was opened, or the reason why it has no layout.
+    editor: Option<Result<EditorPanel, String>>,
+    /// Folder with unsaved work of the editor. `None`: it is not kept.
+    unsaved_work: Option<PathBuf>,
+    /// Panels beside the 3D view that are shown, by [`PanelKind`].
+    shown: [bool; PanelKind::ALL.len()],
+    camera: Camera,
+    /// The viewpoint that was chosen since the last picture.
+    next_viewpoint: Option<Viewpoint>,
+    /// The camera has been pointed at the boards.
+    is_camera_placed: bool,
+    scene: SceneOptions,
+    /// The mouse is a fingertip.
+    pub is_fingertip: bool,
+    scope: ScopeState,
+    recording: RecordingState,
+    lab: LabState,
+    /// The settings that are remembered until the next start.
+    settings: Settings,
+    /// Theme and contrast that the window has.
+    applied_look: Option<(Theme, bool)>,
+    tour: Tour,
+    /// The list of keys is shown.
+    shows_keys: bool,
+    /// The panels in the order of F6, and the index of the last one that it reached.
+    panel_ids: Vec<egui::Id>,
+    focused_panel: Option<usize>,
+    /// Reason why something was not done: a command was not sent, or the settings were not kept.
+    pub message: Option<String>,
+}
+
+/// A panel that can be hidden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelKind {
+    /// Channels of the glove, and statistics.
+    Sensors,
+    /// Time plots.
+    Scope,
+}
+
+impl PanelKind {
+    const ALL: [Self; 2] = [Self::Sensors, Self::Scope];
+
+    /// Returns the key of the name.
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Sensors => "panel-sensors",
+            Self::Scope => "panel-scope",
+        }
+    }
+}
+
+impl Default for PanelState {
+    fn default() -> Self {
+        Self {
+            workspace: Workspace::default(),
+            editor: None,
+            unsaved_work: None,
+            shown: [true; PanelKind::ALL.len()],
+            camera: Camera::default(),
+            next_viewpoint: None,
+            is_camera_placed: false,
+            scene: SceneOptions::default(),
+            is_fingertip: false,
+            scope: ScopeState::default(),
+            recording: RecordingState::default(),
+            lab: LabState::default(),
+            settings: Settings::default(),
+            applied_look: None,
+            tour: Tour::default(),
+            shows_keys: false,
+            panel_ids: Vec::new(),
+            focused_panel: None,
+            message: None,
+        }
+    }
+}
+
+impl PanelState {
+    /// Takes the panels to where they were at the last start, and opens the tour at the first. From now on unsaved work is kept.
+    pub fn restore(&mut self, settings: Settings) {
+        self.unsaved_work = files::state_folder().map(|folder| folder.join("editor"));
+        for kind in PanelKind::ALL {
+            let is_hidden = |hidden: &String| hidden == kind.key();
+            self.shown[kind as usize] = !settings.hidden_panels.iter().any(is_hidden);
+        }
+        self.settings = settings;
+        if !self.settings.has_seen_tour {
+            self.settings.has_seen_tour = true;
+            self.tour.open();
+        }
+    }
+
+    /// Returns what is to be remembered until the next start.
+    pub fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
+    fn remember(&mut self, ui: &egui::Ui, layout: &str) {
+        let hidden = PanelKind::ALL
+            .into_iter()
+            .filter(|&kind| !self.shown[kind as usize]);
+        self.settings.hidden_panels = hidden.map(|kind| kind.key().to_owned()).collect();
+        self.settings.scale = ui.ctx().zoom_factor();
+        if self.is_camera_placed {
+            self.settings.camera = Some(CameraPlace::new(&self.camera, layout));
+        }
+    }
+
+    fn size_of(&self, kind: PanelKind, default: f32) -> f32 {
+        let sizes = &self.settings.panel_sizes;
+        sizes.get(kind.key()).copied().unwrap_or(default)
+    }
+
+    fn lab_width(&self, key: &str, default: f32) -> f32 {
+        self.settings
+            .panel_sizes
+            .get(key)
+            .copied()
+            .unwrap_or(default)
+    }
+
+    fn keep_lab_width(&mut self, key: &str, size: f32) {
+        self.settings.panel_sizes.insert(key.to_owned(), size);
+    }
+
+    fn set_size_of(&mut self, kind: PanelKind, size: f32) {
+        let sizes = &mut self.settings.panel_sizes;
+        sizes.insert(kind.key().to_owned(), size);
+    }
+
+    /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
+    pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
+        self.editor = Some(Ok(EditorPanel::open(
+            name,
+            fit,
+            self.unsaved_work.as_deref(),
+        )?));
+        self.workspace = Workspace::Layout;
+        Ok(())
+    }
+
+    /// Returns whether threads of the lab are at work, whose progress is shown.
+    pub fn is_busy(&self) -> bool {
+        self.lab.is_busy()
+    }
+
+    /// Shows the guided calibration.
+    pub fn show_calibration(&mut self) {
+        self.workspace = Workspace::Calibration;
+    }
+
+    /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.
+    pub fn permit_close(&mut self) {
+        if let Some(Ok(editor)) = &mut self.editor {
+            editor.permit_close();
+        }
+    }
+}
+
+/// Returns whether a number field was changed. A field that is left without a change rounds its number to what it shows, which must
+/// not reach a file.
+fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
+    let shown = |number: f64| format!("{number:.decimals$}");
+    old != new && shown(old) != shown(new)
+}
+
+/// Draws all panels.
+pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    if let Some(Ok(editor)) = &mut state.editor {
+        editor::capture_key(ui, editor);
+        editor::guard_close(ui, editor);
+        editor::advance_trial(ui, editor, context);
+    }
+    look::apply(ui.ctx(), state);
+    lab::advance(state, context);
+    // The keys of a calibration are its own.
+    if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
+        actions::handle_keys(ui, state, context);
+    }
+    state.panel_ids.clear();
+    egui::Panel::top("toolbar").show(ui, |ui| {
+        look::mark_panel(ui, state, "panel-toolbar");
+        toolbar::show(ui, state, context);
+    });
+    egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
+    if let Some(player) = context.player {
+        let panel = egui::Panel::bottom("recording");
+        panel.show(ui, |ui| {
+            let has_focus = look::mark_panel(ui, state, "panel-recording");
+            recording::show(ui, &mut state.recording, player, context.moves, has_focus)
+        });
+    }
+    match state.workspace {
+        Workspace::Hand => show_hand(ui, state, context),
+        Workspace::Layout | Workspace::Lab => show_layout(ui, state, context),
+        Workspace::Calibration => {
+            let has_high_contrast = state.settings.has_high_contrast;
+            let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
+            let middle = egui::CentralPanel::default();
+            middle.show(ui, |ui| calibration::show(ui, &colors, context));
+        }
+    }
+    help::show(ui, state);
+    state.remember(ui, &context.session.view.layout.name);
+}
+
+/// Draws the layout editor or the lab, and opens the layout of the session in the editor at the first time.
+fn show_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let used = &context.session.view.layout;
+    let work = state.unsaved_work.as_deref();
+    let open = || EditorPanel::open(&used.file, used.fit, work).map_err(|it| it.to_string());
+    match state.editor.get_or_insert_with(open) {
+        Ok(_) if state.workspace == Workspace::Lab => lab::show(ui, state, context),
+        Ok(editor) => editor::show(ui, editor, context),
+        Err(error) => {
+            egui::CentralPanel::default().show(ui, |ui| {
+                ui.label(text("editor-cannot-open"));
+                ui.monospace(error.as_str());
+            });
+        }
+    }
+}
+
+/// Draws the 3D view and the panels beside it.
+fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    if context.watched.is_some() {
+        egui::Panel::top("watched").show(ui, |ui| {
+            look::mark_panel(ui, state, "panel-watched");
+            lab::show_watched(ui, state, context);
+        });
+    } else if state.shown[PanelKind::Sensors as usize] {
+        show_sensors(ui, state, context);
+    }
+    if state.shown[PanelKind::Scope as usize] {
+        show_scope(ui, state, context);
+    }
+    let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
+    space.show(ui, |ui| {
+        let has_focus = look::mark_panel(ui, state, "panel-space");
+        space::show(ui, state, context, has_focus);
+    });
+}
+
+fn show_sensors(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let panel = egui::Panel::right("sensors")
+        .min_size(320.0)
+        .default_size(state.size_of(PanelKind::Sensors, 400.0));
+    let shown = panel.show(ui, |ui| {
+        look::mark_panel(ui, state, PanelKind::Sensors.key());
+        sensors::show(ui, context);
+    });
+    state.set_size_of(PanelKind::Sensors, shown.response.rect.width());
+}
+
+fn show_scope(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let panel = egui::Panel::bottom("scope")
+        .resizable(true)
+        .default_size(state.size_of(PanelKind::Scope, 230.0))
+        .min_size(90.0);
+    let shown = panel.show(ui, |ui| {
+        look::mark_panel(ui, state, PanelKind::Scope.key());
+        scope::show(ui, &mut state.scope, context);
+    });
+    state.set_size_of(PanelKind::Scope, shown.response.rect.height());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_other_number;
+
+    #[test]
+    fn a_number_that_is_rounded_to_what_is_shown_has_not_changed() {
+        let degrees = 3.0_f64.to_degrees();
+        assert!(!is_other_number(degrees, 171.9, 1));
+        assert!(!is_other_number(degrees, degrees, 1));
+        assert!(is_other_number(degrees, 172.0, 1));
+        assert!(is_other_number(4.0, 4.001, 3));
+    }
+}

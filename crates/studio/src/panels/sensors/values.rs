@@ -1,0 +1,139 @@
+//! The values of a channel: gain and offset of its joints, direction and range.
+
+use eframe::egui::{self, DragValue};
+
+use crate::glove_editor::{GloveEditor, MAX_FULL_RANGE_DEG, MIN_FULL_RANGE_DEG};
+use crate::joint_names::joint_name;
+use crate::panels::{PanelContext, is_other_number};
+use crate::sensor_control::SensorControl;
+use crate::sensors::{ChannelJoint, SensorRow};
+use crate::texts::text;
+
+/// Decimals of a number that is shown.
+const DECIMALS: usize = 1;
+
+pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext, row: &SensorRow) {
+    let full_scale = f64::from(context.session.sensors.full_scale());
+    let sensors = &mut *context.sensors;
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        ui.set_min_width(ui.available_width());
+        let grid = egui::Grid::new("values").num_columns(2);
+        grid.spacing([12.0, 4.0]).show(ui, |ui| {
+            for joint in &row.joints {
+                show_joint(ui, sensors, joint, full_scale, row.joints.len() > 1);
+            }
+            show_inversion(ui, sensors, row.channel);
+            show_range(ui, sensors, row.channel, full_scale);
+        });
+        if ui.button(text("value-plot")).clicked()
+            && let Some(joint) = row.joints.first()
+        {
+            sensors.set_traced(joint.row);
+        }
+    });
+    // The next movement of the mouse, or the next typed number, is undone on its own.
+    if !ui.input(|input| input.pointer.any_down()) {
+        sensors.edit(GloveEditor::close_edit);
+    }
+}
+
+fn show_joint(
+    ui: &mut egui::Ui,
+    sensors: &mut SensorControl,
+    joint: &ChannelJoint,
+    full_scale: f64,
+    is_named: bool,
+) {
+    let Some(editor) = &sensors.editor else {
+        return;
+    };
+    let row = joint.row;
+    let old = (editor.full_range_deg(row).abs(), editor.zero_count(row));
+    let (mut range, mut zero) = old;
+    if is_named {
+        ui.strong(joint_name(joint.dof));
+        ui.end_row();
+    }
+    let value = DragValue::new(&mut range)
+        .range(MIN_FULL_RANGE_DEG..=MAX_FULL_RANGE_DEG)
+        .max_decimals(DECIMALS)
+        .speed(0.5)
+        .suffix("°");
+    let label = ui
+        .label(text("value-gain"))
+        .on_hover_text(text("value-gain-hint"));
+    ui.add(value).labelled_by(label.id);
+    if is_other_number(old.0, range, DECIMALS) {
+        sensors.edit(|editor| editor.set_full_range_deg(row, range));
+    }
+    ui.end_row();
+    let value = DragValue::new(&mut zero)
+        .range(-full_scale..=2.0 * full_scale)
+        .max_decimals(DECIMALS)
+        .speed(0.2);
+    let label = ui
+        .label(text("value-offset"))
+        .on_hover_text(text("value-offset-hint"));
+    ui.add(value).labelled_by(label.id);
+    if is_other_number(old.1, zero, DECIMALS) {
+        sensors.edit(|editor| editor.set_zero_count(row, zero));
+    }
+    ui.end_row();
+}
+
+fn show_inversion(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize) {
+    let Some(editor) = &sensors.editor else {
+        return;
+    };
+    let mut is_inverted = editor.is_inverted(channel);
+    ui.label("");
+    let checkbox = ui.checkbox(&mut is_inverted, text("value-inverted"));
+    if checkbox
+        .on_hover_text(text("value-inverted-hint"))
+        .changed()
+    {
+        sensors.edit(|editor| editor.invert(channel));
+    }
+    ui.end_row();
+}
+
+fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, full_scale: f64) {
+    let Some(editor) = &sensors.editor else {
+        return;
+    };
+    let range = editor.map().range(channel);
+    let mut has_range = range.is_some();
+    let checkbox = ui.checkbox(&mut has_range, text("value-range"));
+    let mut new = match (
+        checkbox.on_hover_text(text("value-range-hint")).changed(),
+        has_range,
+    ) {
+        (true, true) => Some((0.0, full_scale)),
+        (true, false) => None,
+        (false, _) => range,
+    };
+    if let Some((low, high)) = &mut new {
+        ui.horizontal(|ui| {
+            ui.add(end(low, full_scale));
+            ui.label("–");
+            ui.add(end(high, full_scale));
+        });
+    }
+    ui.end_row();
+    let is_changed = match (range, new) {
+        (Some((low, high)), Some((new_low, new_high))) => {
+            is_other_number(low, new_low, DECIMALS) || is_other_number(high, new_high, DECIMALS)
+        }
+        _ => new != range,
+    };
+    if is_changed {
+        sensors.edit(|editor| editor.set_range(channel, new));
+    }
+}
+
+fn end(count: &mut f64, full_scale: f64) -> DragValue<'_> {
+    DragValue::new(count)
+        .range(0.0..=full_scale)
+        .max_decimals(DECIMALS)
+        .speed(0.2)
+}

@@ -1,0 +1,98 @@
+//! The results of a step, in the form in which many of them are kept.
+
+use std::sync::Arc;
+
+use crate::model::StudioModel;
+use ademan_core::command::CommandOrigin;
+use ademan_core::contact::{Press, TargetNames, Touch};
+use ademan_core::device::{OutputEvent, TimedCommand};
+use ademan_core::hand::{JointAngles, Side};
+use ademan_core::kinematics::HandPose;
+use ademan_core::pipeline::{PipelineState, TextState};
+use ademan_core::snapshot::{Snapshot, Stats, StepView};
+use ademan_runtime::capture::recording::message::{decode_reading, encode_reading};
+use ademan_runtime::session::view::View;
+
+/// The results of a step. A [`Snapshot`] has room for the most events that a step can have.
+#[derive(Clone, Debug)]
+pub struct RecordedStep {
+    state: PipelineState,
+    paused_by: Option<CommandOrigin>,
+    profile: usize,
+    target_names: TargetNames,
+    /// The reading as a message of a recording.
+    reading: Box<[u8]>,
+    hand: Option<Box<(JointAngles, HandPose)>>,
+    touches: Box<[Touch]>,
+    presses: Box<[Press]>,
+    events: Box<[OutputEvent]>,
+    commands: Box<[TimedCommand]>,
+    executed: Option<TimedCommand>,
+    lost_hands: [bool; Side::COUNT],
+    text: Option<Box<TextState>>,
+    stats: Box<Stats>,
+    view: Option<Arc<View>>,
+}
+
+impl RecordedStep {
+    /// Copies the results of a step, and the view after it if one is due.
+    pub fn new(step: &StepView, view: Option<View>) -> Self {
+        let mut reading = Vec::new();
+        if let Some(present) = step.reading {
+            encode_reading(present, &mut reading);
+        }
+        let hand = step.angles.zip(step.pose);
+        Self {
+            state: step.state,
+            paused_by: step.paused_by,
+            profile: step.profile,
+            target_names: step.target_names.clone(),
+            reading: reading.into(),
+            hand: hand.map(|(angles, pose)| Box::new((*angles, *pose))),
+            touches: step.touches.into(),
+            presses: step.presses.into(),
+            events: step.events.into(),
+            commands: step.commands.into(),
+            executed: step.executed.copied(),
+            lost_hands: step.lost_hands,
+            text: step.text.cloned().map(Box::new),
+            stats: Box::new(*step.stats),
+            view: view.map(Arc::new),
+        }
+    }
+
+    /// Returns the results as a session sends them.
+    pub fn to_snapshot(&self) -> Snapshot {
+        // A step without a reading has no bytes, which are no reading either.
+        let reading = decode_reading(&self.reading).ok();
+        let hand = self.hand.as_deref();
+        let view = StepView {
+            state: self.state,
+            paused_by: self.paused_by,
+            profile: self.profile,
+            target_names: &self.target_names,
+            reading: reading.as_ref(),
+            source_error: None,
+            angles: hand.map(|(angles, _)| angles),
+            pose: hand.map(|(_, pose)| pose),
+            touches: &self.touches,
+            presses: &self.presses,
+            events: &self.events,
+            commands: &self.commands,
+            executed: self.executed.as_ref(),
+            lost_hands: self.lost_hands,
+            text: self.text.as_deref(),
+            stats: &self.stats,
+            latency: None,
+        };
+        view.to_snapshot()
+    }
+
+    /// Updates a model as the session does that sends this step.
+    pub fn apply_to(&self, model: &mut StudioModel) {
+        if let Some(view) = &self.view {
+            model.view = View::clone(view);
+        }
+        model.update(&self.to_snapshot());
+    }
+}

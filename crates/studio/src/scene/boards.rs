@@ -1,0 +1,265 @@
+//! Boards with their keys and controls.
+
+use parry3d::math::{Pose, Vec2, Vec3};
+
+use super::Canvas;
+use crate::marks::{FrontView, add_marks};
+use crate::model::StudioModel;
+use crate::picture::{Color, Label, convex_hull, with_known_signs};
+use ademan_core::contact::TargetId;
+use ademan_core::contact::surface::{Shape, Surface, Target};
+use ademan_core::layout::FrontMark;
+
+/// The lowest key, in metres: a key with less travel would look like a drawing.
+const MIN_KEY_HEIGHT: f32 = 0.004;
+
+/// The edge of the plate around the keys, in metres.
+const BOARD_MARGIN: f32 = 0.005;
+
+/// The largest deviation of fronts from a plane for which a plate is drawn, in metres.
+const FLATNESS: f32 = 0.002;
+
+/// The largest label, in metres.
+const MAX_LABEL: f32 = 0.009;
+
+/// Width of a letter as a fraction of its height.
+const LETTER_WIDTH: f32 = 0.76;
+
+/// The largest distance from the fronts to the plate, in metres.
+const MAX_PLATE_DEPTH: f32 = 0.006;
+
+/// The smallest label that can be read, in points.
+const MIN_LABEL_PT: f32 = 5.0;
+
+/// Size of a key on the screen below which it is a flat rectangle, in points.
+const MIN_DETAIL_PT: f32 = 9.0;
+
+/// Sides of a quarter of a disc, which look round at any size.
+const DISC_STEPS: usize = 16;
+
+/// Signs of the corners of a box, in the order of its outline.
+const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+
+/// Adds a board, if its pose is known.
+pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) {
+    let Some(world_from_board) = model.world_from_board(index) else {
+        return;
+    };
+    let surface = &model.view.layout.scene.surfaces()[index];
+    add_plate(canvas, &world_from_board, surface);
+    let mut keys: Vec<_> = surface
+        .targets()
+        .filter_map(|(id, target)| {
+            let world_from_target = world_from_board * target.surface_from_target;
+            let center = canvas.project(world_from_target.translation)?;
+            let radius = half_extents(target).length() * 2.0 * center.scale;
+            let is_seen = canvas.is_seen(center.position, radius);
+            is_seen.then_some((center.depth, id, target, world_from_target))
+        })
+        .collect();
+    keys.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, id, target, world_from_target) in keys {
+        add_key(canvas, model, id, target, &world_from_target);
+    }
+}
+
+/// Adds the plate below the keys of a flat board.
+fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, surface: &Surface) {
+    let targets = || surface.targets().map(|(_, target)| target);
+    let height = |target: &Target| target.surface_from_target.translation.z;
+    let (low, high) = targets().fold((f32::MAX, f32::MIN), |(low, high), target| {
+        (low.min(height(target)), high.max(height(target)))
+    });
+    if high - low > FLATNESS || high < low {
+        return;
+    }
+    let corners = targets().flat_map(|target| {
+        let grown = corners_with_margin(target, BOARD_MARGIN);
+        grown.map(Vec3::truncate)
+    });
+    let z = low
+        - targets()
+            .map(key_height)
+            .fold(0.0, f32::max)
+            .min(MAX_PLATE_DEPTH);
+    let corners = convex_hull(corners.collect());
+    let corners = corners.iter().map(|corner| {
+        let projected = canvas.project(*world_from_board * corner.extend(z))?;
+        Some(projected.position)
+    });
+    if let Some(corners) = corners.collect::<Option<Vec<_>>>() {
+        let color = canvas.colors.board;
+        canvas.picture.below.add_flat_polygon(&corners, color);
+    }
+}
+
+fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Target, pose: &Pose) {
+    let contact = model.contact_with(id);
+    let is_lit = contact.is_some_and(|contact| contact.is_pressed)
+        || model.view.state.selected.contains(&id);
+    let depth = contact.map_or(0.0, |contact| contact.depth * target.travel);
+    let center = *pose * Vec3::new(0.0, 0.0, -depth);
+    let Some(projected) = canvas.project(center) else {
+        return;
+    };
+    let colors = canvas.colors;
+    let (face, side, label) = match is_lit {
+        true => (colors.lit, colors.lit_side, colors.lit_label),
+        false => (colors.key, colors.key_side, colors.label),
+    };
+    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.eye - center) <= 0.0;
+    if 2.0 * half_extents(target).min_element() * projected.scale < MIN_DETAIL_PT {
+        if !is_turned_away {
+            add_small_key(
+                canvas,
+                target,
+                &Pose::from_parts(center, pose.rotation),
+                face,
+            );
+        }
+        return;
+    }
+    let outline = outline(target);
+    let at = |point: Vec2, z: f32| {
+        let projected = canvas.project(*pose * point.extend(z))?;
+        Some(projected.position)
+    };
+    let front: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
+    let Some(front) = front else {
+        return;
+    };
+    let back = |point: &Vec2| at(*point * 1.04, -key_height(target));
+    let Some(back) = outline.iter().map(back).collect::<Option<Vec<_>>>() else {
+        return;
+    };
+    let hull = convex_hull(front.iter().chain(&back).copied().collect());
+    canvas.picture.below.add_flat_polygon(&hull, side);
+    if is_turned_away {
+        return;
+    }
+    canvas.picture.below.add_flat_polygon(&front, face);
+    let value = model.values.get(&id).copied();
+    if let Some(marks) = model.view.layout.front_marks(id, value) {
+        let pose = Pose::from_parts(center, pose.rotation);
+        add_front(canvas, &marks, &pose, projected.scale, is_lit);
+    } else if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
+        add_label(
+            canvas,
+            text,
+            label,
+            target,
+            &Pose::from_parts(center, pose.rotation),
+        );
+    }
+}
+
+/// Adds the marks on the front of a control.
+fn add_front(canvas: &mut Canvas, marks: &[FrontMark], front: &Pose, scale: f32, is_lit: bool) {
+    let projection = canvas.projection;
+    let to_screen = |point: Vec2| {
+        let projected = projection.project(*front * (point * 1e-3).extend(0.0))?;
+        Some(projected.position)
+    };
+    let view = FrontView {
+        to_screen: &to_screen,
+        scale: scale * 1e-3,
+        colors: canvas.colors,
+        is_lit,
+    };
+    add_marks(&mut canvas.picture, marks, &view);
+}
+
+/// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them.
+fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Color) {
+    let half = half_extents(target);
+    let corners = CORNERS.map(|(x, y)| {
+        let corner = canvas.project(*front * Vec3::new(x * half.x, y * half.y, 0.0));
+        corner.map(|corner| corner.position)
+    });
+    if let [Some(a), Some(b), Some(c), Some(d)] = corners {
+        canvas.picture.below.add_quad([a, b, c, d], color);
+    }
+}
+
+/// Adds the label of a front, which lies on it and is upright for the eye.
+fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, front: &Pose) {
+    let text = &with_known_signs(text);
+    let half = half_extents(target);
+    let origin = front.translation;
+    let direction = |axis: Vec3| {
+        let ahead = canvas.project(origin + front.rotation * axis * half.min_element())?;
+        let behind = canvas.project(origin - front.rotation * axis * half.min_element())?;
+        Some((ahead.position - behind.position) / (2.0 * half.min_element()))
+    };
+    let (Some(center), Some(x), Some(y)) = (
+        canvas.project(origin),
+        direction(Vec3::X),
+        direction(Vec3::Y),
+    ) else {
+        return;
+    };
+    let turned = Vec2::new(half.y, half.x);
+    // The quarter turn in which the text runs to the right of the screen.
+    let turns = [
+        (x, -y, half),
+        (-x, y, half),
+        (y, x, turned),
+        (-y, -x, turned),
+    ];
+    let best = turns.into_iter().max_by(|a, b| {
+        let rightward = |(right, _, _): &(Vec2, Vec2, Vec2)| right.x / right.length().max(1e-6);
+        rightward(a).total_cmp(&rightward(b))
+    });
+    let Some((right, down, half)) = best else {
+        return;
+    };
+    let width = 1.7 * half.x / (LETTER_WIDTH * text.chars().count().max(1) as f32);
+    let size = (half.y * 1.1).min(width).min(MAX_LABEL);
+    if size * down.length().min(right.length()) >= MIN_LABEL_PT {
+        canvas.picture.labels.push(Label {
+            position: center.position,
+            right: right * size,
+            down: down * size,
+            color,
+            text: text.clone(),
+        });
+    }
+}
+
+/// Returns the corners of the box around a front, on the surface.
+pub(super) fn corners(target: &Target) -> [Vec3; 4] {
+    corners_with_margin(target, 0.0)
+}
+
+fn corners_with_margin(target: &Target, margin: f32) -> [Vec3; 4] {
+    let half = half_extents(target) + margin;
+    CORNERS.map(|(x, y)| target.surface_from_target * Vec3::new(x * half.x, y * half.y, 0.0))
+}
+
+fn key_height(target: &Target) -> f32 {
+    target.travel.max(MIN_KEY_HEIGHT)
+}
+
+fn half_extents(target: &Target) -> Vec2 {
+    match target.shape {
+        Shape::Box(half) => half,
+        Shape::Disc(radius) => Vec2::splat(radius),
+    }
+}
+
+/// Returns the outline of a front: a box with round corners, or a disc.
+fn outline(target: &Target) -> Vec<Vec2> {
+    let (half, radius, steps) = match target.shape {
+        Shape::Box(half) => (half, 0.22 * half.min_element(), 3),
+        Shape::Disc(radius) => (Vec2::splat(radius), radius, DISC_STEPS),
+    };
+    let mut points = Vec::with_capacity(CORNERS.len() * (steps + 1));
+    for (corner, (x, y)) in CORNERS.into_iter().enumerate() {
+        for step in 0..=steps {
+            let turn = corner as f32 + step as f32 / steps as f32;
+            let round = Vec2::from_angle(turn * std::f32::consts::FRAC_PI_2) * radius;
+            points.push(Vec2::new(x, y) * (half - radius) + round);
+        }
+    }
+    points
+}

@@ -1,0 +1,270 @@
+//! Pictures of boards, without a window.
+
+use std::sync::Arc;
+
+use parry3d::math::{Pose, Vec2, Vec3};
+
+use super::*;
+use crate::camera::Viewpoint;
+use crate::model::Contact;
+use crate::sensors::SensorTable;
+use ademan_core::contact::surface::Surface;
+use ademan_core::estimate::{Estimate, JointAngles};
+use ademan_core::hand::{Dof, Finger, Side};
+use ademan_core::kinematics::{ArmModel, BoneLengths};
+use ademan_core::layout::Layout;
+use ademan_core::time::Timestamp;
+use ademan_runtime::files::Load;
+use ademan_runtime::session::view::{View, ViewState};
+
+const SIZE: Vec2 = Vec2::new(900.0, 500.0);
+
+/// Returns a shipped layout below an elbow, and a camera that shows it.
+fn scene(layout: &str) -> (StudioModel, Camera) {
+    let layout = Layout::load(layout).unwrap();
+    let surfaces = layout.scene.surfaces().iter();
+    let view = View {
+        boards: surfaces.map(Surface::anchor_from_surface).collect(),
+        layout: Arc::new(layout),
+        state: Arc::new(ViewState::starting("", "", "")),
+        messages: Arc::default(),
+        missed: 0,
+    };
+    let mut model = StudioModel::new(view, SensorTable::default());
+    let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
+    pose.set(Joint::Elbow, Pose::from_translation(Vec3::ZERO));
+    model.poses[Side::Right.index()] = Some(pose);
+    let mut camera = Camera::default();
+    let points = points_of_interest(&model);
+    let bearing = bearing(&model);
+    camera.frame(&points, bearing, Viewpoint::Eye, SIZE.x / SIZE.y);
+    (model, camera)
+}
+
+fn picture(model: &StudioModel, camera: &Camera) -> Picture {
+    draw(
+        model,
+        camera,
+        SIZE,
+        &SceneColors::DARK,
+        SceneOptions::default(),
+    )
+}
+
+#[test]
+fn every_key_of_a_board_has_a_label_that_is_upright() {
+    let (model, mut camera) = scene("qwerty-flat");
+    let labels = picture(&model, &camera).labels;
+    assert!(labels.len() >= 40, "{}", labels.len());
+    for label in &labels {
+        assert!(label.right.x > 0.9 * label.right.length(), "{label:?}");
+        assert!(label.down.y > 0.0, "{label:?}");
+    }
+    camera.azimuth += std::f32::consts::PI;
+    for label in picture(&model, &camera).labels {
+        assert!(label.right.x > 0.0 && label.down.y > 0.0, "{label:?}");
+    }
+}
+
+#[test]
+fn keys_beyond_the_picture_are_not_drawn() {
+    let (model, mut camera) = scene("qwerty-flat");
+    let all = picture(&model, &camera).below.vertices.len();
+    camera.pan(Vec2::X * 1.2 * SIZE.x, SIZE.y);
+    let beside = picture(&model, &camera).below.vertices.len();
+    assert!(beside < all / 10, "{beside} of {all}");
+}
+
+#[test]
+fn keys_that_are_small_on_the_screen_have_neither_labels_nor_sides() {
+    let (model, mut camera) = scene("qwerty-flat");
+    let near = picture(&model, &camera).below.vertices.len();
+    camera.zoom(8.0);
+    let far = picture(&model, &camera);
+    assert!(far.labels.is_empty());
+    assert!(far.below.vertices.len() < near / 4);
+    let keys = model.view.layout.keys.len();
+    let corners_of_plate = far.below.vertices.len() - 4 * keys;
+    assert!(corners_of_plate < 4 * keys, "{corners_of_plate}");
+}
+
+#[test]
+fn a_pressed_key_is_lit_and_sinks() {
+    let (mut model, camera) = scene("qwerty-flat");
+    let before = picture(&model, &camera);
+    let key = &model.view.layout.keys[0].face;
+    let (target, text) = (key.target, key.label.clone());
+    model.contacts[Side::Right.index()][0] = Some(Contact {
+        target,
+        depth: 1.0,
+        is_pressed: true,
+    });
+    let after = picture(&model, &camera);
+    let lit = |picture: &Picture| {
+        let mut vertices = picture.below.vertices.iter();
+        vertices.any(|(_, color)| *color == SceneColors::DARK.lit)
+    };
+    assert!(!lit(&before) && lit(&after));
+    let position = |picture: &Picture| {
+        let mut labels = picture.labels.iter();
+        labels.find(|it| it.text == text).unwrap().position
+    };
+    assert!(position(&after).y > position(&before).y);
+}
+
+#[test]
+fn every_shipped_layout_is_framed_within_the_picture() {
+    for layout in ademan_core::document::shipped_layouts() {
+        let (model, camera) = scene(layout);
+        for point in points_of_interest(&model) {
+            let at = camera.project(point, SIZE).unwrap().position;
+            let is_inside = at.cmpge(Vec2::ZERO).all() && at.cmple(SIZE).all();
+            assert!(is_inside, "{layout}: {at}");
+        }
+    }
+}
+
+/// Returns the largest opacity of the skin, 0..=255; 0 without skin.
+fn skin_opacity(picture: &Picture) -> u8 {
+    let pixels = picture.skin.iter().flat_map(|image| &image.pixels);
+    pixels.map(|color| color.0[3]).max().unwrap_or(0)
+}
+
+/// Returns the opacity of the skin at a point of the world, 0..=255.
+fn opacity_at(picture: &Picture, camera: &Camera, point: Vec3) -> u8 {
+    let image = picture.skin.as_ref().expect("a hand");
+    let at = camera.project(point, SIZE).unwrap().position;
+    let [low, high] = image.corners;
+    let size = Vec2::new(image.size[0] as f32, image.size[1] as f32);
+    let pixel = ((at - low) / (high - low) * size).clamp(Vec2::ZERO, size - 1.0);
+    image.pixels[pixel.y as usize * image.size[0] + pixel.x as usize].0[3]
+}
+
+/// Returns the model with a hand of average size and these angles, in degrees.
+fn with_hand(mut model: StudioModel, degrees: &[(Dof, f64)]) -> StudioModel {
+    let bones = BoneLengths::from_hand_and_forearm(0.19, 0.26).unwrap();
+    let arm = ArmModel::anthropometric(Side::Right, &bones).unwrap();
+    let mut angles = JointAngles::default();
+    for &(dof, degrees) in degrees {
+        angles.set(dof, degrees.to_radians());
+    }
+    let pose = arm.forward(&Estimate::new(Timestamp(0), angles));
+    model.poses[Side::Right.index()] = Some(pose);
+    model
+}
+
+#[test]
+fn keys_are_seen_through_the_hand_unless_it_is_to_be_opaque() {
+    for (layout, opaque, expected) in [
+        ("qwerty-flat", false, 153),
+        ("qwerty-flat", true, 255),
+        ("direct", false, 255),
+    ] {
+        let (model, mut camera) = scene(layout);
+        let model = with_hand(model, &[]);
+        let points = points_of_interest(&model);
+        camera.frame(&points, 0.0, Viewpoint::Eye, SIZE.x / SIZE.y);
+        let options = SceneOptions {
+            opaque,
+            ..SceneOptions::default()
+        };
+        let picture = draw(&model, &camera, SIZE, &SceneColors::DARK, options);
+        assert_eq!(skin_opacity(&picture), expected, "{layout}");
+    }
+}
+
+#[test]
+fn an_arm_that_passes_the_eye_fades_out_and_the_hand_before_it_stays() {
+    let (model, mut camera) = scene("qwerty-flat");
+    let model = with_hand(model, &[]);
+    let pose = model.poses[Side::Right.index()].unwrap();
+    let at = |joint: Joint| pose.position(joint).unwrap();
+    let (elbow, wrist) = (at(Joint::Elbow), at(Joint::Wrist));
+    let tip = at(Joint::MiddleTip);
+    // The eye looks along the arm, from between elbow and wrist.
+    let along = (tip - elbow).normalize();
+    camera.target = tip;
+    camera.azimuth = (-along.x).atan2(-along.z);
+    camera.elevation = 0.5;
+    camera.distance = 0.8 * tip.distance(wrist) + 0.4 * wrist.distance(elbow);
+    assert!(camera.project(elbow, SIZE).is_none(), "behind the eye");
+    let picture = picture(&model, &camera);
+    for joint in [
+        Joint::MiddlePhalanxProximal,
+        Joint::MiddlePhalanxIntermediate,
+    ] {
+        let opacity = opacity_at(&picture, &camera, at(joint));
+        assert!(opacity > 140, "{joint:?}: {opacity}");
+    }
+}
+
+#[test]
+fn the_skin_of_a_bent_finger_has_no_hole() {
+    for bend in [30.0, 60.0, 90.0, 110.0] {
+        let dofs = [Dof::IndexMcpFlexion, Dof::IndexPipFlexion];
+        let (model, mut camera) = scene("direct");
+        let model = with_hand(model, &dofs.map(|dof| (dof, bend)));
+        let points = points_of_interest(&model);
+        for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+            camera.frame(&points, 0.0, viewpoint, SIZE.x / SIZE.y);
+            let pose = model.poses[Side::Right.index()].unwrap();
+            let picture = picture(&model, &camera);
+            let joints = Finger::Index.joints();
+            // Points on the bones of the finger are within its skin.
+            for pair in joints[1..].windows(2) {
+                let [Some(from), Some(to)] = [pose.position(pair[0]), pose.position(pair[1])]
+                else {
+                    panic!("a joint of the index finger is unknown");
+                };
+                for step in 0..=20 {
+                    let point = from.lerp(to, step as f32 / 20.0);
+                    let opacity = opacity_at(&picture, &camera, point);
+                    // But for rounding.
+                    assert!(
+                        opacity > 250,
+                        "{bend}° {viewpoint:?} {:?} {step}: {opacity}",
+                        pair[0]
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Returns the number of pixels on which hands and shapes are seen.
+fn skin_pixels(model: &StudioModel, camera: &Camera) -> usize {
+    let image = picture(model, camera).skin;
+    let pixels = image.iter().flat_map(|image| &image.pixels);
+    pixels.filter(|color| color.0[3] > 0).count()
+}
+
+#[test]
+fn a_shape_grows_with_the_value_of_its_trigger_and_is_on_the_hand_that_has_it() {
+    let layout = Arc::new(Layout::load("claws").unwrap());
+    let view = View {
+        boards: Arc::new([]),
+        layout: Arc::clone(&layout),
+        state: Arc::new(ViewState::starting("", "", "")),
+        messages: Arc::default(),
+        missed: 0,
+    };
+    let mut model = StudioModel::new(view, SensorTable::default());
+    // A wrist alone has no skin.
+    let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
+    let to_the_left = glam::Quat::from_rotation_y(std::f32::consts::PI);
+    pose.set(Joint::Wrist, Pose::from_parts(Vec3::ZERO, to_the_left));
+    model.poses[Side::Right.index()] = Some(pose);
+    let mut camera = Camera::default();
+    let corners = [Vec3::splat(-0.6), Vec3::splat(0.6)];
+    camera.frame(&corners, 0.0, Viewpoint::Eye, SIZE.x / SIZE.y);
+    assert_eq!(skin_pixels(&model, &camera), 0);
+
+    let (target, _) = layout.shapes[1];
+    let mut last = 0;
+    for value in [0.3, 0.6, 1.0] {
+        model.values.insert(target, value);
+        let count = skin_pixels(&model, &camera);
+        assert!(count > last, "{value}: {count}");
+        last = count;
+    }
+}

@@ -1,0 +1,273 @@
+//! Changes of the sensors from the window: the glove, its file, the filter, and the guided calibration.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::filter_trace::{FilterSample, FilterTrace};
+use super::glove_editor::GloveEditor;
+use super::glove_file::{GloveFile, SaveError};
+use super::guide::Guide;
+use super::sensors::SensorTable;
+use super::texts::text_with;
+use ademan_core::estimate::Smoothing;
+use ademan_core::hand::JointAngles;
+use ademan_core::message::escape_path;
+use ademan_core::snapshot::Snapshot;
+use ademan_runtime::capture::{Channels, Sample};
+use ademan_runtime::files;
+use ademan_runtime::session::{RequestError, SensorLink};
+use ademan_runtime::setup::{HandReach, LoadedSetup};
+
+/// Time between two measurements of the lag, in pictures.
+const LAG_PICTURES: u32 = 30;
+
+/// The changes of the sensors of a session.
+pub struct SensorControl {
+    link: Arc<SensorLink>,
+    /// The glove; `None` if the source needs none.
+    pub editor: Option<GloveEditor>,
+    file: Result<GloveFile, SaveError>,
+    smoothing: Smoothing,
+    /// The calibration or the filter has changed and is not in the session yet.
+    is_change_due: bool,
+    /// The channel whose values are shown.
+    pub selected: Option<usize>,
+    /// The row of the map whose angle is plotted.
+    traced: usize,
+    trace: FilterTrace,
+    lag: Option<Duration>,
+    pictures: u32,
+    /// The guided calibration.
+    pub guide: Option<Guide>,
+    /// The file that is replaced after a question.
+    question: Option<PathBuf>,
+    /// Confirmation of the last save.
+    pub notice: Option<String>,
+    /// Reason why the last change was not made.
+    pub message: Option<String>,
+}
+
+impl SensorControl {
+    /// Returns the setup of the session.
+    pub fn setup(&self) -> &LoadedSetup {
+        self.link.setup()
+    }
+
+    /// Creates the control of a session.
+    pub fn new(link: &Arc<SensorLink>) -> Self {
+        let document = link.glove_document();
+        let name = document.map_or("", |document| document.file.as_str());
+        let folder = files::config_folder();
+        Self {
+            editor: document.and_then(|document| GloveEditor::new(document).ok()),
+            file: GloveFile::new(link.setup().glove_path(), name, folder.as_deref()),
+            smoothing: link.smoothing(),
+            link: Arc::clone(link),
+            is_change_due: false,
+            selected: None,
+            traced: 0,
+            trace: FilterTrace::default(),
+            lag: None,
+            pictures: 0,
+            guide: None,
+            question: None,
+            notice: None,
+            message: None,
+        }
+    }
+
+    /// Returns the channels of the glove with their present calibration.
+    pub fn table(&self) -> SensorTable {
+        let map = self.editor.as_ref().map(GloveEditor::map);
+        map.map(SensorTable::new).unwrap_or_default()
+    }
+
+    /// Returns the hands of the session, to find targets out of their reach.
+    pub fn hand_reach(&self) -> HandReach {
+        self.link.setup().hand_reach()
+    }
+
+    /// Removes what changes the session: a recording is shown in its place.
+    pub fn lock(&mut self) {
+        self.editor = None;
+    }
+
+    /// Processes the results of a step.
+    pub fn update(&mut self, snapshot: &Snapshot) {
+        let Some(reading) = &snapshot.reading else {
+            return;
+        };
+        let Sample::Channels(channels) = &reading.sample else {
+            return;
+        };
+        if let Some(guide) = &mut self.guide {
+            guide.push(reading.time, channels);
+        }
+        let filtered = snapshot.angles.as_ref();
+        if let Some((raw, filtered)) =
+            filtered.and_then(|angles| self.traced_angles(channels, angles))
+        {
+            self.trace.push(FilterSample {
+                time: reading.time,
+                raw,
+                filtered,
+            });
+        }
+    }
+
+    /// Returns the plotted angle before and after the filter, in degrees.
+    fn traced_angles(&self, channels: &Channels, filtered: &JointAngles) -> Option<(f64, f64)> {
+        let map = self.editor.as_ref()?.map();
+        let row = map.rows().get(self.traced)?;
+        let count = *channels.counts.get(row.channel)?;
+        let raw = map.radians(row, f64::from(count)).to_degrees();
+        let is_known = filtered.is_known(row.dof) && count != Channels::UNKNOWN;
+        is_known.then(|| (raw, filtered.get(row.dof).to_degrees()))
+    }
+
+    /// Moves a demonstration on, and sends a change to the session. `elapsed` is the time since the last picture.
+    pub fn advance(&mut self, elapsed: Duration, table: &mut SensorTable) {
+        if let Some(guide) = &mut self.guide {
+            guide.advance(elapsed);
+        }
+        if self.pictures.is_multiple_of(LAG_PICTURES) {
+            self.lag = self.trace.lag();
+        }
+        self.pictures = self.pictures.wrapping_add(1);
+        if std::mem::take(&mut self.is_change_due) {
+            self.send(table);
+        }
+    }
+
+    fn send(&mut self, table: &mut SensorTable) {
+        let calibration = self.editor.as_ref().map(GloveEditor::calibration);
+        let map = calibration.map(|calibration| &calibration.map);
+        let rest = calibration.map(|calibration| calibration.rest);
+        if let Some(map) = map {
+            table.set_calibration(map);
+        }
+        match self
+            .link
+            .replace(map, &rest.unwrap_or_default(), self.smoothing)
+        {
+            Ok(()) => self.trace.clear(),
+            // The session has not made the last change yet.
+            Err(RequestError::QueueFull) => self.is_change_due = true,
+            Err(error) => self.message = Some(error.to_string()),
+        }
+    }
+
+    /// Changes the glove, and the session with the next picture if that has an effect.
+    pub fn edit(&mut self, change: impl FnOnce(&mut GloveEditor)) {
+        let Some(editor) = &mut self.editor else {
+            return;
+        };
+        let before = editor.calibration().clone();
+        change(editor);
+        self.is_change_due |= *editor.calibration() != before;
+    }
+
+    /// Returns the filter of the joint angles.
+    pub fn smoothing(&self) -> Smoothing {
+        self.smoothing
+    }
+
+    /// Changes the filter of the joint angles.
+    pub fn set_smoothing(&mut self, smoothing: Smoothing) {
+        self.is_change_due |= self.smoothing != smoothing;
+        self.smoothing = smoothing;
+    }
+
+    /// Returns the row of the map whose angle is plotted.
+    pub fn traced(&self) -> usize {
+        self.traced
+    }
+
+    /// Plots the angle of another row of the map.
+    pub fn set_traced(&mut self, row: usize) {
+        if self.traced != row {
+            self.traced = row;
+            self.trace.clear();
+            self.lag = None;
+        }
+    }
+
+    /// Returns the plotted angle.
+    pub fn trace(&self) -> &FilterTrace {
+        &self.trace
+    }
+
+    /// Returns the measured lag of the filter.
+    pub fn lag(&self) -> Option<Duration> {
+        self.lag
+    }
+
+    /// Saves the glove. A file that this window has not written is replaced only with `may_replace`; otherwise a question is
+    /// shown. Returns whether it was saved.
+    pub fn save(&mut self, may_replace: bool) -> bool {
+        (self.question, self.notice, self.message) = (None, None, None);
+        let (Some(editor), Ok(file)) = (&mut self.editor, &mut self.file) else {
+            self.message = self.file.as_ref().err().map(ToString::to_string);
+            return false;
+        };
+        let text = match editor.text() {
+            Ok(text) => text,
+            Err(error) => {
+                self.message = Some(error.to_string());
+                return false;
+            }
+        };
+        match file.save(&text, may_replace) {
+            Ok(()) => editor.set_saved(),
+            Err(SaveError::Exists(path)) => {
+                self.question = Some(path);
+                return false;
+            }
+            Err(error) => {
+                self.message = Some(error.to_string());
+                return false;
+            }
+        }
+        let file = escape_path(file.path());
+        self.notice = Some(text_with("glove-saved", &[("file", file.into())]));
+        true
+    }
+
+    /// Returns the file that the glove is saved to.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_ref().ok().map(GloveFile::path)
+    }
+
+    /// Returns the copy of a replaced file.
+    pub fn backup(&self) -> Option<PathBuf> {
+        self.file.as_ref().ok().map(GloveFile::backup)
+    }
+
+    /// Returns the file whose replacement waits for an answer.
+    pub fn question(&self) -> Option<&Path> {
+        self.question.as_deref()
+    }
+
+    /// Answers the question with a no.
+    pub fn keep_file(&mut self) {
+        self.question = None;
+    }
+
+    /// Starts a guided calibration of the present glove.
+    pub fn start_calibration(&mut self, start: impl FnOnce(&GloveEditor) -> Guide) {
+        (self.notice, self.message) = (None, None);
+        self.guide = self.editor.as_ref().map(start);
+    }
+
+    /// Adopts the result of the guided calibration, as an edit that can be undone, and ends the calibration.
+    pub fn adopt_result(&mut self) {
+        let result = self.guide.as_ref().and_then(Guide::result);
+        let Some(Ok(result)) = result else {
+            return;
+        };
+        let calibration = result.calibration.clone();
+        self.guide = None;
+        self.edit(|editor| editor.set_all(calibration));
+    }
+}

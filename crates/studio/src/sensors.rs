@@ -1,0 +1,294 @@
+//! The channels of a glove: count, joints, and signs of a broken sensor.
+
+use ademan_core::estimate::{ChannelMap, CountRange, JointLimits};
+use ademan_core::hand::{Dof, Finger, JointAngles};
+use ademan_core::time::Timestamp;
+use ademan_runtime::capture::Channels;
+
+/// Movement of a neighbouring joint, as a fraction of the full scale, during which a working sensor of the same finger changes.
+const NEIGHBOUR_MOVEMENT: f64 = 0.15;
+
+/// The state of a channel, as far as its counts show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChannelState {
+    /// No sign of a fault.
+    Good,
+    /// The readings do not contain the channel, or not its value.
+    Missing,
+    /// The count is 0, as with a broken wire.
+    AtLowEnd,
+    /// The count is the full scale, as with a short circuit.
+    AtHighEnd,
+    /// The count has never changed, although the same finger has bent at another sensor.
+    Stuck,
+}
+
+/// A joint that a channel measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelJoint {
+    /// Index of the row in the channel map.
+    pub row: usize,
+    /// The angle.
+    pub dof: Dof,
+    /// The counts at the limits of the joint, in ascending order, as far as they are within the full scale.
+    pub limits: [Option<f64>; 2],
+}
+
+/// A channel and the joints that it measures.
+#[derive(Clone, Debug)]
+pub struct SensorRow {
+    /// Name in the documentation of the glove.
+    pub label: String,
+    /// Index of the channel in a reading.
+    pub channel: usize,
+    /// The joints, in the order of the glove file.
+    pub joints: Vec<ChannelJoint>,
+    /// The range of the calibration, in counts.
+    pub range: Option<CountRange>,
+    /// The latest count; `None` before the first reading and without a value.
+    pub count: Option<u16>,
+    /// The smallest and the largest count so far.
+    seen: Option<(u16, u16)>,
+}
+
+/// The channels of a glove in use.
+#[derive(Clone, Debug, Default)]
+pub struct SensorTable {
+    rows: Vec<SensorRow>,
+    full_scale: u16,
+    uses_full_range: bool,
+    time: Timestamp,
+    is_seen: bool,
+}
+
+impl SensorTable {
+    /// Creates the table of a glove.
+    pub fn new(map: &ChannelMap) -> Self {
+        let mut table = Self {
+            full_scale: map.full_scale(),
+            uses_full_range: map.uses_full_range(),
+            ..Self::default()
+        };
+        for row in map.rows() {
+            if table.rows.iter().all(|known| known.channel != row.channel) {
+                table.rows.push(SensorRow {
+                    label: row.label.clone(),
+                    channel: row.channel,
+                    joints: Vec::new(),
+                    range: None,
+                    count: None,
+                    seen: None,
+                });
+            }
+        }
+        table.set_calibration(map);
+        table
+    }
+
+    /// Shows another calibration of the same glove.
+    pub fn set_calibration(&mut self, map: &ChannelMap) {
+        for row in &mut self.rows {
+            let indexed = map.rows().iter().enumerate();
+            let own = indexed.filter(|(_, other)| other.channel == row.channel);
+            row.joints = own
+                .map(|(index, own)| ChannelJoint {
+                    row: index,
+                    dof: own.dof,
+                    limits: limit_counts(map, index),
+                })
+                .collect();
+            row.range = map.range(row.channel);
+        }
+    }
+
+    /// Processes the counts of a reading.
+    pub fn update(&mut self, time: Timestamp, channels: &Channels) {
+        let is_first = !self.is_seen || time < self.time;
+        (self.time, self.full_scale, self.is_seen) = (time, channels.full_scale, true);
+        for row in &mut self.rows {
+            let count = channels.counts.get(row.channel).copied();
+            row.count = count.filter(|count| *count != Channels::UNKNOWN);
+            if is_first {
+                row.seen = None;
+            }
+            if let Some(count) = row.count {
+                let (low, high) = row.seen.unwrap_or((count, count));
+                row.seen = Some((low.min(count), high.max(count)));
+            }
+        }
+    }
+
+    /// Returns the rows, in the order of the glove file.
+    pub fn rows(&self) -> &[SensorRow] {
+        &self.rows
+    }
+
+    /// Returns `true` after the first reading with channels.
+    pub fn is_seen(&self) -> bool {
+        self.is_seen
+    }
+
+    /// Returns a number of counts as a fraction of the full scale, 0..=1.
+    pub fn fraction(&self, count: f64) -> f32 {
+        (count / f64::from(self.full_scale.max(1))).clamp(0.0, 1.0) as f32
+    }
+
+    /// Returns the full scale in counts.
+    pub fn full_scale(&self) -> u16 {
+        self.full_scale
+    }
+
+    /// Returns the state of the channel of a row.
+    pub fn state(&self, row: &SensorRow) -> ChannelState {
+        match row.count {
+            None if self.is_seen => ChannelState::Missing,
+            Some(0) if !self.uses_full_range => ChannelState::AtLowEnd,
+            Some(count) if count >= self.full_scale && !self.uses_full_range => {
+                ChannelState::AtHighEnd
+            }
+            Some(_) if row.is_constant() && self.has_neighbour_moved(row) => ChannelState::Stuck,
+            _ => ChannelState::Good,
+        }
+    }
+
+    /// Returns whether another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests, and
+    /// a simulated one without a tremor, may hold an arm still.
+    fn has_neighbour_moved(&self, row: &SensorRow) -> bool {
+        let Some(finger) = row.bent_finger() else {
+            return false;
+        };
+        let enough = NEIGHBOUR_MOVEMENT * f64::from(self.full_scale);
+        let neighbours = self.rows.iter();
+        let mut neighbours = neighbours
+            .filter(|other| other.channel != row.channel && other.bent_finger() == Some(finger));
+        neighbours.any(|other| {
+            let seen = other.seen.unwrap_or_default();
+            f64::from(seen.1 - seen.0) >= enough
+        })
+    }
+}
+
+impl SensorRow {
+    /// Returns the present angle of a joint in degrees.
+    pub fn degrees(dof: Dof, angles: Option<&JointAngles>) -> Option<f64> {
+        let angles = angles.filter(|angles| angles.is_known(dof))?;
+        Some(angles.get(dof).to_degrees())
+    }
+
+    fn is_constant(&self) -> bool {
+        self.seen.is_some_and(|(low, high)| low == high)
+    }
+
+    /// Returns the finger whose bend the channel measures. Neither a spread nor the thumb bends with its neighbours.
+    fn bent_finger(&self) -> Option<Finger> {
+        let mut joints = self.joints.iter();
+        let bent = joints.find(|joint| joint.dof.name().ends_with("-flexion"))?;
+        bent.dof.finger().filter(|finger| *finger != Finger::Thumb)
+    }
+}
+
+/// Returns the counts at which a row reaches the limits of its joint, in ascending order, as far as they are within the full
+/// scale.
+fn limit_counts(map: &ChannelMap, index: usize) -> [Option<f64>; 2] {
+    let row = &map.rows()[index];
+    let (low, high) = JointLimits::human().range(row.dof);
+    let full_scale = f64::from(map.full_scale());
+    let mut counts = [low, high].map(|radians| {
+        let linear = row.calibration.apply_inverse(radians);
+        map.linearity(row.channel).apply_inverse(linear)
+    });
+    counts.sort_by(f64::total_cmp);
+    counts.map(|count| (0.0..=full_scale).contains(&count).then_some(count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::estimate::{AffineMap, ChannelRow};
+
+    fn row(dof: Dof, channel: usize) -> ChannelRow {
+        ChannelRow {
+            label: format!("S{channel}"),
+            dof,
+            channel,
+            calibration: AffineMap {
+                gain: 0.01,
+                offset: 0.0,
+            },
+        }
+    }
+
+    fn update(table: &mut SensorTable, second: u64, counts: &[u16]) {
+        let channels = Channels {
+            full_scale: 255,
+            counts: counts.iter().copied().collect(),
+            unsent: Default::default(),
+        };
+        table.update(Timestamp(second * 1_000_000), &channels);
+    }
+
+    fn states(table: &SensorTable) -> Vec<ChannelState> {
+        table.rows().iter().map(|row| table.state(row)).collect()
+    }
+
+    #[test]
+    fn a_channel_of_two_joints_is_one_row() {
+        let rows = vec![row(Dof::IndexDipFlexion, 1), row(Dof::IndexPipFlexion, 1)];
+        let table = SensorTable::new(&ChannelMap::new(rows, 255));
+        let [row] = table.rows() else {
+            panic!("{:?}", table.rows());
+        };
+        let joints: Vec<_> = row
+            .joints
+            .iter()
+            .map(|joint| (joint.row, joint.dof))
+            .collect();
+        assert_eq!(
+            joints,
+            [(0, Dof::IndexDipFlexion), (1, Dof::IndexPipFlexion)]
+        );
+        let [low, high] = row.joints[0].limits.map(|count| count.unwrap().round());
+        assert_eq!((low, high), (0.0, 157.0), "0° to 90° at 0.01 rad per count");
+    }
+
+    #[test]
+    fn an_unmoved_arm_is_good_and_an_unmoved_joint_of_a_bent_finger_is_stuck() {
+        let dofs = [
+            Dof::ElbowFlexion,
+            Dof::IndexMcpFlexion,
+            Dof::IndexPipFlexion,
+            Dof::IndexMcpAbduction,
+        ];
+        let rows = dofs.iter().enumerate();
+        let rows = rows.map(|(channel, &dof)| row(dof, channel)).collect();
+        let mut table = SensorTable::new(&ChannelMap::new(rows, 255));
+        for second in 0..60 {
+            update(&mut table, second, &[100, 100, 100, 100]);
+        }
+        assert_eq!(states(&table), [ChannelState::Good; 4]);
+        update(&mut table, 60, &[100, 150, 100, 100]);
+        let mut expected = [ChannelState::Good; 4];
+        expected[2] = ChannelState::Stuck;
+        assert_eq!(states(&table), expected);
+    }
+
+    #[test]
+    fn channels_at_an_end_and_without_a_value_are_marked() {
+        let rows = (0..4).map(|channel| row(Dof::ALL[channel], channel));
+        let map = ChannelMap::new(rows.collect(), 255);
+        let counts = [255, 0, Channels::UNKNOWN, 7];
+        let mut table = SensorTable::new(&map);
+        assert_eq!(states(&table), [ChannelState::Good; 4], "no reading yet");
+        update(&mut table, 0, &counts);
+        let expected = [
+            ChannelState::AtHighEnd,
+            ChannelState::AtLowEnd,
+            ChannelState::Missing,
+            ChannelState::Good,
+        ];
+        assert_eq!(states(&table), expected);
+        let mut table = SensorTable::new(&map.with_full_range(true));
+        update(&mut table, 0, &counts);
+        assert_eq!(states(&table)[..2], [ChannelState::Good; 2]);
+    }
+}

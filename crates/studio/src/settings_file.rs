@@ -1,0 +1,182 @@
+//! The file of the settings. Only the thread of the window reads and writes it.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::settings::Settings;
+use ademan_core::message::escape_path;
+use ademan_runtime::files::{self, FileError};
+
+/// Shortest time between two writes, in seconds.
+const WRITE_PERIOD: f64 = 5.0;
+
+/// The most that is read, in bytes.
+const MAX_BYTES: u64 = 64 * 1024;
+
+/// Reason why settings are not read or not kept.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// The file exists and cannot be read.
+    #[error("the settings are not read: {0}; Studio starts with its defaults: {path}", path = escape_path(.1))]
+    Read(String, PathBuf),
+    /// The file cannot be written.
+    #[error("the settings are not kept: {0}; free the disk or change the permissions: {path}", path = escape_path(.1))]
+    Write(String, PathBuf),
+}
+
+/// The file, or none: then nothing is remembered.
+#[derive(Debug, Default)]
+pub struct SettingsFile {
+    path: Option<PathBuf>,
+    /// The content of the file, or of the last attempt to write it.
+    saved: Settings,
+    /// Time of the last write, in seconds of the window.
+    written_at: f64,
+}
+
+impl SettingsFile {
+    /// Returns the path of the file of this person. `None` if the system has no folder for it.
+    pub fn default_path() -> Option<PathBuf> {
+        Some(files::config_folder()?.join("studio.ron"))
+    }
+
+    /// Reads a file. One that does not exist has the defaults, and so does a broken one, with the reason.
+    pub fn open(path: PathBuf) -> (Self, Settings, Option<SettingsError>) {
+        let (settings, error) = match read(&path) {
+            Ok(settings) => (settings.unwrap_or_default().checked(), None),
+            Err(reason) => (
+                Settings {
+                    // There is a file because Studio has been started before.
+                    has_seen_tour: true,
+                    ..Settings::default()
+                },
+                Some(SettingsError::Read(reason, path.clone())),
+            ),
+        };
+        let file = Self {
+            path: Some(path),
+            saved: settings.clone(),
+            written_at: f64::MIN,
+        };
+        (file, settings, error)
+    }
+
+    /// Writes settings that have changed, unless the last write was less than 5 s ago. `now` is in seconds.
+    pub fn save_at(&mut self, now: f64, settings: &Settings) -> Result<(), SettingsError> {
+        if now - self.written_at < WRITE_PERIOD {
+            return Ok(());
+        }
+        if *settings != self.saved {
+            self.written_at = now;
+        }
+        self.save(settings)
+    }
+
+    /// Writes settings that have changed.
+    pub fn save(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        let Some(path) = self.path.as_ref().filter(|_| *settings != self.saved) else {
+            return Ok(());
+        };
+        // A disk that is full is reported once, and tried again after the next change.
+        self.saved = settings.clone();
+        write(path, settings).map_err(|reason| SettingsError::Write(reason, path.clone()))
+    }
+}
+
+fn read(path: &Path) -> Result<Option<Settings>, String> {
+    let file = match files::open_regular(path) {
+        Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        file => file.map_err(|error| error.to_string())?,
+    };
+    let mut text = String::new();
+    let read = file.take(MAX_BYTES).read_to_string(&mut text);
+    read.map_err(|error| error.to_string())?;
+    ron::from_str(&text)
+        .map(Some)
+        .map_err(|error| error.to_string())
+}
+
+/// Writes another file beside this one and renames it, so that a reader finds the old or the new content.
+fn write(path: &Path, settings: &Settings) -> Result<(), String> {
+    let config = ron::ser::PrettyConfig::default();
+    let text = ron::ser::to_string_pretty(settings, config).map_err(|error| error.to_string())?;
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+    }
+    // Two windows write two files.
+    let temporary = path.with_extension(format!("{}.new", std::process::id()));
+    let written = files::replace_private(&temporary).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        fs::rename(&temporary, path)?;
+        Ok(())
+    });
+    written.map_err(|error| {
+        // The error of the write says more than one of this.
+        _ = fs::remove_file(&temporary);
+        error.to_string()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scaled(scale: f32) -> Settings {
+        Settings {
+            scale,
+            ..Settings::default()
+        }
+    }
+
+    #[test]
+    fn settings_are_read_as_they_were_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("ademan/studio.ron");
+        let (mut file, first, error) = SettingsFile::open(path.clone());
+        assert!(error.is_none(), "{error:?}");
+        assert_eq!(first, Settings::default());
+        file.save(&scaled(1.5)).expect("a write");
+        let (_, again, error) = SettingsFile::open(path);
+        assert!(error.is_none(), "{error:?}");
+        assert_eq!(again, scaled(1.5));
+        let left = fs::read_dir(folder.path().join("ademan")).expect("the folder");
+        assert_eq!(left.count(), 1, "the temporary file is renamed");
+    }
+
+    #[test]
+    fn a_broken_file_is_reported_and_the_defaults_are_used() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for broken in ["(scale: \"large\")", "(", "\u{1}"] {
+            let path = folder.path().join("studio.ron");
+            fs::write(&path, broken).expect("a write");
+            let (_, settings, error) = SettingsFile::open(path);
+            assert_eq!(settings.scale, Settings::default().scale);
+            assert!(settings.has_seen_tour);
+            let message = error.expect("a message").to_string();
+            assert!(message.contains("studio.ron"), "{message}");
+        }
+    }
+
+    #[test]
+    fn changes_are_written_every_few_seconds() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("studio.ron");
+        let scale = || SettingsFile::open(path.clone()).1.scale;
+        let (mut file, ..) = SettingsFile::open(path.clone());
+        file.save_at(10.0, &scaled(1.25)).expect("a write");
+        file.save_at(12.0, &scaled(1.5)).expect("no write");
+        assert_eq!(scale(), 1.25);
+        file.save_at(15.0, &scaled(1.5)).expect("a write");
+        assert_eq!(scale(), 1.5);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_reported_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut file, ..) = SettingsFile::open(folder.path().join("no-folder/studio.ron"));
+        fs::write(folder.path().join("no-folder"), "a file").expect("a write");
+        assert!(file.save(&scaled(1.5)).is_err());
+        assert!(file.save(&scaled(1.5)).is_ok());
+    }
+}

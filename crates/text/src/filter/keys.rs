@@ -1,0 +1,218 @@
+//! The keys of a layout that type characters, as the decoder sees them.
+
+use crate::keyboard::{MAX_KEYS, Millimetres};
+use crate::{Key, Keyboard};
+use parry3d::math::Pose;
+
+use ademan_core::command::Command;
+use ademan_core::contact::{Press, TargetId};
+use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode};
+use ademan_core::layout::Layout;
+
+/// The fewest letters of a layout that the decoder is of use for.
+const MIN_LETTERS: usize = 10;
+
+/// The distance between boards in the plane of the decoder, in millimetres: too far for a tap to miss its board.
+const BOARD_GAP: f32 = 200.0;
+
+/// Where keys are in the plane of the decoder that have no place of their own, such as `?` above `/`, in millimetres.
+const ELSEWHERE: f32 = 20_000.0;
+
+/// How a character is typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Typed {
+    /// By a key, with Shift or without.
+    Key(KeyCode, bool),
+    /// As a character.
+    Character(char),
+}
+
+/// A key of a board that types a character in the base layer.
+#[derive(Clone, Debug)]
+struct Place {
+    target: TargetId,
+    character: char,
+    /// Its center in the plane of the decoder.
+    center: Millimetres,
+    /// From the frame of the board to that of the key.
+    target_from_surface: Pose,
+}
+
+/// The keys of a layout that type characters.
+#[derive(Clone, Debug)]
+pub(super) struct TextKeys {
+    keyboard: Keyboard,
+    places: Vec<Place>,
+    codes: Vec<KeyCode>,
+    /// The layout types characters independent of the keymap.
+    has_text: bool,
+}
+
+impl TextKeys {
+    /// Finds the keys of a layout; `None` if it has too few letters. Two hands that share a board type one half of it each.
+    pub(super) fn new(layout: &Layout, has_two_hands: bool) -> Option<Self> {
+        let mut keys: Vec<Key> = Vec::new();
+        let mut places = Vec::new();
+        let mut left = 0.0;
+        for board in &layout.boards {
+            let (low, high) = layout.extent(board);
+            for key in &layout.keys[board.keys.clone()] {
+                let Some(character) = key
+                    .action(0)
+                    .and_then(|action| character(layout, action, false))
+                    .map(lower)
+                else {
+                    continue;
+                };
+                let face = &key.face;
+                let at = face.row_position;
+                let half = board.row_half_extents(face);
+                let center = [left + (at.x - low.x) * 1e3, -at.y * 1e3];
+                let known = keys.iter().find(|known| known.character == character);
+                // A second key of the same character counts as the first one.
+                let center = known.map_or(center, |known| known.center);
+                if known.is_none() {
+                    keys.push(Key {
+                        character,
+                        center,
+                        size: [half.x * 2e3, half.y * 2e3],
+                        hand: u8::from(has_two_hands && at.x > 0.0),
+                    });
+                }
+                let target = layout.scene.target(face.target);
+                places.push(Place {
+                    target: face.target,
+                    character,
+                    center,
+                    target_from_surface: target.map_or(Pose::IDENTITY, |(_, target)| {
+                        target.surface_from_target.inverse()
+                    }),
+                });
+            }
+            left += (high.x - low.x) * 1e3 + BOARD_GAP;
+        }
+        let letters = keys.iter().filter(|key| key.character.is_alphabetic());
+        if letters.count() < MIN_LETTERS {
+            return None;
+        }
+        add_elsewhere(layout, &mut keys);
+        let letters = ('a'..='z').chain([' ', '\'']);
+        let letters = letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
+        let of_layout = layout.required_capabilities().keys.into_iter();
+        let mut codes: Vec<KeyCode> = of_layout.chain(letters.map(|(code, _)| code)).collect();
+        codes.dedup();
+        Some(Self {
+            keyboard: Keyboard::new(keys),
+            places,
+            codes,
+            has_text: layout.required_capabilities().text,
+        })
+    }
+
+    /// Lets characters that no key types be written as text.
+    pub(super) fn with_text(mut self, has_text: bool) -> Self {
+        self.has_text |= has_text;
+        self
+    }
+
+    /// Returns the keyboard of the decoder.
+    pub(super) fn keyboard(&self) -> &Keyboard {
+        &self.keyboard
+    }
+
+    /// Returns what the filter may emit beside the events of the layout.
+    pub(super) fn capabilities(&self) -> Capabilities {
+        let own = [KeyCode::BACKSPACE, KeyCode::SHIFT_LEFT];
+        let codes = own.into_iter().chain(self.codes.iter().copied());
+        let text = self.has_text.then_some(Capability::Text);
+        codes.map(Capability::Key).chain(text).collect()
+    }
+
+    /// Returns the place of a press in the plane of the decoder, and the character of its key in the base layer; `None` for a key
+    /// that types none.
+    pub(super) fn locate(&self, press: &Press) -> Option<(char, Millimetres)> {
+        let mut places = self.places.iter();
+        let place = places.find(|place| place.target == press.target)?;
+        let at = place.target_from_surface * press.point;
+        let [x, y] = place.center;
+        Some((place.character, [x + at.x * 1e3, y - at.y * 1e3]))
+    }
+
+    /// Returns the center of the key of a character, in whatever case; `None` if no key types it.
+    pub(super) fn center(&self, character: char) -> Option<Millimetres> {
+        let index = self.keyboard.index(lower(character))?;
+        Some(self.keyboard.keys()[index].center)
+    }
+
+    /// Returns how a character is typed; `None` if it cannot be.
+    pub(super) fn typed(&self, character: char) -> Option<Typed> {
+        let by_key = [false, true].into_iter().find_map(|shifted| {
+            let mut codes = self.codes.iter();
+            let code = codes.find(|code| code.us_character(shifted) == Some(character))?;
+            Some(Typed::Key(*code, shifted))
+        });
+        by_key.or(self.has_text.then_some(Typed::Character(character)))
+    }
+}
+
+/// Returns a character in lower case.
+pub(super) fn lower(character: char) -> char {
+    character.to_lowercase().next().unwrap_or(character)
+}
+
+/// Returns the character that an action types on a US keymap; `None` for none or several.
+fn character(layout: &Layout, action: KeyAction, shifted: bool) -> Option<char> {
+    match action {
+        KeyAction::Key(code) => code
+            .us_character(shifted)
+            .filter(|character| !character.is_control()),
+        KeyAction::Text(text) => {
+            let mut characters = layout.texts.get(usize::from(text.0))?.chars();
+            let first = characters.next()?;
+            characters.next().is_none().then_some(first)
+        }
+        _ => None,
+    }
+}
+
+/// Adds keys for the characters that are typed with Shift or in a layer. They are away from all others: their taps say nothing about
+/// the keys below.
+fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
+    for key in &layout.keys {
+        let actions = key.actions.iter().copied().flatten();
+        let actions = actions.chain(key.hold_action());
+        for (action, shifted) in actions.flat_map(|action| [(action, false), (action, true)]) {
+            let Some(character) = character(layout, action, shifted).map(lower) else {
+                continue;
+            };
+            let is_known = keys.iter().any(|known| known.character == character);
+            if is_known || keys.len() >= MAX_KEYS {
+                continue;
+            }
+            keys.push(Key {
+                character,
+                center: [ELSEWHERE + 100.0 * keys.len() as f32, ELSEWHERE],
+                size: [1.0; 2],
+                hand: 0,
+            });
+        }
+    }
+}
+
+/// Returns whether a key of a layout takes candidates or changes the mode.
+pub fn has_text_commands(layout: &Layout) -> bool {
+    let actions = layout.keys.iter().flat_map(|key| {
+        let own = key.actions.iter().copied().flatten();
+        own.chain(key.hold_action())
+    });
+    let chords = layout
+        .chords
+        .iter()
+        .flat_map(|chord| chord.actions.iter().copied().flatten());
+    actions.chain(chords).any(|action| {
+        matches!(
+            action,
+            KeyAction::Command(Command::Text { .. } | Command::Candidate { .. })
+        )
+    })
+}

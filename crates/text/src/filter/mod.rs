@@ -1,0 +1,114 @@
+//! The text decoder as a filter of the presses on a layout, with a language by its name.
+
+mod burst;
+mod keys;
+mod text_filter;
+
+use std::path::Path;
+
+use ademan_core::command::TextMode;
+use ademan_core::device::Capabilities;
+use ademan_core::layout::Layout;
+use ademan_core::message::escape;
+use ademan_core::names::UnknownName;
+use ademan_core::pipeline::PressFilter;
+
+use self::keys::TextKeys;
+use self::text_filter::TextFilter;
+use crate::correction::Restored;
+use crate::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel, languages};
+
+pub use self::keys::has_text_commands;
+
+/// The languages that come with the crate.
+static LANGUAGES: [(&str, &[u8]); 2] = [("en", languages::ENGLISH), ("es", languages::SPANISH)];
+
+/// How the name of the file of a language model ends.
+const FILE_ENDING: &str = ".adm";
+
+/// A language model that decoders of any thread use.
+#[derive(Clone)]
+pub struct Language(Model<'static>);
+
+impl std::fmt::Debug for Language {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Language")
+    }
+}
+
+impl Language {
+    /// Finds a model that comes with the crate, or reads the file of one with `read`. The message of an error says what to do.
+    pub fn load(
+        name: &str,
+        read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, String> {
+        let shipped = LANGUAGES.iter().find(|(known, _)| *known == name);
+        match shipped {
+            Some((_, bytes)) => Ok(Self(check(name, bytes)?)),
+            None if name.ends_with(FILE_ENDING) => Self::from_bytes(name, read(Path::new(name))?),
+            None => {
+                let names = LANGUAGES.iter().map(|(name, _)| *name);
+                let error = UnknownName::new("language", name, names);
+                Err(format!(
+                    "{error}; the languages are `en` and `es`, and the path of a model ends in `{FILE_ENDING}`"
+                ))
+            }
+        }
+    }
+
+    /// Uses the bytes of a model, which are kept until the program ends: decoders of every thread borrow them. `name` is for the error.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, String> {
+        // It is checked before it is kept.
+        check(name, &bytes)?;
+        let kept: &'static [u8] = Box::leak(bytes.into_boxed_slice());
+        Ok(Self(check(name, kept)?))
+    }
+
+    /// Returns the words in lower case with the natural logarithms of their probabilities.
+    pub fn words(&self) -> Vec<(String, f32)> {
+        self.0.word_list()
+    }
+
+    /// Returns the text decoder for a layout; `None` if it has too few letters. `has_two_hands` type on it. With `accents` it types
+    /// characters that no key types.
+    pub fn filter(
+        &self,
+        layout: &Layout,
+        mode: TextMode,
+        has_two_hands: bool,
+        accents: bool,
+    ) -> Option<Box<dyn PressFilter>> {
+        let keys = TextKeys::new(layout, has_two_hands)?.with_text(accents);
+        let touch = TouchModel::new(Prior::default());
+        let decoder = Decoder::new(
+            self.0.clone(),
+            keys.keyboard().clone(),
+            touch,
+            Options::default(),
+        );
+        let corrector = Corrector::new(decoder, decoder_mode(mode), Restored::default());
+        Some(Box::new(TextFilter::new(corrector, keys, mode)))
+    }
+}
+
+/// Returns what the text decoder of a layout may emit beside the events of the layout; nothing without one. `accents` as in
+/// [`Language::filter`].
+pub fn capabilities(layout: &Layout, accents: bool) -> Capabilities {
+    let keys = TextKeys::new(layout, false);
+    keys.map(|keys| keys.with_text(accents).capabilities())
+        .unwrap_or_default()
+}
+
+fn check<'m>(name: &str, bytes: &'m [u8]) -> Result<Model<'m>, String> {
+    Model::from_bytes(bytes)
+        .map_err(|error| format!("cannot use the language model {}: {error}", escape(name)))
+}
+
+/// Returns the mode of a corrector.
+fn decoder_mode(mode: TextMode) -> Mode {
+    match mode {
+        TextMode::Literal => Mode::Literal,
+        TextMode::Suggest => Mode::Suggest,
+        TextMode::Auto => Mode::Auto,
+    }
+}

@@ -1,0 +1,409 @@
+//! The text decoder as a filter of presses.
+
+use std::time::Duration;
+
+use crate::keyboard::Millimetres;
+use crate::{Corrector, Edit, Tap};
+use arrayvec::ArrayVec;
+
+use super::burst::{self, MAX_EDITS};
+use super::decoder_mode;
+use super::keys::{TextKeys, lower};
+use ademan_core::command::TextMode;
+use ademan_core::device::pressed_keys::PressedKeys;
+use ademan_core::device::{EventKind, Events, KeyCode, OutputEvent};
+use ademan_core::pipeline::press_filter::{CandidateText, FilterInput};
+use ademan_core::pipeline::{PressFilter, TextState};
+use ademan_core::time::Timestamp;
+
+/// A Backspace that is held longer may repeat, so the text in the field is no longer known. The shortest delay of a desktop.
+const REPEAT_DELAY: Duration = Duration::from_millis(250);
+
+/// After this time without a key, the person may have gone to another text field with another device.
+const IDLE_TIME: Duration = Duration::from_secs(10);
+
+/// The longest time from a press to its event: a chord, or a key that acts on release.
+const EVIDENCE_TIME: Duration = Duration::from_millis(1_000);
+
+/// A press whose event may follow.
+#[derive(Clone, Copy, Debug)]
+struct Evidence {
+    character: char,
+    position: Millimetres,
+    time: Timestamp,
+}
+
+/// A text decoder between the devices of a layout and the output gate.
+///
+/// In [`TextMode::Literal`] it changes nothing. In the other modes keys that type characters are tapped: no receiver repeats them.
+pub(super) struct TextFilter {
+    corrector: Corrector<'static>,
+    keys: TextKeys,
+    state: TextState,
+    evidence: ArrayVec<Evidence, 10>,
+    /// The candidate that the next step takes.
+    choice: Option<u8>,
+    /// The time of the last key.
+    last_key: Timestamp,
+    /// The time since which the person holds Backspace.
+    backspace_since: Option<Timestamp>,
+    /// The last key chose a candidate, which brought its space.
+    is_spaced: bool,
+    /// The text in the field, for the candidates.
+    shown: String,
+    is_changed: bool,
+    /// The keys that a control holds and that were tapped: they are up.
+    tapped: PressedKeys,
+}
+
+impl TextFilter {
+    /// Creates a filter. The text before the cursor is not known.
+    pub(super) fn new(mut corrector: Corrector<'static>, keys: TextKeys, mode: TextMode) -> Self {
+        corrector.start_word();
+        Self {
+            corrector,
+            keys,
+            state: TextState {
+                mode,
+                candidates: ArrayVec::new(),
+            },
+            evidence: ArrayVec::new(),
+            choice: None,
+            last_key: Timestamp::default(),
+            backspace_since: None,
+            is_spaced: false,
+            shown: String::with_capacity(4_096),
+            is_changed: false,
+            tapped: PressedKeys::default(),
+        }
+    }
+
+    fn remember_presses(&mut self, input: &FilterInput) {
+        self.evidence
+            .retain(|press| input.time.since(press.time) < EVIDENCE_TIME);
+        for press in input.presses {
+            let Some((character, position)) = self.keys.locate(press) else {
+                continue;
+            };
+            if self.evidence.is_full() {
+                self.evidence.remove(0);
+            }
+            self.evidence.push(Evidence {
+                character,
+                position,
+                time: press.time,
+            });
+        }
+    }
+
+    /// Returns where the key of a character was tapped; its center if that is not known. `None` if no key types it.
+    fn position(&mut self, character: char) -> Option<Millimetres> {
+        let center = self.keys.center(character)?;
+        let is_own = |press: &Evidence| press.character == lower(character);
+        let index = self.evidence.iter().position(is_own);
+        Some(index.map_or(center, |index| self.evidence.remove(index).position))
+    }
+
+    fn leave(&mut self) {
+        self.corrector.leave();
+        self.is_changed = true;
+    }
+
+    /// Handles the press of a character by an event, and appends it.
+    fn type_character(&mut self, character: char, event: OutputEvent, step: &mut Step) {
+        if self.is_repeating(event.time) {
+            self.leave();
+        }
+        let Some(position) = self.position(character) else {
+            self.leave();
+            return step.tap(event);
+        };
+        self.is_changed = true;
+        let edits = self.corrector.press(Tap {
+            position,
+            typed: Some(character),
+        });
+        // The last character of the new tail is the pressed one, which need not be typed and deleted.
+        let tail = match edits {
+            [Edit::Type(_)] => Ok(ArrayVec::new()),
+            [_, Edit::Backspace, tail @ .., Edit::Type(last)] if *last == character => {
+                burst::copy(tail)
+            }
+            _ => Err(burst::TooMany),
+        };
+        let is_replaced = tail.is_ok_and(|tail| step.append(&tail, &self.keys, event.time));
+        if !is_replaced {
+            // What was typed stays.
+            self.corrector.start_word();
+        }
+        step.tap(event);
+    }
+
+    /// Handles a Backspace of the person, and appends it unless it takes a correction back.
+    fn delete(&mut self, event: OutputEvent, step: &mut Step) {
+        self.is_changed = true;
+        let edits = burst::copy(self.corrector.backspace());
+        match edits.as_deref() {
+            Ok([Edit::Backspace]) => {}
+            Ok(edits) if step.append(edits, &self.keys, event.time) => {
+                // The person holds it, and it is up.
+                step.tapped.press(KeyCode::BACKSPACE);
+                return;
+            }
+            _ => self.corrector.leave(),
+        }
+        self.backspace_since = Some(event.time);
+        step.push(event);
+    }
+
+    /// Replaces the typed word by the candidate that was chosen.
+    fn take_choice(&mut self, time: Timestamp, step: &mut Step) {
+        let Some(number) = self.choice.take() else {
+            return;
+        };
+        self.is_changed = true;
+        self.last_key = time;
+        let index = usize::from(number).saturating_sub(1);
+        let edits: ArrayVec<Edit, MAX_EDITS> = match burst::copy(self.corrector.accept(index)) {
+            Ok(edits) => edits,
+            Err(burst::TooMany) => return self.corrector.reset(),
+        };
+        self.is_spaced = step.append(&edits, &self.keys, time);
+        if !self.is_spaced {
+            self.corrector.reset();
+        }
+    }
+
+    fn is_repeating(&self, time: Timestamp) -> bool {
+        self.backspace_since
+            .is_some_and(|since| time.since(since) > REPEAT_DELAY)
+    }
+
+    fn press(&mut self, key: KeyCode, event: OutputEvent, step: &mut Step) {
+        self.last_key = event.time;
+        if is_shift(key) {
+            return step.push(event);
+        }
+        let is_spaced = std::mem::take(&mut self.is_spaced);
+        if key.is_modifier() || step.has_shortcut() {
+            self.leave();
+            return step.push(event);
+        }
+        if key == KeyCode::BACKSPACE {
+            return self.delete(event, step);
+        }
+        match key.us_character(step.is_shifted()) {
+            // A line break or a tab.
+            Some(character) if character.is_control() => {
+                self.corrector.start_word();
+                self.is_changed = true;
+                step.push(event);
+            }
+            // The candidate before has brought it.
+            Some(' ') if is_spaced => _ = step.tapped.press(key),
+            Some(character) => self.type_character(character, event, step),
+            None => {
+                self.leave();
+                step.push(event);
+            }
+        }
+    }
+
+    /// Updates the candidates for displays.
+    fn update_candidates(&mut self) {
+        self.state.candidates.clear();
+        self.shown.clear();
+        self.shown.push_str(self.corrector.shown());
+        if self.shown.trim_end().is_empty() {
+            return;
+        }
+        for candidate in self.corrector.candidates() {
+            let text = last_word(&self.shown, &candidate.text);
+            let mut short = CandidateText::new();
+            for character in text.chars() {
+                if short.try_push(character).is_err() {
+                    break;
+                }
+            }
+            let _ = self.state.candidates.try_push(short);
+        }
+    }
+}
+
+impl PressFilter for TextFilter {
+    fn filter(&mut self, input: &FilterInput, events: &mut Events) {
+        if self.state.mode == TextMode::Literal {
+            self.choice = None;
+            return;
+        }
+        self.remember_presses(input);
+        if !self.corrector.shown().is_empty() && input.time.since(self.last_key) > IDLE_TIME {
+            self.corrector.reset();
+            self.is_changed = true;
+        }
+        if !events.is_empty() || self.choice.is_some() {
+            let mut step = Step::new(input.held, &self.tapped, events.len());
+            let given = std::mem::take(events);
+            for (index, &event) in given.iter().enumerate() {
+                step.waiting = given.len() - index;
+                match event.kind {
+                    EventKind::KeyUp(key) => {
+                        if key == KeyCode::BACKSPACE {
+                            if self.is_repeating(event.time) {
+                                self.leave();
+                            }
+                            self.backspace_since = None;
+                        }
+                        step.push(event);
+                        continue;
+                    }
+                    _ => self.take_choice(event.time, &mut step),
+                }
+                match event.kind {
+                    EventKind::KeyDown(key) => self.press(key, event, &mut step),
+                    EventKind::Character(character) => {
+                        self.last_key = event.time;
+                        self.is_spaced = false;
+                        let is_same = |other: Option<&OutputEvent>| {
+                            other.is_some_and(|other| {
+                                matches!(other.kind, EventKind::Character(_))
+                                    && other.time == event.time
+                            })
+                        };
+                        let before = index.checked_sub(1).and_then(|index| given.get(index));
+                        if is_same(before) || is_same(given.get(index + 1)) {
+                            // A longer text of one key.
+                            self.leave();
+                            step.push(event);
+                        } else {
+                            self.type_character(character, event, &mut step);
+                        }
+                    }
+                    _ => step.push(event),
+                }
+            }
+            step.waiting = 0;
+            self.take_choice(input.time, &mut step);
+            self.tapped = step.tapped;
+            *events = step.events;
+        }
+        if std::mem::take(&mut self.is_changed) {
+            self.update_candidates();
+        }
+    }
+
+    fn reset(&mut self) {
+        self.corrector.reset();
+        self.evidence.clear();
+        self.choice = None;
+        self.is_spaced = false;
+        self.backspace_since = None;
+        self.state.candidates.clear();
+    }
+
+    fn set_mode(&mut self, mode: TextMode) {
+        self.reset();
+        self.tapped = PressedKeys::default();
+        self.corrector.set_mode(decoder_mode(mode));
+        self.state.mode = mode;
+    }
+
+    fn choose(&mut self, number: u8) {
+        self.choice = Some(number);
+    }
+
+    fn text_state(&self) -> Option<&TextState> {
+        Some(&self.state)
+    }
+}
+
+/// The events of a step.
+struct Step {
+    /// The keys that are down at this event.
+    held: PressedKeys,
+    tapped: PressedKeys,
+    /// The number of events that follow.
+    waiting: usize,
+    events: Events,
+}
+
+impl Step {
+    /// Creates a step without events; `held` are the keys that controls hold before it.
+    fn new(held: &PressedKeys, tapped: &PressedKeys, waiting: usize) -> Self {
+        let mut step = Self {
+            held: PressedKeys::default(),
+            tapped: PressedKeys::default(),
+            waiting,
+            events: Events::new(),
+        };
+        for key in held.release_order() {
+            match tapped.contains(key) {
+                true => step.tapped.press(key),
+                false => step.held.press(key),
+            };
+        }
+        step
+    }
+
+    /// Appends an event as it is.
+    fn push(&mut self, event: OutputEvent) {
+        match event.kind {
+            EventKind::KeyDown(key) => _ = self.held.press(key),
+            EventKind::KeyUp(key) => {
+                self.held.release(key);
+                self.tapped.release(key);
+            }
+            _ => {}
+        }
+        let _ = self.events.try_push(event);
+    }
+
+    /// Appends an event, and the release of its key unless that is held by another control.
+    fn tap(&mut self, event: OutputEvent) {
+        match event.kind {
+            EventKind::KeyDown(key) if self.held.contains(key) => {}
+            EventKind::KeyDown(key) if self.events.remaining_capacity() > self.waiting + 1 => {
+                let kind = EventKind::KeyUp(key);
+                self.events.push(event);
+                self.events.push(OutputEvent { kind, ..event });
+                self.tapped.press(key);
+            }
+            _ => self.push(event),
+        }
+    }
+
+    fn append(&mut self, edits: &[Edit], keys: &TextKeys, time: Timestamp) -> bool {
+        burst::append(
+            edits,
+            keys,
+            &self.held,
+            time,
+            self.waiting,
+            &mut self.events,
+        )
+    }
+
+    fn is_shifted(&self) -> bool {
+        self.held.release_order().any(is_shift)
+    }
+
+    /// Returns whether a modifier other than Shift is down.
+    fn has_shortcut(&self) -> bool {
+        let mut held = self.held.release_order();
+        held.any(|key| key.is_modifier() && !is_shift(key))
+    }
+}
+
+fn is_shift(key: KeyCode) -> bool {
+    key == KeyCode::SHIFT_LEFT || key == KeyCode::SHIFT_RIGHT
+}
+
+/// Returns the end of a candidate from the last word of what is shown, or from the word in which both differ first.
+fn last_word<'a>(shown: &str, candidate: &'a str) -> &'a str {
+    let last = shown.trim_end().rfind(' ').map_or(0, |space| space + 1);
+    let pairs = shown.chars().zip(candidate.char_indices());
+    let same = pairs.take_while(|&(left, (index, right))| left == right && index < last);
+    let spaces = same.filter(|(left, _)| *left == ' ');
+    let start = spaces.last().map_or(0, |(_, (index, _))| index + 1);
+    candidate[start..].trim_end()
+}

@@ -1,0 +1,102 @@
+//! The hands of a headset in the session of the page.
+
+use std::time::Duration;
+
+use ademan_core::document::Document;
+use ademan_web::{HandState, PageSession};
+use serde_json::{Value, json};
+
+const PERIOD: Duration = Duration::from_millis(10);
+
+/// The fingers of WebXR, and their joints.
+const FINGERS: [&str; 5] = [
+    "thumb",
+    "index-finger",
+    "middle-finger",
+    "ring-finger",
+    "pinky-finger",
+];
+const JOINTS: [&str; 5] = [
+    "metacarpal",
+    "phalanx-proximal",
+    "phalanx-intermediate",
+    "phalanx-distal",
+    "tip",
+];
+
+fn session() -> PageSession {
+    let layout = Document::shipped("qwerty-flat").expect("a shipped file");
+    let mut session = PageSession::new(&layout.text).expect("a valid layout");
+    // Hands at rest, whose elbows are known, are seen first.
+    session.advance(PERIOD);
+    session
+}
+
+fn of_kind(lines: &str, kind: &str) -> Vec<Value> {
+    let object = |line| serde_json::from_str::<Value>(line).expect("an object");
+    let objects = lines.lines().map(object);
+    objects.filter(|it| it["kind"] == kind).collect()
+}
+
+/// Returns the line of a headset for poses of hands: without shoulders and elbows.
+fn line(time_us: u64, poses: &[Value]) -> String {
+    let hand = |pose: &Value| {
+        let names = FINGERS.iter().flat_map(|finger| {
+            let own = JOINTS
+                .iter()
+                .filter(move |joint| !(*finger == "thumb" && **joint == "phalanx-intermediate"));
+            own.map(move |joint| format!("{finger}-{joint}"))
+        });
+        let names = std::iter::once("wrist".to_owned()).chain(names);
+        let joints: Vec<&Value> = names.map(|name| &pose["positions"][name]).collect();
+        assert_eq!(joints.len(), 25);
+        json!({"label": pose["side"], "joints": joints})
+    };
+    let hands: Vec<Value> = poses.iter().map(hand).collect();
+    format!("{}\n", json!({"time_us": time_us, "hands": hands}))
+}
+
+/// Passes the poses of a person who types on to a session, until `is_done`.
+fn follow(session: &mut PageSession, text: &str, is_done: impl Fn(&[Value]) -> bool) -> u64 {
+    let mut person = self::session();
+    assert_eq!(person.type_text(text), []);
+    let (mut time_us, mut events) = (0, Vec::new());
+    while person.hand_state() != HandState::Resting && !is_done(&events) {
+        let poses = of_kind(&person.advance(PERIOD), "pose");
+        session
+            .push("webxr", line(time_us, &poses).as_bytes())
+            .expect("the protocol is known");
+        time_us += 10_000;
+        events.extend(of_kind(&session.advance(PERIOD), "events"));
+    }
+    time_us
+}
+
+#[test]
+fn the_hand_of_a_headset_types_what_it_presses() {
+    let mut session = session();
+    follow(&mut session, "hi", |_| false);
+    assert_eq!(session.text(), "hi");
+    assert_eq!(session.hand_state(), HandState::Followed);
+}
+
+#[test]
+fn a_hand_that_the_headset_loses_releases_its_key() {
+    let mut session = session();
+    let is_down = |events: &[Value]| events.iter().any(|it| it["event"] == "key-down");
+    let mut time_us = follow(&mut session, "h", is_down);
+    let mut steps = 0;
+    let up = loop {
+        let empty = json!({"time_us": time_us, "hands": []}).to_string() + "\n";
+        session.push("webxr", empty.as_bytes()).expect("a line");
+        time_us += 10_000;
+        let events = of_kind(&session.advance(PERIOD), "events");
+        if let Some(event) = events.first() {
+            break event.clone();
+        }
+        steps += 1;
+        assert!(steps < 25, "the key is down for 250 ms");
+    };
+    assert_eq!((&up["event"], &up["key"]), (&json!("key-up"), &json!("H")));
+    println!("released after {} ms", 10 * steps);
+}

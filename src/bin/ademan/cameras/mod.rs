@@ -1,0 +1,352 @@
+//! `ademan cameras`: the calibration of cameras, marks in their pictures, and what they see as lines of markers.
+
+mod colors;
+mod frames;
+mod labels;
+mod markers;
+mod picture;
+
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::cameras::{
+    Calibration, Camera, CamerasFile, CamerasFormat, Frame, from_points, from_wand, refine,
+};
+use ademan::files;
+use ademan::message::{escape, escape_line, escape_path};
+use glam::{DVec2, DVec3};
+use serde::Deserialize;
+
+use crate::arm::{OutputArgs, poses};
+use crate::failure::Failure;
+
+/// Longest file of cameras or known points, in bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Most cameras.
+const MAX_CAMERAS: usize = 16;
+
+/// Calibrate cameras that see markers, find marks in their pictures, and print lines for `protocol=markers`
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan cameras calibrate wand.jsonl --wand 500 --size 1280x720 --output cameras.ron\n  ademan cameras markers left right --cameras cameras.ron | ademan run --source 'stdin:?protocol=markers'\n  ademan cameras lines markers.jsonl --cameras cameras.ron --output session.jsonl"
+)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Subcommand,
+}
+
+#[derive(clap::Subcommand)]
+enum Subcommand {
+    Calibrate(CalibrateArgs),
+    Lines(LinesArgs),
+    Markers(markers::Args),
+}
+
+/// Calibrate cameras with a wand, with points at known places, or with all that they see
+///
+/// A line is what each camera sees at one instant: `{"cameras":[{"name":"left","markers":[{"label":"a","image":[u,v]}]}]}`, in pixels
+/// of the image as it is. A wand has the labels `a` and `b` at its ends; the world is then that of the first camera, with Y up.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan cameras calibrate wand.jsonl --wand 500 --size 1280x720 --output cameras.ron\n  ademan cameras calibrate frame.jsonl --points places.ron --size 1280x720 --output cameras.toml\n  ademan cameras calibrate walk.jsonl --refine --cameras Calib.toml --output better.toml"
+)]
+#[command(group = clap::ArgGroup::new("target").required(true).args(["wand", "points", "refine"]))]
+struct CalibrateArgs {
+    /// Files with one line per instant; `-` for standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Distance of the labels `a` and `b`, in millimetres
+    #[arg(long, value_name = "MM", value_parser = length)]
+    wand: Option<f64>,
+    /// RON file of the places of labels in metres: `{"corner": (0.0, 0.0, 1.2), …}`
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
+    /// Improve the cameras of `--cameras` by all labels that two of them see
+    #[arg(long, requires = "cameras")]
+    refine: bool,
+    /// File with the lenses to begin with, `.ron` or `.toml`
+    #[arg(long, value_name = "FILE")]
+    cameras: Option<PathBuf>,
+    /// Width and height of all images, without a file of cameras
+    #[arg(long, value_name = "WIDTHxHEIGHT", conflicts_with = "cameras", value_parser = size)]
+    size: Option<DVec2>,
+    /// Keep focal lengths, centres and distortions
+    #[arg(long, requires = "cameras")]
+    keep_lenses: bool,
+    /// File to create, `.ron` or `.toml` as Pose2Sim and Anipose read it; an existing file is not overwritten
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// Print what calibrated cameras see as lines for `protocol=markers`, without the distortion of the lenses
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan cameras lines markers.jsonl --cameras cameras.ron --output session.jsonl"
+)]
+struct LinesArgs {
+    /// Files with one line per instant; `-` for standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// File of the cameras, `.ron` or `.toml`
+    #[arg(long, value_name = "FILE")]
+    cameras: PathBuf,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.command {
+        Subcommand::Calibrate(args) => calibrate(&args),
+        Subcommand::Lines(args) => print_lines(&args),
+        Subcommand::Markers(args) => markers::run(&args),
+    }
+}
+
+/// What cameras see at one instant.
+#[derive(Deserialize)]
+struct Line {
+    time_us: Option<u64>,
+    cameras: Vec<View>,
+}
+
+/// What one camera sees.
+#[derive(Deserialize)]
+struct View {
+    name: String,
+    markers: Vec<SeenMark>,
+}
+
+#[derive(Deserialize)]
+struct SeenMark {
+    label: Option<String>,
+    image: [f64; 2],
+}
+
+fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    let format = format(&args.output)?;
+    let lines = read_lines(&args.files)?;
+    let start = match (&args.cameras, args.size) {
+        (Some(path), _) => read_cameras(path)?,
+        (None, Some(size)) => named_cameras(&lines, size),
+        (None, None) => {
+            let message =
+                "nothing is known about the images; add `--size 1280x720` or `--cameras FILE`";
+            return Err(Failure::wrong_use(message));
+        }
+    };
+    if start.len() > MAX_CAMERAS {
+        let message = format!("{} cameras; {MAX_CAMERAS} can be calibrated", start.len());
+        return Err(Failure::wrong_use(message));
+    }
+    let frames: Vec<Frame> = lines.iter().map(|line| frame(&start, line)).collect();
+    let calibration = match (args.wand, &args.points) {
+        (Some(length), _) => from_wand(
+            &start,
+            &frames,
+            ["a", "b"],
+            length / 1000.0,
+            args.keep_lenses,
+        ),
+        (None, Some(points)) => {
+            from_points(&start, &frames, &read_points(points)?, args.keep_lenses)
+        }
+        (None, None) => refine(&start, &frames, args.keep_lenses),
+    };
+    let calibration = calibration.map_err(|error| {
+        Failure::job(format!(
+            "the cameras are not calibrated: {}",
+            escape_line(&error.to_string())
+        ))
+    })?;
+    let text = CamerasFile::new(&calibration.cameras).to_text(format);
+    let file =
+        files::create_new(&args.output).and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+    file.map_err(|error| {
+        Failure::wrong_use(format!(
+            "cannot create {}: {error}",
+            escape_path(&args.output)
+        ))
+    })?;
+    report(&calibration);
+    Ok(())
+}
+
+fn report(calibration: &Calibration) {
+    for (camera, error) in calibration.cameras.iter().zip(&calibration.errors) {
+        say!(
+            "{}: {} marks, median error {:.2} px, root mean square {:.2} px",
+            escape(&camera.name),
+            error.marks,
+            error.median_px,
+            error.rms_px
+        );
+    }
+}
+
+fn print_lines(args: &LinesArgs) -> Result<(), Failure> {
+    let cameras = read_cameras(&args.cameras)?;
+    let lines = read_lines(&args.files)?;
+    let mut out = args.output.open()?;
+    for line in lines {
+        let mut views = Vec::new();
+        for view in &line.cameras {
+            let camera = cameras.iter().find(|camera| camera.name == view.name);
+            let camera = camera.ok_or_else(|| no_camera(&args.cameras, &view.name))?;
+            let marks = view.markers.iter();
+            let marks = marks.map(|mark| (mark.label.as_deref(), DVec2::from(mark.image)));
+            views.push(view_json(camera, marks));
+        }
+        let line = match line.time_us {
+            Some(time_us) => serde_json::json!({"time_us": time_us, "cameras": views}),
+            None => serde_json::json!({"cameras": views}),
+        };
+        writeln!(out, "{line}")?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Returns what a calibrated camera sees for `protocol=markers`, without the distortion of its lens.
+fn view_json<'a>(
+    camera: &Camera,
+    marks: impl Iterator<Item = (Option<&'a str>, DVec2)>,
+) -> serde_json::Value {
+    let marks = marks.map(|(label, image)| {
+        let image = camera.focal * camera.ideal(image) + camera.center;
+        mark_json(label, image)
+    });
+    serde_json::json!({
+        "position": camera.position().to_array(),
+        "orientation": camera.rotation.inverse().to_array(),
+        "focal_px": camera.focal.to_array(),
+        "center_px": camera.center.to_array(),
+        "markers": marks.collect::<Vec<_>>(),
+    })
+}
+
+fn mark_json(label: Option<&str>, image: DVec2) -> serde_json::Value {
+    match label {
+        Some(label) => serde_json::json!({"label": label, "image": image.to_array()}),
+        None => serde_json::json!({"image": image.to_array()}),
+    }
+}
+
+fn no_camera(file: &Path, name: &str) -> Failure {
+    let (file, name) = (escape_path(file), escape(name));
+    Failure::wrong_use(format!("{file} has no camera `{name}`"))
+}
+
+fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
+    let mut lines = Vec::new();
+    for path in paths {
+        for (number, text) in poses::lines(path)? {
+            let refused = |reason: &str| {
+                let (path, reason) = (escape_path(path), escape_line(reason));
+                Failure::wrong_use(format!("{path}:{number}: {reason}"))
+            };
+            let line: Line =
+                serde_json::from_str(&text).map_err(|error| refused(&error.to_string()))?;
+            let mut marks = line.cameras.iter().flat_map(|view| &view.markers);
+            if marks.any(|mark| mark.image.iter().any(|pixel| pixel.abs() > 1e6)) {
+                return Err(refused("a pixel beyond a million"));
+            }
+            lines.push(line);
+        }
+    }
+    match lines.is_empty() {
+        true => Err(Failure::wrong_use(
+            "the files hold no line; one per instant".to_owned(),
+        )),
+        false => Ok(lines),
+    }
+}
+
+/// Returns a camera for each name of the lines.
+fn named_cameras(lines: &[Line], size: DVec2) -> Vec<Camera> {
+    let names: std::collections::BTreeSet<&String> = lines
+        .iter()
+        .flat_map(|line| &line.cameras)
+        .map(|view| &view.name)
+        .collect();
+    names
+        .into_iter()
+        .map(|name| Camera::new(name.clone(), size))
+        .collect()
+}
+
+/// Returns the labelled marks of a line by camera. Of a label that is twice in an image, none counts.
+fn frame(cameras: &[Camera], line: &Line) -> Frame {
+    let seen = |camera: &Camera| {
+        let mut marks: BTreeMap<String, DVec2> = BTreeMap::new();
+        let mut twice = Vec::new();
+        let views = line.cameras.iter().filter(|view| view.name == camera.name);
+        for mark in views.flat_map(|view| &view.markers) {
+            if let Some(label) = &mark.label
+                && marks
+                    .insert(label.clone(), DVec2::from(mark.image))
+                    .is_some()
+            {
+                twice.push(label);
+            }
+        }
+        marks.retain(|label, _| !twice.contains(&label));
+        marks
+    };
+    cameras.iter().map(seen).collect()
+}
+
+fn read_cameras(path: &Path) -> Result<Vec<Camera>, Failure> {
+    let text = read_text(path)?;
+    let file = CamerasFile::parse(&text, format(path)?);
+    let file = file.map_err(|error| {
+        let reason = error.to_string();
+        Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(&reason)))
+    })?;
+    Ok(file.cameras())
+}
+
+fn read_points(path: &Path) -> Result<BTreeMap<String, DVec3>, Failure> {
+    let text = read_text(path)?;
+    let points: BTreeMap<String, (f64, f64, f64)> = ron::from_str(&text).map_err(|error| {
+        let reason = error.to_string();
+        Failure::wrong_use(format!("{}: {}", escape_path(path), escape_line(&reason)))
+    })?;
+    let places = points
+        .into_iter()
+        .map(|(label, place)| (label, DVec3::from(place)));
+    Ok(places.collect())
+}
+
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let cannot_read =
+        |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
+    let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
+    let mut text = String::new();
+    let read = file.take(MAX_BYTES).read_to_string(&mut text);
+    match read.map_err(|error| cannot_read(error.to_string()))? as u64 {
+        MAX_BYTES => Err(cannot_read("it is longer than 1 MiB".to_owned())),
+        _ => Ok(text),
+    }
+}
+
+/// Returns the form of a file by its name.
+fn format(path: &Path) -> Result<CamerasFormat, Failure> {
+    match path.extension().and_then(|end| end.to_str()) {
+        Some("ron") => Ok(CamerasFormat::Ron),
+        Some("toml") => Ok(CamerasFormat::Toml),
+        _ => Err(Failure::wrong_use(format!(
+            "{} is no file of cameras by its name; give it the end `.ron` or `.toml`",
+            escape_path(path)
+        ))),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    crate::setup_args::number_in(text, 10.0, 5000.0, "millimetres")
+}
+
+fn size(text: &str) -> Result<DVec2, String> {
+    let size = poses::image_size(text)?;
+    Ok(DVec2::new(size.width, size.height))
+}

@@ -1,0 +1,315 @@
+//! `ademan lab improve`: a layout is changed until people do better on it.
+
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use ademan::document::Document;
+use ademan::files::{self, OpenDocument};
+use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
+use ademan::layout::Layout;
+use ademan::measures::{LabResult, compare};
+use ademan::message::{escape, escape_path, shell_word};
+use ademan::session::counted;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::conditions::{ConditionArgs, Prepared};
+use super::{OutputArgs, outputs, table};
+use crate::failure::Failure;
+use crate::{complete, new_file};
+
+/// The people of the search and the held-out people by default.
+const PEOPLE: u32 = 20;
+/// The width of the progress bar, in characters.
+const BAR: usize = 30;
+/// The time between two updates of the bar.
+const REDRAW: Duration = Duration::from_millis(200);
+
+#[derive(clap::Args)]
+pub struct Args {
+    /// Layout: the name of one that comes with the program, or a file. It is not changed
+    #[arg(add = complete::layout())]
+    layout: String,
+    /// What may change: positions of boards, rows and controls; sizes; or which key has which letter. Several with commas
+    #[arg(long = "move", value_name = "MOVES", required = true, value_delimiter = ',', value_parser = kind())]
+    kinds: Vec<MoveKind>,
+    /// What counts: speed, errors or effort, or weights such as speed=1,errors=2
+    #[arg(long, value_name = "OBJECTIVE", default_value = "speed")]
+    objective: Objective,
+    /// Controls that stay as they are on their board; `boards` keeps the poses of all boards. Several with blanks
+    #[arg(long, value_name = "NAMES")]
+    keep: Vec<String>,
+    /// Growth of the outline of a board on each side that is allowed, in mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = margin)]
+    margin: f64,
+    /// Changed layouts that are tried
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: u32,
+    /// File to write; NAME-improved.ron in this folder by default. An existing file is not overwritten
+    #[arg(long, short, value_name = "FILE", conflicts_with = "overwrite")]
+    output: Option<PathBuf>,
+    /// Write to the file of the layout itself
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+fn kind() -> impl TypedValueParser<Value = MoveKind> {
+    PossibleValuesParser::new(MoveKind::NAMES)
+        .map(|name| name.parse().expect("the parser accepts only moves"))
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    crate::setup_args::number_in(text, 0.0, 500.0, "mm")
+}
+
+/// Where the result goes.
+enum Destination {
+    New(PathBuf),
+    Same(PathBuf),
+}
+
+impl Destination {
+    fn new(args: &Args) -> Result<Self, Failure> {
+        if args.overwrite {
+            let path = Path::new(&args.layout);
+            return match path.is_file() {
+                true => Ok(Self::Same(path.to_owned())),
+                false => Err(Failure::wrong_use(format!(
+                    "{} is no file that can be overwritten; use --output FILE",
+                    escape(&args.layout)
+                ))),
+            };
+        }
+        let path = args.output.clone().unwrap_or_else(|| {
+            let stem = Path::new(&args.layout).file_stem().unwrap_or_default();
+            PathBuf::from(format!("{}-improved.ron", stem.to_string_lossy()))
+        });
+        let path = new_file::with_extension(&path, "ron");
+        if path.exists() {
+            return Err(Failure::wrong_use(format!(
+                "{} exists; use --output FILE with another name, or remove it",
+                escape_path(&path)
+            )));
+        }
+        Ok(Self::New(path))
+    }
+
+    /// Writes the improved text of a layout, which its user calls `name`.
+    fn write(&self, name: &str, original: &Layout, text: &str) -> Result<(), Failure> {
+        match self {
+            Self::New(path) => {
+                let text = new_file::renamed(text, &original.name, path);
+                let origin = format!("an improved copy of {name}");
+                let next = format!(
+                    "ademan layout check FILE && ademan lab compare {} FILE",
+                    shell_word(name)
+                );
+                new_file::create(path, &text, &origin, &next)
+            }
+            Self::Same(path) => {
+                files::replace_text(path, text).map_err(|error| {
+                    Failure::job(format!("cannot write {}: {error}", escape_path(path)))
+                })?;
+                say!("overwrote {}", escape_path(path));
+                Ok(())
+            }
+        }
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let document = Document::open(&args.layout)?;
+    let layout = Layout::from_document(document.clone())?;
+    let destination = Destination::new(args)?;
+    let prepared = Prepared::new(&args.conditions.with_people(PEOPLE))?;
+    if prepared.has_decoder() {
+        return Err(Failure::wrong_use(
+            "layouts are improved without a text decoder; use --decoder off",
+        ));
+    }
+    if prepared.corpus.phrases.len() < 2 {
+        return Err(Failure::wrong_use(
+            "one phrase cannot be used to search and to judge; give at least two lines of text",
+        ));
+    }
+    let search = prepared.half(false)?;
+    let found = find(args, &document, &search)?;
+    say!("{}", summary(&found));
+    if found.text == document.text {
+        return Err(Failure::job(format!(
+            "no better layout found than {}: {}nothing is written",
+            escape(&args.layout),
+            advice(&found)
+        )));
+    }
+    if found.is_cancelled {
+        complain!(
+            "interrupted: the best layout so far was not judged by held-out people; `ademan lab compare` does"
+        );
+        return destination.write(&args.layout, &layout, &found.text);
+    }
+    let held_out = prepared.half(true)?;
+    let before = held_out.score_document(&args.layout, document)?;
+    let name = match &destination {
+        Destination::New(path) => path.to_string_lossy().into_owned(),
+        Destination::Same(_) => format!("{}, changed", args.layout),
+    };
+    let after = Document::new(name.as_str(), found.text.as_str());
+    let after = held_out.score_document(&name, after)?;
+    let is_better = print_judgement(args, &before, &after)?;
+    outputs::write(&args.outputs, &[before, after])?;
+    if !is_better {
+        return Err(Failure::job(format!(
+            "no better layout found than {}: the gain of the search does not hold for other people and phrases, so nothing is written; more --people and --steps may help",
+            escape(&args.layout)
+        )));
+    }
+    destination.write(&args.layout, &layout, &found.text)
+}
+
+fn find(args: &Args, document: &Document, search: &Prepared) -> Result<Found, Failure> {
+    let keep: Vec<String> = args
+        .keep
+        .iter()
+        .flat_map(|names| names.split_whitespace().map(str::to_owned))
+        .collect();
+    let task = Task {
+        document,
+        people: &search.participants,
+        corpus: &search.corpus,
+        phrases: search.count,
+        source: search.source,
+        kinds: &args.kinds,
+        keep: &keep,
+        margin: (args.margin * 1e-3) as f32,
+        objective: args.objective,
+        steps: args.steps,
+        seed: search.seed,
+        jobs: search.jobs,
+    };
+    let mut bar = Bar::new();
+    let found = ademan::improve::improve(&task, &search.cancel, |progress| bar.show(&progress));
+    bar.end();
+    found.map_err(|error| match error {
+        ImproveError::NoMoves(ademan::improve::NoMoves::Document(error)) => error.into(),
+        ImproveError::Cancelled | ImproveError::Score(_) => {
+            Failure::job(format!("cannot improve {}: {error}", escape(&args.layout)))
+        }
+        other => Failure::wrong_use(format!("cannot improve {}: {other}", escape(&args.layout))),
+    })
+}
+
+fn summary(found: &Found) -> String {
+    let (numbers, keys) = found.changes;
+    let mut parts = Vec::new();
+    if numbers > 0 {
+        parts.push(counted(numbers as u64, "number"));
+    }
+    if keys > 0 {
+        parts.push(counted(keys as u64, "key"));
+    }
+    let changed = match parts.is_empty() {
+        true => "nothing changed".to_owned(),
+        false => format!("{} changed", parts.join(" and ")),
+    };
+    let refused = found.refused;
+    format!(
+        "tried {}: {changed}; not tried: {} that overlap or are out of range, {} outside the outline, {} out of reach",
+        counted(u64::from(found.tried), "layout"),
+        refused.invalid,
+        refused.outline,
+        refused.reach
+    )
+}
+
+fn advice(found: &Found) -> &'static str {
+    if u64::from(found.tried) < found.refused.outline {
+        return "most changes leave the outline of a board, and --margin allows that; ";
+    }
+    ""
+}
+
+/// Prints what held-out people do on both layouts. Returns whether the second one is better by its interval.
+fn print_judgement(args: &Args, before: &LabResult, after: &LabResult) -> Result<bool, Failure> {
+    let mut out = io::stdout().lock();
+    let comparison = compare(
+        (&before.layout_file, &before.scores),
+        (&after.layout_file, &after.scores),
+    );
+    let comparison = comparison.map_err(|error| Failure::job(error.to_string()))?;
+    writeln!(
+        out,
+        "held out: {} simulated people and {} phrases that the search has not seen",
+        before.scores.len(),
+        before.corpus_phrases.len()
+    )?;
+    table::print_comparison(&comparison, &mut out)?;
+    let reference = Reference::new(&before.scores);
+    let gain = args
+        .objective
+        .gain(&before.scores, &after.scores, &reference);
+    let types = before.summary.characters > 0;
+    writeln!(
+        out,
+        "gain for the objective: {:.2} ({:.2} to {:.2}) {}",
+        gain.value,
+        gain.low,
+        gain.high,
+        args.objective.unit(types)
+    )?;
+    Ok(gain.low > 0.0)
+}
+
+/// A progress bar on a terminal, and a line for each tenth elsewhere.
+struct Bar {
+    is_terminal: bool,
+    start: Instant,
+    drawn: Option<Instant>,
+    tenth: u32,
+}
+
+impl Bar {
+    fn new() -> Self {
+        Self {
+            is_terminal: io::stderr().is_terminal(),
+            start: Instant::now(),
+            drawn: None,
+            tenth: 0,
+        }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        let Progress { step, steps, gain } = *progress;
+        if !self.is_terminal {
+            let tenth = (u64::from(step) * 10 / u64::from(steps)) as u32;
+            if tenth > self.tenth {
+                self.tenth = tenth;
+                say!("{step} of {steps} layouts tried, gain in the search {gain:.2}");
+            }
+            return;
+        }
+        if self.drawn.is_some_and(|last| last.elapsed() < REDRAW) && step < steps {
+            return;
+        }
+        self.drawn = Some(Instant::now());
+        let part = f64::from(step) / f64::from(steps);
+        let full = (part * BAR as f64) as usize;
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - part) / part.max(1e-3);
+        let bar = format!("{}{}", "#".repeat(full), "-".repeat(BAR - full));
+        // Nothing is lost without the bar.
+        let _ = write!(
+            io::stderr(),
+            "\r[{bar}] {step}/{steps}  gain {gain:.2}  {left:.0} s left   "
+        );
+    }
+
+    fn end(&self) {
+        if self.drawn.is_some() {
+            let _ = writeln!(io::stderr());
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! `ademan lab replay`: a recorded hand over other layouts.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::capture::recording::Replay;
+use ademan::capture::{Source, SourceEvent};
+use ademan::command::CommandOrigin;
+use ademan::device::Events;
+use ademan::message::{escape, escape_json, escape_path};
+use ademan::setup::{LoadedSetup, ReplaySettings};
+use ademan::trials::{Retraced, Retracer};
+use serde_json::json;
+
+use super::outputs;
+use crate::complete;
+use crate::failure::Failure;
+
+/// Names that are listed of each kind.
+const NAMED: usize = 8;
+
+/// What such a replay cannot show.
+const LIMITS: &str = "limits of a replay: the person aimed at the keys of the recorded layout and saw what they did there. On another layout the same \
+path presses what lies under it by chance, so these figures say where the hand was and how clear its presses were, not how fast or \
+how well the person would type. `ademan lab score` simulates people who aim at the layout";
+
+#[derive(clap::Args)]
+pub struct Args {
+    /// Recording
+    #[arg(add = complete::recording())]
+    recording: PathBuf,
+    /// Layouts: shipped names, or files. Without any, the recorded one
+    #[arg(add = complete::layout())]
+    layouts: Vec<String>,
+    /// Glove that replaces the recorded one
+    #[arg(long, add = complete::glove())]
+    glove: Option<String>,
+    /// Result file to write: everything that was found. It holds what was typed
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    let mut all = Vec::new();
+    let chosen: Vec<Option<&str>> = match args.layouts.is_empty() {
+        true => vec![None],
+        false => args.layouts.iter().map(|it| Some(it.as_str())).collect(),
+    };
+    let mut cut = None;
+    for layout in chosen {
+        let (name, found, truncation) = retrace(args, layout)?;
+        print(&args.recording, &name, &found, &mut out)?;
+        all.push(json!({"layout": name, "found": found}));
+        cut = cut.or(truncation);
+    }
+    writeln!(out, "{LIMITS}.")?;
+    if let Some(path) = &args.json {
+        let recording = args.recording.to_string_lossy();
+        let text = json!({"recording": recording, "limits": LIMITS, "layouts": all});
+        let text = serde_json::to_string_pretty(&text).map_err(io::Error::from)?;
+        let text = format!("{}\n", escape_json(&text));
+        outputs::write_private(path, &text)?;
+    }
+    match cut {
+        None => Ok(()),
+        Some(offset) => Err(Failure::damaged(format!(
+            "{} is cut off at byte {offset}: everything before it was used",
+            escape_path(&args.recording)
+        ))),
+    }
+}
+
+/// Passes a recording through the pipeline with a layout. Returns the name of the layout, what was found, and the offset at which the
+/// recording is cut off.
+fn retrace(args: &Args, layout: Option<&str>) -> Result<(String, Retraced, Option<u64>), Failure> {
+    let mut replay = Replay::open(&args.recording)?;
+    let settings = ReplaySettings {
+        glove: args.glove.as_deref(),
+        layout,
+        permissions: None,
+    };
+    let setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
+    let mut pipeline = setup.pipeline();
+    let mut retracer = Retracer::new(&setup.layout);
+    let mut events = Events::new();
+    loop {
+        events.clear();
+        match replay.next()? {
+            SourceEvent::Reading(reading) => match pipeline.step(&reading, &mut events) {
+                Ok(output) => {
+                    let side = output.pose.side;
+                    retracer.see(reading.time, side, output, &events);
+                }
+                Err(_) => retracer.reject(),
+            },
+            SourceEvent::Command(command) => {
+                // A command that concerns the recorded layout, such as a profile, does nothing on another one.
+                let _ = pipeline.execute(&command, CommandOrigin::Client, &mut events);
+            }
+            SourceEvent::Idle => {}
+            SourceEvent::End => break,
+        }
+    }
+    let name = layout.map_or_else(|| setup.layout.file.clone(), str::to_owned);
+    let truncation = replay.truncation().map(|cut| cut.offset);
+    Ok((name, retracer.finish(), truncation))
+}
+
+fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "{} on {}: {:.1} s, {} readings, {} of them rejected",
+        escape_path(recording),
+        escape(layout),
+        found.seconds,
+        found.readings,
+        found.rejected
+    )?;
+    let mut presses: Vec<(&String, &u64)> = found.presses.iter().collect();
+    presses.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
+    let all: u64 = presses.iter().map(|(_, count)| **count).sum();
+    let names = presses
+        .iter()
+        .map(|(key, count)| format!("{} {count}", escape(key)));
+    listed(out, &format!("presses {all}"), presses.len(), names)?;
+    let near = found.near_presses.iter();
+    let near = near.map(|it| {
+        let keys = (escape(&it.pressed), escape(&it.other));
+        format!(
+            "{} {:.1} mm from {} at {:.2} s",
+            keys.0, it.distance_mm, keys.1, it.seconds
+        )
+    });
+    let count = found.near_presses.len();
+    listed(
+        out,
+        &format!("presses within 3 mm of another key {count}"),
+        count,
+        near,
+    )?;
+    let misses = found.near_misses.iter().map(|it| {
+        let (key, finger) = (escape(&it.key), escape(&it.finger));
+        format!(
+            "{key} by the {finger} finger, {:.1} mm, at {:.2} s",
+            it.height_mm, it.seconds
+        )
+    });
+    let count = found.near_misses.len();
+    listed(
+        out,
+        &format!("approaches that pressed nothing {count}"),
+        count,
+        misses,
+    )?;
+    for (finger, path) in &found.paths {
+        let keys = path.keys.iter().map(|key| escape(key).to_string());
+        let title = format!(
+            "{} over the boards {:.0} mm, {} keys",
+            escape(finger),
+            path.length_mm,
+            path.keys.len()
+        );
+        listed(out, &title, path.keys.len(), keys)?;
+    }
+    writeln!(out, "  text: {}", escape(&found.text))
+}
+
+/// Writes a title and the first names.
+fn listed(
+    out: &mut impl Write,
+    title: &str,
+    count: usize,
+    names: impl Iterator<Item = String>,
+) -> io::Result<()> {
+    let names: Vec<String> = names.take(NAMED).collect();
+    let rest = match count > NAMED {
+        true => ", …",
+        false => "",
+    };
+    let colon = if names.is_empty() { "" } else { ": " };
+    writeln!(out, "  {title}{colon}{}{rest}", names.join(", "))
+}

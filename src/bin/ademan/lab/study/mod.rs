@@ -1,0 +1,144 @@
+//! `ademan lab study`: a small study with real people.
+
+mod add;
+mod report;
+mod task;
+mod trials;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::document::Document;
+use ademan::files::{self, OpenDocument};
+use ademan::message::{escape_path, shell_word};
+use ademan::people::{People, population};
+use ademan::phrases::{Corpus, PhraseSet};
+use ademan::session::counted;
+use ademan::sim::fluent::SourceKind;
+use ademan::study::{Counts, Study, StudyError};
+use ademan::trials::{Station, TrialError};
+
+use self::add::AddArgs;
+use self::report::ReportArgs;
+use super::conditions::set;
+use super::outputs;
+use crate::complete;
+use crate::failure::Failure;
+
+/// The name of the study in its folder.
+const STUDY: &str = "study.json";
+
+/// The arguments of `lab study`.
+#[derive(clap::Subcommand)]
+pub enum StudyAction {
+    /// Make a study: layouts, and the phrases, targets and values that each participant does on them
+    #[command(
+        after_help = "Example: ademan lab study new two-boards qwerty-flat qwerty-arc --count 10\n\nThe order of the layouts differs from participant to participant."
+    )]
+    New(NewArgs),
+    /// Let a participant do the tasks that remain, or add practice sessions
+    #[command(
+        after_help = "Examples:\n  ademan lab study add two-boards --participant P01 --source serial:/dev/ttyUSB0\n  ademan lab study add two-boards --participant P01 --practice\n\nEach trial is kept when it ends, with its recording, in files that only you can read. Ctrl-C ends the session; the command again goes on with the next task."
+    )]
+    Add(Box<AddArgs>),
+    /// Print the figures of a study, and write its trials as a table
+    #[command(
+        after_help = "Example: ademan lab study report two-boards --csv trials.csv\n\nIn R: lme4::lmer(wpm ~ layout + order + (1 | participant) + (1 | task), trials)"
+    )]
+    Report(ReportArgs),
+}
+
+/// The arguments of `lab study new`.
+#[derive(clap::Args)]
+pub struct NewArgs {
+    /// Folder to make for the study
+    folder: PathBuf,
+    /// Layouts: shipped names, or files
+    #[arg(required = true, num_args = 1.., value_name = "LAYOUT", add = complete::layout())]
+    layouts: Vec<String>,
+    /// Phrases that come with the program
+    #[arg(long, value_name = "SET", default_value = "en", value_parser = set())]
+    phrases: PhraseSet,
+    /// Text to type instead: a file with one phrase on each line
+    #[arg(long, value_name = "FILE", conflicts_with = "phrases")]
+    text: Option<PathBuf>,
+    /// Phrases on each layout that types
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
+    count: u16,
+    /// Rings of targets on each layout that moves a cursor and does not type
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    rings: u16,
+    /// Values of each slider and knob on a layout that does not type
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    values: u16,
+    /// Seed of the phrases and values
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub fn run(action: StudyAction) -> Result<(), Failure> {
+    match action {
+        StudyAction::New(args) => new(&args),
+        StudyAction::Add(args) => add::run(*args),
+        StudyAction::Report(args) => report::run(&args),
+    }
+}
+
+fn new(args: &NewArgs) -> Result<(), Failure> {
+    let corpus = match &args.text {
+        None => Corpus::shipped(args.phrases),
+        Some(path) => outputs::read_corpus(path)?,
+    };
+    let mut study = Study::new(args.seed, env!("CARGO_PKG_VERSION"));
+    // Whoever is tested reaches what somebody of the general population reaches.
+    let person = population(&People::Drawn(1), None, args.seed).remove(0);
+    let counts = Counts {
+        phrases: args.count.into(),
+        rings: args.rings.into(),
+        values: args.values.into(),
+    };
+    for name in &args.layouts {
+        let document = Document::open(name)?;
+        let station = Station::new(&document, &person, SourceKind::Ideal);
+        let mut station = station.map_err(|error| match error {
+            TrialError::Document(error) => Failure::from(error),
+            other => Failure::job(other.to_string()),
+        })?;
+        study
+            .add_layout(name, &document.text, &mut station, &corpus, counts)
+            .map_err(|error| Failure::wrong_use(format!("cannot study this layout: {error}")))?;
+    }
+    let path = args.folder.join(STUDY);
+    let shown = escape_path(&path);
+    files::create_private_folder(&args.folder).map_err(|error| {
+        let folder = escape_path(&args.folder);
+        Failure::wrong_use(format!("cannot use the folder {folder}: {error}"))
+    })?;
+    if path.symlink_metadata().is_ok() {
+        return Err(Failure::wrong_use(format!(
+            "{shown} exists; choose another folder, so that no trial is lost"
+        )));
+    }
+    files::replace_private_text(&path, &study.to_json())
+        .map_err(|error| Failure::job(format!("cannot write {shown}: {error}")))?;
+    let folder = shell_word(&args.folder.to_string_lossy()).to_string();
+    let tasks = counted(study.order(0).len() as u64, "task");
+    writeln!(
+        io::stdout(),
+        "{shown}: {tasks} for each participant\neach one: ademan lab study add {folder} --participant P01 --source URI\nthen:     ademan lab study report {folder} --csv trials.csv"
+    )?;
+    Ok(())
+}
+
+/// Reads the study of a folder.
+fn read(folder: &Path) -> Result<Study, Failure> {
+    let path = folder.join(STUDY);
+    let cannot = |error: String| {
+        let path = escape_path(&path);
+        Failure::wrong_use(format!(
+            "cannot use the study {path}: {error}; `ademan lab study new` makes one"
+        ))
+    };
+    let text = outputs::read_text(&path).map_err(cannot)?;
+    Study::from_json(&text).map_err(|error: StudyError| cannot(error.to_string()))
+}

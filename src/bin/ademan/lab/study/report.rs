@@ -1,0 +1,90 @@
+//! `ademan lab study report`: the figures of a study, and its trials as a table.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::files;
+use ademan::message::{escape, escape_path};
+use ademan::session::counted;
+use ademan::study::{LayoutFigures, figures, study_to_html, trials_to_csv};
+
+use super::super::table::row;
+use super::trials::Trials;
+use crate::failure::Failure;
+
+/// The arguments of `lab study report`.
+#[derive(clap::Args)]
+pub struct ReportArgs {
+    /// Folder of the study
+    folder: PathBuf,
+    /// Table to write: a line for each trial, without texts
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Report to write: figures, and curves from trial to trial, without texts and pseudonyms
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Count practice sessions in the figures; the table always has them
+    #[arg(long)]
+    with_practice: bool,
+}
+
+pub fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let study = super::read(&args.folder)?;
+    let trials = Trials::read(&args.folder)?;
+    let mut out = io::stdout().lock();
+    let all = figures(&trials.all, args.with_practice);
+    if all.is_empty() {
+        writeln!(
+            out,
+            "no trials yet; `ademan lab study add` makes the first one"
+        )?;
+    }
+    let planned = study.order(0).len();
+    for layout in &all {
+        write_layout(layout, &mut out)?;
+    }
+    let mut names: Vec<&str> = trials
+        .all
+        .iter()
+        .map(|it| it.participant.as_str())
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let done = trials.of(name).filter(|it| it.task.is_some()).count();
+        if done < planned {
+            writeln!(out, "{} has done {done} of {planned} tasks", escape(name))?;
+        }
+    }
+    if let Some(path) = &args.csv {
+        write_file(path, &trials_to_csv(&trials.all))?;
+    }
+    if let Some(path) = &args.html {
+        write_file(path, &study_to_html(&trials.all, args.with_practice))?;
+    }
+    Ok(())
+}
+
+/// Writes a file that only its owner can read.
+fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    files::replace_private_text(path, text)
+        .map_err(|error| Failure::job(format!("cannot write {}: {error}", escape_path(path))))
+}
+
+fn write_layout(figures: &LayoutFigures, out: &mut impl Write) -> io::Result<()> {
+    let simulated = match figures.simulated {
+        0 => String::new(),
+        count => format!(", {count} of them by simulated hands"),
+    };
+    writeln!(
+        out,
+        "{}: {}, {}{simulated}",
+        escape(&figures.layout),
+        counted(figures.participants as u64, "participant"),
+        counted(figures.trials as u64, "trial"),
+    )?;
+    for (name, interval, factor, digits) in figures.rows() {
+        row(out, name, &interval, factor, digits)?;
+    }
+    Ok(())
+}

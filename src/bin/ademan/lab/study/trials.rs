@@ -1,0 +1,110 @@
+//! The trials of a study: a file for each of them in the folder of the study, readable by its owner only.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use ademan::files;
+use ademan::message::escape_path;
+use ademan::study::Trial;
+
+use super::outputs;
+use crate::failure::Failure;
+
+/// The folder of the trials, in the folder of the study.
+const FOLDER: &str = "trials";
+
+/// The trials so far.
+pub struct Trials {
+    folder: PathBuf,
+    /// In the order of their time.
+    pub all: Vec<Trial>,
+}
+
+impl Trials {
+    /// Reads the trials of a study.
+    pub fn read(study: &Path) -> Result<Self, Failure> {
+        let folder = study.join(FOLDER);
+        files::create_private_folder(&folder).map_err(|error| {
+            let folder = escape_path(&folder);
+            Failure::job(format!("cannot use the folder {folder}: {error}"))
+        })?;
+        let mut all = Vec::new();
+        for entry in fs::read_dir(&folder)? {
+            let path = entry?.path();
+            let is_hidden = path
+                .file_name()
+                .is_some_and(|name| name.to_string_lossy().starts_with('.'));
+            if is_hidden || path.extension().is_none_or(|it| it != "json") {
+                continue;
+            }
+            let cannot = |error: String| {
+                let path = escape_path(&path);
+                Failure::wrong_use(format!(
+                    "cannot read the trial {path}: {error}; move it to another folder to go on without it"
+                ))
+            };
+            let text = outputs::read_text(&path).map_err(cannot)?;
+            let trial = serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))?;
+            all.push(trial);
+        }
+        all.sort_by(|a: &Trial, b| {
+            let key = |it: &Trial| (it.time.clone(), it.participant.clone(), it.order);
+            key(a).cmp(&key(b))
+        });
+        Ok(Self { folder, all })
+    }
+
+    /// Returns the trials of a participant.
+    pub fn of<'a>(&'a self, participant: &'a str) -> impl Iterator<Item = &'a Trial> {
+        self.all
+            .iter()
+            .filter(move |it| it.participant == participant)
+    }
+
+    /// Returns the number of participants whose first trial was before the first one of a participant.
+    pub fn participants_before(&self, participant: &str) -> usize {
+        let mut names: Vec<&str> = Vec::new();
+        for trial in &self.all {
+            if trial.participant == participant {
+                break;
+            }
+            if !names.contains(&trial.participant.as_str()) {
+                names.push(&trial.participant);
+            }
+        }
+        names.len()
+    }
+
+    /// Returns the number of the next trial of a participant.
+    pub fn next_order(&self, participant: &str) -> usize {
+        self.of(participant)
+            .map(|it| it.order + 1)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Returns the path of the recording of a trial.
+    pub fn recording(&self, participant: &str, order: usize) -> PathBuf {
+        self.folder.join(format!("{participant}-{order:04}.mcap"))
+    }
+
+    /// Keeps a trial. An existing one is never replaced.
+    pub fn keep(&mut self, trial: Trial) -> Result<(), Failure> {
+        let name = format!("{}-{:04}.json", trial.participant, trial.order);
+        let path = self.folder.join(name);
+        let text = serde_json::to_string_pretty(&trial).map_err(io::Error::from)? + "\n";
+        let written = match path.symlink_metadata() {
+            Ok(_) => Err(files::FileError::Exists),
+            Err(_) => files::replace_private_text(&path, &text),
+        };
+        written.map_err(|error| {
+            Failure::job(format!(
+                "cannot keep the trial {}: {error}; its recording stays beside it, and the command again repeats the task",
+                escape_path(&path)
+            ))
+        })?;
+        self.all.push(trial);
+        Ok(())
+    }
+}

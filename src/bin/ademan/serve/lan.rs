@@ -1,0 +1,167 @@
+//! `ademan serve --lan`: the page for a headset on the network, and a session with its hands.
+
+use std::io::{self, BufRead, IsTerminal, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use ademan::message::escape;
+use ademan::network::{TokenRole, check_listen_address, network_folder, tokens};
+use ademan::session::control_socket::Client;
+use clap::{Command, FromArgMatches};
+
+use super::SessionArgs;
+use super::link_code::qr_code;
+use crate::failure::Failure;
+use crate::{ctl, run};
+
+/// The port without `--port`.
+const PORT: u16 = 8443;
+
+/// The token of the link.
+const TOKEN: &str = "headset";
+
+/// What the person at the computer types to let the headset press keys.
+const CONSENT: &str = "allow";
+
+/// Serves the page, and runs a session with the hands of the headset.
+pub fn run(
+    address: &str,
+    port: Option<u16>,
+    folder: &Path,
+    session: &SessionArgs,
+) -> Result<(), Failure> {
+    let address = listen_address(address, port.unwrap_or(PORT))?;
+    let folder = folder.to_string_lossy();
+    for name in [&*folder, session.layout.as_str()] {
+        if name.contains(['&', '?']) {
+            return Err(Failure::wrong_use(format!(
+                "`{}` has an `&` or `?` in its name, which separate the options of a source; rename it",
+                escape(name)
+            )));
+        }
+    }
+    let source = format!("headset:{address}?page={folder}&layout={}", session.layout);
+    let link = format!("https://{address}/#token={}", token()?);
+    show(&link);
+    ask_for_consent(session.control.clone());
+    run::run(run_args(&source, session)?)
+}
+
+/// Returns the arguments of `ademan run`.
+fn run_args(source: &str, session: &SessionArgs) -> Result<run::Args, Failure> {
+    let mut list: Vec<String> = ["run", "--source", source, "--layout", &session.layout]
+        .map(str::to_owned)
+        .to_vec();
+    list.extend(["--output", &session.output, "--view", &session.view].map(str::to_owned));
+    if let Some(control) = &session.control {
+        list.extend([
+            "--control".to_owned(),
+            control.to_string_lossy().into_owned(),
+        ]);
+    }
+    if session.allow_root {
+        list.push("--allow-root".to_owned());
+    }
+    let command = <run::Args as clap::Args>::augment_args(Command::new("ademan serve --lan"));
+    let matches = command.try_get_matches_from(list);
+    let args = matches.and_then(|matches| run::Args::from_arg_matches(&matches));
+    args.map_err(|error| Failure::wrong_use(error.to_string()))
+}
+
+/// Returns the address at which the page is served: the one that is given, or that of the network with the default route.
+fn listen_address(given: &str, port: u16) -> Result<SocketAddr, Failure> {
+    let ip = match given {
+        "" => network_address().ok_or_else(|| {
+            Failure::wrong_use("this machine has no network, or several; name its address, which `ip address` shows: `--lan 192.168.1.7`")
+        })?,
+        given => given.parse().map_err(|_| {
+            Failure::wrong_use(format!(
+                "`{}` is not an address; write the one of this machine, which `ip address` shows: `--lan 192.168.1.7`",
+                escape(given)
+            ))
+        })?,
+    };
+    let mut address = SocketAddr::new(ip, port);
+    check_listen_address(address, true).map_err(Failure::wrong_use)?;
+    if port == 0 {
+        let free = TcpListener::bind(address).and_then(|listener| listener.local_addr());
+        address = free.map_err(|error| {
+            Failure::job(format!(
+                "cannot listen at {ip}: {error}; name an address of this machine"
+            ))
+        })?;
+    }
+    Ok(address)
+}
+
+/// Returns the address that packets to other networks would have. None is sent.
+fn network_address() -> Option<IpAddr> {
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
+    // An address for documentation (RFC 5737).
+    socket.connect((Ipv4Addr::new(192, 0, 2, 1), 9)).ok()?;
+    let ip = socket.local_addr().ok()?.ip();
+    (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
+}
+
+/// Returns the secret of the token of the link, which is made if there is none. It lasts until it is revoked.
+fn token() -> Result<String, Failure> {
+    let folder = network_folder()?;
+    if let Some(secret) = tokens::secret_of(&folder, TOKEN) {
+        return Ok(secret);
+    }
+    tokens::create(&folder, TOKEN, TokenRole::Point)?;
+    tokens::secret_of(&folder, TOKEN).ok_or_else(|| {
+        Failure::job(format!(
+            "the token `{TOKEN}` was removed by another program; try again"
+        ))
+    })
+}
+
+/// Shows the link: to a person only, as it contains the token. In a file of messages it would stay.
+fn show(link: &str) {
+    let mut out = io::stdout().lock();
+    let picture = qr_code(link)
+        .filter(|_| out.is_terminal())
+        .unwrap_or_default();
+    let written = write!(
+        out,
+        "{picture}Open this link in the browser of the headset. It is a password: a person who has it can move your pointer.\n{link}\n\
+         The browser warns of the certificate, which this machine has made itself; go on once.\n"
+    );
+    // A closed terminal ends the session by a signal.
+    let _ = written.and_then(|()| out.flush());
+}
+
+/// Asks the person at the terminal to allow keys, and waits for the answer on a thread of its own.
+fn ask_for_consent(control: Option<PathBuf>) {
+    if !io::stdin().is_terminal() {
+        say!("the headset only points; `ademan ctl allow-keys` lets it press keys");
+        return;
+    }
+    say!(
+        "the headset only points; type `{CONSENT}` and Enter to let it press keys, or `ademan ctl allow-keys`"
+    );
+    let listen = move || {
+        for line in io::stdin().lock().lines().map_while(Result::ok) {
+            if line.trim() == CONSENT {
+                match allow_keys(control.clone()) {
+                    Ok(()) => say!("the headset may press keys; `ademan ctl forbid-keys` ends it"),
+                    Err(reason) => complain!("the headset may not press keys: {}", escape(&reason)),
+                }
+            }
+        }
+    };
+    let _ = thread::Builder::new().name("consent".into()).spawn(listen);
+}
+
+fn allow_keys(control: Option<PathBuf>) -> Result<(), String> {
+    let path = ctl::socket_path(control).map_err(|failure| failure.to_string())?;
+    let mut client = Client::connect(&path).map_err(|error| error.to_string())?;
+    let reply = client.request(r#"{"command":"allow-keys"}"#);
+    let reply = reply.map_err(|error| error.to_string())?;
+    match serde_json::from_str::<serde_json::Value>(&reply) {
+        Ok(reply) if reply["ok"] == true => Ok(()),
+        _ => Err(reply),
+    }
+}

@@ -1,0 +1,219 @@
+//! `ademan lab study`: tasks, trials and tables of a study. Simulated hands stand for participants.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use super::{Ended, ademan, run, text};
+
+fn new(folder: &Path, arguments: &[&str]) -> PathBuf {
+    let study = folder.join("study");
+    let start = ["lab", "study", "new", text(&study)];
+    run(start.iter().chain(arguments)).done();
+    study
+}
+
+fn add(study: &Path, participant: &str, arguments: &[&str]) -> Ended {
+    let start = [
+        "lab",
+        "study",
+        "add",
+        text(study),
+        "--participant",
+        participant,
+    ];
+    let mut command = ademan(start.iter().chain(arguments));
+    command.env("XDG_STATE_HOME", study.with_file_name("state"));
+    command.output().expect("the program starts").into()
+}
+
+fn report(study: &Path) -> (String, Vec<Vec<String>>) {
+    let table = study.with_file_name("trials.csv");
+    let ended = run(["lab", "study", "report", text(study), "--csv", text(&table)]).done();
+    let rows = fs::read_to_string(table).expect("a table");
+    let fields = |line: &str| line.split(',').map(str::to_owned).collect();
+    (ended.out, rows.lines().map(fields).collect())
+}
+
+fn mode(path: &Path) -> u32 {
+    fs::metadata(path).expect("it exists").permissions().mode() & 0o777
+}
+
+#[test]
+fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = new(
+        folder.path(),
+        &["qwerty-flat", "numpad", "--count", "1", "--text"]
+            .iter()
+            .copied()
+            .chain([super::file(&folder, "phrases.txt", "go 12\n").as_str()])
+            .collect::<Vec<_>>(),
+    );
+    let ended = add(&study, "P01", &["--simulated", "--tasks", "1"]).done();
+    assert!(
+        ended.out.contains("P01 on qwerty-flat: "),
+        "{}{}",
+        ended.out,
+        ended.err
+    );
+    assert!(ended.out.contains("P01: 1 task to go"), "{}", ended.out);
+    let ended = add(&study, "P01", &["--simulated"]).done();
+    assert!(ended.out.contains("P01 on numpad: "), "{}", ended.out);
+    assert!(ended.out.contains("has done all tasks"), "{}", ended.out);
+    // The second participant begins with the second layout.
+    let ended = add(
+        &study,
+        "P02",
+        &["--simulated", "--tasks", "1", "--no-recording"],
+    )
+    .done();
+    assert!(ended.out.contains("P02 on numpad: "), "{}", ended.out);
+
+    let trial = study.join("trials/P01-0000.json");
+    assert_eq!(mode(&trial), 0o600);
+    assert_eq!(mode(&study.join("trials/P01-0000.mcap")), 0o600);
+    assert!(!study.join("trials/P02-0000.mcap").exists());
+    run(["replay", text(&study.join("trials/P01-0000.mcap"))]).done();
+
+    let (out, rows) = report(&study);
+    assert!(
+        out.contains("numpad: 2 participants, 2 trials, 2 of them by simulated hands"),
+        "{out}"
+    );
+    assert!(out.contains("P02 has done 1 of 2 tasks"), "{out}");
+    assert_eq!(rows.len(), 4);
+    assert!(
+        rows.iter().all(|row| row.len() == rows[0].len()),
+        "{rows:?}"
+    );
+    let column = |name: &str| rows[0].iter().position(|it| it == name).expect(name);
+    assert_eq!(rows[1][column("layout")], "qwerty-flat");
+    assert_eq!(rows[1][column("characters")], "5");
+    assert_eq!(rows[1][column("cer")], "0");
+    assert_eq!(rows[1][column("kspc")], "1");
+    assert!(rows[1][column("wpm")].parse::<f64>().expect("a speed") > 5.0);
+    // What both layouts type of the phrase has the same number.
+    assert_eq!(rows[1][column("task")], rows[2][column("task")]);
+
+    let html = study.with_file_name("study.html");
+    run([
+        "lab",
+        "study",
+        "report",
+        text(&study),
+        "--html",
+        text(&html),
+    ])
+    .done();
+    let page = fs::read_to_string(&html).expect("a page");
+    assert!(page.contains("<h2>numpad</h2>"), "{page}");
+    assert!(!page.contains("P01"), "no pseudonyms");
+    assert_eq!(mode(&html), 0o600);
+
+    let damaged = fs::read_to_string(&trial).expect("a trial");
+    fs::write(&trial, &damaged[..40]).expect("a cut file");
+    let ended = run(["lab", "study", "report", text(&study)]);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("P01-0000.json"), "{}", ended.err);
+}
+
+#[test]
+fn rings_and_values_are_measured_where_a_layout_does_not_type() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = new(
+        folder.path(),
+        &["direct", "workshop", "--rings", "1", "--values", "1"],
+    );
+    let ended = add(&study, "P01", &["--simulated"]).done();
+    assert!(ended.out.contains("bit/s"), "{}", ended.out);
+    let (out, rows) = report(&study);
+    assert!(out.contains("effective throughput, bit/s"), "{out}");
+    assert!(out.contains("error of a value"), "{out}");
+    let column = |name: &str| rows[0].iter().position(|it| it == name).expect(name);
+    assert_eq!(rows[1][column("targets")], "9");
+    let values: Vec<_> = rows
+        .iter()
+        .filter(|row| row[column("kind")] == "value")
+        .collect();
+    assert!(!values.is_empty());
+    for row in values {
+        let number = |name: &str| row[column(name)].parse::<f64>().expect(name);
+        let error = (number("value") - number("goal")).abs();
+        assert!((error - number("value_error")).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn practice_sessions_are_added_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = new(folder.path(), &["qwerty-flat", "--count", "1"]);
+    let mut practice = ademan(["practice", "--layout", "qwerty-flat", "--text", "hi"]);
+    practice.env("XDG_STATE_HOME", folder.path().join("state"));
+    let ended: Ended = practice.output().expect("the program starts").into();
+    ended.done();
+    let ended = add(&study, "P01", &["--practice"]).done();
+    assert!(
+        ended.out.contains("added 1 practice session of P01"),
+        "{}",
+        ended.out
+    );
+    let ended = add(&study, "P01", &["--practice"]).done();
+    assert!(
+        ended.out.contains("added 0 practice sessions"),
+        "{}",
+        ended.out
+    );
+    let (out, rows) = report(&study);
+    assert!(out.contains("no trials yet"), "{out}");
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[1][2], "practice");
+}
+
+#[test]
+fn names_folders_and_layouts_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = new(
+        folder.path(),
+        &["numpad", "--count", "1", "--phrases", "digits"],
+    );
+    let refused = |ended: Ended, words: &str| {
+        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
+        assert!(ended.err.contains(words), "{words}: {}", ended.err);
+    };
+    refused(add(&study, "../P01", &["--simulated"]), "is no pseudonym");
+    refused(
+        add(&study, "P01", &[]),
+        "no source: name that of the participant",
+    );
+    refused(
+        add(&study, "P01", &["--layout", "media"]),
+        "leave out --layout",
+    );
+    let digits = ["numpad", "--phrases", "digits"];
+    let again = run(["lab", "study", "new", text(&study)]
+        .into_iter()
+        .chain(digits));
+    refused(again, "so that no trial is lost");
+    let nothing = folder.path().join("nothing");
+    let ended = run([
+        "lab",
+        "study",
+        "new",
+        text(&nothing),
+        "space",
+        "--rings",
+        "0",
+    ]);
+    refused(ended, "there is nothing to measure");
+    refused(
+        run(["lab", "study", "report", text(&nothing)]),
+        "cannot use the study",
+    );
+    assert_eq!(
+        fs::read_dir(study.join("trials"))
+            .expect("a folder")
+            .count(),
+        0
+    );
+}

@@ -1,0 +1,241 @@
+//! The page in a headset types into the program: TLS, the token and the consent of the person at the computer.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::folder;
+use super::headset::{LOOK, SPEED, browser, enter, type_with_the_hand};
+use crate::browser::Browser;
+use crate::support::process::Process;
+use crate::{ademan, text};
+
+/// A program that serves the page to a headset, and its settings.
+struct Server {
+    _process: Process,
+    home: TempDir,
+    link: String,
+}
+
+impl Server {
+    fn start(folder: &Path) -> Self {
+        let home = tempfile::tempdir().expect("a folder");
+        let transcript = format!("transcript:{}", home.path().join("typed.txt").display());
+        let control = home.path().join("control");
+        let mut command = ademan(["serve", "--lan", "127.0.0.1", "--port", "0"]);
+        command.args(["--dir", text(folder), "--output", &transcript]);
+        command.args(["--control", text(&control), "--allow-root"]);
+        command.args(["--layout", "qwerty-flat"]);
+        command.env("XDG_CONFIG_HOME", home.path());
+        command.stdin(Stdio::null()).stdout(Stdio::piped());
+        let mut process = Process::start(&mut command).expect("the program starts");
+        let stdout = BufReader::new(process.0.stdout.take().expect("it is piped"));
+        let mut lines = stdout.lines().map_while(Result::ok);
+        let link = lines.find(|line| line.starts_with("https://"));
+        std::thread::spawn(move || lines.count());
+        Self {
+            _process: process,
+            home,
+            link: link.expect("a link"),
+        }
+    }
+
+    /// The address of the page, without the token.
+    fn page(&self) -> &str {
+        self.link.split('#').next().expect("a text")
+    }
+
+    fn ademan(&self, arguments: &[&str]) -> Command {
+        let mut command = ademan(arguments);
+        command.env("XDG_CONFIG_HOME", self.home.path());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> String {
+        let output = self.ademan(arguments).output().expect("it starts");
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    fn ctl(&self, request: &str) -> String {
+        let control = self.home.path().join("control");
+        self.run(&["ctl", "--socket", text(&control), request])
+    }
+
+    /// The transcript so far.
+    fn typed(&self) -> String {
+        fs::read_to_string(self.home.path().join("typed.txt")).unwrap_or_default()
+    }
+
+    fn wait_for(&self, expected: &str, is_expected: impl Fn(&str) -> bool) {
+        let start = Instant::now();
+        while !is_expected(&self.typed()) {
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "{expected}: {}",
+                self.typed()
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+/// Times that a text is typed: on a busy machine pictures, and with them readings, may come more than 200 ms after another,
+/// which stalls the session.
+const ATTEMPTS: u32 = 5;
+
+/// Types a text until the state and the transcript of the program are as expected.
+fn type_until(
+    browser: &mut Browser,
+    server: &Server,
+    text: &str,
+    is_done: impl Fn(&str, &str) -> bool,
+) {
+    for attempt in 0.. {
+        type_with_the_hand(browser, text);
+        let (state, typed) = (server.ctl("state"), server.typed());
+        if is_done(&state, &typed) {
+            return;
+        }
+        assert!(attempt < ATTEMPTS, "{state}\n{typed}");
+    }
+}
+
+/// Returns whether a key is down at the end of a transcript.
+fn is_down(transcript: &str, key: &str) -> bool {
+    let words = ["down", "up  "].map(|word| transcript.rfind(&format!("{word} {key}")));
+    words[0] > words[1]
+}
+
+fn connected(browser: &mut Browser, words: &str) {
+    browser.wait_for(LOOK, words, |look| {
+        look["computer"]
+            .as_str()
+            .is_some_and(|it| it.contains(words))
+    });
+}
+
+/// Opens a WebSocket in a page, sends a message, and returns what comes of it: the kind of the answer, or the end.
+fn socket(browser: &mut Browser, url: &str, message: &str) -> Value {
+    browser.evaluate(&format!(
+        r#"new Promise((done) => {{
+            const socket = new WebSocket({});
+            let answer = "no answer";
+            socket.onopen = () => socket.send({});
+            socket.onmessage = (it) => answer = JSON.parse(it.data).kind;
+            socket.onclose = () => done(answer);
+            socket.onerror = () => done("refused at once");
+            setTimeout(() => done(answer), 4000);
+        }})"#,
+        json!(url),
+        json!(message)
+    ))
+}
+
+#[test]
+fn the_page_types_into_the_program_once_keys_are_allowed_until_its_token_is_revoked() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = browser() else { return };
+    let server = Server::start(&folder);
+    browser.call(
+        "Security.setIgnoreCertificateErrors",
+        json!({"ignore": true}),
+    );
+    browser.call("Network.enable", json!({}));
+    // A small picture is drawn more often.
+    let size = json!({"width": 480, "height": 300, "deviceScaleFactor": 1, "mobile": false});
+    browser.call("Emulation.setDeviceMetricsOverride", size);
+    enter(&mut browser, &server.link, "enter-vr");
+    connected(&mut browser, "once it allows keys");
+    let hash = browser.evaluate("location.href");
+    assert_eq!(hash, server.page(), "the token leaves the address bar");
+
+    // It only points.
+    type_until(&mut browser, &server, "h", |state, _| {
+        state.contains("suppressed")
+    });
+    assert!(!server.typed().contains("down H"), "{}", server.typed());
+
+    server.ctl("allow-keys");
+    type_until(&mut browser, &server, "hi", |_, typed| {
+        typed.contains("down H") && typed.contains("down I")
+    });
+    browser.save_picture("headset-lan.png");
+
+    // A revoked token ends the connection, which releases its keys. The hand rests on the key.
+    for attempt in 0.. {
+        let press = "(async () => { const { session } = await import('/session.js'); await emulated.type('q', SPEED, () => session.keys.includes('Q')); })()";
+        browser.evaluate(&press.replace("SPEED", &SPEED.to_string()));
+        std::thread::sleep(Duration::from_secs(1));
+        if is_down(&server.typed(), "Q") {
+            break;
+        }
+        assert!(attempt < ATTEMPTS, "{}", server.typed());
+    }
+    server.run(&["token", "revoke", "headset"]);
+    server.wait_for("it is released", |typed| !is_down(typed, "Q"));
+    connected(&mut browser, "refuses this page");
+
+    let page = server.page().to_owned();
+    let own = page.replace("https", "wss");
+    let is_own =
+        |url: &&String| url.starts_with(&page) || url.starts_with(&own) || url.starts_with("data:");
+    let urls = browser.requests();
+    assert!(urls.iter().all(|url| is_own(&url)), "{urls:?}");
+}
+
+#[test]
+fn a_client_without_the_token_or_of_another_page_is_refused() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let server = Server::start(&folder);
+    browser.call(
+        "Security.setIgnoreCertificateErrors",
+        json!({"ignore": true}),
+    );
+    let token = server.link.rsplit('=').next().expect("a token").to_owned();
+    let socket_url = format!("{}hands", server.page().replace("https", "wss"));
+    let hello = |token: &str| json!({"token": token, "name": "Quest 3"}).to_string();
+
+    // A page without an address has another origin.
+    assert_eq!(
+        socket(&mut browser, &socket_url, &hello(&token)),
+        "refused at once"
+    );
+
+    browser.call("Page.navigate", json!({"url": server.page()}));
+    let ready = "({ready: document.documentElement?.dataset.ready ?? \"\"})";
+    browser.wait_for(ready, "the page runs", |look| look["ready"] == "true");
+    let shown = browser.evaluate("document.getElementById('computer').textContent");
+    assert_eq!(shown, "", "without a token it does not connect");
+    assert_eq!(
+        socket(&mut browser, &socket_url, &hello(&"0".repeat(64))),
+        "refused"
+    );
+    assert_eq!(
+        socket(&mut browser, &socket_url, "{\"time_us\":1,\"hands\":[]}"),
+        "no answer"
+    );
+    assert_eq!(socket(&mut browser, &socket_url, &hello(&token)), "welcome");
+
+    // The files are public, and nothing else is.
+    let fetched = browser.evaluate("Promise.all(['/', '/main.js', '/tokens', '/ws', '/../key.pem'].map(async (it) => (await fetch(it)).status))");
+    assert_eq!(fetched, json!([200, 200, 404, 404, 404]));
+}
+
+#[test]
+fn an_address_of_every_network_is_refused_with_what_to_do() {
+    let Some(folder) = folder() else { return };
+    for (address, words) in [("0.0.0.0", "every network"), ("desk", "ip address")] {
+        let ended = crate::run(["serve", "--dir", text(&folder), "--lan", address]);
+        assert_eq!(ended.code, Some(2));
+        assert!(ended.err.contains(words), "{}", ended.err);
+    }
+}

@@ -1,0 +1,114 @@
+//! Words that the page corrects and suggests.
+
+use serde_json::json;
+
+use super::page::{edit, open};
+use super::{folder, serve};
+use crate::browser::Browser;
+
+const LOOK: &str = r##"({
+  typed: document.getElementById("typed").value,
+  words: [...document.querySelectorAll("#candidates button")].map((it) => it.textContent),
+  row: document.getElementById("candidates").textContent,
+  isHidden: document.getElementById("candidates").hidden,
+  notice: document.getElementById("notice").textContent,
+  layout: document.getElementById("layout").textContent,
+  chosen: document.getElementById("words").value,
+})"##;
+
+/// Chooses a value of a list as a person does.
+fn select(browser: &mut Browser, list: &str, value: &str) {
+    browser.evaluate(&format!(
+        "(() => {{ const it = document.getElementById({list:?}); it.value = {value:?}; it.dispatchEvent(new Event('change')); }})()"
+    ));
+}
+
+/// Chooses what is done with words, and waits until the decoder is there.
+fn choose(browser: &mut Browser, choice: &str) {
+    select(browser, "words", choice);
+    browser.wait_for(LOOK, "the row of words", |look| {
+        (look["isHidden"] == true) == choice.is_empty()
+    });
+}
+
+fn type_text(browser: &mut Browser, text: &str) {
+    browser.evaluate(&format!(
+        "document.getElementById('clear').click(); document.getElementById('text-to-type').value = {text:?}; document.getElementById('type').click()"
+    ));
+}
+
+#[test]
+fn words_are_corrected_and_a_click_takes_one() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    browser.call("Network.enable", json!({}));
+    open(&mut browser, &address);
+    let loaded = |browser: &Browser| {
+        let requests = browser.requests();
+        let of_words = requests.iter().filter_map(|it| it.rsplit('/').next());
+        of_words
+            .filter(|name| name.starts_with("words.") || name.ends_with(".adm"))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(loaded(&browser), [""; 0]);
+
+    // A layout with faults does not lose the one before.
+    edit(&mut browser, "it.value + ')'");
+    choose(&mut browser, "auto en");
+    assert_eq!(loaded(&browser), ["words.js", "words.wasm", "en.adm"]);
+    edit(&mut browser, "it.value.slice(0, -1)");
+    type_text(&mut browser, "thw quicl ");
+    let is_corrected = |look: &serde_json::Value| look["typed"] == "the quick ";
+    browser.wait_for(LOOK, "the words are corrected", is_corrected);
+
+    choose(&mut browser, "suggest en");
+    type_text(&mut browser, "quicl");
+    let look = browser.wait_for(LOOK, "candidates", |look| {
+        let words = look["words"].as_array();
+        look["typed"] == "quicl" && words.is_some_and(|words| words.iter().any(|it| it == "quick"))
+    });
+    browser.save_picture("words.png");
+    assert_eq!(look["chosen"], "suggest en");
+    browser.evaluate(
+        "[...document.querySelectorAll('#candidates button')].find((it) => it.textContent === 'quick').click()",
+    );
+    browser.wait_for(LOOK, "the candidate is taken", |look| {
+        look["typed"] == "quick "
+    });
+
+    select(&mut browser, "gallery-list", "chords-bend");
+    browser.wait_for(LOOK, "no letters", |look| {
+        look["row"]
+            .as_str()
+            .is_some_and(|row| row.contains("too few letters"))
+    });
+    choose(&mut browser, "");
+    assert_eq!(browser.evaluate(LOOK)["notice"], "");
+}
+
+#[test]
+fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in std::fs::read_dir(&page).expect("the page").flatten() {
+        let name = entry.file_name();
+        if entry.path().is_file() && name != "en.adm" {
+            std::fs::copy(entry.path(), folder.path().join(name)).expect("a copy");
+        }
+    }
+    let (_server, address) = serve(folder.path());
+    open(&mut browser, &address);
+    select(&mut browser, "words", "auto en");
+    let look = browser.wait_for(LOOK, "a message", |look| look["notice"] != "");
+    assert_eq!(look["notice"], "words are not corrected: en.adm: 404");
+    assert_eq!(look["chosen"], "");
+    type_text(&mut browser, "thw ");
+    browser.wait_for(LOOK, "the text", |look| look["typed"] == "thw ");
+}

@@ -1,0 +1,227 @@
+//! A desktop with an input method: an X server, the daemon of IBus, and a window with a text field.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::support::binary::ademan;
+use crate::support::process::{Process, collect_lines};
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_at_most, wait_for};
+
+/// The Python that Debian's packages of GTK are for.
+const PYTHON: &str = "/usr/bin/python3";
+
+/// A running desktop.
+pub struct Desk {
+    pub server: XServer,
+    pub folder: TempDir,
+    daemon: Option<Process>,
+    /// The candidate that the panel clicks.
+    candidate: String,
+}
+
+impl Desk {
+    /// Starts a server and a daemon. Returns `None` with a message if a program is missing.
+    pub fn start() -> Option<Self> {
+        let mut desk = Self::without_daemon()?;
+        desk.start_daemon("disable");
+        Some(desk)
+    }
+
+    /// Starts a server, and a daemon with a panel that clicks a candidate.
+    pub fn with_panel(candidate: &str) -> Option<Self> {
+        let mut desk = Self::without_daemon()?;
+        let gi = "import gi; gi.require_version('IBus', '1.0')";
+        let checked = Command::new(PYTHON).args(["-c", gi]).output();
+        if !checked.is_ok_and(|checked| checked.status.success()) {
+            println!("SKIPPED: Debian's gir1.2-ibus-1.0 is not installed");
+            return None;
+        }
+        desk.candidate = candidate.to_owned();
+        desk.start_daemon(&path("panel.py").display().to_string());
+        Some(desk)
+    }
+
+    /// Returns the lists of candidates that the panel has shown, as `a, b, c`.
+    pub fn lists(&self) -> Vec<String> {
+        let log = fs::read_to_string(self.folder.path().join("panel")).unwrap_or_default();
+        log.lines().map(|line| line.replace('\t', ", ")).collect()
+    }
+
+    fn without_daemon() -> Option<Self> {
+        let server = XServer::start()?;
+        let gtk = "import gi; gi.require_version('Gtk', '3.0')";
+        let checks = [
+            (
+                Command::new("ibus-daemon").arg("--version").output(),
+                "ibus",
+            ),
+            (
+                Command::new(PYTHON).args(["-c", gtk]).output(),
+                "python3-gi and gir1.2-gtk-3.0",
+            ),
+        ];
+        for (checked, package) in checks {
+            if !checked.is_ok_and(|checked| checked.status.success()) {
+                println!("SKIPPED: Debian's {package} is not installed");
+                return None;
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        Some(Self {
+            server,
+            folder,
+            daemon: None,
+            candidate: String::new(),
+        })
+    }
+
+    /// Starts the daemon with this panel and the engine of a US keymap.
+    pub fn start_daemon(&mut self, panel: &str) {
+        let mut command = self.command("ibus-daemon");
+        command
+            .args(["--xim", "--panel", panel, "--config", "disable"])
+            .args(["--emoji-extension", "disable"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        self.daemon = Some(Process::start(&mut command).expect("the daemon starts"));
+        let is_up = || {
+            let mut command = self.command("ibus");
+            let selected = command.args(["engine", "xkb:us::eng"]).output();
+            selected.is_ok_and(|output| output.status.success())
+        };
+        assert!(wait_for(is_up), "the daemon of IBus does not answer");
+    }
+
+    pub fn kill_daemon(&mut self) {
+        drop(self.daemon.take());
+    }
+
+    /// Returns the name of the engine of the desktop.
+    pub fn engine(&self) -> String {
+        let output = self.command("ibus").arg("engine").output();
+        let output = output.expect("ibus runs");
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+
+    /// Returns a command on this desktop, with settings of its own.
+    pub fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        self.set_environment(&mut command);
+        command
+    }
+
+    fn set_environment(&self, command: &mut Command) {
+        let folder = |name: &str| {
+            let path = self.folder.path().join(name);
+            fs::create_dir_all(&path).expect("space on the disk");
+            path
+        };
+        command
+            .env("DISPLAY", self.server.display())
+            .env("XDG_CONFIG_HOME", folder("config"))
+            .env("XDG_CACHE_HOME", folder("cache"))
+            .env("XDG_RUNTIME_DIR", folder("runtime"))
+            .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
+            .env("GTK_IM_MODULE", "ibus")
+            .env("XMODIFIERS", "@im=ibus")
+            .env("LC_ALL", "C.UTF-8")
+            .env("ADEMAN_PANEL", self.folder.path().join("panel"))
+            .env("ADEMAN_CLICK", &self.candidate)
+            .env_remove("IBUS_ADDRESS")
+            .env_remove("WAYLAND_DISPLAY");
+    }
+
+    /// Runs a simulated hand that types a text through the input method, with a text decoder.
+    pub fn type_text(&self, text: &str) -> Program {
+        let setup = self.folder.path().join("setup.ron");
+        let text = format!(
+            "Setup(source: \"typist:{text}\", layout: \"qwerty-flat\", output: \"ime\", text: (mode: Auto))"
+        );
+        fs::write(&setup, text).expect("space on the disk");
+        let mut command = ademan(["run", "--control", "off"]);
+        command.arg(&setup);
+        self.set_environment(&mut command);
+        Program::from_command(command)
+    }
+}
+
+/// A window with a text field that has the focus.
+pub struct Field {
+    _process: Process,
+    lines: Arc<Mutex<Vec<String>>>,
+}
+
+impl Field {
+    /// Opens a window. `kind` is the argument of `field.py`.
+    pub fn open(desk: &Desk, kind: &str) -> Self {
+        let mut command = desk.command(PYTHON);
+        command
+            .arg(path("field.py"))
+            .arg(kind)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
+        let mut process = Process::start(&mut command).expect("Python starts");
+        let stdout = process.0.stdout.take().expect("it is piped");
+        let field = Self {
+            lines: collect_lines(stdout),
+            _process: process,
+        };
+        desk.server.focus_visible_window();
+        field.wait_for("focused\t");
+        field
+    }
+
+    /// Returns what the field has said.
+    pub fn lines(&self) -> Vec<String> {
+        self.lines
+            .lock()
+            .expect("nothing panics in its thread")
+            .clone()
+    }
+
+    /// Waits for a line, and returns all lines.
+    pub fn wait_for(&self, line: &str) -> Vec<String> {
+        let has_it = wait_for(|| self.lines().iter().any(|said| said == line));
+        assert!(has_it, "{line:?} is missing: {:#?}", self.lines());
+        self.lines()
+    }
+
+    /// Waits until the field says nothing more, and returns its text.
+    pub fn text(&self) -> String {
+        let mut count = 0;
+        wait_at_most(Duration::from_secs(10), || {
+            std::thread::sleep(Duration::from_millis(300));
+            std::mem::replace(&mut count, self.lines().len()) == self.lines().len()
+        });
+        let lines = self.lines();
+        let last = lines
+            .iter()
+            .rev()
+            .find_map(|line| line.strip_prefix("text\t"));
+        last.unwrap_or_default().to_owned()
+    }
+}
+
+/// Returns the path of a program of this test.
+fn path(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    folder.join("tests/outputs/ime").join(name)
+}
+
+/// Starts a program that may be missing. Returns `None` with a message then.
+pub fn start_if_installed(command: &mut Command, package: &str) -> Option<Process> {
+    match Process::start(command) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            println!("SKIPPED: Debian's {package} is not installed");
+            None
+        }
+        started => Some(started.expect("it starts")),
+    }
+}
