@@ -142,6 +142,10 @@ impl Drop for Recovery {
         if let Some(writer) = self.writer.take() {
             let _ = writer.join();
         }
+        // Closing alone keeps the lock while a child has the descriptor: until it has executed its program.
+        if let Some(lock) = &self.lock {
+            let _ = lock.unlock();
+        }
     }
 }
 
