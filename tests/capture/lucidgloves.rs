@@ -7,6 +7,7 @@ use ademan::capture::protocol::StreamFormat;
 use ademan::capture::protocol::lucidgloves::{FULL_SCALE, Fields, PROTOCOL};
 use ademan::capture::{Sample, open, open_loopback};
 
+use crate::support::free_address::free_address;
 use crate::support::lucidgloves::chords;
 use crate::text_line::{samples, uri};
 
@@ -52,10 +53,7 @@ fn a_tcp_bridge_of_a_wireless_glove_sends_blank_lines() {
 fn datagrams_of_a_glove_are_whole_packets_and_cut_ones_are_dropped() {
     let (lines, expected) = lines();
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    let address = {
-        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        probe.local_addr().expect("its address")
-    };
+    let address = free_address();
     let mut source = open(&uri(&format!("udp:{address}?protocol=lucidgloves"))).unwrap();
     let (start, end) = lines[0].split_at(1);
     for datagram in [start, end, "", "A1B"] {

@@ -7,6 +7,7 @@ use std::net::{TcpListener, UdpSocket};
 use ademan::capture::{Sample, SourceEvent, open};
 use ademan::hand::{Joint, JointPositions, Side};
 
+use crate::support::free_address::free_address;
 use crate::support::source::{marker_lines, next_within, typing_poses};
 use crate::text_line::{TIMEOUT, samples, type_with, uri};
 
@@ -52,10 +53,7 @@ fn markers_arrive_over_tcp_and_an_invalid_line_keeps_the_connection() {
 fn a_datagram_holds_the_markers_of_all_cameras_and_a_cut_one_is_dropped() {
     let lines = marker_lines(TEXT);
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    let address = {
-        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        probe.local_addr().expect("its address")
-    };
+    let address = free_address();
     let mut source = open(&uri(&format!("udp:{address}?protocol=markers"))).unwrap();
     assert!(lines[0].len() > 4096, "a long datagram");
     let (cut, _) = lines[0].split_at(1000);

@@ -9,20 +9,15 @@ use ademan::capture::{CaptureEvent, Reading, Sample, Source, SourceEvent, open, 
 use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
 use glam::{Quat, Vec3};
 
+use crate::support::free_address::free_address;
 use crate::support::python::python;
 use crate::text_line::{TIMEOUT, samples, uri};
 
-/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port.
+/// Opens a source of datagrams in this format at a free port.
 fn open_at_free_port(format: &str) -> (Box<dyn Source>, SocketAddr) {
-    for _ in 0..100 {
-        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        let address = probe.local_addr().expect("its address");
-        drop(probe);
-        if let Ok(source) = open(&uri(&format!("udp:{address}?protocol={format}"))) {
-            return (source, address);
-        }
-    }
-    panic!("no free port for {format}");
+    let address = free_address();
+    let source = open(&uri(&format!("udp:{address}?protocol={format}"))).expect("the port is free");
+    (source, address)
 }
 
 #[test]

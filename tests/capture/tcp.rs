@@ -8,6 +8,7 @@ use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
 use ademan::capture::loopback::open_tcp_loopback;
 use ademan::capture::{CaptureError, Hc11Format, Sample, Source, SourceEvent, SourceUri, open};
 
+use crate::support::free_address::free_address;
 use crate::support::source::next_within;
 
 /// Longest wait on a busy machine.
@@ -97,8 +98,8 @@ fn a_silent_peer_is_lost_after_five_seconds() {
 
 #[test]
 fn a_refused_connection_cannot_be_opened() {
-    let (listener, uri) = server();
-    drop(listener);
+    let uri = format!("tcp:{}?protocol=hc11", free_address());
+    let uri = uri.parse().expect("a source URI");
     let error = open(&uri).err().expect("the port is closed");
     assert!(matches!(error, CaptureError::Open { .. }), "{error}");
     assert!(

@@ -15,6 +15,7 @@ use ademan::setup::Setup;
 use ademan::sim::UsTextField;
 use ademan::time::Timestamp;
 
+use crate::support::free_address::free_address;
 use crate::support::source::{next_within, text_lines};
 
 /// Longest wait on a busy machine.
@@ -71,10 +72,7 @@ fn udp_datagrams_deliver_angles_with_or_without_a_line_end() {
     let lines = lines();
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
     // A port that was just free: the source reports an error if another program has taken it.
-    let address = {
-        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        probe.local_addr().expect("its address")
-    };
+    let address = free_address();
     let mut source = open(&uri(&format!("udp:{address}?protocol=text-line"))).unwrap();
     for datagram in [
         lines[0].as_str(),

@@ -7,6 +7,7 @@ use std::{fs, io};
 
 use serde_json::Value;
 
+use crate::support::binary::copy_binary;
 use crate::{Ended, ademan, run};
 
 /// Returns the path of a file of the package.
@@ -122,7 +123,7 @@ fn a_denied_port_is_explained_and_members_of_its_group_may_open_it() {
     };
     // Other users may have no access to the build directory.
     let program = folder.path().join("ademan");
-    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).unwrap();
+    copy_binary(&program);
     fs::set_permissions(folder.path(), PermissionsExt::from_mode(0o755)).unwrap();
     let wire = ademan::capture::open_loopback(ademan::capture::Hc11Format::default()).unwrap();
     let source = wire.uri.to_string();

@@ -8,6 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::support::binary::copy_binary;
 use crate::{Ended, ademan};
 
 /// A user without other processes, and a folder in which this user may write.
@@ -22,7 +23,7 @@ impl User {
         let folder = tempfile::tempdir().expect("a folder");
         // Other users may have no access to the build directory.
         let program = folder.path().join("ademan");
-        fs::copy(env!("CARGO_BIN_EXE_ademan"), program).expect("space");
+        copy_binary(&program);
         fs::set_permissions(folder.path(), Permissions::from_mode(0o777)).expect("an own folder");
         // The limit counts all processes of a user: one that no other test has.
         let id = 100_000 + std::process::id();

@@ -6,6 +6,7 @@ use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 
 use super::ademan;
+use crate::support::free_address::free_address;
 
 /// A program that is killed at the end of the test.
 struct Running(Child);
@@ -81,11 +82,7 @@ fn a_demo_that_is_interrupted_fails() {
 
 #[test]
 fn a_run_waits_for_a_device_and_reports_it_once() {
-    // A port that was free a moment ago is free now.
-    let address = TcpListener::bind("127.0.0.1:0")
-        .unwrap()
-        .local_addr()
-        .unwrap();
+    let address = free_address();
     let source = format!("tcp:{address}");
     let mut run = Running::start(&["run", "--wait", "--role", "both", "--source", &source]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use ::zenoh::{Config, Session, Wait};
 
 use crate::ademan;
+use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
 
 /// Longest wait on a busy machine.
@@ -18,9 +19,7 @@ const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Starts a router, which this process is. Returns it and its address.
 fn router() -> (Session, String) {
-    let port = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let address = port.local_addr().expect("its address").to_string();
-    drop(port);
+    let address = free_address().to_string();
     let mut config = Config::default();
     for (key, value) in [
         ("mode", "\"router\""),

@@ -2,7 +2,19 @@
 
 use std::env;
 use std::ffi::OsStr;
+use std::path::Path;
 use std::process::Command;
+
+/// Copies the binary to `path`. Another process writes it: a file that this process had open for writing may be open in the
+/// child of another test when it is started, which is an error then (ETXTBSY).
+pub fn copy_binary(path: &Path) {
+    let original = ademan([""; 0]);
+    let copied = Command::new("cp")
+        .arg(original.get_program())
+        .arg(path)
+        .status();
+    assert!(copied.expect("`cp` starts").success(), "{}", path.display());
+}
 
 /// Returns the command `ademan` with these arguments. It may type as root, as containers run tests as root.
 pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {

@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::line::{PseudoTerminal, SerialRun};
-use crate::support::binary::ademan;
+use crate::support::binary::{ademan, copy_binary};
 use crate::support::press::Press;
 use crate::support::wearer::packets;
 
@@ -48,7 +48,7 @@ fn a_port_without_permission_names_the_group_and_never_asks_for_root() {
         .expect("the test owns the folder");
     // A copy that every user may run.
     let program = line.folder.path().join("ademan");
-    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("disk space");
+    copy_binary(&program);
     let run = |command: &mut Command| {
         let arguments = ["run", "--control", "off", "--source", &line.source()];
         command

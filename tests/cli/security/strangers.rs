@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
+use crate::support::binary::copy_binary;
 use crate::support::run::{MOVE_TIME, Run, TIMEOUT, shipped};
 use crate::{Ended, ademan, text};
 
@@ -418,7 +419,7 @@ fn a_file_of_root_is_trusted_by_a_user() {
         return;
     }
     let program = place.at("ademan");
-    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("space");
+    copy_binary(&program);
     set_mode(&program, 0o755);
     let mut check = Command::new("setpriv");
     check

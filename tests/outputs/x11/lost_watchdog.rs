@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::ends::{Typing, held_keys};
 use super::watchdog::is_alive;
 use super::{hold, wait_for_release};
-use crate::support::binary::ademan;
+use crate::support::binary::{ademan, copy_binary};
 use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::process::signal;
@@ -75,7 +75,7 @@ fn a_stopped_watchdog_is_noticed_and_replaced() {
 /// Returns the command of a copy of the program.
 pub fn copied(program: &Path, arguments: &[&str]) -> Command {
     let original = ademan(arguments);
-    fs::copy(original.get_program(), program).expect("space on the disk");
+    copy_binary(program);
     let mut command = Command::new(program);
     command.args(original.get_args());
     command
