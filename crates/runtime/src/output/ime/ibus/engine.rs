@@ -59,6 +59,8 @@ pub(super) struct Engine<'a> {
     is_enabled: bool,
     /// The serial number of the question which context has the focus.
     asked_context: Option<NonZeroU32>,
+    /// The serial number of a question whose answer follows what the daemon says of a new field.
+    asked_field: Option<NonZeroU32>,
     /// The kind of text that the field takes, as it says.
     kind: FieldKind,
     /// The word that the field shows.
@@ -78,6 +80,7 @@ impl<'a> Engine<'a> {
             is_focused: false,
             is_enabled: false,
             asked_context: None,
+            asked_field: None,
             kind: FieldKind::Text,
             shown: String::new(),
             seen: shared.presses(),
@@ -192,6 +195,11 @@ impl<'a> Engine<'a> {
                 self.set_focus(!is_own_context(&context));
                 return Ok(());
             }
+            Type::MethodReturn | Type::Error if header.reply_serial() == self.asked_field => {
+                self.asked_field = None;
+                self.enter_field();
+                return Ok(());
+            }
             _ => return Ok(()),
         }
         let member = header.member().map_or("", |member| member.as_str());
@@ -221,6 +229,7 @@ impl<'a> Engine<'a> {
             "FocusInId" => {
                 let (_, client): (String, String) = body.deserialize()?;
                 self.asked_context = None;
+                self.ask_field()?;
                 self.set_focus(client != OWN_CLIENT);
             }
             // Before the daemon knows that the engine wants to know who has the focus.
@@ -229,7 +238,10 @@ impl<'a> Engine<'a> {
                 self.asked_context = Some(self.bus.ask_context()?);
             }
             "FocusOut" | "FocusOutId" => self.set_focus(false),
-            "Enable" => self.set_enabled(true),
+            "Enable" => {
+                self.ask_field()?;
+                self.set_enabled(true);
+            }
             "Disable" => self.set_enabled(false),
             // The program has moved its cursor, or emptied its field.
             "Reset" => self.enter_field(),
@@ -272,6 +284,13 @@ impl<'a> Engine<'a> {
         self.execute_waiting()
     }
 
+    /// Asks something of which only the time of the answer counts: the daemon says what a field takes after it has the focus, and a
+    /// field for a password is none before.
+    fn ask_field(&mut self) -> zbus::Result<()> {
+        self.asked_field = Some(self.bus.ask_context()?);
+        Ok(())
+    }
+
     fn set_purpose(&mut self, value: OwnedValue) {
         let Ok((purpose, hints)) = <(u32, u32)>::try_from(value) else {
             return;
@@ -305,12 +324,13 @@ impl<'a> Engine<'a> {
     /// Tells the loop that the field and its text are others. A shown word is the field's.
     fn enter_field(&mut self) {
         self.shown.clear();
-        self.shared
-            .enter_field(match self.is_focused && self.is_enabled {
-                true => self.kind,
-                // A field for a password may hide from the daemon.
-                false => FieldKind::Literal,
-            });
+        let is_known = self.is_focused && self.is_enabled && self.asked_field.is_none();
+        self.shared.enter_field(if is_known {
+            self.kind
+        } else {
+            // A field for a password may hide from the daemon.
+            FieldKind::Literal
+        });
     }
 }
 
