@@ -437,7 +437,8 @@ fn controls_gestures_and_chords_are_listed_below_the_boards() {
         ("direct", "index fingertip in a box of 200 × 120 × 160 mm,"),
         ("ray", "middle pinch          right mouse button"),
         ("space", "Door   box 60 × 40 × 30 mm at (160, 50, -320) mm"),
-        ("switches", "F              held for 250 ms: Ctrl"),
+        ("switches", "F                      held for 250 ms: Ctrl"),
+        ("switches", "copy-line  taps Home, taps ShiftLeft+End"),
     ];
     for (name, line) in cases {
         let text = Layout::load(name).unwrap().to_text();

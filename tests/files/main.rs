@@ -7,4 +7,5 @@ mod layouts;
 mod pictures;
 mod recordings;
 mod schema;
+mod sequences;
 mod setups;

@@ -69,7 +69,10 @@ macro_rules! script {
 /// Switches and keys whose keys together act on the system.
 const SYSTEM_CHORDS: &str = include_str!("../scenarios/system-chords.ron");
 
-const PLANS: [Plan; 9] = [
+/// Keys that start sequences.
+const SEQUENCES: &str = include_str!("../scenarios/sequences.ron");
+
+const PLANS: [Plan; 10] = [
     Plan {
         layouts: &["qwerty-flat", "numpad", "space"],
         text: None,
@@ -133,6 +136,14 @@ const PLANS: [Plan; 9] = [
         script: "tap J; press K; wait 60; lift; tap N",
         has_two_hands: true,
         armed: false,
+    },
+    Plan {
+        layouts: &["arrows", "qwerty-flat"],
+        text: Some(SEQUENCES),
+        script: "tap sign; tap later; tap Q; tap copy; press copy; wait 40; lift; tap ctrl; tap copy; tap shift; tap reset; \
+                 tap later; tap write; press later; wait 900; lift; tap nearer; tap later; tap pause; tap copy; tap pause",
+        has_two_hands: false,
+        armed: true,
     },
 ];
 

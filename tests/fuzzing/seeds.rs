@@ -133,5 +133,5 @@ pub fn pipeline() -> Vec<Vec<u8>> {
         &[223, 17, 1, 0, 20, 184, 183, 220, 183, 183],
     ];
     let seed = |setup: u8| [&[setup][..], &played, &orders.concat()].concat();
-    (0..8).map(seed).collect()
+    (0..10).map(seed).collect()
 }

@@ -87,7 +87,9 @@ impl CheckedPipeline {
 
     #[track_caller]
     pub fn stall(&mut self, events: &mut Events) {
-        let releases = self.pipeline.expects_readings();
+        // A stopped pipeline keeps the touches that it follows.
+        let is_stopped = self.pipeline.state() == PipelineState::Stopped;
+        let releases = self.pipeline.expects_readings() && !is_stopped;
         self.command(releases, events, Pipeline::stall);
     }
 

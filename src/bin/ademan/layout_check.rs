@@ -83,6 +83,15 @@ fn print(file: &str, outcome: &Result<Checked, DocumentError>) -> Result<(), Fai
     };
     let file = escape(file);
     writeln!(io::stdout(), "{file}: valid, {keys}, {others}{layers}")?;
+    for (name, steps) in layout.sequence_rows() {
+        // A person sees what each one types before they use the layout of somebody else.
+        let name = if name.is_empty() {
+            name
+        } else {
+            format!("sequence `{name}`: ")
+        };
+        writeln!(io::stdout(), "  {name}{steps}")?;
+    }
     for warning in warnings {
         complain!("warning: {file}: {warning}");
     }

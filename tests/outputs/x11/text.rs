@@ -44,6 +44,21 @@ fn a_text_on_two_layers_arrives_byte_for_byte() {
     assert_demo_types(text, &["--layout", "qwerty-arc", "--text", text]);
 }
 
+#[test]
+fn a_sequence_arrives_in_order_and_leaves_no_key_pressed() {
+    let layout = tempfile::NamedTempFile::with_suffix(".ron").expect("a file");
+    let text = "Layout(name: \"t\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45), \
+                keys: [(action: Sequence(\"sign\"), at_mm: (0, 0))])], \
+                sequences: {\"sign\": [Text(\"Ana: \"), Tap(\"Shift A\"), Wait(100), Text(\"na@example.org\")]})";
+    std::fs::write(layout.path(), text).expect("the file can be written");
+    let path = layout.path().to_str().expect("a plain path");
+    let script = "tap sign; wait 1500";
+    assert_demo_types(
+        "Ana: Ana@example.org",
+        &["--layout", path, "--script", script],
+    );
+}
+
 /// What a text field shows after these bytes of a terminal.
 fn shown(bytes: &str) -> String {
     let mut text = String::new();

@@ -39,7 +39,9 @@ pub mod trigger;
 pub mod pointer;
 
 pub use capabilities::{Capabilities, Capability};
-pub use key_arbiter::{KeyAction, KeyArbiter, Latch, PressSource, TextId};
+pub use key_arbiter::{
+    KeyAction, KeyArbiter, Latch, PressSource, Sequence, SequenceId, SequenceStep, TextId,
+};
 pub use keycode::{KeyCode, KeyKind};
 
 /// An event for the operating system or a peer.
@@ -147,8 +149,8 @@ impl Axis {
 /// The events of one step, releases first.
 ///
 /// In one step, ten fingers can each end one press and begin another, each with one modifier, 10 × (2 + 2)
-/// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, and the release of
-/// all keys takes 48 more; what does not fit of values and velocities follows in the next step.
+/// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, that of a sequence 32 more, and the release
+/// of all keys takes 52; what does not fit of values and velocities follows in the next step.
 pub type Events = ArrayVec<OutputEvent, 192>;
 
 /// The input of a device: one hand in one step.

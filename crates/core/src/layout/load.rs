@@ -16,6 +16,7 @@ use super::schema::{
     AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
     PoseSchema, PressSchema,
 };
+use super::sequences::{StepSchema, build_sequence};
 use super::signals::SignalSchema;
 use crate::document::{
     self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error, schema,
@@ -42,6 +43,9 @@ schema! {
         /// Layers other than the base layer, at most 31.
         #[serde(borrow, default)]
         layers: Vec<LayerSchema<'a>>,
+        /// Keys, texts and waits that a press of `action: Sequence("copy")` starts, by name: `{"copy": [Tap("ControlLeft C")]}`.
+        #[serde(borrow, default)]
+        sequences: Pairs<'a, Vec<StepSchema<'a>>>,
         /// Actions of keys that are pressed together.
         #[serde(borrow, default)]
         chords: Vec<ChordSchema<'a>>,
@@ -214,6 +218,10 @@ impl<'a> LayoutSchema<'a> {
         for layer in &self.layers {
             let declared = builder.declare_layer(layer.name);
             builder.collect(declared)?;
+        }
+        for (name, steps) in &self.sequences.0 {
+            let built = build_sequence(builder, *name, steps);
+            builder.collect(built)?;
         }
         for (index, board) in self.boards.iter().enumerate() {
             let mut others = self.boards[..index].iter().chain(&self.boards[index + 1..]);

@@ -33,6 +33,7 @@ mod placement;
 pub mod quantity;
 mod render;
 mod schema;
+mod sequences;
 mod shape;
 mod signals;
 

@@ -18,7 +18,7 @@ use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::signals::Signals;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::ValueOutput;
-use crate::device::{KeyAction, TextId};
+use crate::device::{KeyAction, Sequence, SequenceId, TextId};
 use crate::hand::Side;
 
 /// The maximum number of targets of a layout: keys, other controls, triggers, and targets in space.
@@ -60,8 +60,10 @@ pub struct Layout {
     pub layers: Vec<String>,
     /// Names of the profiles that keys activate with [`Command::Profile`](crate::command::Command::Profile).
     pub profiles: Vec<String>,
-    /// Texts that keys write, indexed by [`TextId`].
+    /// Texts that keys and sequences write, indexed by [`TextId`].
     pub texts: Vec<String>,
+    /// Sequences that presses start, indexed by [`SequenceId`].
+    pub sequences: Vec<Sequence>,
     /// Key combinations with an action of their own.
     pub chords: Vec<Chord>,
     /// Maximum time between the first and the last key press of a chord.
@@ -363,13 +365,18 @@ impl Layout {
         board.expect("every key of a layout is on a board")
     }
 
+    /// Returns the label of a key with this action and without a label of its own.
+    pub(super) fn action_label(&self, action: KeyAction) -> &str {
+        action_label(action, &self.layers, &self.texts, &self.sequences)
+    }
+
     /// Returns the label of a key while a layer is active, or `None` if the layer does not change the key.
     pub fn label_in_layer<'a>(&'a self, key: &'a Key, layer: usize) -> Option<&'a str> {
         if layer == 0 {
             return Some(&key.face.label);
         }
         let action = (*key.actions.get(layer)?)?;
-        Some(action_label(action, &self.layers, &self.texts))
+        Some(self.action_label(action))
     }
 }
 
@@ -378,12 +385,17 @@ pub(super) fn action_label<'a>(
     action: KeyAction,
     layers: &'a [String],
     texts: &'a [String],
+    sequences: &'a [Sequence],
 ) -> &'a str {
     let entry = |list: &'a [String], index: usize| list.get(index).map_or("?", String::as_str);
     match action {
         KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label(),
         KeyAction::Layer(layer, _) => entry(layers, layer),
         KeyAction::Text(TextId(text)) => entry(texts, text.into()),
+        KeyAction::Sequence(SequenceId(index)) => {
+            let sequence = sequences.get(usize::from(index));
+            sequence.map_or("?", |sequence| &sequence.name)
+        }
         KeyAction::Command(command) => command.spec().key_label,
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",

@@ -28,6 +28,8 @@ ranged_numbers! {
     HoldAfter = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
     /// Time that a fingertip or the cursor rests before it activates, in milliseconds.
     DwellTime = "a dwell time", 50.0 ..= 5000.0, " ms";
+    /// A wait of a sequence, in milliseconds.
+    SequenceWait = "a wait", 1.0 ..= 5000.0, " ms";
     /// Time between the first and the last key press of a chord, in milliseconds.
     ChordTimeout = "a chord timeout", 10.0 ..= 500.0, " ms", or 50.0;
     /// Pointer motion per finger motion on a touchpad, in pixels per millimetre.

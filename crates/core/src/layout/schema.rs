@@ -240,6 +240,8 @@ schema! {
         Layer(Spanned<'a>),
         /// Types a text of 1 to 32 characters, whatever the receiver's keymap is.
         Text(Spanned<'a>),
+        /// Starts one of the `sequences` of the layout: keys, texts and waits.
+        Sequence(Spanned<'a>),
         /// Issues a command to the session, in the words of `ademan ctl`: `Command("nudge 0 0 -10")`.
         Command(Spanned<'a>),
         /// Holds the pointer still.
@@ -255,9 +257,11 @@ impl<'a> Action<'a> {
     /// Returns the name, text or command in the action, if it has one.
     pub fn argument(self) -> Option<Spanned<'a>> {
         match self {
-            Self::Key(name) | Self::Layer(name) | Self::Text(name) | Self::Command(name) => {
-                Some(name)
-            }
+            Self::Key(name)
+            | Self::Layer(name)
+            | Self::Text(name)
+            | Self::Sequence(name)
+            | Self::Command(name) => Some(name),
             _ => None,
         }
     }

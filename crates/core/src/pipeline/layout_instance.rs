@@ -1,6 +1,7 @@
 //! A layout at run time: its scene, contact trackers and devices.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
@@ -8,16 +9,27 @@ use super::{PressFilter, StepOutput};
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
+use crate::device::key_arbiter::SequenceHand;
 use crate::device::pointer::AnchoredFrame;
 use crate::device::signals::Signals;
 use crate::device::{
-    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, Sequence, TimedCommands,
+    VirtualDevice,
 };
 use crate::estimate::{BendRanges, FingerBends};
 use crate::hand::{FingerSet, Side};
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::time::Timestamp;
+
+/// What the sources of the hands permit in one step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PressRules {
+    /// By side, whether the hand may point but not type.
+    pub(super) pointer_only: [bool; Side::COUNT],
+    /// Time between two presses of a sequence that the hand of the step has started.
+    pub(super) sequence_gap: Duration,
+}
 
 /// A layout at run time, for both hands.
 pub struct LayoutInstance {
@@ -70,6 +82,7 @@ impl LayoutInstance {
         let (scene, names) = (layout.scene.clone(), layout.target_names());
         Self::new(scene, names, layout.devices())
             .with_texts(layout.texts.clone())
+            .with_sequences(layout.sequences.clone())
             .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
             .with_layout(Arc::new(layout.clone()))
     }
@@ -90,6 +103,15 @@ impl LayoutInstance {
     pub fn with_texts(self, texts: Vec<String>) -> Self {
         Self {
             key_arbiter: KeyArbiter::new(texts),
+            ..self
+        }
+    }
+
+    /// Sets the sequences that presses start; see [`SequenceId`](crate::device::SequenceId).
+    #[must_use]
+    pub fn with_sequences(self, sequences: Vec<Sequence>) -> Self {
+        Self {
+            key_arbiter: self.key_arbiter.with_sequences(sequences),
             ..self
         }
     }
@@ -228,15 +250,15 @@ impl LayoutInstance {
         self.auto_recenter.update(&mut self.scene, pose, is_touched);
     }
 
-    /// Updates the devices for one hand and one step. Presses of keys by hands with `is_pointer_only`, by side, are
-    /// dropped; returns their number.
+    /// Updates the devices for one hand and one step, and the sequence that it has started. Presses of keys by hands that may only
+    /// point are dropped; returns their number.
     pub(super) fn update_devices(
         &mut self,
         step: &mut StepOutput,
-        is_pointer_only: [bool; Side::COUNT],
+        rules: PressRules,
         events: &mut Events,
     ) -> u64 {
-        self.key_arbiter.set_pointing_hands(is_pointer_only);
+        self.key_arbiter.set_pointing_hands(rules.pointer_only);
         let input = DeviceInput {
             scene: &self.scene,
             angles: &step.estimate.angles,
@@ -252,13 +274,27 @@ impl LayoutInstance {
             commands: &mut step.commands,
         };
         let first = output.events.len();
+        let had_sequence = output.arbiter.runs_sequence();
         for device in &mut self.devices {
             device.update(&input, &mut output);
         }
-        if self.devices.len() > 1 {
+        let hand = SequenceHand {
+            side: step.pose.side,
+            time: step.pose.time,
+            is_placed: step.estimate.is_placed,
+            is_seen: step.estimate.untrusted != FingerSet::ALL,
+            press_gap: rules.sequence_gap,
+        };
+        self.key_arbiter.advance_sequence(&hand, events);
+        if self.devices.len() > 1 || had_sequence {
             move_releases_first(&mut events[first..]);
         }
         self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Ends the sequence that runs. The next step releases its keys.
+    pub(super) fn abandon_sequence(&mut self) {
+        self.key_arbiter.abandon_sequence();
     }
 
     /// Ends every touch and releases everything.

@@ -34,6 +34,7 @@ pub use unreached::{NearestControl, Unreached};
 use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
+use self::layout_instance::PressRules;
 use self::output_gate::OutputGate;
 use self::press_filter::PressFilters;
 use crate::capture::Reading;
@@ -383,13 +384,16 @@ impl Pipeline {
         &mut self.profiles[self.active_profile].layout
     }
 
-    /// Returns, by side, whether the source of the hand may not press keys.
-    fn pointer_only_sides(&self) -> [bool; Side::COUNT] {
+    /// Returns what the sources permit in a step of the hand with this index.
+    fn press_rules(&self, index: usize) -> PressRules {
         let mut pointer_only = [false; Side::COUNT];
         for (index, hand) in self.hands.iter().enumerate() {
             pointer_only[hand.side().index()] = !self.gate.allows_keys(index);
         }
-        pointer_only
+        PressRules {
+            pointer_only,
+            sequence_gap: self.gate.rate_limit(index).sequence_gap(),
+        }
     }
 
     /// Returns the index of the hand that a reading belongs to.
@@ -401,16 +405,22 @@ impl Pipeline {
     /// Updates the devices, filters their events and executes their commands.
     fn run_devices(&mut self, index: usize, events: &mut Events) {
         let first = events.len();
-        let pointer_only = self.pointer_only_sides();
+        let rules = self.press_rules(index);
         let layout = &mut self.profiles[self.active_profile].layout;
         let output = &mut self.hands[index].output;
-        let dropped = layout.update_devices(output, pointer_only, events);
+        let dropped = layout.update_devices(output, rules, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         let step = (output.pose.time, output.pose.side, &output.presses[..]);
         let filter = layout.filter_mut();
         let added = self.filters.apply(filter, step, first, events);
-        if !self.gate.filter(index, first, added, events) {
+        let system_keys = self.gate.suppressed().system_keys;
+        let is_within_limit = self.gate.filter(index, first, added, events);
+        if self.gate.suppressed().system_keys > system_keys {
+            // The keys that follow would act without the suppressed one.
+            layout.abandon_sequence();
+        }
+        if !is_within_limit {
             // A filter believes that all of it was sent.
             self.reset_filters();
             if !self.suspend(index) {
@@ -438,10 +448,10 @@ impl Pipeline {
     /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed, and
     /// only if the layout itself has paused.
     fn run_devices_paused(&mut self, index: usize) {
-        let pointer_only = self.pointer_only_sides();
+        let rules = self.press_rules(index);
         let layout = &mut self.profiles[self.active_profile].layout;
         let output = &mut self.hands[index].output;
-        layout.update_devices(output, pointer_only, &mut Events::new());
+        layout.update_devices(output, rules, &mut Events::new());
         let mut commands = std::mem::take(&mut output.commands).into_iter();
         let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
         if commands.any(|issued| ends_pause(issued.command)) {

@@ -1,5 +1,7 @@
 //! The rate limit for presses.
 
+use std::time::Duration;
+
 use crate::time::Timestamp;
 
 /// A rate limit for presses of keys and buttons.
@@ -15,6 +17,13 @@ impl PressRateLimit {
 
     /// The default for network sources: an intruder is slower than a good typist.
     pub const NETWORK: Self = Self { per_second: 20 };
+
+    /// Returns the time between two presses of a sequence: at most 50 presses per second, and half of the rate limit, so that a
+    /// sequence alone never exceeds it and leaves room for the presses of a person.
+    pub(super) fn sequence_gap(self) -> Duration {
+        let of_limit = Duration::from_secs(2) / self.per_second.max(1);
+        of_limit.max(Duration::from_millis(20))
+    }
 
     /// Returns the size of the largest burst, in units of [`TOKEN`].
     fn capacity(self) -> u64 {
@@ -40,6 +49,11 @@ impl TokenBucket {
             level: limit.capacity(),
             updated: Timestamp::default(),
         }
+    }
+
+    /// Returns the rate limit.
+    pub(super) fn limit(&self) -> PressRateLimit {
+        self.limit
     }
 
     /// Removes one token at `time`; returns `false` if there is none.

@@ -1,5 +1,6 @@
 //! The actions of key presses.
 
+use super::SequenceId;
 use crate::command::Command;
 use crate::device::{Capability, KeyCode, KeyKind};
 
@@ -14,6 +15,8 @@ pub enum KeyAction {
     Layer(usize, Latch),
     /// Types a text, once.
     Text(TextId),
+    /// Starts a sequence, unless one runs.
+    Sequence(SequenceId),
     /// Sends a command to the session, once.
     Command(Command),
     /// Holds the pointer still, so that the hand can move back.
@@ -23,22 +26,32 @@ pub enum KeyAction {
 }
 
 impl KeyAction {
-    /// Returns the capability that an output needs for it; `None` if it emits no event.
+    /// Returns the capability that an output needs for it; `None` if it emits no event, or those of a sequence, which
+    /// [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds.
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),
             Self::Text(_) => Some(Capability::Text),
-            Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => None,
+            Self::Layer(..)
+            | Self::Sequence(_)
+            | Self::Command(_)
+            | Self::Clutch
+            | Self::Precision => None,
         }
     }
 
-    /// Returns whether it presses a key, not only a button, or types a text.
+    /// Returns whether it presses a key, not only a button, or types a text. Each sequence counts as one that does.
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
-            Self::Text(_) => true,
+            Self::Text(_) | Self::Sequence(_) => true,
             Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => false,
         }
+    }
+
+    /// Returns whether a press with it ends the sequence that runs: the person types, clicks or holds a modifier again.
+    pub(super) const fn ends_sequence(self) -> bool {
+        matches!(self, Self::Key(_) | Self::Modifier(..) | Self::Text(_))
     }
 }
 

@@ -3,13 +3,18 @@
 mod action;
 mod locks;
 mod one_shots;
+mod sequence;
 
 pub use self::action::{KeyAction, Latch, TextId};
+pub use self::sequence::{
+    MAX_SEQUENCE_KEYS, Sequence, SequenceHand, SequenceId, SequenceStep, TIME_PER_CHARACTER,
+};
 
 use arrayvec::ArrayVec;
 
 use self::locks::Locks;
 use self::one_shots::OneShots;
+use self::sequence::RunningSequence;
 use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};
@@ -21,8 +26,8 @@ pub(super) const MODIFIER_COUNT: usize = 8;
 /// Ten fingers, and 30 controls that stay on, such as toggle switches. Further presses are refused.
 const MAX_PRESSES: usize = 40;
 
-/// One key per press, and the modifiers.
-const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT;
+/// One key per press, the modifiers, and the keys of a sequence.
+const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT + MAX_SEQUENCE_KEYS;
 
 /// Decides which keys are down when several controls, modifiers and layers share them.
 ///
@@ -32,6 +37,9 @@ const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT;
 #[derive(Clone, Debug, Default)]
 pub struct KeyArbiter {
     texts: Vec<String>,
+    sequences: Vec<Sequence>,
+    /// One at a time.
+    running: Option<RunningSequence>,
     /// In order of pressing.
     presses: ArrayVec<Press, MAX_PRESSES>,
     one_shots: OneShots,
@@ -123,9 +131,9 @@ impl KeyArbiter {
         self.presses.iter().any(|press| press.source == source)
     }
 
-    /// Returns whether nothing is pressed and no key is down.
+    /// Returns whether nothing is pressed, no key is down and no sequence runs.
     pub fn is_idle(&self) -> bool {
-        self.presses.is_empty() && self.pressed_keys.is_empty()
+        self.presses.is_empty() && self.pressed_keys.is_empty() && self.running.is_none()
     }
 
     /// Returns the time of the last event.
@@ -136,14 +144,20 @@ impl KeyArbiter {
     /// Returns whether a press fits: after it and its modifiers there must be room to release everything
     /// that is down. This is why a press may be dropped and a release never is.
     pub fn has_room(&self, events: &Events) -> bool {
+        !self.presses.is_full() && self.has_room_for_key(events)
+    }
+
+    /// Returns whether a key that goes down fits into the event list, however many presses there are.
+    fn has_room_for_key(&self, events: &Events) -> bool {
         let max_pressed = self.pressed_keys.len() + 1 + MODIFIER_COUNT;
-        !self.presses.is_full() && events.remaining_capacity() >= 1 + MODIFIER_COUNT + max_pressed
+        events.remaining_capacity() >= 1 + MODIFIER_COUNT + max_pressed
     }
 
     /// Starts a press. Returns `false`, and has no effect, if there is no room. The keys that it holds are
     /// emitted by the next [`emit_changes`](Self::emit_changes).
     ///
-    /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it.
+    /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it. A sequence that runs
+    /// ends before the press of a key, button or text, so that its keys and those of the person do not mix.
     pub fn press(
         &mut self,
         source: PressSource,
@@ -160,10 +174,19 @@ impl KeyArbiter {
         if !self.has_room(events) {
             return false;
         }
-        if let KeyAction::Text(text) = action
-            && !self.write(text, time, events)
-        {
-            return false;
+        if action.ends_sequence() {
+            self.end_sequence(time, events);
+        }
+        match action {
+            KeyAction::Text(text) if !self.write(text, time, events) => return false,
+            KeyAction::Sequence(sequence) if self.running.is_none() => {
+                let side = match source {
+                    PressSource::Touch(side, ..) => Some(side),
+                    PressSource::Part(..) => None,
+                };
+                self.running = Some(RunningSequence::new(sequence, side, time));
+            }
+            _ => {}
         }
         let was_one_shot = self.one_shots.deactivate(action);
         let was_locked = self.locks.deactivate(action);
@@ -209,8 +232,9 @@ impl KeyArbiter {
         }
     }
 
-    /// Ends all presses, one-shots and locks, and releases all keys.
+    /// Ends all presses, one-shots, locks and the sequence that runs, and releases all keys.
     pub fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        self.running = None;
         self.presses.clear();
         self.one_shots = OneShots::default();
         self.locks = Locks::default();
@@ -250,6 +274,12 @@ impl KeyArbiter {
         true
     }
 
+    /// Returns the number of characters of a text.
+    fn text_length(&self, TextId(text): TextId) -> u32 {
+        let text = self.texts.get(usize::from(text));
+        text.map_or(0, |text| text.chars().count() as u32)
+    }
+
     fn end(&mut self, matches: impl Fn(PressSource) -> bool, is_tap: bool) {
         let (one_shots, locks) = (&mut self.one_shots, &mut self.locks);
         self.presses.retain(|press| {
@@ -265,7 +295,13 @@ impl KeyArbiter {
     /// Returns whether no key should be down now.
     fn wants_nothing(&self) -> bool {
         let modifiers = self.locks.modifiers.is_empty() && self.one_shots.active.is_empty();
-        modifiers && self.presses.is_empty()
+        modifiers && self.presses.is_empty() && self.sequence_keys().is_empty()
+    }
+
+    /// Returns the keys that the running sequence holds.
+    fn sequence_keys(&self) -> &[KeyCode] {
+        let running = self.running.as_ref();
+        running.map_or(&[], |running| running.keys.as_slice())
     }
 
     /// Returns the keys that should be down now, modifiers first.
@@ -286,10 +322,17 @@ impl KeyArbiter {
         for &code in self.locks.modifiers.iter().chain(&self.one_shots.active) {
             add(code, true);
         }
+        let sequence_keys = self.sequence_keys().iter().copied();
+        for code in sequence_keys.clone().filter(|code| code.is_modifier()) {
+            add(code, true);
+        }
         for press in &self.presses {
             if let KeyAction::Key(code) = press.action {
                 add(code, false);
             }
+        }
+        for code in sequence_keys.filter(|code| !code.is_modifier()) {
+            add(code, false);
         }
         wanted
     }

@@ -2,7 +2,7 @@
 
 use super::LayoutBuilder;
 use crate::command::{Command, InvalidCommand};
-use crate::device::{KeyAction, KeyCode, Latch, TextId};
+use crate::device::{KeyAction, KeyCode, Latch, Sequence, SequenceId, TextId};
 use crate::document::{DocumentError, Spanned};
 use crate::layout::model::action_label;
 use crate::layout::schema::{Action, LatchSchema};
@@ -23,6 +23,7 @@ impl<'a> LayoutBuilder<'a> {
             Action::Key(code) => return self.key_action(code, latch),
             Action::Layer(layer) => return self.layer_action(layer, latch),
             Action::Text(text) => KeyAction::Text(self.text_id(text)?),
+            Action::Sequence(name) => KeyAction::Sequence(self.named_sequence(name)?),
             Action::Command(command) => KeyAction::Command(self.command(command)?),
             Action::Clutch => KeyAction::Clutch,
             Action::Precision => KeyAction::Precision,
@@ -77,7 +78,7 @@ impl<'a> LayoutBuilder<'a> {
     /// Returns the default label of a key: that of its action, or its name if it has none.
     pub fn default_label(&self, action: Option<KeyAction>, name: &str) -> String {
         let label = action.map_or(name, |action| {
-            action_label(action, &self.layers, &self.texts)
+            action_label(action, &self.layers, &self.texts, &self.sequences)
         });
         label.to_owned()
     }
@@ -95,7 +96,31 @@ impl<'a> LayoutBuilder<'a> {
         Ok(KeyAction::Layer(layer, checked_latch(latch)))
     }
 
-    fn text_id(&mut self, text: Spanned<'a>) -> Result<TextId, DocumentError> {
+    /// Adds a sequence. Its index fits: a layout has few.
+    pub fn add_sequence(&mut self, sequence: Sequence) {
+        self.sequences.push(sequence);
+    }
+
+    /// The number of sequences that were added.
+    pub fn sequence_count(&self) -> usize {
+        self.sequences.len()
+    }
+
+    /// Returns the sequence with this name.
+    pub fn sequence_id(&self, name: &str) -> Option<SequenceId> {
+        let index = self.sequences.iter().position(|it| it.name == name)?;
+        Some(SequenceId(index as u16))
+    }
+
+    fn named_sequence(&self, name: Spanned<'a>) -> Result<SequenceId, DocumentError> {
+        self.sequence_id(name.text).ok_or_else(|| {
+            let names = self.sequences.iter().map(|sequence| sequence.name.as_str());
+            self.error(name.text, UnknownName::new("sequence", name.text, names))
+        })
+    }
+
+    /// Returns the id of a text that a key or a sequence types.
+    pub fn text_id(&mut self, text: Spanned<'a>) -> Result<TextId, DocumentError> {
         let text = text.text;
         let length = text.chars().count();
         if length > MAX_TEXT_LENGTH {
@@ -103,7 +128,9 @@ impl<'a> LayoutBuilder<'a> {
             return Err(self.error(text, message));
         }
         let index = index_of_or_push(&mut self.texts, text);
-        let index = index.try_into().expect("a layout has at most 10 000 keys");
+        let index = index
+            .try_into()
+            .expect("a layout has at most 10 000 keys and 8192 steps of sequences");
         Ok(TextId(index))
     }
 

@@ -25,7 +25,7 @@ use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
 use crate::device::signals::{MidiKind, Signal, Signals};
 use crate::device::trigger::Trigger;
-use crate::device::{Axis, KeyCode};
+use crate::device::{Axis, KeyCode, Sequence};
 use crate::document::{Document, DocumentError, DocumentFault, Spanned, byte_offset, line_number};
 use crate::hand::{Finger, Side};
 use crate::names::UnknownName;
@@ -41,6 +41,7 @@ pub(super) struct LayoutBuilder<'a> {
     controls: Vec<Control>,
     layers: Vec<String>,
     texts: Vec<String>,
+    sequences: Vec<Sequence>,
     profiles: Vec<String>,
     chords: Vec<Chord>,
     triggers: Vec<(String, Trigger)>,
@@ -93,6 +94,7 @@ impl<'a> LayoutBuilder<'a> {
             controls: Vec::new(),
             layers: vec![BASE_LAYER.to_owned()],
             texts: Vec::new(),
+            sequences: Vec::new(),
             profiles: Vec::new(),
             chords: Vec::new(),
             triggers: Vec::new(),
@@ -195,6 +197,7 @@ impl<'a> LayoutBuilder<'a> {
             layers: self.layers,
             profiles: self.profiles,
             texts: self.texts,
+            sequences: self.sequences,
             chords: self.chords,
             chord_timeout,
             triggers: self.triggers,

@@ -12,7 +12,7 @@ use crate::device::joystick::Joystick;
 use crate::device::{Axis, KeyAction};
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::{FaceSpec, LayoutBuilder};
-use crate::layout::model::{Control, ControlKind, Face, Layout, action_label};
+use crate::layout::model::{Control, ControlKind, Face, Layout};
 use crate::layout::quantity::{
     MaxDeflection, Offset, Size, StickDeadZone, StickExponent, StickSpeed, Travel,
 };
@@ -238,9 +238,9 @@ fn draw_joystick(layout: &Layout, joystick: &Joystick, face: &Face, canvas: &mut
     draw_outline("well", &face.outline, 0.0, canvas);
     canvas.circle("metal", Vec2::ZERO, radius * CAP);
     canvas.circle("cap", Vec2::ZERO, radius * (CAP - 0.08));
-    let labels = joystick.direction_keys.map(|keys| {
-        keys.map(|action| action_label(action, &layout.layers, &layout.texts).to_owned())
-    });
+    let labels = joystick
+        .direction_keys
+        .map(|keys| keys.map(|action| layout.action_label(action).to_owned()));
     // Up, down, left, right, as in the file; on the page y points down.
     let directions = [Vec2::NEG_Y, Vec2::Y, Vec2::NEG_X, Vec2::X];
     for (index, direction) in directions.into_iter().enumerate() {

@@ -11,6 +11,7 @@ use crate::layout::builder::LayoutBuilder;
 use crate::layout::fit::PoseFit;
 use crate::layout::model::SpaceTargets;
 use crate::layout::quantity::{Extent, Offset, metres};
+use crate::layout::render::drawing::Words;
 use crate::layout::schema::{Action, PoseSchema};
 
 schema! {
@@ -117,23 +118,28 @@ impl TargetSchema<'_> {
     }
 }
 
-/// Describes targets in space: the name of each, its shape and its center.
-pub(in crate::layout) fn describe(targets: &SpaceTargets) -> Vec<(String, String)> {
-    let volumes = targets.space.volumes.iter();
-    let rows = targets.names.iter().zip(volumes).map(|(name, volume)| {
-        let center = volume.center * 1e3;
-        let shape = match volume.shape {
-            VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
-            VolumeShape::Box(half) => {
-                let size = half * 2e3;
-                format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
-            }
-        };
-        let (x, y, z) = (center.x, center.y, center.z);
-        (
-            name.clone(),
-            format!("{shape} at ({x:.0}, {y:.0}, {z:.0}) mm"),
-        )
-    });
+/// Describes targets in space: the name of each, its shape, its center and its action.
+pub(in crate::layout) fn describe(targets: &SpaceTargets, words: &Words) -> Vec<(String, String)> {
+    let volumes = targets.space.volumes.iter().zip(&targets.space.actions);
+    let rows = targets
+        .names
+        .iter()
+        .zip(volumes)
+        .map(|(name, (volume, action))| {
+            let center = volume.center * 1e3;
+            let shape = match volume.shape {
+                VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
+                VolumeShape::Box(half) => {
+                    let size = half * 2e3;
+                    format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
+                }
+            };
+            let (x, y, z) = (center.x, center.y, center.z);
+            let action = action.map_or(String::new(), |it| format!(", holds {}", words.action(it)));
+            (
+                name.clone(),
+                format!("{shape} at ({x:.0}, {y:.0}, {z:.0}) mm{action}"),
+            )
+        });
     rows.collect()
 }

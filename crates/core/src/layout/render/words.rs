@@ -6,11 +6,12 @@ use crate::device::keyboard::{Activation, Chord, TapHold};
 use crate::device::toggle::ToggleOutput;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::ValueOutput;
-use crate::device::{KeyAction, Latch};
+use crate::device::{KeyAction, Latch, Sequence, SequenceStep, TextId};
 use crate::hand::Joint;
 use crate::layout::board_shape::BoardShape;
 use crate::layout::controls::{pointer, space};
-use crate::layout::model::{Board, Control, Face, Key, Layout, action_label};
+use crate::layout::model::{Board, Control, Face, Key, Layout};
+use crate::message::escape;
 
 /// A list under a heading.
 pub(super) struct List {
@@ -37,6 +38,10 @@ pub(super) fn lists(layout: &Layout) -> Vec<List> {
             rows: grouped(keys),
         },
         List {
+            heading: "Sequences",
+            rows: layout.sequence_rows(),
+        },
+        List {
             heading: "Controls",
             rows: controls
                 .flat_map(|control| words.control(control))
@@ -53,11 +58,15 @@ pub(super) fn lists(layout: &Layout) -> Vec<List> {
             rows: layout
                 .pointer
                 .as_ref()
-                .map_or(Vec::new(), pointer::describe),
+                .map_or(Vec::new(), |pointer| pointer::describe(pointer, &words)),
         },
         List {
             heading: "Targets",
-            rows: layout.spaces.iter().flat_map(space::describe).collect(),
+            rows: layout
+                .spaces
+                .iter()
+                .flat_map(|targets| space::describe(targets, &words))
+                .collect(),
         },
     ];
     lists
@@ -86,6 +95,16 @@ fn grouped(rows: impl Iterator<Item = (String, String)>) -> Vec<(String, String)
         (title, description)
     });
     groups.collect()
+}
+
+impl Layout {
+    /// Returns what each sequence does, in rows of a name and some of its steps; the further rows of a sequence have no name. No
+    /// text is shortened, and none acts on a terminal.
+    pub fn sequence_rows(&self) -> Vec<(String, String)> {
+        let words = Words(self);
+        let sequences = self.sequences.iter();
+        sequences.flat_map(|it| words.sequence(it)).collect()
+    }
 }
 
 /// A chord in words.
@@ -203,6 +222,14 @@ pub(super) fn key_notes(layout: &Layout, key: &Key) -> Vec<String> {
     notes
 }
 
+/// The length of a row of steps, in characters.
+const ROW_LENGTH: usize = 60;
+
+/// Describes a text that is typed.
+fn types(text: &str) -> String {
+    format!("types `{}`", escape(text))
+}
+
 /// Describes the duration of a modifier or layer.
 fn duration(latch: Latch) -> &'static str {
     match latch {
@@ -227,12 +254,55 @@ pub struct Words<'a>(&'a Layout);
 impl Words<'_> {
     /// Returns the label of an action, with its duration.
     pub fn action(&self, action: KeyAction) -> String {
-        let label = action_label(action, &self.0.layers, &self.0.texts);
+        let label = self.0.action_label(action);
         match action {
             KeyAction::Layer(_, latch) => format!("layer {label}{}", duration(latch)),
             KeyAction::Modifier(_, latch) => format!("{label}{}", duration(latch)),
+            KeyAction::Sequence(_) => format!("sequence {label}"),
             _ => label.to_owned(),
         }
+    }
+
+    /// Returns the steps of a sequence in short rows, the first of which has its name: nothing that it types may be cut.
+    fn sequence(&self, sequence: &Sequence) -> Vec<(String, String)> {
+        let mut rows: Vec<(String, String)> = Vec::new();
+        for step in self.steps(&sequence.steps) {
+            match rows.last_mut() {
+                Some((_, row)) if row.chars().count() + step.chars().count() <= ROW_LENGTH => {
+                    row.push_str(", ");
+                    row.push_str(&step);
+                }
+                Some((_, row)) => {
+                    row.push(',');
+                    rows.push((String::new(), step));
+                }
+                None => rows.push((escape(&sequence.name).into_owned(), step)),
+            }
+        }
+        rows
+    }
+
+    /// Describes steps, the keys of a tap as one.
+    fn steps(&self, steps: &[SequenceStep]) -> Vec<String> {
+        let mut described = Vec::new();
+        let mut tapped: Vec<&str> = Vec::new();
+        for step in steps {
+            match *step {
+                SequenceStep::Press(code) => tapped.push(code.name()),
+                SequenceStep::Release => {
+                    described.push(format!("taps {}", tapped.join("+")));
+                    tapped.clear();
+                }
+                SequenceStep::Text(TextId(text)) => {
+                    let text = self.0.texts.get(usize::from(text));
+                    described.push(types(text.map_or("?", String::as_str)));
+                }
+                SequenceStep::Wait(time) => {
+                    described.push(format!("waits {} ms", time.as_secs_f64() * 1e3));
+                }
+            }
+        }
+        described
     }
 
     /// Returns the names and the thresholds of keys that are pressed by bending.
@@ -279,7 +349,8 @@ impl Words<'_> {
             {
                 parts.push(self.action(action));
             }
-            Some(KeyAction::Text(_)) => parts.push("types its text".into()),
+            Some(action @ KeyAction::Text(_)) => parts.push(types(self.0.action_label(action))),
+            Some(action @ KeyAction::Sequence(_)) => parts.push(self.action(action)),
             Some(KeyAction::Command(command)) => parts.push(format!("command `{command}`")),
             _ => {}
         }

@@ -8,10 +8,10 @@
 //! and a press of the missing modifier releases such a key first. The modifier itself is not suppressed, because a
 //! control may hold it for long, and later keys must not act without it.
 
-use super::Suppressed;
 use super::permissions::{EventClass, SourcePermissions, SourceRole};
 use super::rate_limit::TokenBucket;
 use super::release_order::move_releases_first;
+use super::{PressRateLimit, Suppressed};
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, Events, KeyCode, OutputEvent};
 use crate::time::Timestamp;
@@ -133,6 +133,12 @@ impl OutputGate {
     pub(super) fn allows_keys(&self, source: usize) -> bool {
         let last = self.sources.len() - 1;
         self.sources[source.min(last)].role.allows_keys()
+    }
+
+    /// Returns the rate limit of a source.
+    pub(super) fn rate_limit(&self, source: usize) -> PressRateLimit {
+        let last = self.sources.len() - 1;
+        self.sources[source.min(last)].bucket.limit()
     }
 
     /// Counts key presses that a device dropped because of the role of a source.

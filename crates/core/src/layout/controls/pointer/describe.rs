@@ -2,10 +2,13 @@
 
 use crate::device::pointer::mode::{Displacement, RateControl, RayOrigin};
 use crate::device::pointer::{ClickMethod, CursorOutput, Gesture, PointerSettings, PointingMode};
-use crate::layout::model::action_label;
+use crate::layout::render::drawing::Words;
 
 /// Describes a pointer: what moves it, and the effect of each gesture.
-pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, String)> {
+pub(in crate::layout) fn describe(
+    settings: &PointerSettings,
+    words: &Words,
+) -> Vec<(String, String)> {
     let mode = match settings.mode {
         PointingMode::Joint(_) => "joint angles".to_owned(),
         PointingMode::Direct(direct) => {
@@ -45,11 +48,11 @@ pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, St
             ClickMethod::Gesture(gesture) => self::gesture(gesture),
             ClickMethod::Push(distance) => format!("push of {:.0} mm", distance * 1e3),
         };
-        rows.push((method, button(action_label(action, &[], &[]))));
+        rows.push((method, button(words.action(action))));
     }
     if let Some((dwell, action)) = settings.dwell {
         let time = format!("rest of {} ms", dwell.duration.as_millis());
-        rows.push((time, button(action_label(action, &[], &[]))));
+        rows.push((time, button(words.action(action))));
     }
     if let Some(scroll) = settings.scroll {
         rows.push((gesture(scroll.gesture), "scrolls".into()));
@@ -63,10 +66,10 @@ pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, St
     rows
 }
 
-fn button(label: &str) -> String {
-    match label {
+fn button(label: String) -> String {
+    match label.as_str() {
         "Left" | "Middle" | "Right" => format!("{} mouse button", label.to_lowercase()),
-        label => label.to_owned(),
+        _ => label,
     }
 }
 
