@@ -109,23 +109,30 @@ function choosePerson() {
 element("person").addEventListener("change", choosePerson);
 element("words").addEventListener("change", async (event) => {
   const { correctWords } = await import("./words.js");
-  await correctWords(stages, event.target.value, notify, () => {
-    useLayout(valid);
-    useLayout(editor.text());
-    choosePerson();
-  });
+  await correctWords(stages, event.target.value, notify, begin);
 });
+
+/** Gives layout and person to a module without them. */
+function begin() {
+  useLayout(valid);
+  useLayout(editor.text());
+  choosePerson();
+}
 
 const MAX_RECORDING_BYTES = 15e6;
 
-/** Plays a motion capture file or one with lines of JSON, whose protocol the first line shows; a layout is opened. */
+/** Plays a recording, a motion capture file or one with lines of JSON, whose protocol the first line shows; a layout is opened. */
 async function play(file) {
   if (!file) return;
   if (file.size > MAX_RECORDING_BYTES) return notify("the file is larger than 15 MB; cut it");
+  if (file.name.endsWith(".mcap")) {
+    const { playRecording } = await import("./recordings.js");
+    return playRecording(stages, file, { notify, open: begin, openLayout });
+  }
   const text = await file.text();
   if (file.name.endsWith(".ron")) return openLayout(text);
   const protocol = protocolOf(text);
-  if (!protocol) return notify("the file is no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
+  if (!protocol) return notify("the file is no recording (.mcap), no motion capture (BVH), and no lines with hands of a headset or webcam; a layout ends with .ron");
   const { readings, refused, error } = stages.playFile(protocol, text);
   notify(error ?? `${readings} readings of ${protocol}${refused ? `; the rest cannot be read: ${refused}` : ""}`);
 }

@@ -38,6 +38,7 @@ export async function loadStages() {
     setPerson: (text) => json(exports.page_set_person(put(text))) ?? [],
     push: (protocol, text) => json(exports.page_push(put(`${protocol}\n${text}`))),
     playFile: (protocol, text) => json(exports.page_play_file(put(`${protocol}\n${text}`))),
+    playRecording: (bytes) => json(exports.page_play_recording(put(bytes))),
     pushLive: (format, text) => json(exports.page_push_live(put(`${format}\n${text}`))),
     placeUnderHands: () => exports.page_place_under_hands(),
     edit: (targets, edit) => json(exports.page_edit(put(JSON.stringify({ targets, edit })))),

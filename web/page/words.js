@@ -1,18 +1,11 @@
-// Words are corrected as they are typed: a module with the text decoder takes the place of the one without it, and its candidates are
-// buttons. Module and language are loaded when a person asks for them.
+// Words are corrected as they are typed, and the candidates of the decoder are buttons. Module and language are loaded when a person asks
+// for them.
+
+import { isFull, loadFull } from "./full.js";
 
 const element = (id) => document.getElementById(id);
 
-let isLoaded = false;
 let language = "";
-
-/** Loads the module with the decoder, which begins without a layout: `open` gives it the layout and the person. */
-async function loadModule(stages, open) {
-  stages.release();
-  await stages.load("words.wasm");
-  isLoaded = true;
-  open();
-}
 
 async function loadLanguage(stages, name) {
   const answer = await fetch(`${name}.adm`);
@@ -26,9 +19,9 @@ async function loadLanguage(stages, name) {
 export async function correctWords(stages, choice, notify, open) {
   const [mode, name] = choice.split(" ");
   try {
-    if (mode && !isLoaded) await loadModule(stages, open);
+    if (mode) await loadFull(stages, open);
     if (mode && name !== language) await loadLanguage(stages, name);
-    if (isLoaded) stages.setTextMode(mode || "literal");
+    if (isFull()) stages.setTextMode(mode || "literal");
     element("candidates").hidden = !mode;
     notify("");
   } catch (error) {

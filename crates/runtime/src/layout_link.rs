@@ -6,7 +6,7 @@
 use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::{TINFLStatus, decompress_to_vec_with_limit};
 
-use crate::files::MAX_DOCUMENT_BYTES;
+use ademan_core::document::MAX_DOCUMENT_BYTES;
 
 /// The start of the fragment.
 const FRAGMENT: &str = "#layout=";

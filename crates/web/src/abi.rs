@@ -73,7 +73,7 @@ pub(crate) fn with_session(
 }
 
 /// Returns the bytes of the input, and empties it.
-#[cfg(feature = "words")]
+#[cfg(any(feature = "recordings", feature = "words"))]
 pub(crate) fn take_input(length: usize) -> Vec<u8> {
     let mut bytes = PAGE.with_borrow_mut(|page| std::mem::take(&mut page.input));
     bytes.truncate(length);

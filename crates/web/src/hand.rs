@@ -74,6 +74,8 @@ pub enum Hand {
     Pointing(Box<PointerHand>),
     /// The lines of a sensor.
     Followed(Box<FollowedHand>),
+    /// The readings of a recording that wait for their time.
+    Recorded(VecDeque<Reading>),
 }
 
 /// A simulated person, and the messages about what the layout does not permit.
@@ -103,7 +105,7 @@ impl Hand {
             Self::Resting => HandState::Resting,
             Self::Simulated(_) => HandState::Simulated,
             Self::Pointing(_) => HandState::Pointing,
-            Self::Followed(_) => HandState::Followed,
+            Self::Followed(_) | Self::Recorded(_) => HandState::Followed,
         }
     }
 
@@ -126,6 +128,12 @@ impl Hand {
             }
             Self::Followed(hand) => {
                 hand.advance(time, readings);
+                false
+            }
+            Self::Recorded(waiting) => {
+                while let Some(reading) = waiting.pop_front_if(|it| it.time <= time) {
+                    readings.push(reading);
+                }
                 false
             }
         }

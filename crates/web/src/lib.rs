@@ -15,6 +15,8 @@
 
 #[cfg(feature = "page")]
 pub mod abi;
+#[cfg(feature = "recordings")]
+pub mod abi_recordings;
 #[cfg(feature = "score")]
 pub mod abi_score;
 #[cfg(feature = "words")]
@@ -24,6 +26,7 @@ mod hand;
 mod live;
 mod objects;
 mod plan;
+mod recorded;
 mod rehearsal;
 mod score;
 mod session;
@@ -34,6 +37,7 @@ pub use ademan_lab::sim::Pointed;
 pub use faults::Fault;
 pub use hand::HandState;
 pub use plan::PlanEdit;
+pub use recorded::PlayedRecording;
 pub use rehearsal::Rehearsal;
 pub use score::{LayoutScore, Scoring};
 pub use session::{PageSession, preview, shipped};

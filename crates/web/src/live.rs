@@ -179,7 +179,7 @@ impl PageSession {
     }
 
     /// Uses the same layout at another place.
-    fn move_boards(&mut self, layout: Layout) {
+    pub(crate) fn move_boards(&mut self, layout: Layout) {
         self.adopt(Arc::new(layout));
         // Until a hand is seen, a viewer shows the boards where the layout has them, and no more where they were.
         self.scene = SceneState::default();

@@ -8,7 +8,7 @@ use ademan_core::contact::{Phase, TargetId};
 use ademan_core::device::Events;
 use ademan_core::document::{Document, DocumentError, shipped_layouts};
 use ademan_core::estimate::{Estimator, EstimatorSettings};
-use ademan_core::hand::Side;
+use ademan_core::hand::{JointAngles, Side};
 use ademan_core::kinematics::{ArmModel, HandPose, half_bent_fingers};
 use ademan_core::layout::{Fit, Layout, Person};
 use ademan_core::objects::{EventObject, SceneState, TouchObject, layout_object, write_pose};
@@ -266,9 +266,14 @@ impl PageSession {
     /// Lets a sensor move the hands.
     pub(crate) fn follow(&mut self, hand: FollowedHand) {
         // An estimator that has seen the elbow of a simulated arm does not trust the fingers of a hand without one.
+        self.renew_pipeline();
+        self.hand = Hand::Followed(Box::new(hand));
+    }
+
+    /// Forgets what was measured of the hands.
+    pub(crate) fn renew_pipeline(&mut self) {
         let instance = self.words.instance(&self.layout);
         self.pipeline = new_pipeline(&self.right, &self.left, instance);
-        self.hand = Hand::Followed(Box::new(hand));
     }
 
     /// Releases everything; the hands rest.
@@ -276,6 +281,7 @@ impl PageSession {
         let mut events = Events::new();
         self.lose_hands(&mut events);
         self.write_events(&events);
+        self.end_recording();
         self.hand = Hand::Resting;
         self.end_live();
     }
@@ -448,18 +454,28 @@ pub(crate) fn new_pipeline(
     left: &ArmModel,
     instance: LayoutInstance,
 ) -> Pipeline {
-    let estimator = || {
-        Estimator::new(EstimatorSettings {
-            rest_pose: half_bent_fingers(),
-            ..EstimatorSettings::default()
-        })
-    };
-    // The hands of a page appear above the keys, and what they type stays in it.
-    let settings = PipelineSettings {
+    let [own, other] = [(); 2].map(|()| estimator(&JointAngles::default()));
+    Pipeline::new(own, right.clone(), instance, pipeline_settings())
+        .with_second_hand(other, left.clone())
+}
+
+/// Returns the estimator of a hand with this pose at rest; with half-bent fingers if it has none.
+pub(crate) fn estimator(rest_pose: &JointAngles) -> Estimator {
+    Estimator::new(EstimatorSettings {
+        rest_pose: if rest_pose.is_empty() {
+            half_bent_fingers()
+        } else {
+            *rest_pose
+        },
+        ..EstimatorSettings::default()
+    })
+}
+
+/// The hands of a page appear above the keys, and what they type stays in it.
+pub(crate) fn pipeline_settings() -> PipelineSettings {
+    PipelineSettings {
         arm_delay: Duration::ZERO,
         stall_timeout: MAX_SILENCE,
         ..PipelineSettings::default()
-    };
-    Pipeline::new(estimator(), right.clone(), instance, settings)
-        .with_second_hand(estimator(), left.clone())
+    }
 }

@@ -12,12 +12,14 @@ use crate::browser::Browser;
 const LOOK: &str = r##"({
   notice: document.getElementById("notice").textContent,
   text: document.getElementById("editor").value,
+  typed: document.getElementById("typed").value,
+  layout: document.getElementById("layout").textContent,
 })"##;
 
-fn drop_file(browser: &mut Browser, name: &str, text: &str) {
-    let (name, text) = (json!(name), json!(text));
+fn drop_file(browser: &mut Browser, name: &str, bytes: &[u8]) {
+    let (name, bytes) = (json!(name), json!(bytes));
     browser.evaluate(&format!(
-        "(() => {{ const files = new DataTransfer(); files.items.add(new File([{text}], {name}));
+        "(() => {{ const files = new DataTransfer(); files.items.add(new File([new Uint8Array({bytes})], {name}));
         dispatchEvent(new DragEvent('drop', {{ dataTransfer: files, cancelable: true }})); }})()"
     ));
 }
@@ -44,18 +46,48 @@ fn a_dropped_file_is_played_or_says_why_not() {
         (
             "notes.txt",
             "nothing",
-            "the file is no motion capture (BVH)",
+            "the file is no recording (.mcap), no motion capture (BVH)",
         ),
     ] {
-        drop_file(&mut browser, name, text);
+        drop_file(&mut browser, name, text.as_bytes());
         browser.wait_for(LOOK, "a message", |look| {
             look["notice"]
                 .as_str()
                 .is_some_and(|it| it.contains(notice))
         });
     }
-    drop_file(&mut browser, "mine.ron", "Layout(name: \"Mine\")");
+    drop_file(&mut browser, "mine.ron", b"Layout(name: \"Mine\")");
     browser.wait_for(LOOK, "a layout", |look| {
         look["text"] == "Layout(name: \"Mine\")"
+    });
+}
+
+#[test]
+fn a_dropped_recording_types_on_its_layout() {
+    let Some(page) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&page);
+    open(&mut browser, &address);
+    browser.evaluate("document.getElementById('gallery-list').value = 'numpad'; document.getElementById('gallery-list').dispatchEvent(new Event('change'))");
+    browser.wait_for(LOOK, "another layout", |look| look["layout"] == "Numpad");
+    let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings");
+    let recording = std::fs::read(recordings.join("hc11.mcap")).expect("a recording");
+    let cut = &recording[..recording.len() / 2];
+    drop_file(&mut browser, "cut.mcap", cut);
+    browser.wait_for(LOOK, "the first half", |look| {
+        let notice = look["notice"].as_str().unwrap_or_default();
+        notice.contains("the rest cannot be read: the file ends")
+    });
+    drop_file(&mut browser, "mine.mcap", b"nothing");
+    browser.wait_for(LOOK, "a reason", |look| {
+        let notice = look["notice"].as_str().unwrap_or_default();
+        notice.contains("it is not an MCAP file")
+    });
+    drop_file(&mut browser, "hands.mcap", &recording);
+    browser.wait_for(LOOK, "the text of the recording", |look| {
+        let typed = look["typed"].as_str().unwrap_or_default();
+        typed.ends_with("hi") && look["layout"] == "QWERTY, 19 mm"
     });
 }

@@ -50,7 +50,9 @@ fn words_are_corrected_and_a_click_takes_one() {
         let requests = browser.requests();
         let of_words = requests.iter().filter_map(|it| it.rsplit('/').next());
         of_words
-            .filter(|name| name.starts_with("words.") || name.ends_with(".adm"))
+            .filter(|name| {
+                name.starts_with("words.") || name.starts_with("full.") || name.ends_with(".adm")
+            })
             .map(str::to_owned)
             .collect::<Vec<_>>()
     };
@@ -59,7 +61,10 @@ fn words_are_corrected_and_a_click_takes_one() {
     // A layout with faults does not lose the one before.
     edit(&mut browser, "it.value + ')'");
     choose(&mut browser, "auto en");
-    assert_eq!(loaded(&browser), ["words.js", "words.wasm", "en.adm"]);
+    assert_eq!(
+        loaded(&browser),
+        ["words.js", "full.js", "full.wasm", "en.adm"]
+    );
     edit(&mut browser, "it.value.slice(0, -1)");
     type_text(&mut browser, "thw quicl ");
     let is_corrected = |look: &serde_json::Value| look["typed"] == "the quick ";

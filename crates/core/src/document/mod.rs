@@ -36,6 +36,9 @@ use std::path::PathBuf;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
+/// The largest document that is read from a file, in bytes: 1 MiB.
+pub const MAX_DOCUMENT_BYTES: u64 = 1 << 20;
+
 /// Some editors write a byte order mark at the start of a UTF-8 file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 

@@ -6,12 +6,9 @@ use std::path::Path;
 
 use super::search::{self, Found};
 use super::{FileError, open_trusted};
-use ademan_core::document::{Document, DocumentError};
+use ademan_core::document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Glove, Layout};
-
-/// The largest document that is read, in bytes: 1 MiB.
-pub const MAX_DOCUMENT_BYTES: u64 = 1 << 20;
 
 /// The ways to find and read a [`Document`].
 pub trait OpenDocument: Sized {

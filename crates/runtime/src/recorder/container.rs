@@ -8,10 +8,8 @@ use lz4_flex::frame::{BlockMode, BlockSize, FrameEncoder, FrameInfo};
 use mcap::MAGIC;
 use mcap::records::op;
 
+use crate::capture::recording::COMPRESSION;
 use ademan_core::time::Timestamp;
-
-/// Name of the compression.
-const COMPRESSION: &str = "lz4";
 
 /// Span of time after which a chunk ends. Half of the second that a cut or a crash may cost: the recorder ends a chunk as
 /// well when no step has come for the other half.

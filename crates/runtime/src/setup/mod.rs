@@ -2,7 +2,6 @@
 
 mod check;
 mod first;
-mod kind;
 mod loaded;
 mod outputs;
 mod person;
@@ -28,6 +27,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::protocol::lucidgloves;
+use crate::capture::recording::kind;
 use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::files::OpenDocument;
 use crate::share::ShareTarget;

@@ -5,8 +5,8 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::wire::WireError;
 use super::*;
-use crate::capture::body::{BodyLandmarks, Landmark};
-use crate::capture::{ChannelSet, Channels, Reading, Sample};
+use ademan_core::capture::body::{BodyLandmarks, Landmark};
+use ademan_core::capture::{ChannelSet, Channels, Reading, Sample};
 use ademan_core::hand::{
     ArmBone, BoneRotations, Displacement, Dof, Finger, HandPart, Joint, JointAngles,
     JointPositions, Side,

@@ -2,11 +2,10 @@
 
 use serde_json::Value;
 
-use crate::capture::Reading;
+use ademan_core::capture::Reading;
 use ademan_core::command::Command;
 
-/// The `origin` of a command from outside the layout, which no reading repeats.
-pub(super) const EXTERNAL_ORIGIN: &str = "external";
+use super::EXTERNAL_ORIGIN;
 
 /// Decodes a reading.
 pub(super) fn decode_reading(data: &[u8]) -> Result<Reading, serde_json::Error> {

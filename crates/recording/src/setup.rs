@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use crate::files;
+use ademan_core::document::MAX_DOCUMENT_BYTES;
 
 /// Kind of the setup text with the shortest time between two readings, in microseconds.
 const PACKET_PERIOD: &str = "packet-period";
 
 /// Largest size of a setup text in bytes: the limit of every file of a setup.
-const MAX_TEXT_BYTES: usize = files::MAX_DOCUMENT_BYTES as usize;
+const MAX_TEXT_BYTES: usize = MAX_DOCUMENT_BYTES as usize;
 
 /// Largest size of all setup texts of a recording in bytes.
 const MAX_SETUP_BYTES: usize = 32 << 20;
@@ -66,7 +66,7 @@ impl RecordedSetup {
         self.entries.iter().find(|entry| entry.kind == kind)
     }
 
-    /// Checks that [`Replay`](super::Replay) accepts the texts. The error names what is too large.
+    /// Checks that [`Recording`](super::Recording) accepts the texts. The error names what is too large.
     pub fn check_size(&self) -> Result<(), String> {
         for entry in &self.entries {
             let subject = format!("the {} {}", entry.kind, entry.name);
@@ -76,7 +76,7 @@ impl RecordedSetup {
     }
 
     /// Returns the shortest time between two readings.
-    pub(super) fn packet_period(&self) -> Option<Duration> {
+    pub fn packet_period(&self) -> Option<Duration> {
         let microseconds = self.get(PACKET_PERIOD)?.text.parse().ok()?;
         Some(Duration::from_micros(microseconds))
     }

@@ -10,8 +10,8 @@ use super::wire::{
     Field, Fields, Value, WireError, integer, message, put_bytes, put_integer, put_message,
     put_varint, take_varint, text,
 };
-use crate::capture::body::{BodyLandmarks, Landmark};
-use crate::capture::{ChannelSet, Channels, MAX_CHANNELS, Reading, Sample};
+use ademan_core::capture::body::{BodyLandmarks, Landmark};
+use ademan_core::capture::{ChannelSet, Channels, MAX_CHANNELS, Reading, Sample};
 use ademan_core::hand::{
     ArmBone, ArmRotations, BoneRotations, Displacement, HandPart, Joint, JointPositions, Side,
 };

@@ -1,0 +1,188 @@
+//! Recordings of `ademan record` in a page: their hands move on, with the glove and the arm that they were made with.
+
+use std::collections::VecDeque;
+
+use ademan_core::capture::{Reading, Sample};
+use ademan_core::document::{Document, DocumentError};
+use ademan_core::estimate::Estimator;
+use ademan_core::hand::Side;
+use ademan_core::kinematics::ArmModel;
+use ademan_core::layout::{Fit, Glove, Person};
+use ademan_core::pipeline::{LayoutInstance, Pipeline};
+use ademan_recording::{RecordedEvent, RecordedSetup, Recording, RecordingError, kind};
+use serde::Serialize;
+
+use crate::hand::Hand;
+use crate::session::{PageSession, estimator, pipeline_settings};
+
+/// Most readings of a recording that are kept: an hour of a glove with 50 readings a second.
+const MAX_READINGS: usize = 200_000;
+
+/// A recording that moves the hands.
+#[derive(Debug, Serialize)]
+pub struct PlayedRecording {
+    /// Number of readings.
+    pub readings: usize,
+    /// The text of the layout with which it was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layout: Option<String>,
+    /// The reason why its end is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
+}
+
+/// The hands of a recording: what they are measured with, and their readings.
+struct RecordedHands {
+    /// The hand of readings without a side, and the other one.
+    arms: [ArmModel; Side::COUNT],
+    gloves: [Option<Glove>; Side::COUNT],
+    readings: VecDeque<Reading>,
+    layout: Option<String>,
+    refused: Option<String>,
+}
+
+impl PageSession {
+    /// Lets a recording move the hands: the bytes of an MCAP file. The boards fit its hands until other ones move.
+    ///
+    /// # Errors
+    /// The file is no recording, has no readings, or has a glove or arm that cannot be read.
+    pub fn play_recording(&mut self, bytes: &[u8]) -> Result<PlayedRecording, String> {
+        let mut recorded = RecordedHands::read(bytes)?;
+        recorded.shift_to(self);
+        self.release();
+        let [first, second] = &recorded.arms;
+        let fit = Fit::new(first, Some(second)).map_err(|error| error.to_string())?;
+        self.pipeline = recorded.pipeline(self.words.instance(&self.layout));
+        self.fit = fit;
+        let played = PlayedRecording {
+            readings: recorded.readings.len(),
+            layout: recorded.layout,
+            refused: recorded.refused,
+        };
+        self.hand = Hand::Recorded(recorded.readings);
+        self.fit_boards();
+        Ok(played)
+    }
+
+    /// Uses the hands of the page again after those of a recording.
+    pub(crate) fn end_recording(&mut self) {
+        if !matches!(self.hand, Hand::Recorded(_)) {
+            return;
+        }
+        self.hand = Hand::Resting;
+        // They were valid at the start.
+        if let Ok(fit) = Fit::new(&self.right, Some(&self.left)) {
+            self.fit = fit;
+        }
+        self.renew_pipeline();
+        self.fit_boards();
+    }
+
+    fn fit_boards(&mut self) {
+        // It was valid for other hands.
+        if let Ok(layout) = self.layout_of(&self.layout.text) {
+            self.move_boards(layout);
+        }
+    }
+}
+
+impl RecordedHands {
+    fn read(bytes: &[u8]) -> Result<Self, String> {
+        let mut recording = Recording::new(bytes).map_err(|error| error.to_string())?;
+        let mut readings = VecDeque::new();
+        let refused = read_all(&mut recording, &mut readings);
+        if readings.is_empty() {
+            return Err(refused.unwrap_or_else(|| "the recording has no readings".to_owned()));
+        }
+        let setup = recording.setup();
+        let measured = readings.iter().find_map(|reading| reading.side);
+        let (arms, gloves) = hands(setup, measured).map_err(|error| error.to_string())?;
+        let needs_glove = |reading: &Reading| matches!(reading.sample, Sample::Channels(_));
+        if gloves.iter().all(Option::is_none) && readings.iter().any(needs_glove) {
+            return Err("the recording has counts of a glove, but no glove file".to_owned());
+        }
+        Ok(Self {
+            arms,
+            gloves,
+            readings,
+            layout: setup.get(kind::LAYOUT).map(|layout| layout.text.clone()),
+            refused,
+        })
+    }
+
+    /// Lets the first reading be due now.
+    fn shift_to(&mut self, session: &PageSession) {
+        let Some(first) = self.readings.front().map(|reading| reading.time) else {
+            return;
+        };
+        for reading in &mut self.readings {
+            reading.time = session.time + reading.time.since(first);
+        }
+    }
+
+    fn pipeline(&self, instance: LayoutInstance) -> Pipeline {
+        let [first, second] = &self.arms;
+        let [own, other] = self
+            .gloves
+            .each_ref()
+            .map(|glove| estimator_of(glove.as_ref()));
+        Pipeline::new(own, first.clone(), instance, pipeline_settings())
+            .with_second_hand(other, second.clone())
+    }
+}
+
+/// Reads all readings that are kept. Returns the reason why the end is left out.
+fn read_all(recording: &mut Recording<&[u8]>, readings: &mut VecDeque<Reading>) -> Option<String> {
+    loop {
+        match recording.next_event() {
+            Ok(Some(RecordedEvent::Reading(_))) if readings.len() >= MAX_READINGS => {
+                return Some(format!("it has more than {MAX_READINGS} readings"));
+            }
+            Ok(Some(RecordedEvent::Reading(reading))) => readings.push_back(reading),
+            // The page has no commands that move boards.
+            Ok(Some(RecordedEvent::Command(_))) => {}
+            Ok(None) => return recording.truncation().map(|it| it.reason.clone()),
+            Err(RecordingError::Unreadable { reason, .. }) => return Some(reason),
+            Err(error @ RecordingError::Malformed { .. }) => return Some(error.to_string()),
+        }
+    }
+}
+
+type Hands = ([ArmModel; Side::COUNT], [Option<Glove>; Side::COUNT]);
+
+/// Reads the arms and gloves of a recording. `measured` is the side that its readings name.
+fn hands(setup: &RecordedSetup, measured: Option<Side>) -> Result<Hands, DocumentError> {
+    let document = |kind: &str| {
+        let entry = setup.get(kind)?;
+        Some(Document::new(entry.name.as_str(), entry.text.as_str()))
+    };
+    let glove = |kind: &str| document(kind).map(|it| Glove::parse(&it)).transpose();
+    let gloves = [glove(kind::GLOVE)?, glove(kind::OTHER_GLOVE)?];
+    let person = document(kind::PERSON)
+        .map(|it| Person::parse(&it))
+        .transpose()?;
+    let side = gloves[0].as_ref().map(|glove| glove.side);
+    let side = side.or(person.as_ref().and_then(|person| person.side));
+    let side = side.or(measured).unwrap_or(Side::Right);
+    let arm = |kinds: &[&str], side: Side| {
+        if let Some(document) = kinds.iter().find_map(|kind| document(kind)) {
+            return Ok(ArmModel::parse(&document)?.for_side(side));
+        }
+        match person.as_ref().and_then(|person| person.arm(side)?.ok()) {
+            Some(arm) => Ok(arm),
+            None => Ok(ArmModel::parse(&Document::shipped("unam")?)?.for_side(side)),
+        }
+    };
+    let arms = [
+        arm(&[kind::ARM], side)?,
+        arm(&[kind::OTHER_ARM, kind::ARM], side.opposite())?,
+    ];
+    Ok((arms, gloves))
+}
+
+fn estimator_of(glove: Option<&Glove>) -> Estimator {
+    match glove {
+        Some(glove) => estimator(&glove.rest_pose).with_channels(&glove.map),
+        None => estimator(&Default::default()),
+    }
+}
