@@ -5,6 +5,7 @@ mod calibration;
 mod editor;
 mod first_start;
 mod fonts;
+mod hand;
 mod help;
 mod lab;
 mod look;
@@ -52,6 +53,8 @@ pub struct PanelContext<'a> {
     pub session: &'a StudioModel,
     /// A recording is shown in place of a session, which takes commands.
     pub is_replay: bool,
+    /// The source is a simulated hand that can be changed.
+    pub has_hand: bool,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording is shown.
@@ -119,6 +122,8 @@ pub struct PanelState {
     lab: LabState,
     /// The settings that are remembered until the next start.
     settings: Settings,
+    /// The words in the field for the file of a simulated person.
+    person_file: String,
     /// Theme and contrast that the window has.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
@@ -168,6 +173,7 @@ impl Default for PanelState {
             recording: RecordingState::default(),
             lab: LabState::default(),
             settings: Settings::default(),
+            person_file: String::new(),
             applied_look: None,
             tour: Tour::default(),
             shows_keys: false,

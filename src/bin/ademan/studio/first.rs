@@ -13,7 +13,7 @@ use ademan::studio::first_start::{Answers, FirstStart, Search};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::{StudioApp, StudioStart, open_window, texts};
 
-use super::window::{end, language, live_app, live_options, start};
+use super::window::{NO_OUTPUT, end, language, live_app, live_options, start};
 use super::{Args, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals};
@@ -50,13 +50,14 @@ pub fn open() -> Result<(), Failure> {
 
 /// Writes the setup, and starts the session of the answers.
 fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), Failure> {
-    let setup = answers.load()?;
+    let setup = Setup {
+        output: NO_OUTPUT.into(),
+        ..answers.setup.clone()
+    };
     let mut options = live_options();
-    if setup.setup.source.is_none() {
-        options.source = Some(Box::new(source::simulated_hand(&setup)?));
-    }
+    let (setup, hand) = source::load(setup, &mut options)?;
     let session = start(setup, options)?;
-    let app = live_app(&session).map_err(|error| Failure::job(error.to_string()))?;
+    let app = live_app(&session, hand).map_err(|error| Failure::job(error.to_string()))?;
     if answers.is_kept {
         keep(&answers.setup)?;
     }

@@ -13,6 +13,7 @@ use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
+use ademan::studio::simulated::HandControl;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
 
@@ -21,7 +22,7 @@ use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file names others: nothing is typed into other programs by surprise.
-const NO_OUTPUT: &str = "none";
+pub(super) const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
@@ -35,7 +36,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
-    let (setup, refused) = load_or_edit(args, &mut options)?;
+    let (Loaded { setup, hand }, refused) = load_or_edit(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     let arm = setup.arm_document().cloned();
@@ -43,7 +44,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
-        false => show_window(&session, player, arm.as_ref(), refused.as_deref()),
+        false => show_window(&session, player, hand, arm.as_ref(), refused.as_deref()),
     });
     end(shown, Some(session))
 }
@@ -96,12 +97,13 @@ pub(super) fn end(
 fn show_window(
     session: &SessionHandle,
     player: Option<Player>,
+    hand: Option<HandControl>,
     arm: Option<&Document>,
     refused: Option<&str>,
 ) -> Result<(), StudioError> {
     let mut app = match player {
         Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
-        None => live_app(session)?,
+        None => live_app(session, hand)?,
     };
     app = app.with_arm(arm);
     if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
@@ -110,9 +112,16 @@ fn show_window(
     open_window(app.into(), signals::is_stop_requested)
 }
 
-/// Returns the program for a session, with clicks and with the settings of this person.
-pub(super) fn live_app(session: &SessionHandle) -> Result<StudioApp, StudioError> {
-    Ok(with_settings(StudioApp::new(session)?.with_sound(session)))
+/// Returns the program for a session, with clicks, the settings of this person, and the control of the simulated hand.
+pub(super) fn live_app(
+    session: &SessionHandle,
+    hand: Option<HandControl>,
+) -> Result<StudioApp, StudioError> {
+    let app = with_settings(StudioApp::new(session)?.with_sound(session));
+    Ok(match hand {
+        Some(hand) => app.with_hand(hand),
+        None => app,
+    })
 }
 
 fn with_settings(app: StudioApp) -> StudioApp {
@@ -151,11 +160,17 @@ fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
     })
 }
 
+/// A setup, and the control of the simulated hand that is its source.
+struct Loaded {
+    setup: LoadedSetup,
+    hand: Option<HandControl>,
+}
+
 /// Loads the setup. If its layout is a file with faults, the session has the default layout, and the name of the file is returned.
 fn load_or_edit(
     args: Args,
     options: &mut SessionOptions,
-) -> Result<(LoadedSetup, Option<String>), Failure> {
+) -> Result<(Loaded, Option<String>), Failure> {
     let is_edited = args.recording.is_none() && !args.overlay;
     let layout = args.layout.clone();
     let retry = Args {
@@ -183,7 +198,7 @@ fn load_or_edit(
 }
 
 /// Loads the setup, with a simulated hand as the source where it has none.
-fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure> {
+fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
     if let Some(path) = &args.recording {
         let replay = Replay::open(path)?;
         let settings = ReplaySettings {
@@ -194,7 +209,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
         setup.setup.output = NO_OUTPUT.into();
         options.source = Some(Box::new(source::NoReadings));
-        return Ok(setup);
+        return Ok(Loaded { setup, hand: None });
     }
     let mut setup = match &args.setup {
         Some(path) => Setup::load(path)?,
@@ -211,11 +226,8 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         setup.output = NO_OUTPUT.into();
     }
     setup.use_token_roles()?;
-    let setup = setup.load_files()?;
-    if setup.setup.source.is_none() {
-        options.source = Some(Box::new(source::simulated_hand(&setup)?));
-    }
-    Ok(setup)
+    let (setup, hand) = source::load(setup, options)?;
+    Ok(Loaded { setup, hand })
 }
 
 #[cfg(test)]
@@ -236,7 +248,8 @@ mod tests {
         let load = |line: &[&str]| {
             let line = CommandLine::try_parse_from(line).expect("the flag is known");
             let mut options = SessionOptions::default();
-            load(line.args, &mut options).expect("a person that comes with the program")
+            let loaded = load(line.args, &mut options);
+            loaded.expect("a person that comes with the program").setup
         };
         let small = load(&[
             "studio",
@@ -253,12 +266,23 @@ mod tests {
     }
 
     #[test]
+    fn a_layout_for_two_hands_is_played_by_two() {
+        let line = ["studio", "--layout", "qwerty-two-flat"];
+        let line = CommandLine::try_parse_from(line).expect("the flag is known");
+        let mut options = SessionOptions::default();
+        let loaded = load(line.args, &mut options).expect("a layout that comes with the program");
+        let other = loaded.setup.other_hand.expect("a second hand");
+        assert_eq!(other.arm.side(), Side::Left);
+        assert!(loaded.hand.is_some());
+    }
+
+    #[test]
     fn the_glove_of_the_command_line_replaces_that_of_the_setup() {
         let line = ["studio", "--glove", "lucidgloves-left"];
         let line = CommandLine::try_parse_from(line).expect("the flag is known");
         let mut options = SessionOptions::default();
-        let setup = load(line.args, &mut options).expect("a glove that comes with the program");
-        let glove = setup.glove.expect("the glove");
+        let loaded = load(line.args, &mut options).expect("a glove that comes with the program");
+        let glove = loaded.setup.glove.expect("the glove");
         assert_eq!((glove.side, glove.map.full_scale()), (Side::Left, 4095));
         assert!(options.source.is_some(), "a simulated hand wears it");
     }

@@ -1,40 +1,33 @@
 //! The window: receives what the session shows, and lays out the panels.
 
+mod window;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
-use super::error::StudioError;
-use super::fingertip::Fingertip;
-use super::first_start::{Answers, FirstStart};
-use super::graphics;
-use super::lab::WatchedPerson;
-use super::model::StudioModel;
-use super::pace::Pace;
-use super::panels::{self, PanelContext, PanelState, WatchChange};
-use super::playback::Player;
-use super::sensor_control::SensorControl;
-use super::settings::{Settings, WindowPlace};
-use super::settings_file::SettingsFile;
-use super::sound::Sound;
-use super::texts::text;
+pub use self::window::open_window;
+use self::window::place_of_window;
+pub(crate) use self::window::{run_window, window_options};
+use crate::error::StudioError;
+use crate::fingertip::Fingertip;
+use crate::first_start::{Answers, FirstStart};
+use crate::lab::WatchedPerson;
+use crate::model::StudioModel;
+use crate::panels::{self, PanelContext, PanelState, WatchChange};
+use crate::playback::Player;
+use crate::sensor_control::SensorControl;
+use crate::settings::Settings;
+use crate::settings_file::SettingsFile;
+use crate::simulated::HandControl;
+use crate::sound::Sound;
 use ademan_core::command::Command;
 use ademan_core::document::{Document, DocumentError};
 use ademan_core::snapshot::Snapshot;
-use ademan_runtime::priority;
 use ademan_runtime::session::view::Viewer;
 use ademan_runtime::session::{CommandSender, LayoutTrial, SessionHandle};
-
-/// Size of the window at the first start, in points.
-const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
-
-/// Time between two pictures of the first start, in which only what was found changes.
-const FIRST_PERIOD: Duration = Duration::from_millis(100);
-
-/// Smallest size of the window, in points.
-const MIN_WINDOW_SIZE: [f32; 2] = [640.0, 400.0];
 
 /// The program in the window.
 pub struct StudioApp {
@@ -49,6 +42,8 @@ pub struct StudioApp {
     watching: Option<Watching>,
     /// The session whose hand follows the mouse.
     fingertip: Option<Fingertip>,
+    /// The simulated hand that is the source of the session.
+    hand: Option<HandControl>,
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
@@ -91,6 +86,7 @@ impl StudioApp {
             player: None,
             watching: None,
             fingertip: None,
+            hand: None,
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
@@ -106,6 +102,16 @@ impl StudioApp {
         self.panels.restore(settings);
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
+        self
+    }
+
+    /// Changes the simulated hand of the session as the settings say, which are restored before. A person of the setup comes first.
+    #[must_use]
+    pub fn with_hand(mut self, hand: HandControl) -> Self {
+        if hand.has_own_person() {
+            self.panels.settings().hand.person = None;
+        }
+        self.hand = Some(hand);
         self
     }
 
@@ -176,6 +182,7 @@ impl StudioApp {
             model: shown.unwrap_or(&self.model),
             session: &self.model,
             is_replay: self.player.is_some(),
+            has_hand: self.hand.is_some(),
             sensors: &mut self.sensors,
             trial: self.trial.as_ref(),
             sent: &mut sent,
@@ -206,6 +213,7 @@ impl StudioApp {
             None => {}
         }
         self.apply_sound();
+        self.apply_hand();
     }
 
     /// Brings the state that is shown to the present.
@@ -250,6 +258,18 @@ impl StudioApp {
             self.panels.message = ended.end().err().map(|error| error.to_string());
         }
         self.panels.is_fingertip = self.fingertip.is_some();
+    }
+
+    /// Changes the simulated hand, and takes back a person that cannot be simulated.
+    fn apply_hand(&mut self) {
+        let wanted = &mut self.panels.settings().hand;
+        let Some(hand) = &mut self.hand else {
+            return;
+        };
+        if let Err(error) = hand.apply(wanted) {
+            wanted.person.clone_from(&hand.applied().person);
+            self.panels.message = Some(error.to_string());
+        }
     }
 
     fn apply_sound(&mut self) {
@@ -306,23 +326,6 @@ impl StudioApp {
             self.panels.message = Some(error.to_string());
         }
     }
-}
-
-/// Returns position and size of a window that is neither maximized nor minimized.
-fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
-    context.input(|input| {
-        let window = input.viewport();
-        let is_placed_by_desktop = [window.maximized, window.minimized, window.fullscreen];
-        if is_placed_by_desktop.contains(&Some(true)) {
-            return None;
-        }
-        let size = window.inner_rect?.size();
-        let position = window.outer_rect.map(|area| [area.min.x, area.min.y]);
-        Some(WindowPlace {
-            position,
-            size: [size.x, size.y],
-        })
-    })
 }
 
 /// Starts a session with the answers of the first start, and returns the program for it, or the reason why there is none.
@@ -383,99 +386,5 @@ impl From<StudioApp> for StudioStart<'_> {
             first: None,
             app: Some(app),
         }
-    }
-}
-
-/// A [`StudioStart`] in a window of the desktop.
-struct Window<'a> {
-    content: StudioStart<'a>,
-    pace: Pace,
-    should_close: fn() -> bool,
-}
-
-impl eframe::App for Window<'_> {
-    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        let is_stopped = (self.should_close)();
-        if is_stopped && let Some(app) = self.content.app() {
-            app.panels.permit_close();
-        }
-        self.content.show(ui);
-        let context = ui.ctx();
-        if is_stopped {
-            context.send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-        let Some(app) = self.content.app() else {
-            context.request_repaint_after(FIRST_PERIOD);
-            return;
-        };
-        let is_end = is_stopped || context.input(|input| input.viewport().close_requested());
-        app.save_settings(context, is_end);
-        let now = context.input(|input| input.time);
-        let cost = Duration::from_secs_f32(frame.info().cpu_usage.unwrap_or(0.0));
-        let pause = self.pace.pause(now, app.has_changed, cost);
-        context.request_repaint_after(pause);
-    }
-}
-
-/// Shows the program in a window until that is closed, or `should_close` returns `true`. On the main thread only, as desktops
-/// require.
-pub fn open_window(
-    mut content: StudioStart,
-    should_close: fn() -> bool,
-) -> Result<(), StudioError> {
-    let settings = content.app().map(|app| app.settings().clone());
-    let settings = settings.unwrap_or_default();
-    let (place, scale) = (settings.window, settings.scale);
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title(text("window-title"))
-        .with_app_id("ademan-studio")
-        .with_inner_size(place.map_or(WINDOW_SIZE, |place| place.size))
-        .with_min_inner_size(MIN_WINDOW_SIZE);
-    if let Some(position) = place.and_then(|place| place.position) {
-        viewport = viewport.with_position(position);
-    }
-    let options = window_options(viewport);
-    let window = Window {
-        content,
-        pace: Pace::new(graphics::has_card()),
-        should_close,
-    };
-    let create: eframe::AppCreator = Box::new(|creation| {
-        StudioApp::prepare(&creation.egui_ctx);
-        creation.egui_ctx.set_zoom_factor(scale);
-        Ok(Box::new(window))
-    });
-    run_window(text("window-title"), options, create)
-}
-
-/// Shows a window until it is closed.
-pub(super) fn run_window(
-    title: &str,
-    options: eframe::NativeOptions,
-    create: eframe::AppCreator<'_>,
-) -> Result<(), StudioError> {
-    // Mesa fills a picture for longer than a press may wait.
-    priority::shorten_time_slice();
-    eframe::run_native(title, options, create).map_err(window_error)
-}
-
-/// Returns the options of every window of Studio.
-pub(super) fn window_options(viewport: egui::ViewportBuilder) -> eframe::NativeOptions {
-    eframe::NativeOptions {
-        viewport,
-        renderer: eframe::Renderer::Glow,
-        // It takes time for each pixel where Mesa draws in software, and hides steps of gradients that no window has.
-        dithering: false,
-        ..eframe::NativeOptions::default()
-    }
-}
-
-/// Returns the reason why a window was not opened.
-fn window_error(error: eframe::Error) -> StudioError {
-    match error {
-        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => StudioError::NoDesktop,
-        eframe::Error::Glutin(error) => StudioError::NoOpenGl(error.to_string()),
-        eframe::Error::NoGlutinConfigs(_, error) => StudioError::NoOpenGl(error.to_string()),
-        error => StudioError::NoOpenGl(error.to_string()),
     }
 }
