@@ -48,6 +48,7 @@ pub mod picture;
 pub mod playback;
 pub mod plot;
 pub mod pose_picture;
+pub mod recent;
 pub mod scene;
 pub mod sensor_control;
 pub mod sensors;
@@ -61,6 +62,6 @@ pub mod tour;
 pub mod trails;
 pub mod typing;
 
-pub use self::app::{StudioApp, StudioStart, open_window};
+pub use self::app::{SessionRequest, StudioApp, StudioStart, open_window};
 pub use self::error::StudioError;
 pub use self::overlay::window::{Overlay, open_overlay};

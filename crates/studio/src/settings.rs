@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::camera::Camera;
+use super::recent::RecentLayouts;
 use super::texts::Language;
 
 /// Range of the scale of everything in the window.
@@ -50,6 +51,8 @@ pub struct Settings {
     pub sound: SoundSettings,
     /// The simulated hand.
     pub hand: HandSettings,
+    /// The files of layouts that were opened last.
+    pub recent_layouts: RecentLayouts,
 }
 
 /// A choice of colours.
@@ -146,6 +149,7 @@ impl Default for Settings {
             overlay: OverlaySettings::default(),
             sound: SoundSettings::default(),
             hand: HandSettings::default(),
+            recent_layouts: RecentLayouts::default(),
         }
     }
 }
@@ -186,6 +190,7 @@ impl Settings {
         self.scale = in_range(self.scale, SCALES, 1.0);
         self.overlay.opacity = in_range(self.overlay.opacity, (MIN_OPACITY, 1.0), 0.8);
         self.sound.volume = in_range(self.sound.volume, (0.0, 1.0), DEFAULT_VOLUME);
+        self.recent_layouts = self.recent_layouts.checked();
         self.hand.speed = in_range(self.hand.speed, HAND_SPEEDS, 1.0);
         self.hand.noise = in_range(self.hand.noise, HAND_NOISES, 0.0);
         let is_finite = |position: &[f32; 2]| position.iter().all(|value| value.is_finite());

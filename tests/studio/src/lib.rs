@@ -16,6 +16,7 @@ mod hand;
 mod keyboard;
 mod lab;
 mod layouts;
+mod open_layout;
 mod picture;
 mod played_hand;
 mod posing_hand;

@@ -44,6 +44,8 @@ pub struct StudioApp {
     fingertip: Option<Fingertip>,
     /// The simulated hand that is the source of the session.
     hand: Option<HandControl>,
+    /// Another layout can be opened in a session of its own.
+    can_open: bool,
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
@@ -87,6 +89,7 @@ impl StudioApp {
             watching: None,
             fingertip: None,
             hand: None,
+            can_open: false,
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
@@ -102,6 +105,11 @@ impl StudioApp {
         self.panels.restore(settings);
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
+        let setup = self.sensors.setup();
+        if let Some(path) = setup.layout_path(&setup.layout) {
+            let path = PathBuf::from(path);
+            self.panels.settings().recent_layouts.push(&path);
+        }
         self
     }
 
@@ -183,6 +191,7 @@ impl StudioApp {
             session: &self.model,
             is_replay: self.player.is_some(),
             has_hand: self.hand.is_some(),
+            can_open: self.can_open,
             sensors: &mut self.sensors,
             trial: self.trial.as_ref(),
             sent: &mut sent,
@@ -328,24 +337,48 @@ impl StudioApp {
     }
 }
 
-/// Starts a session with the answers of the first start, and returns the program for it, or the reason why there is none.
-type OpenSession<'a> = Box<dyn FnMut(&Answers) -> Result<StudioApp, String> + 'a>;
+/// The session that is to be started.
+#[derive(Clone, Copy, Debug)]
+pub enum SessionRequest<'a> {
+    /// A session with the answers of the first start.
+    First(&'a Answers),
+    /// A session on another layout in place of the present one, and whether it starts paused, as the present one is.
+    Layout(&'a str, bool),
+}
+
+/// Starts a session and returns the program for it, or the reason why there is none.
+type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Result<StudioApp, String> + 'a>;
 
 /// The program in a window, or the pages of the first start before it.
 pub struct StudioStart<'a> {
-    first: Option<(FirstStart, OpenSession<'a>)>,
+    first: Option<FirstStart>,
     app: Option<StudioApp>,
+    open: Option<OpenSession<'a>>,
 }
 
 impl<'a> StudioStart<'a> {
-    /// Shows the pages of the first start, and then the program that `open` returns for the answers.
+    /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for other layouts.
     pub fn first(
         first: FirstStart,
-        open: impl FnMut(&Answers) -> Result<StudioApp, String> + 'a,
+        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
     ) -> Self {
         Self {
-            first: Some((first, Box::new(open))),
+            first: Some(first),
             app: None,
+            open: Some(Box::new(open)),
+        }
+    }
+
+    /// Shows a program, and then those that `open` returns for other layouts.
+    pub fn with_layouts(
+        mut app: StudioApp,
+        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
+    ) -> Self {
+        app.can_open = true;
+        Self {
+            first: None,
+            app: Some(app),
+            open: Some(Box::new(open)),
         }
     }
 
@@ -358,24 +391,48 @@ impl<'a> StudioStart<'a> {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
             app.show(ui);
+            self.open_layout();
             return;
         }
-        let Some((first, open)) = &mut self.first else {
+        let (Some(first), Some(open)) = (&mut self.first, &mut self.open) else {
             return;
         };
         first.update();
         let Some(answers) = panels::show_first_start(ui, first) else {
             return;
         };
-        match open(&answers) {
+        match open(SessionRequest::First(&answers)) {
             Ok(mut app) => {
                 if answers.is_calibrated {
                     app.panels.show_calibration();
                 }
+                app.can_open = true;
                 self.app = Some(app);
                 self.first = None;
             }
             Err(reason) => first.error = Some(reason),
+        }
+    }
+
+    /// Replaces the program by one on the layout that was chosen, if any. Without it the present one stays.
+    fn open_layout(&mut self) {
+        let (Some(app), Some(open)) = (&mut self.app, &mut self.open) else {
+            return;
+        };
+        let Some(layout) = app.panels.next_layout.take() else {
+            return;
+        };
+        // The next program reads them.
+        let saved = app.settings_file.save(app.panels.settings());
+        let is_paused = app.model.view.state.paused_by.is_some();
+        let opened = open(SessionRequest::Layout(&layout, is_paused));
+        match (saved.map_err(|error| error.to_string()), opened) {
+            (saved, Ok(mut other)) => {
+                other.can_open = true;
+                other.panels.message = saved.err().or(other.panels.message);
+                self.app = Some(other);
+            }
+            (_, Err(reason)) => app.panels.message = Some(reason),
         }
     }
 }
@@ -385,6 +442,7 @@ impl From<StudioApp> for StudioStart<'_> {
         Self {
             first: None,
             app: Some(app),
+            open: None,
         }
     }
 }

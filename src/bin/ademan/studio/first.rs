@@ -1,6 +1,5 @@
 //! The first start: pages that ask for the source, the hand and the layout, and the session that they lead to.
 
-use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -13,6 +12,7 @@ use ademan::studio::first_start::{Answers, FirstStart, Search};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::{StudioApp, StudioStart, open_window, texts};
 
+use super::sessions::Sessions;
 use super::window::{NO_OUTPUT, end, language, live_app, live_options, start};
 use super::{Args, source};
 use crate::failure::Failure;
@@ -35,21 +35,17 @@ pub fn is_first(args: &Args) -> bool {
 pub fn open() -> Result<(), Failure> {
     session::prepare()?;
     texts::set_language(language());
-    let session = RefCell::new(None);
+    let sessions = Sessions::new(Setup::default(), None);
     let shown = panics::contain(|| {
         let first = FirstStart::new(Search::of_this_machine());
-        let content = StudioStart::first(first, |answers| {
-            let (app, started) = begin(answers).map_err(|failure| failure.to_string())?;
-            *session.borrow_mut() = Some(started);
-            Ok(app)
-        });
+        let content = StudioStart::first(first, |request| sessions.open(request));
         open_window(content, signals::is_stop_requested)
     });
-    end(shown, session.take())
+    end(shown, sessions.take())
 }
 
 /// Writes the setup, and starts the session of the answers.
-fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), Failure> {
+pub(super) fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), Failure> {
     let setup = Setup {
         output: NO_OUTPUT.into(),
         ..answers.setup.clone()

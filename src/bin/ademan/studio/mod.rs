@@ -5,6 +5,8 @@ mod first;
 #[cfg(feature = "studio")]
 mod mesa;
 #[cfg(feature = "studio")]
+mod sessions;
+#[cfg(feature = "studio")]
 mod source;
 #[cfg(feature = "studio")]
 mod window;

@@ -15,8 +15,9 @@ use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::simulated::HandControl;
 use ademan::studio::texts::{self, Language};
-use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
+use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay, open_window};
 
+use super::sessions::Sessions;
 use super::{Args, first, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
@@ -36,17 +37,27 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
-    let (Loaded { setup, hand }, refused) = load_or_edit(args, &mut options)?;
+    let (loaded, refused) = load_or_edit(args, &mut options)?;
+    let Loaded { base, setup, hand } = loaded;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     let arm = setup.arm_document().cloned();
     let session = start(setup, options)?;
     texts::set_language(language());
-    let shown = panics::contain(|| match is_overlay {
-        true => show_overlay(&session, is_placed),
-        false => show_window(&session, player, hand, arm.as_ref(), refused.as_deref()),
+    let sessions = Sessions::new(base, Some(session));
+    let shown = panics::contain(|| {
+        if is_overlay {
+            return show_overlay(sessions.program(|it| Overlay::new(it, is_placed))?);
+        }
+        let is_replay = player.is_some();
+        let app = sessions.program(|session| match player {
+            Some(player) => Ok(with_settings(StudioApp::new(session)?.with_player(player))),
+            None => live_app(session, hand),
+        })?;
+        let app = app.with_arm(arm.as_ref());
+        show_window(app, (!is_replay).then_some(&sessions), refused.as_deref())
     });
-    end(shown, Some(session))
+    end(shown, sessions.take())
 }
 
 /// Returns the options of a session in its own time that follows its layout files.
@@ -93,23 +104,21 @@ pub(super) fn end(
     session.map_or(Ok(()), |session| stats::report(session.join()?))
 }
 
-/// Shows the window. `refused` is a layout that the session cannot use: it is opened in the editor.
+/// Shows the window. Without `sessions` it shows a recording, which has one layout. `refused` is a layout that the session cannot use: it
+/// is opened in the editor.
 fn show_window(
-    session: &SessionHandle,
-    player: Option<Player>,
-    hand: Option<HandControl>,
-    arm: Option<&Document>,
+    mut app: StudioApp,
+    sessions: Option<&Sessions>,
     refused: Option<&str>,
 ) -> Result<(), StudioError> {
-    let mut app = match player {
-        Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
-        None => live_app(session, hand)?,
-    };
-    app = app.with_arm(arm);
     if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
         complain!("{error}");
     }
-    open_window(app.into(), signals::is_stop_requested)
+    let content = match sessions {
+        Some(sessions) => StudioStart::with_layouts(app, |request| sessions.open(request)),
+        None => app.into(),
+    };
+    open_window(content, signals::is_stop_requested)
 }
 
 /// Returns the program for a session, with clicks, the settings of this person, and the control of the simulated hand.
@@ -131,8 +140,7 @@ fn with_settings(app: StudioApp) -> StudioApp {
     }
 }
 
-fn show_overlay(session: &SessionHandle, is_placed: bool) -> Result<(), StudioError> {
-    let mut overlay = Overlay::new(session, is_placed)?;
+fn show_overlay(mut overlay: Overlay) -> Result<(), StudioError> {
     let path = SettingsFile::default_path();
     if let Some(error) = path.and_then(|path| overlay.restore(path)) {
         complain!("{error}");
@@ -162,6 +170,8 @@ fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
 
 /// A setup, and the control of the simulated hand that is its source.
 struct Loaded {
+    /// The setup before its files were loaded.
+    base: Setup,
     setup: LoadedSetup,
     hand: Option<HandControl>,
 }
@@ -209,7 +219,12 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
         let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
         setup.setup.output = NO_OUTPUT.into();
         options.source = Some(Box::new(source::NoReadings));
-        return Ok(Loaded { setup, hand: None });
+        let base = setup.setup.clone();
+        return Ok(Loaded {
+            base,
+            setup,
+            hand: None,
+        });
     }
     let mut setup = match &args.setup {
         Some(path) => Setup::load(path)?,
@@ -226,8 +241,9 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
         setup.output = NO_OUTPUT.into();
     }
     setup.use_token_roles()?;
+    let base = setup.clone();
     let (setup, hand) = source::load(setup, options)?;
-    Ok(Loaded { setup, hand })
+    Ok(Loaded { base, setup, hand })
 }
 
 #[cfg(test)]
