@@ -1,18 +1,19 @@
 //! Tours: scripts that use each control of a layout once.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroU32;
 
 use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
-use ademan::contact::Phase;
+use ademan::contact::{Phase, TargetId};
 use ademan::device::{EventKind, Events};
 use ademan::document::shipped_layouts;
 use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::sim::HandTask;
+use ademan::sim::{self, HandTask, SimulatedTypist, UsTextField};
 
 const MIXER: &str = r#"Layout(name: "My mixer", boards: [(
     pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
@@ -110,4 +111,155 @@ fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
             }
         }
     }
+}
+
+/// The longest tour of a layout with a pause, in readings of a slow line.
+const MAX_READINGS: usize = 40_000;
+
+/// What a live hand has done so far.
+struct Played {
+    hand: SimulatedTypist,
+    pipeline: CheckedPipeline,
+    /// The number of presses of each target.
+    presses: BTreeMap<TargetId, usize>,
+    events: usize,
+}
+
+impl Played {
+    fn new(setup: &LoadedSetup, task: HandTask) -> Self {
+        let hand = setup.live_hand(task, &Hc11Format::default());
+        let mut pipeline = CheckedPipeline::new(setup);
+        pipeline.tolerate_packet_period(Hc11Format::default().packet_period());
+        Self {
+            hand: hand.unwrap_or_else(|error| panic!("{error}")),
+            pipeline,
+            presses: BTreeMap::new(),
+            events: 0,
+        }
+    }
+
+    /// Plays one reading, and returns what was emitted.
+    fn step(&mut self, events: &mut Events) {
+        let Ok(SourceEvent::Reading(reading)) = self.hand.next() else {
+            panic!("a live hand has no end");
+        };
+        events.clear();
+        let step = self.pipeline.step(&reading, events);
+        for touch in &step.expect("an accepted reading").touches {
+            if touch.phase == Phase::Pressed {
+                *self.presses.entry(touch.target).or_default() += 1;
+            }
+        }
+        self.events += events.len();
+    }
+}
+
+/// Returns the targets on the boards that a tour presses and that the hand can use.
+fn usable(setup: &LoadedSetup) -> BTreeSet<TargetId> {
+    let names = setup.layout.target_names();
+    let stops = sim::tour(&setup.layout).into_iter().filter(|stop| {
+        let format = Hc11Format::default();
+        setup.scripted(&stop.actions, &format, 0.0, 0).is_ok()
+    });
+    let targets = stops.filter_map(|stop| names.find(&stop.name));
+    targets
+        .filter(|&target| setup.layout.scene.target(target).is_some())
+        .collect()
+}
+
+#[test]
+fn a_live_tour_uses_every_shipped_layout_again_and_again_and_pauses_none() {
+    for name in shipped_layouts() {
+        let setup = load(name);
+        let expected = usable(&setup);
+        let mut played = Played::new(&setup, HandTask::Fitting(HandTask::tour));
+        let mut events = Events::new();
+        let has_repeated = |played: &Played| {
+            let mut counts = expected.iter().map(|target| played.presses.get(target));
+            let is_pressed = |count: &Option<&usize>| count.is_some();
+            let first = expected.first().and_then(|it| played.presses.get(it));
+            counts.all(|count| is_pressed(&count)) && first.is_none_or(|&count| count > 1)
+        };
+        let mut readings = 0;
+        while readings < MAX_READINGS && (readings < 1000 || !has_repeated(&played)) {
+            played.step(&mut events);
+            assert_eq!(played.pipeline.paused_by(), None, "{name}");
+            readings += 1;
+        }
+        let names = setup.layout.target_names();
+        let missed = expected
+            .iter()
+            .filter(|it| !played.presses.contains_key(it));
+        let missed: Vec<String> = missed.map(|it| names.get(*it).to_string()).collect();
+        assert!(has_repeated(&played), "{name}: not pressed: {missed:?}");
+        assert!(expected.is_empty() || played.events > 0, "{name}");
+        assert_eq!(played.pipeline.state(), PipelineState::Running, "{name}");
+    }
+}
+
+/// A layout whose controls pause the session, except the key A and the toggle Mute.
+const PAUSING: &str = r#"Layout(name: "Pausing", boards: [(
+    pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
+    pitch_mm: 24, size_mm: Box(22, 20),
+    keys: [
+        (code: "A", at_mm: (-24, 0)),
+        (action: Command("toggle-pause"), name: "key", at_mm: (0, 0)),
+    ],
+    toggles: [
+        (name: "Mute", at_mm: (-24, 30)),
+        (name: "toggle", at_mm: (0, 30), tap: Command("toggle-pause")),
+    ],
+    radios: [(name: "group", initial: "one", options: [
+        (name: "one", at_mm: (24, 30)),
+        (name: "two", at_mm: (48, 30), tap: Command("resume")),
+    ])],
+)])"#;
+
+#[test]
+fn what_pauses_or_resumes_the_session_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pausing.ron");
+    std::fs::write(&path, PAUSING).unwrap();
+    let setup = load(path.to_str().unwrap());
+    let names: Vec<String> = sim::tour(&setup.layout)
+        .into_iter()
+        .map(|stop| stop.name)
+        .collect();
+    assert_eq!(names, ["A", "Mute"]);
+    let script = "tap A; tap key; tap toggle; tap two; tap Mute";
+    let task = HandTask::script(script, &setup.layout).expect("a script for the layout");
+    let mut played = Played::new(&setup, task);
+    let mut events = Events::new();
+    for _ in 0..800 {
+        played.step(&mut events);
+    }
+    let names = setup.layout.target_names();
+    let pressed = played.presses.keys().map(|it| names.get(*it).to_string());
+    assert_eq!(pressed.collect::<Vec<_>>(), ["A", "Mute"]);
+    assert!(played.presses.values().all(|&count| count > 1));
+    assert!(HandTask::script("tap key", &setup.layout).is_none());
+    assert!(HandTask::script("tap Q", &setup.layout).is_none());
+}
+
+#[test]
+fn a_hand_becomes_another_person_again_and_again_and_types_without_an_error() {
+    let mut setup = load("qwerty-flat");
+    let text = "hola";
+    let mut played = Played::new(&setup, HandTask::Text(text.to_owned()));
+    let mut events = Events::new();
+    let mut field = UsTextField::new();
+    for reading in 0..3000 {
+        // At every phase of a press.
+        if reading % 17 == 0 {
+            setup.simulated_person.motion.speed = 0.5 + f64::from(reading / 17 % 5);
+            let changed = setup.change_live_hand(&mut played.hand, 0.0);
+            changed.expect("the same hands");
+        }
+        played.step(&mut events);
+        events.iter().for_each(|event| field.handle(event));
+    }
+    let typed = field.text();
+    let whole = text.repeat(typed.len() / text.len() + 1);
+    assert!(typed.len() > 3 * text.len(), "{typed:?}");
+    assert!(whole.starts_with(typed), "{typed:?}");
 }

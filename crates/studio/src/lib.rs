@@ -12,7 +12,7 @@
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
 //! [`glove_editor`], [`guide`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
-//! [`settings`]. Only `app`, the window of the overlay and the files of `panels` name egui.
+//! [`settings`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -48,18 +48,20 @@ pub mod picture;
 pub mod playback;
 pub mod plot;
 pub mod pose_picture;
+pub mod recent;
 pub mod scene;
 pub mod sensor_control;
 pub mod sensors;
 pub mod settings;
 pub mod settings_file;
 pub mod shapes;
+pub mod simulated;
 pub mod sound;
 pub mod texts;
 pub mod tour;
 pub mod trails;
 pub mod typing;
 
-pub use self::app::{StudioApp, StudioStart, open_window};
+pub use self::app::{SessionRequest, StudioApp, StudioStart, open_window};
 pub use self::error::StudioError;
 pub use self::overlay::window::{Overlay, open_overlay};

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::camera::Camera;
+use super::recent::RecentLayouts;
 use super::texts::Language;
 
 /// Range of the scale of everything in the window.
@@ -12,6 +13,12 @@ const SCALES: (f32, f32) = (0.5, 3.0);
 
 /// Lowest opacity of the overlay: below, it cannot be found.
 pub const MIN_OPACITY: f32 = 0.1;
+
+/// Range of the speed of the simulated hand, as a factor.
+pub const HAND_SPEEDS: (f32, f32) = (0.25, 3.0);
+
+/// Range of the noise of its sensors.
+pub const HAND_NOISES: (f32, f32) = (0.0, 20.0);
 
 /// Volume of the clicks before it is chosen.
 const DEFAULT_VOLUME: f32 = 0.5;
@@ -42,6 +49,10 @@ pub struct Settings {
     pub overlay: OverlaySettings,
     /// The clicks.
     pub sound: SoundSettings,
+    /// The simulated hand.
+    pub hand: HandSettings,
+    /// The files of layouts that were opened last.
+    pub recent_layouts: RecentLayouts,
 }
 
 /// A choice of colours.
@@ -101,6 +112,28 @@ pub struct SoundSettings {
     pub volume: f32,
 }
 
+/// The simulated hand of a session without a source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct HandSettings {
+    /// Factor of the speed of its person, [`HAND_SPEEDS`].
+    pub speed: f32,
+    /// Standard deviation of the noise of its sensors, in counts of a glove or millimetres of a camera, [`HAND_NOISES`].
+    pub noise: f32,
+    /// The person: the name of one that comes with the program, or a file. `None` for the person of the session.
+    pub person: Option<String>,
+}
+
+impl Default for HandSettings {
+    fn default() -> Self {
+        Self {
+            speed: 1.0,
+            noise: 0.0,
+            person: None,
+        }
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -115,6 +148,8 @@ impl Default for Settings {
             has_seen_tour: false,
             overlay: OverlaySettings::default(),
             sound: SoundSettings::default(),
+            hand: HandSettings::default(),
+            recent_layouts: RecentLayouts::default(),
         }
     }
 }
@@ -155,6 +190,9 @@ impl Settings {
         self.scale = in_range(self.scale, SCALES, 1.0);
         self.overlay.opacity = in_range(self.overlay.opacity, (MIN_OPACITY, 1.0), 0.8);
         self.sound.volume = in_range(self.sound.volume, (0.0, 1.0), DEFAULT_VOLUME);
+        self.recent_layouts = self.recent_layouts.checked();
+        self.hand.speed = in_range(self.hand.speed, HAND_SPEEDS, 1.0);
+        self.hand.noise = in_range(self.hand.noise, HAND_NOISES, 0.0);
         let is_finite = |position: &[f32; 2]| position.iter().all(|value| value.is_finite());
         self.overlay.position = self.overlay.position.filter(is_finite);
         self.window = self.window.filter(|window| {
@@ -234,6 +272,11 @@ mod tests {
             sound: SoundSettings {
                 is_on: false,
                 volume: f32::INFINITY,
+            },
+            hand: HandSettings {
+                speed: f32::NAN,
+                noise: f32::NEG_INFINITY,
+                person: None,
             },
             ..Settings::default()
         };

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::studio::first_start::{Answers, FirstStart, Search};
 use ademan::studio::texts::{self, Language, text, text_with};
-use ademan::studio::{StudioApp, StudioStart};
+use ademan::studio::{SessionRequest, StudioApp, StudioStart};
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -76,7 +76,10 @@ impl FirstWindow {
         let answers = Rc::new(RefCell::new(None));
         let session = Rc::new(RefCell::new(None));
         let (given, started) = (Rc::clone(&answers), Rc::clone(&session));
-        let content = StudioStart::first(first, move |answers| {
+        let content = StudioStart::first(first, move |request| {
+            let SessionRequest::First(answers) = request else {
+                return Err("no other layout".to_owned());
+            };
             let (app, handle) = begin(answers)?;
             *given.borrow_mut() = Some(answers.clone());
             *started.borrow_mut() = Some(handle);

@@ -53,6 +53,11 @@ impl GloveSensor {
         }
     }
 
+    /// Sets the sticks, triggers and buttons of another glove of this kind.
+    pub(super) fn keep_inputs(&mut self, other: &Self) {
+        self.other_counts.clone_from(&other.other_counts);
+    }
+
     /// Returns what the glove measures of a hand with these angles.
     pub(super) fn measure(&mut self, angles: &JointAngles) -> Sample {
         let mut channels = self.resting();

@@ -13,6 +13,7 @@ use super::sensed_hand::{SensedHand, hand_for};
 use super::simulated_hand::{Progress, SimulatedHand};
 use super::task::{HandTask, TaskStep};
 use crate::contact::TargetId;
+use crate::contact::surface::Scene;
 use crate::hand::Side;
 use crate::layout::Layout;
 use crate::message::escape;
@@ -130,6 +131,11 @@ impl LiveTask {
         }
     }
 
+    /// Returns the targets of the layout.
+    pub(super) fn scene(&self) -> &Scene {
+        &self.layout.scene
+    }
+
     /// Goes on with another layout. `hands` may be anywhere, but press nothing that they need.
     pub(super) fn set_layout(self, layout: Arc<Layout>, hands: &mut [SensedHand]) -> Self {
         let next = match self.has_returned || self.is_step_done(hands) {
@@ -147,6 +153,19 @@ impl LiveTask {
             state.keep_habits(old);
         }
         live
+    }
+
+    /// Returns whether the hands are between two steps, and press nothing.
+    pub(super) fn is_between_steps(&self, hands: &[SensedHand]) -> bool {
+        let is_idle = |hand: &SensedHand| !hand.hand.has_movements() && !hand.hand.is_down();
+        self.movements.is_empty() && hands.iter().all(is_idle)
+    }
+
+    /// Goes on with other hands in the same postures, between two steps.
+    pub(super) fn set_hands(&mut self, hands: &[SensedHand]) {
+        for (state, hand) in self.states.iter_mut().zip(hands) {
+            state.set_person(hand.hand.state());
+        }
     }
 
     /// Returns whether the step before the next one is complete.

@@ -9,6 +9,7 @@ mod action;
 mod action_error;
 mod assignment;
 mod body;
+mod disturbance;
 mod effector;
 mod glove_sensor;
 mod motor;

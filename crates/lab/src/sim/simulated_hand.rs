@@ -194,6 +194,21 @@ impl SimulatedHand {
         self.values.copy_from_slice(values);
     }
 
+    /// Takes the posture, the inputs and the time of another hand. Returns `false` if it has another sensor.
+    pub(super) fn continue_from(&mut self, other: &Self) -> bool {
+        if self.values.len() != other.values.len() {
+            return false;
+        }
+        self.values.copy_from_slice(&other.values);
+        (self.body, self.finger, self.samples) = (other.body, other.finger, other.samples);
+        if let (HandSensor::Glove(glove), HandSensor::Glove(other)) =
+            (&mut self.sensor, &other.sensor)
+        {
+            glove.keep_inputs(other);
+        }
+        true
+    }
+
     /// Returns whether the fingertip presses a target, or is on its way down to one or up from it.
     pub(super) fn is_down(&self) -> bool {
         self.active

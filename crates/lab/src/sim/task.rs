@@ -1,6 +1,7 @@
 //! Tasks of a simulated hand: a text, a script, or what suits the layout.
 
 use super::action::HandAction;
+use super::disturbance;
 use super::script::Script;
 use super::text_plan::taps_for_text;
 use super::tour::{tour, tour_text};
@@ -39,6 +40,15 @@ impl HandTask {
             // A tour is valid; without it the hand rests.
             Err(_) => Self::Text(String::new()),
         }
+    }
+
+    /// Creates a task that plays a script on a layout, except what ends, pauses or resumes the session or changes the layout. Returns
+    /// `None` if the script is for another layout.
+    pub fn script(text: &str, layout: &Layout) -> Option<Self> {
+        let script = Script::from_text(text, &layout.target_names()).ok()?;
+        let disturbing = disturbance::targets(layout);
+        let script = script.without(|target| disturbing.contains(&target))?;
+        Some(Self::Script(script))
     }
 
     /// Returns the text or script for a layout.

@@ -3,12 +3,11 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use crate::command::Command;
-use crate::device::KeyAction;
+use super::disturbance;
 use crate::device::trigger::{HandShape, Measure, Trigger};
 use crate::estimate::BendRanges;
 use crate::hand::{Finger, Input};
-use crate::layout::{Control, Handle, Key, Layout};
+use crate::layout::{Control, Handle, Layout};
 
 /// Rest between two controls, in ms.
 const PAUSE_MS: u32 = 200;
@@ -47,17 +46,26 @@ impl TourStop {
 }
 
 /// Returns the stops of a tour: each control is touched once, sliders are moved along their travel, knobs are turned, joints are bent
-/// for the triggers. Leaves out keys that end or pause the session or change the layout, and what no script can name.
+/// for the triggers. Leaves out what ends or pauses the session or changes the layout, and what no script can name.
 pub fn tour(layout: &Layout) -> Vec<TourStop> {
-    let keys = layout.keys.iter().filter(|key| !is_disruptive(key));
+    let disturbing = disturbance::targets(layout);
+    let keys = layout.keys.iter();
+    let keys = keys.filter(|key| !disturbing.contains(&key.face.target));
     let keys = keys.filter_map(|key| tap(&key.face.name));
-    let controls = layout.controls.iter().flat_map(control_stops);
+    let controls = layout.controls.iter();
+    let controls = controls.filter(|control| {
+        let mut faces = control.faces.iter();
+        !faces.any(|face| disturbing.contains(&face.target))
+    });
+    let controls = controls.flat_map(control_stops);
     let triggers = layout.triggers.iter();
+    let triggers = triggers.filter(|(_, trigger)| !disturbing.contains(&trigger.target));
     let triggers = triggers.filter_map(|(name, trigger)| trigger_stop(name, trigger));
     let mut stops: Vec<TourStop> = keys.chain(controls).chain(triggers).collect();
     match &layout.pointer {
         Some(pointer) if pointer.mode.starts_at_rest() => stops.extend(stick_stops()),
         None if layout.spaces.is_empty() => {}
+        _ if disturbance::is_in_space(layout) => {}
         _ => stops.extend(arm_stops()),
     }
     stops
@@ -74,15 +82,6 @@ pub fn tour_text(layout: &Layout, stops: &[TourStop]) -> String {
         _ = writeln!(text, "{}; wait {PAUSE_MS}", stop.actions);
     }
     text
-}
-
-/// Returns whether a key ends or pauses the session, or changes the layout under the tour.
-fn is_disruptive(key: &Key) -> bool {
-    let actions = key.actions.iter().flatten().copied();
-    actions.chain(key.hold_action()).any(|action| match action {
-        KeyAction::Command(command) => !matches!(command, Command::State | Command::Recenter),
-        _ => false,
-    })
 }
 
 fn tap(name: &str) -> Option<TourStop> {

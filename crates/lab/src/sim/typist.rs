@@ -57,6 +57,8 @@ pub struct SimulatedTypist {
     hands: Vec<SensedHand>,
     part: Part,
     follower: Option<Follower>,
+    /// The hands that take over as soon as no fingertip presses.
+    successors: Option<Vec<SensedHand>>,
     repeats: bool,
     period: Duration,
     packet: u64,
@@ -131,6 +133,7 @@ impl SimulatedTypist {
                 start: None,
             }),
             follower: None,
+            successors: None,
             repeats: false,
             period: settings.packet_period,
             packet: 0,
@@ -170,6 +173,37 @@ impl SimulatedTypist {
         Self {
             follower: Some(Follower::new(task, layout, feed)),
             ..self
+        }
+    }
+
+    /// Becomes another person, or one with other noise, at the end of the present step, or of the press to which that belongs. The hands go on
+    /// from where they are. `hands` are as at the start. Only for a person who plans while performing.
+    pub fn change(
+        &mut self,
+        settings: &TypistSettings,
+        hands: &[(&ArmModel, Sensor)],
+    ) -> Result<(), TypistError> {
+        if let Part::Live(live) = &self.part {
+            let changed = Self::with_hands(settings, &[], live.scene(), hands)?;
+            self.successors = Some(changed.hands);
+        }
+        Ok(())
+    }
+
+    /// Lets the hands take over that wait for it.
+    fn succeed(&mut self) {
+        let Part::Live(live) = &mut self.part else {
+            return;
+        };
+        let present = &self.hands;
+        let successors = self.successors.take_if(|_| live.is_between_steps(present));
+        let Some(mut hands) = successors else {
+            return;
+        };
+        let mut pairs = hands.iter_mut().zip(present);
+        if pairs.all(|(new, old)| new.hand.continue_from(&old.hand)) {
+            live.set_hands(&hands);
+            self.hands = hands;
         }
     }
 
@@ -255,6 +289,7 @@ impl SimulatedTypist {
     /// Returns what the sensor of each hand measures in the next packet, or `None` at the end.
     pub fn next_samples(&mut self) -> Option<Vec<(Side, Sample)>> {
         self.follow();
+        self.succeed();
         if !self.is_lifted() && !self.advance() {
             // A change of the layout does not wait for a hand that has ended.
             self.follower = None;

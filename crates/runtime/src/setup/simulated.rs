@@ -1,6 +1,7 @@
 //! The simulated hands of a setup, which type texts and play scripts.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::{LoadedSetup, SetupError};
 use crate::capture::{Hc11Format, SampleKind, StreamFormat};
@@ -9,6 +10,7 @@ use crate::sim::{
     SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, open_script,
 };
 use ademan_core::kinematics::ArmModel;
+use ademan_core::layout::Person;
 use ademan_core::message::escape;
 
 impl LoadedSetup {
@@ -129,19 +131,47 @@ impl LoadedSetup {
         task: HandTask,
         format: &Hc11Format,
     ) -> Result<SimulatedTypist, SetupError> {
-        let settings = TypistSettings {
-            name: "simulated hand".to_owned(),
-            packet_period: format.packet_period(),
-            noise: 0.0,
-            seed: 0,
-            person: self.simulated_person.clone(),
-            keys: TypingKeys::new(&self.layout),
-        };
+        let settings = self.live_settings(format.packet_period(), 0.0);
         let hands = self.hands(self.scripted_kind())?;
         let hands = borrowed(&hands);
         let layout = Arc::new(self.layout.clone());
         let typist = SimulatedTypist::live(&settings, task, layout, &self.layout_feed, &hands)?;
         Ok(typist.repeated())
+    }
+
+    /// Makes the simulated person of this setup that of a [live hand](Self::live_hand) of it, with sensors of this noise: a standard
+    /// deviation in counts of a glove, or in millimetres of a camera. The hand goes on with its task.
+    pub fn change_live_hand(
+        &self,
+        hand: &mut SimulatedTypist,
+        noise: f64,
+    ) -> Result<(), SetupError> {
+        let settings = self.live_settings(hand.packet_period(), noise);
+        let hands = self.hands(self.scripted_kind())?;
+        Ok(hand.change(&settings, &borrowed(&hands))?)
+    }
+
+    /// Replaces the simulated person, whose arm stays: the boards were placed for it. Refuses a person with other hands than the setup.
+    pub fn simulate(&mut self, person: &Person) -> Result<(), SetupError> {
+        let side = self.arm.side();
+        self.setup
+            .check_person(person, self.glove.is_some(), side)?;
+        self.simulated_person = Person {
+            bones: self.simulated_person.bones,
+            ..person.clone()
+        };
+        Ok(())
+    }
+
+    fn live_settings(&self, packet_period: Duration, noise: f64) -> TypistSettings {
+        TypistSettings {
+            name: "simulated hand".to_owned(),
+            packet_period,
+            noise,
+            seed: 0,
+            person: self.simulated_person.clone(),
+            keys: TypingKeys::new(&self.layout),
+        }
     }
 
     /// Returns a script that uses each control of the layout once, as far as the simulated hands can. Comments name what it leaves out.

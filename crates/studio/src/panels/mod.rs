@@ -5,8 +5,10 @@ mod calibration;
 mod editor;
 mod first_start;
 mod fonts;
+mod hand;
 mod help;
 mod lab;
+mod layouts;
 mod look;
 mod recording;
 mod scope;
@@ -52,6 +54,10 @@ pub struct PanelContext<'a> {
     pub session: &'a StudioModel,
     /// A recording is shown in place of a session, which takes commands.
     pub is_replay: bool,
+    /// The source is a simulated hand that can be changed.
+    pub has_hand: bool,
+    /// Another layout can be opened in a session of its own.
+    pub can_open: bool,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording is shown.
@@ -119,6 +125,12 @@ pub struct PanelState {
     lab: LabState,
     /// The settings that are remembered until the next start.
     settings: Settings,
+    /// The words in the field for the file of a simulated person.
+    person_file: String,
+    /// The words in the field for the file of a layout.
+    layout_file: String,
+    /// The layout that was chosen, which a new session has.
+    pub next_layout: Option<String>,
     /// Theme and contrast that the window has.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
@@ -168,6 +180,9 @@ impl Default for PanelState {
             recording: RecordingState::default(),
             lab: LabState::default(),
             settings: Settings::default(),
+            person_file: String::new(),
+            layout_file: String::new(),
+            next_layout: None,
             applied_look: None,
             tour: Tour::default(),
             shows_keys: false,
@@ -304,6 +319,11 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         }
     }
     help::show(ui, state);
+    if let Some(Ok(panel)) = &state.editor
+        && let Some(path) = panel.editor.path()
+    {
+        state.settings.recent_layouts.push(path);
+    }
     state.remember(ui, &context.session.view.layout.name);
 }
 

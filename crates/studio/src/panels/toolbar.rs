@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::actions::{ACTIONS, Action};
-use super::{PanelContext, PanelState, Workspace};
+use super::{PanelContext, PanelState, Workspace, hand, layouts};
 use crate::camera::Viewpoint;
 use crate::settings::Theme;
 use crate::texts::{self, Language, text};
@@ -43,6 +43,12 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
                 show_button(ui, Action::Fingertip, state, context);
             }
             ui.separator();
+        }
+        if context.can_open {
+            layouts::show(ui, state);
+        }
+        if context.has_hand {
+            hand::show(ui, state);
         }
         ui.menu_button(text("menu-view"), |ui| show_view_menu(ui, state, context));
         ui.menu_button(text("menu-settings"), |ui| show_settings_menu(ui, state));

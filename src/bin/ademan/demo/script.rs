@@ -1,7 +1,10 @@
 //! The scripts of shipped layouts, which the demo plays on layouts that do not type.
 
+use std::path::Path;
+
 use ademan::document::Document;
 use ademan::files::OpenDocument;
+use ademan::layout::Layout;
 
 /// Pairs the name of each layout with the text of `examples/scripts/NAME.txt`.
 macro_rules! scripts {
@@ -49,6 +52,13 @@ pub fn for_layout(layout: &str) -> Option<&'static str> {
     text(layout).filter(|_| document.path.is_none())
 }
 
+/// Returns the script for a layout as it comes with the program. One that was edited has none: the script does not know its controls.
+pub fn for_unchanged(layout: &Layout) -> Option<&'static str> {
+    let shipped = Document::shipped(&layout.file).ok()?;
+    let name = Path::new(&shipped.file).file_stem()?.to_str()?;
+    text(name).filter(|_| shipped.text == layout.text)
+}
+
 /// Returns the comment at the start of a script, which describes it, in one line.
 pub fn title(script: &str) -> String {
     let comment = script.lines().map_while(|line| line.strip_prefix('#'));
@@ -59,7 +69,6 @@ pub fn title(script: &str) -> String {
 mod tests {
     use std::collections::BTreeSet;
     use std::fs;
-    use std::path::Path;
 
     use ademan::document::shipped_layouts;
 

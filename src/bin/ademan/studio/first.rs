@@ -1,6 +1,5 @@
 //! The first start: pages that ask for the source, the hand and the layout, and the session that they lead to.
 
-use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -13,7 +12,8 @@ use ademan::studio::first_start::{Answers, FirstStart, Search};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::{StudioApp, StudioStart, open_window, texts};
 
-use super::window::{end, language, live_app, live_options, start};
+use super::sessions::Sessions;
+use super::window::{NO_OUTPUT, end, language, live_app, live_options, start};
 use super::{Args, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals};
@@ -35,28 +35,25 @@ pub fn is_first(args: &Args) -> bool {
 pub fn open() -> Result<(), Failure> {
     session::prepare()?;
     texts::set_language(language());
-    let session = RefCell::new(None);
+    let sessions = Sessions::new(Setup::default(), None);
     let shown = panics::contain(|| {
         let first = FirstStart::new(Search::of_this_machine());
-        let content = StudioStart::first(first, |answers| {
-            let (app, started) = begin(answers).map_err(|failure| failure.to_string())?;
-            *session.borrow_mut() = Some(started);
-            Ok(app)
-        });
+        let content = StudioStart::first(first, |request| sessions.open(request));
         open_window(content, signals::is_stop_requested)
     });
-    end(shown, session.take())
+    end(shown, sessions.take())
 }
 
 /// Writes the setup, and starts the session of the answers.
-fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), Failure> {
-    let setup = answers.load()?;
+pub(super) fn begin(answers: &Answers) -> Result<(StudioApp, SessionHandle), Failure> {
+    let setup = Setup {
+        output: NO_OUTPUT.into(),
+        ..answers.setup.clone()
+    };
     let mut options = live_options();
-    if setup.setup.source.is_none() {
-        options.source = Some(Box::new(source::simulated_hand(&setup)?));
-    }
+    let (setup, hand) = source::load(setup, &mut options)?;
     let session = start(setup, options)?;
-    let app = live_app(&session).map_err(|error| Failure::job(error.to_string()))?;
+    let app = live_app(&session, hand).map_err(|error| Failure::job(error.to_string()))?;
     if answers.is_kept {
         keep(&answers.setup)?;
     }

@@ -13,15 +13,17 @@ use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
+use ademan::studio::simulated::HandControl;
 use ademan::studio::texts::{self, Language};
-use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
+use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay, open_window};
 
+use super::sessions::Sessions;
 use super::{Args, first, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file names others: nothing is typed into other programs by surprise.
-const NO_OUTPUT: &str = "none";
+pub(super) const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
@@ -35,17 +37,27 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let player = args.recording.as_deref();
     let player = player.map(|path| open_player(path, args.layout.as_deref()));
     let player = player.transpose()?;
-    let (setup, refused) = load_or_edit(args, &mut options)?;
+    let (loaded, refused) = load_or_edit(args, &mut options)?;
+    let Loaded { base, setup, hand } = loaded;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     let arm = setup.arm_document().cloned();
     let session = start(setup, options)?;
     texts::set_language(language());
-    let shown = panics::contain(|| match is_overlay {
-        true => show_overlay(&session, is_placed),
-        false => show_window(&session, player, arm.as_ref(), refused.as_deref()),
+    let sessions = Sessions::new(base, Some(session));
+    let shown = panics::contain(|| {
+        if is_overlay {
+            return show_overlay(sessions.program(|it| Overlay::new(it, is_placed))?);
+        }
+        let is_replay = player.is_some();
+        let app = sessions.program(|session| match player {
+            Some(player) => Ok(with_settings(StudioApp::new(session)?.with_player(player))),
+            None => live_app(session, hand),
+        })?;
+        let app = app.with_arm(arm.as_ref());
+        show_window(app, (!is_replay).then_some(&sessions), refused.as_deref())
     });
-    end(shown, Some(session))
+    end(shown, sessions.take())
 }
 
 /// Returns the options of a session in its own time that follows its layout files.
@@ -92,27 +104,33 @@ pub(super) fn end(
     session.map_or(Ok(()), |session| stats::report(session.join()?))
 }
 
-/// Shows the window. `refused` is a layout that the session cannot use: it is opened in the editor.
+/// Shows the window. Without `sessions` it shows a recording, which has one layout. `refused` is a layout that the session cannot use: it
+/// is opened in the editor.
 fn show_window(
-    session: &SessionHandle,
-    player: Option<Player>,
-    arm: Option<&Document>,
+    mut app: StudioApp,
+    sessions: Option<&Sessions>,
     refused: Option<&str>,
 ) -> Result<(), StudioError> {
-    let mut app = match player {
-        Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
-        None => live_app(session)?,
-    };
-    app = app.with_arm(arm);
     if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
         complain!("{error}");
     }
-    open_window(app.into(), signals::is_stop_requested)
+    let content = match sessions {
+        Some(sessions) => StudioStart::with_layouts(app, |request| sessions.open(request)),
+        None => app.into(),
+    };
+    open_window(content, signals::is_stop_requested)
 }
 
-/// Returns the program for a session, with clicks and with the settings of this person.
-pub(super) fn live_app(session: &SessionHandle) -> Result<StudioApp, StudioError> {
-    Ok(with_settings(StudioApp::new(session)?.with_sound(session)))
+/// Returns the program for a session, with clicks, the settings of this person, and the control of the simulated hand.
+pub(super) fn live_app(
+    session: &SessionHandle,
+    hand: Option<HandControl>,
+) -> Result<StudioApp, StudioError> {
+    let app = with_settings(StudioApp::new(session)?.with_sound(session));
+    Ok(match hand {
+        Some(hand) => app.with_hand(hand),
+        None => app,
+    })
 }
 
 fn with_settings(app: StudioApp) -> StudioApp {
@@ -122,8 +140,7 @@ fn with_settings(app: StudioApp) -> StudioApp {
     }
 }
 
-fn show_overlay(session: &SessionHandle, is_placed: bool) -> Result<(), StudioError> {
-    let mut overlay = Overlay::new(session, is_placed)?;
+fn show_overlay(mut overlay: Overlay) -> Result<(), StudioError> {
     let path = SettingsFile::default_path();
     if let Some(error) = path.and_then(|path| overlay.restore(path)) {
         complain!("{error}");
@@ -151,11 +168,19 @@ fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
     })
 }
 
+/// A setup, and the control of the simulated hand that is its source.
+struct Loaded {
+    /// The setup before its files were loaded.
+    base: Setup,
+    setup: LoadedSetup,
+    hand: Option<HandControl>,
+}
+
 /// Loads the setup. If its layout is a file with faults, the session has the default layout, and the name of the file is returned.
 fn load_or_edit(
     args: Args,
     options: &mut SessionOptions,
-) -> Result<(LoadedSetup, Option<String>), Failure> {
+) -> Result<(Loaded, Option<String>), Failure> {
     let is_edited = args.recording.is_none() && !args.overlay;
     let layout = args.layout.clone();
     let retry = Args {
@@ -183,7 +208,7 @@ fn load_or_edit(
 }
 
 /// Loads the setup, with a simulated hand as the source where it has none.
-fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure> {
+fn load(args: Args, options: &mut SessionOptions) -> Result<Loaded, Failure> {
     if let Some(path) = &args.recording {
         let replay = Replay::open(path)?;
         let settings = ReplaySettings {
@@ -194,7 +219,12 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
         setup.setup.output = NO_OUTPUT.into();
         options.source = Some(Box::new(source::NoReadings));
-        return Ok(setup);
+        let base = setup.setup.clone();
+        return Ok(Loaded {
+            base,
+            setup,
+            hand: None,
+        });
     }
     let mut setup = match &args.setup {
         Some(path) => Setup::load(path)?,
@@ -211,11 +241,9 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         setup.output = NO_OUTPUT.into();
     }
     setup.use_token_roles()?;
-    let setup = setup.load_files()?;
-    if setup.setup.source.is_none() {
-        options.source = Some(Box::new(source::simulated_hand(&setup)?));
-    }
-    Ok(setup)
+    let base = setup.clone();
+    let (setup, hand) = source::load(setup, options)?;
+    Ok(Loaded { base, setup, hand })
 }
 
 #[cfg(test)]
@@ -236,7 +264,8 @@ mod tests {
         let load = |line: &[&str]| {
             let line = CommandLine::try_parse_from(line).expect("the flag is known");
             let mut options = SessionOptions::default();
-            load(line.args, &mut options).expect("a person that comes with the program")
+            let loaded = load(line.args, &mut options);
+            loaded.expect("a person that comes with the program").setup
         };
         let small = load(&[
             "studio",
@@ -253,12 +282,23 @@ mod tests {
     }
 
     #[test]
+    fn a_layout_for_two_hands_is_played_by_two() {
+        let line = ["studio", "--layout", "qwerty-two-flat"];
+        let line = CommandLine::try_parse_from(line).expect("the flag is known");
+        let mut options = SessionOptions::default();
+        let loaded = load(line.args, &mut options).expect("a layout that comes with the program");
+        let other = loaded.setup.other_hand.expect("a second hand");
+        assert_eq!(other.arm.side(), Side::Left);
+        assert!(loaded.hand.is_some());
+    }
+
+    #[test]
     fn the_glove_of_the_command_line_replaces_that_of_the_setup() {
         let line = ["studio", "--glove", "lucidgloves-left"];
         let line = CommandLine::try_parse_from(line).expect("the flag is known");
         let mut options = SessionOptions::default();
-        let setup = load(line.args, &mut options).expect("a glove that comes with the program");
-        let glove = setup.glove.expect("the glove");
+        let loaded = load(line.args, &mut options).expect("a glove that comes with the program");
+        let glove = loaded.setup.glove.expect("the glove");
         assert_eq!((glove.side, glove.map.full_scale()), (Side::Left, 4095));
         assert!(options.source.is_some(), "a simulated hand wears it");
     }

@@ -108,6 +108,13 @@ impl HandState {
         self.posed = earlier.posed;
     }
 
+    /// Goes on as the person of another state, who has the same posture and finds the same keys.
+    pub(in crate::sim) fn set_person(&mut self, other: Self) {
+        let keys = std::mem::take(&mut self.motor.keys);
+        (self.hand, self.motor, self.rest) = (other.hand, other.motor, other.rest);
+        self.motor.keys = keys;
+    }
+
     /// Goes to the start of these actions, and returns the movements that show the hand there.
     pub(in crate::sim) fn begin(
         &mut self,

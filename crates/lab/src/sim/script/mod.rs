@@ -145,6 +145,14 @@ impl Script {
         })
     }
 
+    /// Returns the script without the actions on some targets; `None` if no action is left.
+    pub(super) fn without(mut self, is_left_out: impl Fn(TargetId) -> bool) -> Option<Self> {
+        let is_kept = |action: &HandAction| !action.target().is_some_and(&is_left_out);
+        let steps = self.actions.into_iter().zip(self.spans);
+        (self.actions, self.spans) = steps.filter(|(action, _)| is_kept(action)).unzip();
+        (!self.actions.is_empty()).then_some(self)
+    }
+
     /// Creates an error at an action, given its index in [`actions`](Self::actions).
     pub fn error(&self, action: usize, message: impl std::fmt::Display) -> DocumentError {
         let span = self.spans.get(action).cloned().unwrap_or(0..0);

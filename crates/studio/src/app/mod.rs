@@ -1,40 +1,33 @@
 //! The window: receives what the session shows, and lays out the panels.
 
+mod window;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
-use super::error::StudioError;
-use super::fingertip::Fingertip;
-use super::first_start::{Answers, FirstStart};
-use super::graphics;
-use super::lab::WatchedPerson;
-use super::model::StudioModel;
-use super::pace::Pace;
-use super::panels::{self, PanelContext, PanelState, WatchChange};
-use super::playback::Player;
-use super::sensor_control::SensorControl;
-use super::settings::{Settings, WindowPlace};
-use super::settings_file::SettingsFile;
-use super::sound::Sound;
-use super::texts::text;
+pub use self::window::open_window;
+use self::window::place_of_window;
+pub(crate) use self::window::{run_window, window_options};
+use crate::error::StudioError;
+use crate::fingertip::Fingertip;
+use crate::first_start::{Answers, FirstStart};
+use crate::lab::WatchedPerson;
+use crate::model::StudioModel;
+use crate::panels::{self, PanelContext, PanelState, WatchChange};
+use crate::playback::Player;
+use crate::sensor_control::SensorControl;
+use crate::settings::Settings;
+use crate::settings_file::SettingsFile;
+use crate::simulated::HandControl;
+use crate::sound::Sound;
 use ademan_core::command::Command;
 use ademan_core::document::{Document, DocumentError};
 use ademan_core::snapshot::Snapshot;
-use ademan_runtime::priority;
 use ademan_runtime::session::view::Viewer;
 use ademan_runtime::session::{CommandSender, LayoutTrial, SessionHandle};
-
-/// Size of the window at the first start, in points.
-const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
-
-/// Time between two pictures of the first start, in which only what was found changes.
-const FIRST_PERIOD: Duration = Duration::from_millis(100);
-
-/// Smallest size of the window, in points.
-const MIN_WINDOW_SIZE: [f32; 2] = [640.0, 400.0];
 
 /// The program in the window.
 pub struct StudioApp {
@@ -49,6 +42,10 @@ pub struct StudioApp {
     watching: Option<Watching>,
     /// The session whose hand follows the mouse.
     fingertip: Option<Fingertip>,
+    /// The simulated hand that is the source of the session.
+    hand: Option<HandControl>,
+    /// Another layout can be opened in a session of its own.
+    can_open: bool,
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
@@ -91,6 +88,8 @@ impl StudioApp {
             player: None,
             watching: None,
             fingertip: None,
+            hand: None,
+            can_open: false,
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
@@ -106,6 +105,21 @@ impl StudioApp {
         self.panels.restore(settings);
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
+        let setup = self.sensors.setup();
+        if let Some(path) = setup.layout_path(&setup.layout) {
+            let path = PathBuf::from(path);
+            self.panels.settings().recent_layouts.push(&path);
+        }
+        self
+    }
+
+    /// Changes the simulated hand of the session as the settings say, which are restored before. A person of the setup comes first.
+    #[must_use]
+    pub fn with_hand(mut self, hand: HandControl) -> Self {
+        if hand.has_own_person() {
+            self.panels.settings().hand.person = None;
+        }
+        self.hand = Some(hand);
         self
     }
 
@@ -176,6 +190,8 @@ impl StudioApp {
             model: shown.unwrap_or(&self.model),
             session: &self.model,
             is_replay: self.player.is_some(),
+            has_hand: self.hand.is_some(),
+            can_open: self.can_open,
             sensors: &mut self.sensors,
             trial: self.trial.as_ref(),
             sent: &mut sent,
@@ -206,6 +222,7 @@ impl StudioApp {
             None => {}
         }
         self.apply_sound();
+        self.apply_hand();
     }
 
     /// Brings the state that is shown to the present.
@@ -250,6 +267,18 @@ impl StudioApp {
             self.panels.message = ended.end().err().map(|error| error.to_string());
         }
         self.panels.is_fingertip = self.fingertip.is_some();
+    }
+
+    /// Changes the simulated hand, and takes back a person that cannot be simulated.
+    fn apply_hand(&mut self) {
+        let wanted = &mut self.panels.settings().hand;
+        let Some(hand) = &mut self.hand else {
+            return;
+        };
+        if let Err(error) = hand.apply(wanted) {
+            wanted.person.clone_from(&hand.applied().person);
+            self.panels.message = Some(error.to_string());
+        }
     }
 
     fn apply_sound(&mut self) {
@@ -308,41 +337,48 @@ impl StudioApp {
     }
 }
 
-/// Returns position and size of a window that is neither maximized nor minimized.
-fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
-    context.input(|input| {
-        let window = input.viewport();
-        let is_placed_by_desktop = [window.maximized, window.minimized, window.fullscreen];
-        if is_placed_by_desktop.contains(&Some(true)) {
-            return None;
-        }
-        let size = window.inner_rect?.size();
-        let position = window.outer_rect.map(|area| [area.min.x, area.min.y]);
-        Some(WindowPlace {
-            position,
-            size: [size.x, size.y],
-        })
-    })
+/// The session that is to be started.
+#[derive(Clone, Copy, Debug)]
+pub enum SessionRequest<'a> {
+    /// A session with the answers of the first start.
+    First(&'a Answers),
+    /// A session on another layout in place of the present one, and whether it starts paused, as the present one is.
+    Layout(&'a str, bool),
 }
 
-/// Starts a session with the answers of the first start, and returns the program for it, or the reason why there is none.
-type OpenSession<'a> = Box<dyn FnMut(&Answers) -> Result<StudioApp, String> + 'a>;
+/// Starts a session and returns the program for it, or the reason why there is none.
+type OpenSession<'a> = Box<dyn FnMut(SessionRequest) -> Result<StudioApp, String> + 'a>;
 
 /// The program in a window, or the pages of the first start before it.
 pub struct StudioStart<'a> {
-    first: Option<(FirstStart, OpenSession<'a>)>,
+    first: Option<FirstStart>,
     app: Option<StudioApp>,
+    open: Option<OpenSession<'a>>,
 }
 
 impl<'a> StudioStart<'a> {
-    /// Shows the pages of the first start, and then the program that `open` returns for the answers.
+    /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for other layouts.
     pub fn first(
         first: FirstStart,
-        open: impl FnMut(&Answers) -> Result<StudioApp, String> + 'a,
+        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
     ) -> Self {
         Self {
-            first: Some((first, Box::new(open))),
+            first: Some(first),
             app: None,
+            open: Some(Box::new(open)),
+        }
+    }
+
+    /// Shows a program, and then those that `open` returns for other layouts.
+    pub fn with_layouts(
+        mut app: StudioApp,
+        open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
+    ) -> Self {
+        app.can_open = true;
+        Self {
+            first: None,
+            app: Some(app),
+            open: Some(Box::new(open)),
         }
     }
 
@@ -355,24 +391,48 @@ impl<'a> StudioStart<'a> {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
             app.show(ui);
+            self.open_layout();
             return;
         }
-        let Some((first, open)) = &mut self.first else {
+        let (Some(first), Some(open)) = (&mut self.first, &mut self.open) else {
             return;
         };
         first.update();
         let Some(answers) = panels::show_first_start(ui, first) else {
             return;
         };
-        match open(&answers) {
+        match open(SessionRequest::First(&answers)) {
             Ok(mut app) => {
                 if answers.is_calibrated {
                     app.panels.show_calibration();
                 }
+                app.can_open = true;
                 self.app = Some(app);
                 self.first = None;
             }
             Err(reason) => first.error = Some(reason),
+        }
+    }
+
+    /// Replaces the program by one on the layout that was chosen, if any. Without it the present one stays.
+    fn open_layout(&mut self) {
+        let (Some(app), Some(open)) = (&mut self.app, &mut self.open) else {
+            return;
+        };
+        let Some(layout) = app.panels.next_layout.take() else {
+            return;
+        };
+        // The next program reads them.
+        let saved = app.settings_file.save(app.panels.settings());
+        let is_paused = app.model.view.state.paused_by.is_some();
+        let opened = open(SessionRequest::Layout(&layout, is_paused));
+        match (saved.map_err(|error| error.to_string()), opened) {
+            (saved, Ok(mut other)) => {
+                other.can_open = true;
+                other.panels.message = saved.err().or(other.panels.message);
+                self.app = Some(other);
+            }
+            (_, Err(reason)) => app.panels.message = Some(reason),
         }
     }
 }
@@ -382,100 +442,7 @@ impl From<StudioApp> for StudioStart<'_> {
         Self {
             first: None,
             app: Some(app),
+            open: None,
         }
-    }
-}
-
-/// A [`StudioStart`] in a window of the desktop.
-struct Window<'a> {
-    content: StudioStart<'a>,
-    pace: Pace,
-    should_close: fn() -> bool,
-}
-
-impl eframe::App for Window<'_> {
-    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        let is_stopped = (self.should_close)();
-        if is_stopped && let Some(app) = self.content.app() {
-            app.panels.permit_close();
-        }
-        self.content.show(ui);
-        let context = ui.ctx();
-        if is_stopped {
-            context.send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-        let Some(app) = self.content.app() else {
-            context.request_repaint_after(FIRST_PERIOD);
-            return;
-        };
-        let is_end = is_stopped || context.input(|input| input.viewport().close_requested());
-        app.save_settings(context, is_end);
-        let now = context.input(|input| input.time);
-        let cost = Duration::from_secs_f32(frame.info().cpu_usage.unwrap_or(0.0));
-        let pause = self.pace.pause(now, app.has_changed, cost);
-        context.request_repaint_after(pause);
-    }
-}
-
-/// Shows the program in a window until that is closed, or `should_close` returns `true`. On the main thread only, as desktops
-/// require.
-pub fn open_window(
-    mut content: StudioStart,
-    should_close: fn() -> bool,
-) -> Result<(), StudioError> {
-    let settings = content.app().map(|app| app.settings().clone());
-    let settings = settings.unwrap_or_default();
-    let (place, scale) = (settings.window, settings.scale);
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title(text("window-title"))
-        .with_app_id("ademan-studio")
-        .with_inner_size(place.map_or(WINDOW_SIZE, |place| place.size))
-        .with_min_inner_size(MIN_WINDOW_SIZE);
-    if let Some(position) = place.and_then(|place| place.position) {
-        viewport = viewport.with_position(position);
-    }
-    let options = window_options(viewport);
-    let window = Window {
-        content,
-        pace: Pace::new(graphics::has_card()),
-        should_close,
-    };
-    let create: eframe::AppCreator = Box::new(|creation| {
-        StudioApp::prepare(&creation.egui_ctx);
-        creation.egui_ctx.set_zoom_factor(scale);
-        Ok(Box::new(window))
-    });
-    run_window(text("window-title"), options, create)
-}
-
-/// Shows a window until it is closed.
-pub(super) fn run_window(
-    title: &str,
-    options: eframe::NativeOptions,
-    create: eframe::AppCreator<'_>,
-) -> Result<(), StudioError> {
-    // Mesa fills a picture for longer than a press may wait.
-    priority::shorten_time_slice();
-    eframe::run_native(title, options, create).map_err(window_error)
-}
-
-/// Returns the options of every window of Studio.
-pub(super) fn window_options(viewport: egui::ViewportBuilder) -> eframe::NativeOptions {
-    eframe::NativeOptions {
-        viewport,
-        renderer: eframe::Renderer::Glow,
-        // It takes time for each pixel where Mesa draws in software, and hides steps of gradients that no window has.
-        dithering: false,
-        ..eframe::NativeOptions::default()
-    }
-}
-
-/// Returns the reason why a window was not opened.
-fn window_error(error: eframe::Error) -> StudioError {
-    match error {
-        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => StudioError::NoDesktop,
-        eframe::Error::Glutin(error) => StudioError::NoOpenGl(error.to_string()),
-        eframe::Error::NoGlutinConfigs(_, error) => StudioError::NoOpenGl(error.to_string()),
-        error => StudioError::NoOpenGl(error.to_string()),
     }
 }

@@ -1,0 +1,69 @@
+//! The menu of the simulated hand: speed, noise, and the person.
+
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use eframe::egui::{self, Key, PopupCloseBehavior};
+
+use super::PanelState;
+use crate::settings::{HAND_NOISES, HAND_SPEEDS, HandSettings};
+use crate::texts::text;
+use ademan_core::document::shipped_persons;
+
+/// Width of the menu, in points.
+const WIDTH: f32 = 260.0;
+
+pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let menu = MenuButton::new(text("menu-hand")).config(stays);
+    menu.ui(ui, |ui| {
+        ui.set_width(WIDTH);
+        let hand = &mut state.settings.hand;
+        show_sliders(ui, hand);
+        ui.separator();
+        show_people(ui, hand);
+        show_file(ui, hand, &mut state.person_file);
+    });
+}
+
+fn show_sliders(ui: &mut egui::Ui, hand: &mut HandSettings) {
+    let (slowest, fastest) = HAND_SPEEDS;
+    let name = ui.label(text("hand-speed"));
+    let slider = egui::Slider::new(&mut hand.speed, slowest..=fastest).suffix(" ×");
+    ui.add(slider.logarithmic(true)).labelled_by(name.id);
+    let (least, most) = HAND_NOISES;
+    let name = ui.label(text("hand-noise"));
+    let slider = egui::Slider::new(&mut hand.noise, least..=most).fixed_decimals(1);
+    let slider = ui.add(slider).labelled_by(name.id);
+    slider.on_hover_text(text("hand-noise-hint"));
+}
+
+fn show_people(ui: &mut egui::Ui, hand: &mut HandSettings) {
+    ui.label(text("hand-person"));
+    let own = hand.person.is_none();
+    if ui.radio(own, text("hand-person-own")).clicked() {
+        hand.person = None;
+    }
+    let is_shipped = |name: &String| shipped_persons().any(|shipped| shipped == name);
+    let file = hand.person.clone().filter(|name| !is_shipped(name));
+    let people = shipped_persons().map(str::to_owned).chain(file);
+    for name in people {
+        let is_chosen = hand.person.as_ref() == Some(&name);
+        if ui.radio(is_chosen, &name).clicked() {
+            hand.person = Some(name);
+        }
+    }
+}
+
+/// Asks for the file of a person.
+fn show_file(ui: &mut egui::Ui, hand: &mut HandSettings, file: &mut String) {
+    let label = ui.label(text("hand-person-file"));
+    ui.horizontal(|ui| {
+        let field = egui::TextEdit::singleline(file).desired_width(WIDTH - 70.0);
+        let field = ui.add(field).labelled_by(label.id);
+        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let is_opened = ui.button(text("hand-person-open")).clicked();
+        let name = file.trim();
+        if (is_entered || is_opened) && !name.is_empty() {
+            hand.person = Some(name.to_owned());
+        }
+    });
+}

@@ -1,0 +1,91 @@
+//! The menu that opens another layout: one that was opened before, one that comes with the program, or a file.
+
+use std::path::Path;
+
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use eframe::egui::{self, Key, PopupCloseBehavior};
+
+use super::PanelState;
+use crate::first_start::LAYOUTS;
+use crate::texts::{text, text_with};
+use ademan_core::message::escape;
+
+/// Width of the menu, in points.
+const WIDTH: f32 = 320.0;
+
+/// Height of the list of layouts that come with the program, in points.
+const HEIGHT: f32 = 300.0;
+
+/// Shows the menu. A choice becomes [`PanelState::next_layout`].
+pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let menu = MenuButton::new(text("menu-open")).config(stays);
+    let (button, _) = menu.ui(ui, |ui| {
+        ui.set_width(WIDTH);
+        let chosen = show_recent(ui, state)
+            .or_else(|| show_file(ui, &mut state.layout_file))
+            .or_else(|| show_shipped(ui));
+        if chosen.is_some() {
+            state.next_layout = chosen;
+            ui.close();
+        }
+    });
+    button.on_hover_text(text("layouts-hint"));
+}
+
+/// Returns the file that was chosen. One that is no longer there is dropped with a message.
+fn show_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
+    let recent = state.settings.recent_layouts.clone();
+    recent.iter().next()?;
+    ui.strong(text("layouts-recent"));
+    let mut chosen = None;
+    for file in recent.iter() {
+        let name = Path::new(file).file_name().unwrap_or_default();
+        let name = name.to_string_lossy();
+        let button = ui.selectable_label(false, escape(&name).into_owned());
+        if button.on_hover_text(escape(file).into_owned()).clicked() {
+            chosen = Some(file.to_owned());
+        }
+    }
+    ui.separator();
+    let file = chosen?;
+    if Path::new(&file).is_file() {
+        return Some(file);
+    }
+    state.settings.recent_layouts.remove(&file);
+    let name = escape(&file).into_owned();
+    state.message = Some(text_with("layouts-missing", &[("file", name.into())]));
+    None
+}
+
+fn show_file(ui: &mut egui::Ui, file: &mut String) -> Option<String> {
+    let label = ui.label(text("layouts-file"));
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        let field = egui::TextEdit::singleline(file).desired_width(WIDTH - 70.0);
+        let field = ui.add(field).labelled_by(label.id);
+        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let is_opened = ui.button(text("layouts-button")).clicked();
+        let name = file.trim();
+        if (is_entered || is_opened) && !name.is_empty() {
+            chosen = Some(name.to_owned());
+        }
+    });
+    chosen
+}
+
+fn show_shipped(ui: &mut egui::Ui) -> Option<String> {
+    ui.separator();
+    ui.strong(text("layouts-shipped"));
+    let mut chosen = None;
+    let area = egui::ScrollArea::vertical().max_height(HEIGHT);
+    area.show(ui, |ui| {
+        for layout in LAYOUTS.iter() {
+            let button = ui.selectable_label(false, layout.name.as_str());
+            if button.on_hover_text(layout.description.as_str()).clicked() {
+                chosen = Some(layout.name.clone());
+            }
+        }
+    });
+    chosen
+}

@@ -1,0 +1,74 @@
+//! The files of layouts that were opened last.
+
+use std::path::{self, Path};
+
+use serde::{Deserialize, Serialize};
+
+/// The most files that are kept.
+pub const MAX_RECENT: usize = 8;
+
+/// Files of layouts, the latest first, each once.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct RecentLayouts(Vec<String>);
+
+impl RecentLayouts {
+    /// Moves a file to the front. The oldest one is dropped if there are too many. A path that is not UTF-8 is left out.
+    pub fn push(&mut self, file: &Path) {
+        let Ok(file) = path::absolute(file) else {
+            return;
+        };
+        let Some(file) = file.to_str() else {
+            return;
+        };
+        if self.0.first().is_some_and(|first| first == file) {
+            return;
+        }
+        self.remove(file);
+        self.0.insert(0, file.to_owned());
+        self.0.truncate(MAX_RECENT);
+    }
+
+    /// Drops a file.
+    pub fn remove(&mut self, file: &str) {
+        self.0.retain(|other| other != file);
+    }
+
+    /// Iterates over the files, the latest first.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(String::as_str)
+    }
+
+    /// Returns at most [`MAX_RECENT`] files.
+    #[must_use]
+    pub fn checked(mut self) -> Self {
+        self.0.truncate(MAX_RECENT);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_files_are_kept_each_once() {
+        let mut recent = RecentLayouts::default();
+        for number in 0..20 {
+            recent.push(Path::new(&format!("/layouts/{number}.ron")));
+        }
+        recent.push(Path::new("/layouts/15.ron"));
+        recent.push(Path::new("/layouts/15.ron"));
+        let numbers = ["15", "19", "18", "17", "16", "14", "13", "12"];
+        let expected = numbers.map(|number| format!("/layouts/{number}.ron"));
+        assert_eq!(recent.iter().collect::<Vec<_>>(), expected);
+        recent.remove("/layouts/19.ron");
+        assert_eq!(recent.iter().count(), MAX_RECENT - 1);
+    }
+
+    #[test]
+    fn a_long_list_of_a_file_is_shortened() {
+        let names: Vec<String> = (0..100).map(|number| number.to_string()).collect();
+        assert_eq!(RecentLayouts(names).checked().iter().count(), MAX_RECENT);
+    }
+}
