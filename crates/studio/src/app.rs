@@ -10,6 +10,7 @@ use super::error::StudioError;
 use super::fingertip::Fingertip;
 use super::first_start::{Answers, FirstStart};
 use super::graphics;
+use super::headset::HeadsetLink;
 use super::lab::WatchedPerson;
 use super::model::StudioModel;
 use super::pace::Pace;
@@ -145,6 +146,13 @@ impl StudioApp {
         self.player = Some(player);
         self.trial = None;
         self.sensors.lock();
+        self
+    }
+
+    /// Shows a link for a headset until one is connected, and the buttons that let it press keys.
+    #[must_use]
+    pub fn with_headset(mut self, link: Option<HeadsetLink>) -> Self {
+        self.panels.show_headset_link(link);
         self
     }
 

@@ -11,12 +11,13 @@ use ademan::layout::Layout;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
+use ademan::studio::headset::HeadsetLink;
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, open_overlay, open_window};
 
-use super::{Args, first, mesa, source};
+use super::{Args, first, headset_link, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
@@ -38,12 +39,17 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let (setup, refused) = load_or_edit(args, &mut options)?;
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
-    let arm = setup.arm_document().cloned();
+    let content = Content {
+        player,
+        arm: setup.arm_document().cloned(),
+        refused,
+        headset: headset_link(&setup)?,
+    };
     let session = start(setup, options)?;
     texts::set_language(language());
     let shown = panics::contain(|| match is_overlay {
         true => show_overlay(&session, is_placed),
-        false => show_window(&session, player, arm.as_ref(), refused.as_deref()),
+        false => show_window(&session, content),
     });
     end(shown, Some(session))
 }
@@ -92,18 +98,24 @@ pub(super) fn end(
     session.map_or(Ok(()), |session| stats::report(session.join()?))
 }
 
-/// Shows the window. `refused` is a layout that the session cannot use: it is opened in the editor.
-fn show_window(
-    session: &SessionHandle,
+/// What the window shows beside the session.
+struct Content {
     player: Option<Player>,
-    arm: Option<&Document>,
-    refused: Option<&str>,
-) -> Result<(), StudioError> {
-    let mut app = match player {
+    arm: Option<Document>,
+    /// A layout that the session cannot use: it is opened in the editor.
+    refused: Option<String>,
+    headset: Option<HeadsetLink>,
+}
+
+fn show_window(session: &SessionHandle, content: Content) -> Result<(), StudioError> {
+    let mut app = match content.player {
         Some(player) => with_settings(StudioApp::new(session)?.with_player(player)),
         None => live_app(session)?,
     };
-    app = app.with_arm(arm);
+    app = app
+        .with_arm(content.arm.as_ref())
+        .with_headset(content.headset);
+    let refused = content.refused.as_deref();
     if let Some(error) = refused.and_then(|name| app.edit(name).err()) {
         complain!("{error}");
     }
