@@ -12,6 +12,7 @@ mod editor;
 mod editor_faults;
 mod fingertip;
 mod first_start;
+mod headset;
 mod keyboard;
 mod lab;
 mod layouts;
