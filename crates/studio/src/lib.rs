@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
+//! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
 //! [`settings`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
 //! # Adding a panel
@@ -34,6 +34,7 @@ pub mod glove_editor;
 pub mod glove_file;
 mod graphics;
 pub mod guide;
+pub mod headset;
 pub mod history;
 mod joint_names;
 pub mod lab;

@@ -3,10 +3,12 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use ademan::capture::HeadsetStatus;
 use ademan::command::{CommandOrigin, CommandSpec, FieldKind, SPECS};
 use ademan::message::{escape, escape_json, escape_lines};
 use ademan::session::control_socket::{self, Client};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Subcommand};
+use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::failure::Failure;
@@ -193,13 +195,15 @@ fn state_text(reply: &Value) -> String {
             ranges["percent"]
         );
     }
+    let headset = HeadsetStatus::deserialize(&reply["headset"]).ok();
+    let headset = headset.map_or(String::new(), |headset| format!("\nsource     {headset}"));
     let incomplete = reply["incomplete"].as_array().into_iter().flatten();
     let incomplete = incomplete.filter_map(plain_text);
     let incomplete: String = incomplete
         .map(|file| format!("\nfiles      {file}"))
         .collect();
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{learned}{incomplete}",
+        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{headset}{learned}{incomplete}",
         or_unknown(&reply["profile"]),
         or_unknown(&reply["layout"]),
         reply["steps"],

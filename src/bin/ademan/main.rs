@@ -48,6 +48,8 @@ mod failure;
 mod field_list;
 mod glove;
 mod gloves;
+#[cfg(feature = "tls")]
+mod headset_link;
 mod key_list;
 mod lab;
 mod layout;

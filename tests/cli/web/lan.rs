@@ -230,6 +230,73 @@ fn a_client_without_the_token_or_of_another_page_is_refused() {
     assert_eq!(fetched, json!([200, 200, 404, 404, 404]));
 }
 
+/// Waits until the state of the session contains these words.
+fn wait_for_state(server: &Server, words: &str) {
+    let control = server.home.path().join("control");
+    let start = Instant::now();
+    loop {
+        let asked = server.ademan(&["ctl", "--socket", text(&control), "state"]);
+        let output = { asked }.output().expect("it starts");
+        let state = String::from_utf8_lossy(&output.stdout).into_owned();
+        if state.contains(words) {
+            return;
+        }
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{words}: {output:?}"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn the_state_of_the_session_names_the_headset_with_a_valid_token_until_it_leaves() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = "<!doctype html><title>page</title>";
+    fs::write(folder.path().join("index.html"), page).expect("a page");
+    let server = Server::start(folder.path());
+    wait_for_state(&server, "source     no headset connected\n");
+    browser.call(
+        "Security.setIgnoreCertificateErrors",
+        json!({"ignore": true}),
+    );
+    browser.call("Page.navigate", json!({"url": server.page()}));
+    let loaded = "({title: document.title, state: document.readyState})";
+    browser.wait_for(loaded, "the page is loaded", |look| {
+        *look == json!({"title": "page", "state": "complete"})
+    });
+    let url = format!("{}hands", server.page().replace("https", "wss"));
+    let token = server.link.rsplit('=').next().expect("a token").to_owned();
+    let hello = |token: &str, name: &str| json!({"token": token, "name": name}).to_string();
+
+    assert_eq!(
+        socket(&mut browser, &url, &hello(&"0".repeat(64), "Stranger")),
+        "refused"
+    );
+    let state = server.ctl("state");
+    assert!(state.contains("no headset connected"), "{state}");
+    assert!(!state.contains("Stranger"), "{state}");
+
+    // The name may not act on a terminal, and is as long as it may be.
+    let name = format!("Quest\u{1b}[2J{}", "3".repeat(1000));
+    let (url, hello) = (json!(url), json!(hello(&token, &name)));
+    browser.evaluate(&format!(
+        "window.kept = new WebSocket({url}); kept.onopen = () => kept.send({hello}); true"
+    ));
+    let name = format!(r"Quest\u{{1b}}[2J{}", "3".repeat(31));
+    wait_for_state(
+        &server,
+        &format!("source     headset {name} at 127.0.0.1\n"),
+    );
+    let state = server.ctl("state");
+    assert!(!state.contains(&token), "{state}");
+    browser.evaluate("kept.close(); true");
+    wait_for_state(&server, "source     no headset connected\n");
+}
+
 #[test]
 fn an_address_of_every_network_is_refused_with_what_to_do() {
     let Some(folder) = folder() else { return };

@@ -13,6 +13,7 @@ mod editor_faults;
 mod fingertip;
 mod first_start;
 mod hand;
+mod headset;
 mod keyboard;
 mod lab;
 mod layouts;

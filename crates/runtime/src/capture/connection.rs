@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::time::Duration;
 
+use super::HeadsetList;
 use super::cancel::CancelToken;
 use super::poll::Readiness;
 
@@ -41,6 +42,11 @@ pub(super) trait Connector: Clone + Send + 'static {
 
     /// Silence after the first connection after which a warning is due. `None` for a sender that may start whenever it likes.
     const FIRST_BYTE_TIMEOUT: Option<Duration> = None;
+
+    /// Returns the headsets that are connected, if it waits for headsets.
+    fn headsets(&self) -> Option<HeadsetList> {
+        None
+    }
 
     /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;

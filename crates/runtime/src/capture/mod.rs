@@ -29,6 +29,7 @@ pub mod pace;
 pub mod thread;
 mod event;
 mod event_queue;
+mod headset_list;
 mod clock_offset;
 mod merge;
 mod poll;
@@ -61,6 +62,7 @@ use ademan_core::time::Timestamp;
 pub use ademan_core::capture::*;
 pub use cancel::CancelToken;
 pub use event::CaptureEvent;
+pub use headset_list::{ConnectedHeadset, Headset, HeadsetList, HeadsetStatus};
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
 pub use pace::PacedSource;
 pub use poll::Readiness;
@@ -152,6 +154,11 @@ pub trait Source: Send {
         let _ = age;
     }
 
+    /// Returns the headsets that are connected, if the source waits for headsets. The default is `None`.
+    fn headsets(&self) -> Option<HeadsetList> {
+        None
+    }
+
     /// Returns the name for messages: the URI, if the source has one.
     fn name(&self) -> &str;
 
@@ -212,6 +219,10 @@ impl Source for Box<dyn Source> {
 
     fn set_max_age(&mut self, age: Duration) {
         (**self).set_max_age(age);
+    }
+
+    fn headsets(&self) -> Option<HeadsetList> {
+        (**self).headsets()
     }
 
     fn name(&self) -> &str {

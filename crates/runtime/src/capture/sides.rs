@@ -5,7 +5,8 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 
 use super::{
-    CancelToken, CaptureError, Reading, SampleKind, Source, SourceEvent, SourceStats, SourceWait,
+    CancelToken, CaptureError, HeadsetList, Reading, SampleKind, Source, SourceEvent, SourceStats,
+    SourceWait,
 };
 use ademan_core::hand::Side;
 
@@ -101,6 +102,10 @@ impl Source for SidedSource {
             true => self.source.wait(),
             false => None,
         }
+    }
+
+    fn headsets(&self) -> Option<HeadsetList> {
+        self.source.headsets()
     }
 
     fn name(&self) -> &str {

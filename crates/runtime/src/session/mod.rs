@@ -141,6 +141,7 @@ pub struct Session {
     /// `None` once the owner has dropped the receiver.
     snapshots: Option<Sender<Snapshot>>,
     views: ViewPublisher,
+    view_hub: ViewHub,
     /// Dropped once the outputs are open.
     start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
@@ -205,6 +206,7 @@ impl Session {
             write_failures,
             snapshots: Some(snapshots),
             views,
+            view_hub: hub.clone(),
             start_signal: None,
             control,
             share,
@@ -230,6 +232,10 @@ impl Session {
                 record_error: None,
             });
         };
+        if let Some(headsets) = source.headsets() {
+            let hub = self.view_hub.clone();
+            headsets.observe(move |status| hub.show_headset(status));
+        }
         let mut sink = self.open_output()?;
         let mut haptics = self.start_haptics(&mut *source)?;
         let is_live = source.is_live();

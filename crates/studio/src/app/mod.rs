@@ -14,6 +14,7 @@ pub(crate) use self::window::{run_window, window_options};
 use crate::error::StudioError;
 use crate::fingertip::Fingertip;
 use crate::first_start::{Answers, FirstStart};
+use crate::headset::HeadsetLink;
 use crate::lab::WatchedPerson;
 use crate::model::StudioModel;
 use crate::panels::{self, PanelContext, PanelState, WatchChange};
@@ -159,6 +160,13 @@ impl StudioApp {
         self.player = Some(player);
         self.trial = None;
         self.sensors.lock();
+        self
+    }
+
+    /// Shows a link for a headset until one is connected, and the buttons that let it press keys.
+    #[must_use]
+    pub fn with_headset(mut self, link: Option<HeadsetLink>) -> Self {
+        self.panels.show_headset_link(link);
         self
     }
 

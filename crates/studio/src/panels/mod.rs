@@ -6,6 +6,7 @@ mod editor;
 mod first_start;
 mod fonts;
 mod hand;
+mod headset;
 mod help;
 mod lab;
 mod layouts;
@@ -27,6 +28,7 @@ use self::recording::RecordingState;
 use self::scope::ScopeState;
 use super::camera::{Camera, Viewpoint};
 use super::fingertip::Aim;
+use super::headset::{HeadsetLink, HeadsetWindow};
 use super::lab::WatchedPerson;
 use super::model::StudioModel;
 use super::playback::{Move, Player};
@@ -136,6 +138,8 @@ pub struct PanelState {
     tour: Tour,
     /// The list of keys is shown.
     shows_keys: bool,
+    /// The window with the link for a headset.
+    headset: Option<HeadsetWindow>,
     /// The panels in the order of F6, and the index of the last one that it reached.
     panel_ids: Vec<egui::Id>,
     focused_panel: Option<usize>,
@@ -186,6 +190,7 @@ impl Default for PanelState {
             applied_look: None,
             tour: Tour::default(),
             shows_keys: false,
+            headset: None,
             panel_ids: Vec::new(),
             focused_panel: None,
             message: None,
@@ -262,6 +267,11 @@ impl PanelState {
         self.lab.is_busy()
     }
 
+    /// Shows a link for a headset.
+    pub fn show_headset_link(&mut self, link: Option<HeadsetLink>) {
+        self.headset = link.map(HeadsetWindow::new);
+    }
+
     /// Shows the guided calibration.
     pub fn show_calibration(&mut self) {
         self.workspace = Workspace::Calibration;
@@ -319,6 +329,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         }
     }
     help::show(ui, state);
+    headset::show(ui, state, context);
     if let Some(Ok(panel)) = &state.editor
         && let Some(path) = panel.editor.path()
     {

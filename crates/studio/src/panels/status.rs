@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32};
 
-use super::{PanelContext, PanelState};
+use super::{PanelContext, PanelState, headset};
 use crate::notices;
 use crate::texts::text;
 use crate::typing::Typing;
@@ -25,6 +25,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.separator();
         ui.label(&model.view.layout.name);
         ui.separator();
+        headset::show_status(ui, state, context);
         let message = match (&state.message, model.view.messages.last()) {
             (Some(error), _) => format!("! {error}"),
             (None, Some(notice)) => notices::translate(notice).to_owned(),

@@ -135,6 +135,23 @@ typing-nowhere = Nothing is typed into other programs
 typing-suppressed = Paused: nothing is typed into other programs at present
 typing-into = Types into other programs: { $output }
 
+## Headset
+
+headset-title = Headset
+headset-connected = Headset { $name } at { $address }
+headset-none = No headset connected
+headset-hint = Link for the headset, and its keys
+headset-open = Scan the code with the headset, or open this link in its browser. It is a password: a person who has it can move your pointer.
+headset-certificate = The browser warns of the certificate, which this computer has made itself; go on once.
+headset-code = QR code of the link
+headset-show = Show the link
+headset-hide = Hide the link
+headset-keys = Until you allow keys here, it only points.
+headset-allow = Allow keys
+headset-forbid = Forbid keys
+headset-allow-hint = Releases everything; then all sources of the session press keys until it ends
+headset-forbid-hint = Releases everything; then all sources of the session only point
+
 ## Notices of the session
 
 notice-disarmed = Paused: hold the hand clear of all keys for a moment to arm

@@ -135,6 +135,23 @@ typing-nowhere = No se escribe nada en otros programas
 typing-suppressed = En pausa: por ahora no se escribe nada en otros programas
 typing-into = Escribe en otros programas: { $output }
 
+## Visor
+
+headset-title = Visor
+headset-connected = Visor { $name } en { $address }
+headset-none = Ningún visor conectado
+headset-hint = Enlace para el visor, y sus teclas
+headset-open = Escanee el código con el visor, o abra este enlace en su navegador. Es una contraseña: quien lo tiene puede mover su puntero.
+headset-certificate = El navegador avisa del certificado, que este ordenador ha creado él mismo; continúe una vez.
+headset-code = Código QR del enlace
+headset-show = Mostrar el enlace
+headset-hide = Ocultar el enlace
+headset-keys = Hasta que permita teclas aquí, solo apunta.
+headset-allow = Permitir teclas
+headset-forbid = Prohibir teclas
+headset-allow-hint = Lo suelta todo; después todas las fuentes de la sesión pulsan teclas hasta que termine
+headset-forbid-hint = Lo suelta todo; después todas las fuentes de la sesión solo apuntan
+
 ## Avisos de la sesión
 
 notice-disarmed = En pausa: mantenga la mano un momento lejos de todas las teclas para activar

@@ -6,20 +6,16 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use ademan::message::escape;
-use ademan::network::{TokenRole, check_listen_address, network_folder, tokens};
+use ademan::network::check_listen_address;
 use ademan::session::control_socket::Client;
 use clap::{Command, FromArgMatches};
 
 use super::SessionArgs;
-use super::link_code::qr_code;
 use crate::failure::Failure;
-use crate::{ctl, run};
+use crate::{ctl, headset_link, run};
 
 /// The port without `--port`.
 const PORT: u16 = 8443;
-
-/// The token of the link.
-const TOKEN: &str = "headset";
 
 /// What the person at the computer types to let the headset press keys.
 const CONSENT: &str = "allow";
@@ -42,8 +38,7 @@ pub fn run(
         }
     }
     let source = format!("headset:{address}?page={folder}&layout={}", session.layout);
-    let link = format!("https://{address}/#token={}", token()?);
-    show(&link);
+    show(&headset_link::link(&address.to_string())?);
     ask_for_consent(session.control.clone());
     run::run(run_args(&source, session)?)
 }
@@ -104,24 +99,10 @@ fn network_address() -> Option<IpAddr> {
     (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
 }
 
-/// Returns the secret of the token of the link, which is made if there is none. It lasts until it is revoked.
-fn token() -> Result<String, Failure> {
-    let folder = network_folder()?;
-    if let Some(secret) = tokens::secret_of(&folder, TOKEN) {
-        return Ok(secret);
-    }
-    tokens::create(&folder, TOKEN, TokenRole::Point)?;
-    tokens::secret_of(&folder, TOKEN).ok_or_else(|| {
-        Failure::job(format!(
-            "the token `{TOKEN}` was removed by another program; try again"
-        ))
-    })
-}
-
 /// Shows the link: to a person only, as it contains the token. In a file of messages it would stay.
 fn show(link: &str) {
     let mut out = io::stdout().lock();
-    let picture = qr_code(link)
+    let picture = headset_link::blocks(link)
         .filter(|_| out.is_terminal())
         .unwrap_or_default();
     let written = write!(

@@ -2,8 +2,6 @@
 
 #[cfg(feature = "tls")]
 mod lan;
-#[cfg(feature = "tls")]
-mod link_code;
 
 use std::env;
 use std::net::{Ipv4Addr, SocketAddr};

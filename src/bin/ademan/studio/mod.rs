@@ -2,6 +2,8 @@
 
 #[cfg(feature = "studio")]
 mod first;
+#[cfg(all(feature = "studio", feature = "tls"))]
+mod headset;
 #[cfg(feature = "studio")]
 mod mesa;
 #[cfg(feature = "studio")]
@@ -12,6 +14,17 @@ mod source;
 mod window;
 #[cfg(feature = "studio")]
 use self::window::open;
+
+#[cfg(all(feature = "studio", feature = "tls"))]
+use self::headset::link as headset_link;
+
+/// Returns no link: without TLS no source waits for headsets.
+#[cfg(all(feature = "studio", not(feature = "tls")))]
+fn headset_link(
+    _: &ademan::setup::LoadedSetup,
+) -> Result<Option<ademan::studio::headset::HeadsetLink>, Failure> {
+    Ok(None)
+}
 
 #[cfg(not(feature = "studio"))]
 mod unsupported;

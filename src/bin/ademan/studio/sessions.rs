@@ -9,7 +9,7 @@ use ademan::studio::first_start::Answers;
 use ademan::studio::{SessionRequest, StudioApp, StudioError};
 
 use super::window::{NO_OUTPUT, live_app, live_options, start};
-use super::{first, source};
+use super::{first, headset_link, source};
 use crate::failure::Failure;
 
 /// The setup of the window as it was named, and its session, unless that has not started or has ended.
@@ -69,6 +69,7 @@ impl Sessions {
         let mut options = live_options();
         let (loaded, hand) = source::load(setup.clone(), &mut options)?;
         let arm = loaded.arm_document().cloned();
+        let headset = headset_link(&loaded)?;
         if let Some(session) = self.take() {
             // A session that has ended receives nothing.
             let _ = session.commands().send(Command::Stop);
@@ -81,7 +82,7 @@ impl Sessions {
         }
         let app = live_app(&session, hand).map_err(|error| Failure::job(error.to_string()))?;
         self.replace(setup, session);
-        Ok(app.with_arm(arm.as_ref()))
+        Ok(app.with_arm(arm.as_ref()).with_headset(headset))
     }
 
     fn replace(&self, setup: Setup, session: SessionHandle) {

@@ -18,7 +18,7 @@ use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay, open_window};
 
 use super::sessions::Sessions;
-use super::{Args, first, mesa, source};
+use super::{Args, first, headset_link, mesa, source};
 use crate::failure::Failure;
 use crate::{panics, session, signals, stats, watchdog};
 
@@ -42,6 +42,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     root.check(output::has_effect(&setup.setup.output))?;
     session::prepare()?;
     let arm = setup.arm_document().cloned();
+    let headset = headset_link(&setup)?;
     let session = start(setup, options)?;
     texts::set_language(language());
     let sessions = Sessions::new(base, Some(session));
@@ -54,7 +55,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
             Some(player) => Ok(with_settings(StudioApp::new(session)?.with_player(player))),
             None => live_app(session, hand),
         })?;
-        let app = app.with_arm(arm.as_ref());
+        let app = app.with_arm(arm.as_ref()).with_headset(headset);
         show_window(app, (!is_replay).then_some(&sessions), refused.as_deref())
     });
     end(shown, sessions.take())

@@ -13,8 +13,8 @@ use super::clock_offset::ClockOffset;
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::{
-    CancelToken, CaptureError, CaptureEvent, CaptureThread, MAX_BLOCK, Reading, Source,
-    SourceEvent, SourceStats, spawn,
+    CancelToken, CaptureError, CaptureEvent, CaptureThread, HeadsetList, MAX_BLOCK, Reading,
+    Source, SourceEvent, SourceStats, spawn,
 };
 use ademan_core::hand::{HandPart, Side};
 use ademan_core::time::{NO_DEADLINE, Timestamp};
@@ -49,6 +49,8 @@ pub struct MergedSource {
     is_live: bool,
     start: Instant,
     inputs: ArrayVec<MergedInput, MAX_SOURCES>,
+    /// Those of the first source that has any.
+    headsets: Option<HeadsetList>,
     /// Time of the latest reading. Times never decrease, and those of parts increase.
     time: Timestamp,
     cancel: Option<CancelToken>,
@@ -194,6 +196,7 @@ impl MergedSource {
         let names: Vec<_> = sources.iter().map(|it| it.source.name()).collect();
         let name = names.join(" and ");
         let is_live = sources.iter().any(|it| it.source.is_live());
+        let headsets = sources.iter().find_map(|it| it.source.headsets());
         let delays = sources.iter().map(|it| it.delay);
         let longest_delay = delays.max().unwrap_or_default();
         let inputs = sources.into_iter();
@@ -203,6 +206,7 @@ impl MergedSource {
             is_live,
             start: Instant::now(),
             inputs: inputs.collect::<Result<_, _>>()?,
+            headsets,
             time: Timestamp::default(),
             cancel: None,
             report_at: None,
@@ -310,6 +314,10 @@ impl Source for MergedSource {
         let mut inputs = self.inputs.iter_mut();
         let input = inputs.find(|input| input.side == Some(side) && input.feedback.is_some());
         input?.feedback.take()
+    }
+
+    fn headsets(&self) -> Option<HeadsetList> {
+        self.headsets.clone()
     }
 
     fn name(&self) -> &str {

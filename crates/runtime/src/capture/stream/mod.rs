@@ -16,7 +16,7 @@ use super::feedback::FeedbackDevice;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
-use super::{CaptureError, Source, SourceEvent, SourceStats, SourceWait};
+use super::{CaptureError, HeadsetList, Source, SourceEvent, SourceStats, SourceWait};
 use ademan_core::hand::Side;
 use ademan_core::message::escape;
 use feedback_line::FeedbackLine;
@@ -449,6 +449,10 @@ impl<C: Connector> Source for StreamSource<C> {
         if let Some(sender) = &mut self.pending.sender {
             sender.set_max_age(age);
         }
+    }
+
+    fn headsets(&self) -> Option<HeadsetList> {
+        self.connector.headsets()
     }
 
     fn name(&self) -> &str {

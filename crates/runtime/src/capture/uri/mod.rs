@@ -190,6 +190,14 @@ impl SourceUri {
         matches!(self, Self::Stream(stream) if stream.transport == &openxr::TRANSPORT)
     }
 
+    /// Returns the address of the page that a headset opens, such as `192.168.1.7:8443`, if this is a server of it.
+    pub fn page_address(&self) -> Option<&str> {
+        match self {
+            Self::Stream(stream) if stream.pages.is_some() => Some(&stream.address),
+            _ => None,
+        }
+    }
+
     /// Returns the serial port as the operating system names it.
     pub fn serial_port(&self) -> Option<&str> {
         match self {

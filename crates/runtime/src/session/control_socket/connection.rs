@@ -14,7 +14,7 @@ use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
 use crate::output::socket::Stream;
 use crate::session::reply::Reply;
-use crate::session::view::Viewer;
+use crate::session::view::{ViewHub, Viewer};
 use ademan_core::command::Command;
 use ademan_core::layout::Layout;
 
@@ -84,7 +84,8 @@ impl ClientConnection<'_> {
             Ok(Reply::Text(text)) => response::success(Some(&text)),
             Ok(Reply::State(status)) => {
                 let incomplete = self.context.write_failures.reasons();
-                response::state(&status, &self.context.profiles, &incomplete)
+                let headset = self.context.views.as_ref().and_then(ViewHub::headset);
+                response::state(&status, &self.context.profiles, headset, &incomplete)
             }
             Err(error) => response::failure(&error.to_string()),
         }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::ProfileInfo;
-use crate::capture::InvalidPackets;
+use crate::capture::{HeadsetStatus, InvalidPackets};
 use crate::session::reply::{LearnedSummary, SessionStatus};
 use crate::session::view::{View, ViewState};
 use crate::trace::{command_json, event_json};
@@ -33,6 +33,7 @@ pub(super) fn failure(error: &str) -> JsonLine {
 pub(super) fn state(
     status: &SessionStatus,
     profiles: &[ProfileInfo],
+    headset: Option<HeadsetStatus>,
     incomplete: &[String],
 ) -> JsonLine {
     let profile = profiles.get(status.profile);
@@ -49,6 +50,7 @@ pub(super) fn state(
         dropped_presses: status.stats.dropped_presses,
         pointer: status.cursor.as_ref().map(CursorJson::from),
         learned: status.learned.as_ref().map(LearnedJson::from),
+        headset,
         incomplete,
     })
 }
@@ -146,6 +148,8 @@ struct StateResponse<'a> {
     pointer: Option<CursorJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     learned: Option<LearnedJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    headset: Option<HeadsetStatus>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     incomplete: &'a [String],
 }
@@ -255,6 +259,7 @@ enum NotificationLine<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Headset;
     use ademan_core::estimate::LearnedRange;
     use serde_json::json;
 
@@ -282,7 +287,7 @@ mod tests {
             file: "my.ron".into(),
         }];
         let line: serde_json::Value =
-            serde_json::from_str(&state(&status, &profiles, &[])).unwrap();
+            serde_json::from_str(&state(&status, &profiles, None, &[])).unwrap();
         let reason = Rejection::ALL[0].name();
         assert_eq!(line["stats"]["rejected"][reason], 2);
         assert_eq!(line["stats"]["received"], 10);
@@ -295,6 +300,31 @@ mod tests {
         assert_eq!(line["dropped_presses"], 3);
         let expected = json!({"channels": 2, "largest": "index-mcp-flexion", "percent": 11});
         assert_eq!(line["learned"], expected);
+        assert_eq!(line.get("headset"), None, "its source waits for none");
+    }
+
+    #[test]
+    fn a_state_names_the_headset_or_says_that_none_is_connected() {
+        let status = SessionStatus {
+            state: PipelineState::Running,
+            paused_by: None,
+            profile: 0,
+            stats: Stats::default(),
+            cursor: None,
+            learned: None,
+        };
+        let headset = Headset::new("Quest 3", [192, 168, 1, 9].into());
+        for (connected, expected) in [
+            (None, json!({ "connected": null })),
+            (
+                Some(headset),
+                json!({"connected": {"name": "Quest 3", "address": "192.168.1.9"}}),
+            ),
+        ] {
+            let line = state(&status, &[], Some(HeadsetStatus { connected }), &[]);
+            let line: serde_json::Value = serde_json::from_str(&line).unwrap();
+            assert_eq!(line["headset"], expected);
+        }
     }
 
     fn learned(channel: usize, above: f64) -> LearnedRange {

@@ -11,6 +11,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use super::publisher::{Published, SessionNames, ViewPublisher};
 use super::{MAX_MESSAGES, View, ViewState, board_poses};
+use crate::capture::HeadsetStatus;
 use crate::session::latest::LatestSender;
 use ademan_core::layout::Layout;
 
@@ -25,7 +26,7 @@ pub struct ViewHub {
 }
 
 struct Shared {
-    /// Locked by the thread and by new viewers, never by the session loop.
+    /// Locked by the thread, by new viewers and by headsets that come and go, never by the session loop.
     list: Mutex<ViewerList>,
     /// Number of viewers, for the session loop.
     count: Arc<AtomicUsize>,
@@ -87,6 +88,18 @@ impl ViewHub {
         viewer
     }
 
+    /// Shows which headset is connected. Does not wait.
+    pub(in crate::session) fn show_headset(&self, headset: HeadsetStatus) {
+        self.shared
+            .show(|view| Arc::make_mut(&mut view.state).headset = Some(headset));
+    }
+
+    /// Returns which headset is connected; `None` for a session whose source waits for none, or that has ended.
+    pub(in crate::session) fn headset(&self) -> Option<HeadsetStatus> {
+        let list = self.shared.lock();
+        list.view.as_ref()?.state.headset.clone()
+    }
+
     /// Adds a notice to the views. Does not wait.
     pub(in crate::session) fn show_message(&self, message: String) {
         // A notice is lost for viewers only if 64 wait for this thread, which does nothing that takes long.
@@ -108,7 +121,9 @@ impl Shared {
                     Ok(Published { layout, boards, state }) => self.show(|view| {
                         view.layout = layout;
                         view.boards = boards;
-                        view.state = Arc::new(state);
+                        // The session loop does not know it.
+                        let headset = view.state.headset.clone();
+                        view.state = Arc::new(ViewState { headset, ..state });
                     }),
                     Err(_) => break,
                 },

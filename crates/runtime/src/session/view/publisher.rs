@@ -212,6 +212,8 @@ impl ViewPublisher {
             paused_by: step.paused_by,
             profile: profile.cloned().unwrap_or_default(),
             source: self.names.source.clone(),
+            // The hub adds it.
+            headset: None,
             output: self.names.output.clone(),
             readings_per_second: self.rate.per_second,
             counts: ViewCounts::from(step.stats),

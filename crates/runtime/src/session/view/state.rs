@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::capture::HeadsetStatus;
 use ademan_core::command::{CommandOrigin, TextMode};
 use ademan_core::contact::TargetId;
 use ademan_core::device::{Axis, KeyCode};
@@ -25,6 +26,9 @@ pub struct ViewState {
     pub profile: String,
     /// Name of the source.
     pub source: String,
+    /// The headset that is connected; `None` for a source that waits for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub headset: Option<HeadsetStatus>,
     /// Names of the outputs, separated by commas.
     pub output: String,
     /// Readings per second over the last second.
@@ -129,6 +133,7 @@ impl ViewState {
             paused_by: None,
             profile: profile.to_owned(),
             source: source.to_owned(),
+            headset: None,
             output: output.to_owned(),
             readings_per_second: 0.0,
             counts: ViewCounts::default(),

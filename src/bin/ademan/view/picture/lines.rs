@@ -34,6 +34,9 @@ impl Picture<'_> {
             rest += &format!(" no room for {} ·", left_out.join(", "));
         }
         rest += &format!(" {}", escape(&layout.name));
+        if let Some(headset) = &state.headset {
+            rest += &format!(" · {headset}");
+        }
         if !state.source.is_empty() {
             rest += &format!(
                 " · {} → {}",

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use ademan::capture::{Headset, HeadsetStatus};
 use ademan::document::shipped_layouts;
 use ademan::files::Load;
 use ademan::hand::{Finger, Side};
@@ -238,5 +239,28 @@ fn a_layout_that_waits_for_an_open_hand_asks_for_it() {
     assert!(
         asked.contains("running: hold your hand open for a second"),
         "{asked}"
+    );
+}
+
+#[test]
+fn the_first_line_names_the_headset_or_says_that_none_is_connected() {
+    let mut view = view("qwerty-flat");
+    let mut first_line = |connected| {
+        let mut state = ViewState::clone(&view.state);
+        state.source = "headset:192.168.1.7:8443?page=web".to_owned();
+        state.headset = Some(HeadsetStatus { connected });
+        view.state = Arc::new(state);
+        let text = text(&drawn(&view, COLORED, 100, 24));
+        text.lines().next().unwrap_or_default().to_owned()
+    };
+    let line = first_line(None);
+    assert!(
+        line.contains(" · no headset connected · headset:"),
+        "{line}"
+    );
+    let line = first_line(Some(Headset::new("Quest 3", [192, 168, 1, 9].into())));
+    assert!(
+        line.contains(" · headset Quest 3 at 192.168.1.9 · "),
+        "{line}"
     );
 }

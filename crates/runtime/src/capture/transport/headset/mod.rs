@@ -22,6 +22,7 @@ use std::sync::Arc;
 
 use super::websocket::Messages;
 use super::{Scheme, Transport, check_socket_address, open_stream};
+use crate::capture::HeadsetList;
 use crate::capture::connection::{ConnectError, Connection, Connector};
 use crate::network::{canonical, check_listen_address};
 
@@ -44,6 +45,7 @@ pub const TRANSPORT: Transport = Transport {
         let connector = HeadsetConnector {
             address: uri.address.clone(),
             pages: uri.pages.clone(),
+            headsets: HeadsetList::default(),
             server: None,
         };
         open_stream(uri, connector)
@@ -83,6 +85,7 @@ fn parse(address: &str) -> Result<SocketAddr, String> {
 struct HeadsetConnector {
     address: String,
     pages: Option<HeadsetPages>,
+    headsets: HeadsetList,
     server: Option<Arc<Server>>,
 }
 
@@ -90,6 +93,10 @@ impl Connector for HeadsetConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
     const HAS_SENDERS: bool = true;
+
+    fn headsets(&self) -> Option<HeadsetList> {
+        Some(self.headsets.clone())
+    }
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let server = match &self.server {
@@ -100,7 +107,8 @@ impl Connector for HeadsetConnector {
                     let remedy = "name the folder of the page, which `web/build` makes: `page=target/web`; `ademan serve --lan` does";
                     ConnectError::Unusable(remedy.to_owned())
                 })?;
-                let started = Server::start(address, &pages).map_err(ConnectError::Unusable)?;
+                let started = Server::start(address, &pages, self.headsets.clone());
+                let started = started.map_err(ConnectError::Unusable)?;
                 Arc::clone(self.server.insert(Arc::new(started)))
             }
         };

@@ -19,6 +19,7 @@ use crate::capture::transport::websocket::{
     Admission, ClientEvent, ClientId, Clients, MessageReceiver, MessageServer, MessageStream,
     QUEUE_CAPACITY, send_when_there_is_room, socket_config,
 };
+use crate::capture::{Headset, HeadsetList};
 use crate::files::OpenDocument;
 use crate::network::{
     Gatekeeper, ServerStream, TokenEntry, TokenRole, Unproven, canonical, network_folder,
@@ -52,12 +53,17 @@ struct Shared {
     layout: Option<String>,
     sender: Sender<ClientEvent>,
     clients: Clients,
+    headsets: HeadsetList,
     is_stopped: AtomicBool,
 }
 
 impl Server {
     /// Binds an address and starts to accept connections. The error states the cause and what to do.
-    pub fn start(address: SocketAddr, pages: &HeadsetPages) -> Result<Self, String> {
+    pub fn start(
+        address: SocketAddr,
+        pages: &HeadsetPages,
+        headsets: HeadsetList,
+    ) -> Result<Self, String> {
         let folder =
             PageFolder::read(Path::new(&pages.folder)).map_err(|error| error.to_string())?;
         let keeper = network_folder().and_then(|folder| Gatekeeper::open_for_pages(&folder));
@@ -81,6 +87,7 @@ impl Server {
             layout: pages.layout.clone(),
             sender,
             clients: Clients::default(),
+            headsets,
             is_stopped: AtomicBool::new(false),
         });
         let accepting = Arc::clone(&shared);
@@ -189,7 +196,9 @@ impl Shared {
             answer(&mut receiver, &Answer::Busy);
             return;
         };
-        let (name, TokenEntry { name: token, .. }) = (hello.name(), token);
+        let headset = Headset::new(&hello.name, address);
+        let (name, TokenEntry { name: token, .. }) = (headset.name.clone(), token);
+        let connected = self.headsets.add(headset);
         tracing::info!(
             "the headset `{name}` at {address} has connected with the token `{token}`; `ademan token revoke {token}` disconnects it"
         );
@@ -199,6 +208,7 @@ impl Shared {
             || self.is_stopped() || !self.clients.is_connected(id),
             |line| self.send(id, ClientEvent::Message(id, line)),
         );
+        drop(connected);
         let reason = if reason.contains(UNEXPECTED_END) {
             "the connection has broken off, or the token was revoked".to_owned()
         } else {

@@ -6,6 +6,7 @@ use std::net::SocketAddr;
 use crossbeam_channel::Receiver;
 
 use super::HeadsetPages;
+use crate::capture::HeadsetList;
 use crate::capture::transport::websocket::{ClientEvent, Clients, MessageServer};
 use crate::network::NetworkError;
 
@@ -14,7 +15,7 @@ pub(super) struct Server(Infallible);
 
 impl Server {
     /// Returns the reason.
-    pub fn start(_: SocketAddr, _: &HeadsetPages) -> Result<Self, String> {
+    pub fn start(_: SocketAddr, _: &HeadsetPages, _: HeadsetList) -> Result<Self, String> {
         Err(NetworkError::NoTls.to_string())
     }
 }
