@@ -1,5 +1,7 @@
-//! The output `ime` with the daemon of IBus, text fields of GTK and a terminal.
+//! The output `ime` with the daemon of IBus, text fields of GTK and a terminal, and on a Wayland compositor.
 
+#[cfg(feature = "wayland")]
+mod compositor;
 mod desk;
 
 use std::fs;

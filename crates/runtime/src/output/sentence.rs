@@ -28,6 +28,10 @@ impl Place {
     const ALL: [Self; 4] = [Self::Unknown, Self::Inside, Self::BehindMark, Self::Start];
 
     /// Returns the place behind the whole text before the cursor.
+    #[cfg_attr(
+        not(feature = "wayland"),
+        allow(dead_code, reason = "only a compositor reports it")
+    )]
     pub(super) fn behind(text: &str) -> Self {
         Self::Start.after(text)
     }
@@ -59,6 +63,10 @@ impl SharedPlace {
         Place::ALL.get(number).copied().unwrap_or_default()
     }
 
+    #[cfg_attr(
+        not(feature = "wayland"),
+        allow(dead_code, reason = "only a compositor reports it")
+    )]
     pub(super) fn set(&self, place: Place) {
         self.0.store(place as u8, Ordering::Release);
     }

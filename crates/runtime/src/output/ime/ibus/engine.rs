@@ -19,7 +19,6 @@ use super::bus::{Bus, ENGINE_PATH};
 use super::serial;
 use crate::output::FieldKind;
 use crate::output::ime::client::{Action, Request, Shared};
-use crate::output::sentence::Place;
 
 /// Longest time that text waits for a key. A window manager may have taken the key.
 const KEY_TIMEOUT: Duration = Duration::from_millis(100);
@@ -36,9 +35,6 @@ const LITERAL_PURPOSES: [u32; 8] = [2, 3, 4, 5, 6, 8, 9, 10];
 
 /// `GTK_INPUT_HINT_PRIVATE`.
 const HINT_PRIVATE: u32 = 1 << 11;
-
-/// `GTK_INPUT_HINT_UPPERCASE_SENTENCES`.
-const HINT_CAPITALS: u32 = 1 << 6;
 
 /// The client of the context that the daemon itself focuses while no text field has the focus.
 const OWN_CLIENT: &str = "fake";
@@ -65,10 +61,6 @@ pub(super) struct Engine<'a> {
     asked_context: Option<NonZeroU32>,
     /// The kind of text that the field takes, as it says.
     kind: FieldKind,
-    /// The field asks for a capital at the start of a sentence.
-    wants_capitals: bool,
-    /// The place of the cursor in the text of the field.
-    place: Place,
     /// The word that the field shows.
     shown: String,
     /// The key presses of the output of keys that the daemon has shown.
@@ -87,8 +79,6 @@ impl<'a> Engine<'a> {
             is_enabled: false,
             asked_context: None,
             kind: FieldKind::Text,
-            wants_capitals: false,
-            place: Place::Unknown,
             shown: String::new(),
             seen: shared.presses(),
             waiting: VecDeque::new(),
@@ -232,7 +222,6 @@ impl<'a> Engine<'a> {
                 let (_, client): (String, String) = body.deserialize()?;
                 self.asked_context = None;
                 self.set_focus(client != OWN_CLIENT);
-                self.ask_text()?;
             }
             // Before the daemon knows that the engine wants to know who has the focus.
             "FocusIn" => {
@@ -240,10 +229,7 @@ impl<'a> Engine<'a> {
                 self.asked_context = Some(self.bus.ask_context()?);
             }
             "FocusOut" | "FocusOutId" => self.set_focus(false),
-            "Enable" => {
-                self.set_enabled(true);
-                self.ask_text()?;
-            }
+            "Enable" => self.set_enabled(true),
             "Disable" => self.set_enabled(false),
             // The program has moved its cursor, or emptied its field.
             "Reset" => self.enter_field(),
@@ -251,14 +237,9 @@ impl<'a> Engine<'a> {
                 let (index, ..): (u32, u32, u32) = body.deserialize()?;
                 self.shared.choose(u8::try_from(index + 1).unwrap_or(0));
             }
-            "SetSurroundingText" => {
-                let (text, cursor, anchor): (OwnedValue, u32, u32) = body.deserialize()?;
-                // A selection is replaced by what is typed.
-                let before = serial::text_before(&text, cursor.min(anchor));
-                self.set_place(before.map_or(Place::Unknown, |before| Place::behind(&before)));
-            }
             "SetCapabilities"
             | "SetCursorLocation"
+            | "SetSurroundingText"
             | "PageUp"
             | "PageDown"
             | "CursorUp"
@@ -301,36 +282,17 @@ impl<'a> Engine<'a> {
         } else {
             FieldKind::Text
         };
-        self.wants_capitals = hints & HINT_CAPITALS != 0;
-        self.set_place(self.place);
         if kind != self.kind {
             self.kind = kind;
             self.enter_field();
         }
     }
 
-    /// Asks the program for the text around its cursor.
-    fn ask_text(&self) -> zbus::Result<()> {
-        self.bus.emit("RequireSurroundingText", &())
-    }
-
-    /// Tells the loop where the cursor is in the text of the field.
-    fn set_place(&mut self, place: Place) {
-        self.place = place;
-        self.shared.field.place.set(if self.wants_capitals {
-            place
-        } else {
-            Place::Unknown
-        });
-    }
-
     fn set_focus(&mut self, is_focused: bool) {
         self.is_focused = is_focused;
-        self.set_place(Place::Unknown);
         // A field without a purpose says nothing.
         if !is_focused {
             self.kind = FieldKind::Text;
-            self.wants_capitals = false;
         }
         self.enter_field();
     }

@@ -108,28 +108,15 @@ pub(super) fn component() -> Structure<'static> {
 }
 
 /// Returns the name of an `IBusEngineDesc`, as in the property `GlobalEngine`.
-pub(super) fn engine_name(description: &Value) -> Option<String> {
-    first_string(description)
-        .filter(|name| !name.is_empty())
-        .map(str::to_owned)
-}
-
-/// Returns the first characters of an `IBusText`.
-pub(super) fn text_before(text: &Value, characters: u32) -> Option<String> {
-    let text = first_string(text)?;
-    Some(text.chars().take(characters as usize).collect())
-}
-
-/// Returns the first field of an object, behind its name and its dictionary, if it is a string.
-fn first_string<'a>(mut object: &'a Value) -> Option<&'a str> {
-    while let Value::Value(inner) = object {
-        object = inner;
+pub(super) fn engine_name(mut description: &Value) -> Option<String> {
+    while let Value::Value(inner) = description {
+        description = inner;
     }
-    let Value::Structure(structure) = object else {
+    let Value::Structure(structure) = description else {
         return None;
     };
     match structure.fields().get(2)? {
-        Value::Str(string) => Some(string.as_str()),
+        Value::Str(name) if !name.is_empty() => Some(name.to_string()),
         _ => None,
     }
 }
@@ -156,13 +143,5 @@ mod tests {
         let value = Value::Value(Box::new(engine.into()));
         assert_eq!(engine_name(&value).as_deref(), Some("xkb:us::eng"));
         assert_eq!(engine_name(&Value::from(1_u32)), None);
-    }
-
-    #[test]
-    fn the_text_before_the_cursor_is_counted_in_characters() {
-        let value = Value::Value(Box::new(text("¿Qué?", false).into()));
-        assert_eq!(text_before(&value, 4).as_deref(), Some("¿Qué"));
-        assert_eq!(text_before(&value, 9).as_deref(), Some("¿Qué?"));
-        assert_eq!(text_before(&Value::from(1_u32), 0), None);
     }
 }
