@@ -80,9 +80,10 @@ impl Outputs {
     ) -> Result<bool, OutputError> {
         match self {
             Self::Bus { client, .. } => {
-                let action = match is_committed {
-                    true => Action::Commit(text),
-                    false => Action::Show(text),
+                let action = if is_committed {
+                    Action::Commit(text)
+                } else {
+                    Action::Show(text)
                 };
                 Ok(client.request(action, field))
             }
