@@ -71,6 +71,10 @@ impl Outputs {
 
     /// Writes a text to the field of this generation, which takes it or shows it. `keys` are the events before it; they are removed if
     /// they had to be sent. Returns `false` if the queue is full.
+    #[cfg_attr(
+        not(feature = "wayland"),
+        allow(unused_variables, reason = "only a compositor has one queue for both")
+    )]
     pub(super) fn write(
         &mut self,
         text: Text,
