@@ -201,6 +201,15 @@ pub fn no_virtual_pointer(program: Option<&str>) -> Advice {
     )
 }
 
+/// Returns the advice for a compositor that has an input method already.
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+pub fn input_method_taken() -> Advice {
+    Advice::new(
+        "another program is the input method of the compositor, which has one only",
+        "end it (such as fcitx5, IBus, an on-screen keyboard, or another `ademan`), or use the output `desktop`",
+    )
+}
+
 /// Returns the advice for a Wayland session if this program was built without Wayland support.
 pub fn built_without_wayland() -> Advice {
     Advice::new(

@@ -15,7 +15,7 @@ use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// The Python that Debian's packages of GTK are for.
-const PYTHON: &str = "/usr/bin/python3";
+pub const PYTHON: &str = "/usr/bin/python3";
 
 /// A running desktop.
 pub struct Desk {
@@ -38,9 +38,7 @@ impl Desk {
     pub fn with_panel(candidate: &str) -> Option<Self> {
         let mut desk = Self::without_daemon()?;
         let gi = "import gi; gi.require_version('IBus', '1.0')";
-        let checked = Command::new(PYTHON).args(["-c", gi]).output();
-        if !checked.is_ok_and(|checked| checked.status.success()) {
-            println!("SKIPPED: Debian's gir1.2-ibus-1.0 is not installed");
+        if !succeeds(Command::new(PYTHON).args(["-c", gi]), "gir1.2-ibus-1.0") {
             return None;
         }
         desk.candidate = candidate.to_owned();
@@ -56,22 +54,9 @@ impl Desk {
 
     fn without_daemon() -> Option<Self> {
         let server = XServer::start()?;
-        let gtk = "import gi; gi.require_version('Gtk', '3.0')";
-        let checks = [
-            (
-                Command::new("ibus-daemon").arg("--version").output(),
-                "ibus",
-            ),
-            (
-                Command::new(PYTHON).args(["-c", gtk]).output(),
-                "python3-gi and gir1.2-gtk-3.0",
-            ),
-        ];
-        for (checked, package) in checks {
-            if !checked.is_ok_and(|checked| checked.status.success()) {
-                println!("SKIPPED: Debian's {package} is not installed");
-                return None;
-            }
+        let mut ibus = Command::new("ibus-daemon");
+        if !succeeds(ibus.arg("--version"), "ibus") || !has_gtk() {
+            return None;
         }
         let folder = tempfile::tempdir().expect("a folder");
         Some(Self {
@@ -140,13 +125,8 @@ impl Desk {
 
     /// Runs a simulated hand that types a text through the input method, with a text decoder.
     pub fn type_text(&self, text: &str) -> Program {
-        let setup = self.folder.path().join("setup.ron");
-        let text = format!(
-            "Setup(source: \"typist:{text}\", layout: \"qwerty-flat\", output: \"ime\", text: (mode: Auto))"
-        );
-        fs::write(&setup, text).expect("space on the disk");
         let mut command = ademan(["run", "--control", "off"]);
-        command.arg(&setup);
+        command.arg(write_setup(self.folder.path(), text));
         self.set_environment(&mut command);
         Program::from_command(command)
     }
@@ -161,7 +141,25 @@ pub struct Field {
 impl Field {
     /// Opens a window. `kind` is the argument of `field.py`.
     pub fn open(desk: &Desk, kind: &str) -> Self {
-        let mut command = desk.command(PYTHON);
+        let field = Self::start(desk.command(PYTHON), kind);
+        desk.server.focus_visible_window();
+        field.wait_for("focused\t");
+        field
+    }
+
+    /// Opens a window of a compositor, which focuses it.
+    pub fn open_on_wayland(mut command: Command, kind: &str) -> Self {
+        command
+            .env("GDK_BACKEND", "wayland")
+            .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
+            .env("XDG_CONFIG_HOME", "/nowhere")
+            .env_remove("GTK_IM_MODULE");
+        let field = Self::start(command, kind);
+        field.wait_for("focused\t");
+        field
+    }
+
+    fn start(mut command: Command, kind: &str) -> Self {
         command
             .arg(path("field.py"))
             .arg(kind)
@@ -169,13 +167,10 @@ impl Field {
             .stderr(Stdio::null());
         let mut process = Process::start(&mut command).expect("Python starts");
         let stdout = process.0.stdout.take().expect("it is piped");
-        let field = Self {
+        Self {
             lines: collect_lines(stdout),
             _process: process,
-        };
-        desk.server.focus_visible_window();
-        field.wait_for("focused\t");
-        field
+        }
     }
 
     /// Returns what the field has said.
@@ -207,6 +202,32 @@ impl Field {
             .find_map(|line| line.strip_prefix("text\t"));
         last.unwrap_or_default().to_owned()
     }
+}
+
+/// Writes the setup of a simulated hand that types a text through the input method, with a text decoder. Returns its path.
+pub fn write_setup(folder: &Path, text: &str) -> PathBuf {
+    let setup = folder.join("setup.ron");
+    let text = format!(
+        "Setup(source: \"typist:{text}\", layout: \"qwerty-flat\", output: \"ime\", text: (mode: Auto))"
+    );
+    fs::write(&setup, text).expect("space on the disk");
+    setup
+}
+
+/// Returns whether text fields can be opened. Prints a message if not.
+pub fn has_gtk() -> bool {
+    let gtk = "import gi; gi.require_version('Gtk', '3.0')";
+    let mut python = Command::new(PYTHON);
+    succeeds(python.args(["-c", gtk]), "python3-gi and gir1.2-gtk-3.0")
+}
+
+/// Returns whether a command succeeds. Prints that its package is missing if not.
+fn succeeds(command: &mut Command, package: &str) -> bool {
+    let is_installed = command.output().is_ok_and(|output| output.status.success());
+    if !is_installed {
+        println!("SKIPPED: Debian's {package} is not installed");
+    }
+    is_installed
 }
 
 /// Returns the path of a program of this test.

@@ -1,13 +1,16 @@
-//! The output `ime` with the daemon of IBus, text fields of GTK and a terminal.
+//! The output `ime` with the daemon of IBus, text fields of GTK and a terminal, and on a Wayland compositor.
 
+#[cfg(feature = "wayland")]
+mod compositor;
 mod desk;
 
 use std::fs;
 use std::process::Stdio;
+use std::time::Duration;
 
 use self::desk::{Desk, Field, start_if_installed};
 use crate::support::process::signal;
-use crate::support::x11::wait_for;
+use crate::support::x11::{wait_at_most, wait_for};
 
 #[test]
 fn a_word_is_shown_while_it_is_typed_and_taken_as_the_decoder_corrects_it() {
@@ -87,14 +90,18 @@ fn a_terminal_takes_text_through_the_protocol_of_x() {
     let typed = || fs::read_to_string(desk.folder.path().join("typed"));
     assert!(wait_for(|| typed().is_ok()), "xterm runs its script");
     desk.server.focus_visible_window();
-    let mut program = desk.type_text("thw qick\\nfox");
-    assert!(program.wait_for_exit().success());
     // Enter ends a word without correcting it.
-    assert!(
-        wait_for(|| typed().is_ok_and(|text| text == "the qick\rfox" || text == "the qick\nfox")),
-        "{:?}",
-        typed()
-    );
+    let is_typed = || {
+        let text = typed().unwrap_or_default();
+        text.ends_with("the qick\rfox") || text.ends_with("the qick\nfox")
+    };
+    // On a busy machine, the daemon learns late that the terminal has the focus, and keys are typed until then.
+    let has_typed = (0..5).any(|_| {
+        let mut program = desk.type_text("thw qick\\nfox");
+        assert!(program.wait_for_exit().success());
+        wait_at_most(Duration::from_secs(5), is_typed)
+    });
+    assert!(has_typed, "{:?}", typed());
 }
 
 #[test]

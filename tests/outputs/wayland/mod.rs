@@ -4,11 +4,11 @@
 //! `cargo test --features wayland --test outputs wayland::`; on Debian, install `sway foot wev weston`.
 
 mod attacks;
-mod compositor;
+pub mod compositor;
 mod ends;
 mod floods;
 mod output_stalls;
 mod pointer;
 mod refusals;
 mod text;
-mod window;
+pub mod window;

@@ -31,8 +31,11 @@ mod open;
 pub mod osc;
 mod pressed_key_file;
 pub mod router;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod sentence;
 pub(crate) mod socket;
 pub mod spacenav;
+mod text_field;
 pub mod transcript;
 pub mod uinput;
 pub mod watchdog;
@@ -44,6 +47,7 @@ pub use open::{
     uses_stdout,
 };
 pub use router::Router;
+pub use text_field::{FieldKind, TextField};
 pub use transcript::Transcript;
 use watchdog::WatchdogSettings;
 pub use watchdog_process::{AbandonedRelease, release_abandoned_keys, run as run_watchdog};
@@ -215,27 +219,6 @@ pub trait Sink: Send {
     fn take_choice(&mut self) -> Option<u8> {
         None
     }
-}
-
-/// The text field of a program that has the focus.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TextField {
-    /// Another number for each field, and after the text of a field has changed by other means.
-    pub generation: u32,
-    /// The text that it takes.
-    pub kind: FieldKind,
-}
-
-/// The text that a field takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FieldKind {
-    /// Not known: keys.
-    #[default]
-    Unknown,
-    /// Text.
-    Text,
-    /// Exactly what is typed: a password, a number, an address, a command.
-    Literal,
 }
 
 impl Sink for Box<dyn Sink> {

@@ -1,5 +1,7 @@
 //! The interface to a display.
 
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+use super::composing::Composing;
 use super::direct_keys::DirectConnection;
 use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
@@ -24,6 +26,12 @@ pub trait Injector {
     /// Types a text entirely. Returns `false` if it has typed nothing, as the display cannot type all of it now. Reports
     /// the keys that it adds to the keymap of the display.
     fn type_text(&mut self, _text: &str, _reporter: &mut KeyReporter) -> Result<bool, String> {
+        Ok(false)
+    }
+
+    /// Writes text to the focused field. Returns `false` if the field is another one by now, or the display takes no text.
+    #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+    fn compose(&mut self, _: &Composing) -> Result<bool, String> {
         Ok(false)
     }
 
@@ -80,6 +88,11 @@ impl Injector for Box<dyn Injector> {
 
     fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
         (**self).type_text(text, reporter)
+    }
+
+    #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+    fn compose(&mut self, composing: &Composing) -> Result<bool, String> {
+        (**self).compose(composing)
     }
 
     fn restore_keymap(&mut self, reporter: &mut KeyReporter) {

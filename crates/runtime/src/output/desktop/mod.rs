@@ -28,6 +28,8 @@ use press_ticket::{MAX_PRESS_AGE, PressTicket};
 pub use wayland::SUPPORTS_WAYLAND;
 use worker::{Worker, WorkerRequest, WorkerStatus};
 
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+pub(super) mod composing;
 mod connect;
 mod direct_keys;
 #[cfg_attr(

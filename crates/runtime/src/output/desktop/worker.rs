@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, never, select};
 
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+use super::composing::Composing;
 use super::direct_keys::{ConnectionNumber, DirectAnswers};
 use super::injector::Injector;
 use super::key_reporter::KeyReporter;
@@ -31,6 +33,9 @@ pub enum WorkerRequest {
         ticket: PressTicket,
     },
     Release(KeyCode),
+    /// Text for the focused field.
+    #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+    Compose(Composing, PressTicket),
     Perform(StatelessAction),
     /// The loop has written a key event to a connection of its own, whose answers the thread reads.
     Confirm(KeyCode, KeyDirection, ConnectionNumber, PressTicket),
@@ -290,6 +295,8 @@ impl<'a, C: Injector> Worker<'a, C> {
                     self.type_text(ticket);
                 }
             }
+            #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+            WorkerRequest::Compose(composing, ticket) => self.compose(&composing, ticket),
             WorkerRequest::Perform(action) => self.perform(action),
         }
     }
@@ -337,6 +344,22 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
         // A change of the keymap is sent to every connection.
         self.refresh_direct_connection();
+    }
+
+    /// Sends text to the focused field if its ticket is valid, and counts its characters as dropped if the field has none of it. It is
+    /// not repeated, as a text that failed may have arrived.
+    #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+    fn compose(&mut self, composing: &Composing, ticket: PressTicket) {
+        let count = composing.characters() as u64;
+        // The display has executed the keys before it by then.
+        if !self.may_send(ticket, count) {
+            return;
+        }
+        match self.injector.compose(composing) {
+            Ok(true) => {}
+            Ok(false) => self.count_dropped(count),
+            Err(reason) => self.fail(&reason),
+        }
     }
 
     fn count_dropped(&self, count: u64) {

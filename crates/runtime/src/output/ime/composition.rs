@@ -1,15 +1,9 @@
 //! Events into text and keys: which of them a text field takes as text, and in which pieces.
 
-use arrayvec::ArrayString;
-
+use crate::output::sentence::{Place, Sentence};
+use crate::output::text_field::Text;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, KeyCode, OutputEvent};
-
-/// The bytes of the longest word that stays open. A longer one is committed in pieces.
-pub(super) const MAX_TEXT: usize = 64;
-
-/// A piece of text for a text field.
-pub(super) type Text = ArrayString<MAX_TEXT>;
 
 /// The way of a character to the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +30,7 @@ pub(super) enum Part {
 /// The word that a text field shows, and the keys that went each way.
 #[derive(Default)]
 pub(super) struct Composition {
+    /// A longer word is committed in pieces.
     word: Text,
     /// `word` differs from what the field shows.
     is_changed: bool,
@@ -43,6 +38,9 @@ pub(super) struct Composition {
     composed: PressedKeys,
     /// The modifiers that the output of keys holds.
     modifiers: PressedKeys,
+    /// The place of the cursor, as the field reports it.
+    place: Place,
+    sentence: Sentence,
 }
 
 impl Composition {
@@ -55,6 +53,12 @@ impl Composition {
     pub(super) fn forget_word(&mut self) {
         self.word.clear();
         self.is_changed = false;
+        self.sentence.forget();
+    }
+
+    /// Sets the place of the cursor, as the field reports it. Words that start a sentence get a capital.
+    pub(super) fn set_place(&mut self, place: Place) {
+        self.place = place;
     }
 
     /// Passes an event on.
@@ -89,7 +93,9 @@ impl Composition {
             return self.show(emit);
         }
         self.is_changed = false;
-        emit(Part::Commit(std::mem::take(&mut self.word)));
+        let text = std::mem::take(&mut self.word);
+        self.sentence.push(&text, self.place);
+        emit(Part::Commit(text));
     }
 
     fn press(&mut self, key: KeyCode, event: OutputEvent, way: Way, emit: &mut dyn FnMut(Part)) {
@@ -97,8 +103,7 @@ impl Composition {
             self.modifiers.press(key);
             return emit(Part::Key(event));
         }
-        let has_shortcut = self.modifiers.release_order().any(|key| !is_shift(key));
-        if way == Way::Keys || has_shortcut {
+        if way == Way::Keys || self.has_shortcut() {
             return self.forward(event, emit);
         }
         if key == KeyCode::BACKSPACE && self.word.pop().is_some() {
@@ -119,19 +124,42 @@ impl Composition {
     /// Passes an event to the output of keys, behind the word.
     fn forward(&mut self, event: OutputEvent, emit: &mut dyn FnMut(Part)) {
         self.commit(emit);
+        match event.kind {
+            EventKind::KeyDown(KeyCode::BACKSPACE) if !self.has_shortcut() => self.sentence.pop(),
+            _ => self.sentence.forget(),
+        }
         emit(Part::Key(event));
+    }
+
+    /// Returns whether a modifier other than Shift is down.
+    fn has_shortcut(&self) -> bool {
+        self.modifiers.release_order().any(|key| !is_shift(key))
     }
 
     fn type_character(&mut self, character: char, way: Way, emit: &mut dyn FnMut(Part)) {
         if self.word.remaining_capacity() < 2 * character.len_utf8() {
             self.commit(emit);
         }
-        self.word.push(character);
+        let starts_word = way == Way::Words && self.word.is_empty();
+        if starts_word && self.sentence.is_start(self.place) {
+            self.word.push(capital(character));
+        } else {
+            self.word.push(character);
+        }
         self.is_changed = true;
         let is_in_word = character.is_alphabetic() || character == '\'';
         if way != Way::Words || !is_in_word {
             self.commit(emit);
         }
+    }
+}
+
+/// Returns the capital of a letter, or the character itself if that is not one character.
+fn capital(character: char) -> char {
+    let mut capitals = character.to_uppercase();
+    match (capitals.next(), capitals.next()) {
+        (Some(capital), None) => capital,
+        _ => character,
     }
 }
 
@@ -269,6 +297,27 @@ mod tests {
             Way::Words,
         )];
         assert_eq!(parts(&steps).last().unwrap(), "show Añ");
+    }
+
+    #[test]
+    fn a_word_that_starts_a_sentence_gets_a_capital_if_the_field_asks_for_it() {
+        let text = |place| {
+            let mut composition = Composition::default();
+            composition.set_place(place);
+            let mut typed = String::new();
+            for character in "ñu. it is. ßa".chars() {
+                let event = event(1, EventKind::Character(character));
+                composition.handle(event, Way::Words, &mut |part| {
+                    if let Part::Commit(text) = part {
+                        typed.push_str(&text);
+                    }
+                });
+            }
+            typed + composition.word()
+        };
+        assert_eq!(text(Place::Start), "Ñu. It is. ßa");
+        assert_eq!(text(Place::Inside), "ñu. It is. ßa");
+        assert_eq!(text(Place::Unknown), "ñu. it is. ßa");
     }
 
     #[test]

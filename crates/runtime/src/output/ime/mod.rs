@@ -4,6 +4,8 @@
 //! stays open: the field shows it underlined, and takes it with the character that ends it. Shortcuts, modifiers, keys without a
 //! character and the pointer go through the output `desktop` or the one that is named: `ime:uinput`. So do all keys while no text
 //! field has the focus, and in fields for passwords, numbers, addresses and terminals.
+//!
+//! The input method is that of a Wayland compositor, or IBus.
 
 use super::{BACKENDS, Backend, desktop, uinput};
 use ademan_core::device::Capabilities;
@@ -14,6 +16,8 @@ mod client;
 mod composition;
 #[cfg(all(target_os = "linux", feature = "ime"))]
 mod ibus;
+#[cfg(all(target_os = "linux", feature = "ime"))]
+mod outputs;
 #[cfg(all(target_os = "linux", feature = "ime"))]
 mod sink;
 #[cfg(all(target_os = "linux", feature = "ime"))]
@@ -29,7 +33,7 @@ pub const BACKEND: Backend = Backend {
     name: "ime",
     argument: Some("OUTPUT"),
     is_argument_required: false,
-    summary: "text through the input method of the desktop (IBus; feature `ime`), keys through `desktop` or ime:uinput",
+    summary: "text through the input method of the desktop (IBus or a Wayland compositor; feature `ime`), keys through `desktop` or ime:uinput",
     capabilities,
     is_log: false,
     is_fixed_when_open: false,

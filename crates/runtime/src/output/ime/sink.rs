@@ -1,60 +1,52 @@
 //! The sink of the output `ime`.
 
 use std::sync::Arc;
-use std::thread::JoinHandle;
-use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded};
-
-use super::client::{Action, Candidates, QUEUE, Request, Shared};
+use super::client::Candidates;
 use super::composition::{Composition, Part, Way};
-use super::{BACKEND, ibus, key_output};
+use super::outputs::Outputs;
+use super::{BACKEND, key_output};
+use crate::output::sentence::Place;
+use crate::output::text_field::{FocusedField, Text};
 use crate::output::{
     FieldKind, LogFailureReceiver, OpenRequest, OutputError, Sink, TextField, check,
 };
 use ademan_core::command::TextMode;
 use ademan_core::contact::TargetNames;
 use ademan_core::device::signals::Signals;
-use ademan_core::device::{Capabilities, EventKind, Events, KeyKind, OutputEvent};
+use ademan_core::device::{Capabilities, Events, OutputEvent};
 use ademan_core::pipeline::TextState;
-
-/// Longest time that [`Ime::close`](Sink::close) waits for the input method.
-const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// Opens the output.
 pub fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
-    let to_error = |reason: String| OutputError::open(request.name, reason);
-    let backend = key_output(request.argument).map_err(to_error)?;
+    let backend =
+        key_output(request.argument).map_err(|reason| OutputError::open(request.name, reason))?;
     let mut required = request.required.clone();
     // Text needs no output of keys.
     required.text &= (backend.capabilities)().text;
     check(backend.name, &required)?;
-    let (requests, queue) = bounded(QUEUE);
-    let (end, ended) = bounded(0);
-    let shared = Arc::new(Shared::default());
-    let thread = ibus::start(queue, Arc::clone(&shared), end).map_err(to_error)?;
-    let keys = (backend.open)(&OpenRequest {
+    let field = Arc::new(FocusedField::default());
+    let keys = OpenRequest {
         name: backend.name,
         argument: None,
         required: &required,
         watchdog: request.watchdog,
-    })?;
+    };
     Ok(Box::new(Ime {
-        keys,
         composition: Composition::default(),
         outlet: Outlet {
-            requests: Some(requests),
-            shared,
+            outputs: Outputs::open(request.name, backend, &keys, &field)?,
+            focused: field,
             events: Events::new(),
             field: 0,
-            presses: 0,
             is_idle: true,
             dropped_presses: 0,
+            result: Ok(()),
         },
         composes_words: false,
+        adds_capitals: false,
         listed: Candidates::new(),
-        thread: Some(thread),
-        ended,
+        is_closed: false,
     }))
 }
 
@@ -62,68 +54,74 @@ pub fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
 ///
 /// It never blocks. Text that the input method has not taken at a stop is void, and [counted](Sink::dropped_presses).
 struct Ime {
-    keys: Box<dyn Sink>,
     composition: Composition,
     outlet: Outlet,
     composes_words: bool,
+    /// Words that start a sentence get a capital where fields ask for it.
+    adds_capitals: bool,
     /// The candidates that the desktop lists.
     listed: Candidates,
-    thread: Option<JoinHandle<()>>,
-    ended: Receiver<()>,
+    is_closed: bool,
 }
 
 /// The ways out of a step.
 struct Outlet {
-    requests: Option<Sender<Request>>,
-    shared: Arc<Shared>,
+    outputs: Outputs,
+    /// The field that has the focus.
+    focused: Arc<FocusedField>,
     /// The events for the output of keys.
     events: Events,
     /// The generation of the field.
     field: u32,
-    /// The key presses for the output of keys so far.
-    presses: u32,
     /// Nothing was requested since the last stop.
     is_idle: bool,
     dropped_presses: u64,
+    /// The first error of this step.
+    result: Result<(), OutputError>,
 }
 
 impl Outlet {
     fn emit(&mut self, part: Part) {
         match part {
-            Part::Show(word) => self.request(Action::Show(word)),
-            Part::Commit(text) => self.request(Action::Commit(text)),
+            Part::Show(word) => self.write(word, false),
+            Part::Commit(text) => self.write(text, true),
             Part::Key(event) => {
-                if is_key_press(event.kind) {
-                    self.presses = self.shared.count_press();
-                }
+                self.outputs.count(event.kind);
                 let _ = self.events.try_push(event);
             }
         }
     }
 
-    fn request(&mut self, action: Action) {
-        let is_text = matches!(action, Action::Commit(_));
-        let request = Request {
-            action,
-            field: self.field,
-            after_presses: self.presses,
-            stops: self.shared.stops(),
-        };
+    fn write(&mut self, text: Text, is_committed: bool) {
         self.is_idle = false;
-        let is_sent = match &self.requests {
-            Some(requests) => requests.try_send(request).is_ok(),
-            None => false,
-        };
-        self.dropped_presses += u64::from(is_text && !is_sent);
+        let written = self
+            .outputs
+            .write(text, is_committed, self.field, &mut self.events);
+        match written {
+            Ok(is_sent) => self.dropped_presses += u64::from(is_committed && !is_sent),
+            Err(error) if self.result.is_ok() => self.result = Err(error),
+            Err(_) => {}
+        }
+    }
+
+    /// Sends what remains of a step, and returns its result.
+    fn finish(&mut self) -> Result<(), OutputError> {
+        let sent = self.outputs.keys_mut().send(&self.events);
+        self.events.clear();
+        std::mem::replace(&mut self.result, Ok(())).and(sent)
     }
 }
 
 impl Ime {
     /// Forgets the word if its field is left.
     fn follow_field(&mut self) -> Way {
-        let field = self.outlet.shared.field();
+        let field = self.outlet.focused.get();
         if field.generation != self.outlet.field {
             self.outlet.field = field.generation;
+            if self.outlet.outputs.loses_word() {
+                let characters = self.composition.word().chars().count();
+                self.outlet.dropped_presses += characters as u64;
+            }
             self.composition.forget_word();
         }
         match field.kind {
@@ -132,18 +130,29 @@ impl Ime {
             FieldKind::Text => Way::Text,
         }
     }
+
+    /// Commits the word as it is.
+    fn commit_word(&mut self) {
+        self.follow_field();
+        let outlet = &mut self.outlet;
+        self.composition.commit(&mut |part| outlet.emit(part));
+    }
 }
 
 impl Sink for Ime {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         let way = self.follow_field();
-        self.outlet.events.clear();
+        self.composition.set_place(if self.adds_capitals {
+            self.outlet.focused.place.get()
+        } else {
+            Place::Unknown
+        });
         let mut emit = |part| self.outlet.emit(part);
         for event in events {
             self.composition.handle(*event, way, &mut emit);
         }
         self.composition.show(&mut emit);
-        self.keys.send(&self.outlet.events)
+        self.outlet.finish()
     }
 
     fn capabilities(&self) -> Capabilities {
@@ -151,64 +160,53 @@ impl Sink for Ime {
     }
 
     fn on_log_failure(&mut self, receiver: LogFailureReceiver) {
-        self.keys.on_log_failure(receiver);
+        self.outlet.outputs.keys_mut().on_log_failure(receiver);
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {
-        self.keys.set_target_names(names);
+        self.outlet.outputs.keys_mut().set_target_names(names);
     }
 
     fn set_signals(&mut self, signals: &Signals) {
-        self.keys.set_signals(signals);
+        self.outlet.outputs.keys_mut().set_signals(signals);
     }
 
     fn void_presses(&mut self) {
-        self.keys.void_presses();
-        if self.outlet.is_idle {
-            return;
+        let has_text = !std::mem::replace(&mut self.outlet.is_idle, true);
+        self.outlet.outputs.void(has_text);
+        if has_text {
+            // The person sees the word; without an input method its letters would be there, too.
+            self.commit_word();
+            self.outlet.is_idle = true;
         }
-        self.outlet.shared.stop();
-        self.follow_field();
-        // The person sees the word; without an input method its letters would be there, too.
-        self.composition.commit(&mut |part| self.outlet.emit(part));
-        self.outlet.is_idle = true;
     }
 
     fn has_stalled(&self) -> bool {
-        self.keys.has_stalled()
+        self.outlet.outputs.keys().has_stalled()
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
-        let closed = self.keys.close();
-        self.follow_field();
-        self.composition.commit(&mut |part| self.outlet.emit(part));
-        drop(self.outlet.requests.take());
-        // A daemon that hangs keeps its thread.
-        if self
-            .ended
-            .recv_timeout(CLOSE_TIMEOUT)
-            .is_err_and(|error| error.is_disconnected())
-            && let Some(thread) = self.thread.take()
-        {
-            let _ = thread.join();
-        }
-        closed
+        self.is_closed = true;
+        self.commit_word();
+        let result = self.outlet.result.clone();
+        self.outlet.outputs.close().and(result)
     }
 
     fn dropped_presses(&self) -> u64 {
-        self.outlet.dropped_presses + self.keys.dropped_presses()
+        self.outlet.dropped_presses + self.outlet.outputs.keys().dropped_presses()
     }
 
     fn coalesced_motions(&self) -> u64 {
-        self.keys.coalesced_motions()
+        self.outlet.outputs.keys().coalesced_motions()
     }
 
     fn text_field(&self) -> TextField {
-        self.outlet.shared.field()
+        self.outlet.focused.get()
     }
 
     fn show_text(&mut self, state: Option<&TextState>) {
         self.composes_words = state.is_some_and(|state| state.mode != TextMode::Literal);
+        self.adds_capitals = state.is_some_and(|state| state.mode == TextMode::Auto);
         let none = Candidates::new();
         let has_word = !self.composition.word().is_empty();
         let candidates = state
@@ -216,28 +214,20 @@ impl Sink for Ime {
             .map_or(&none, |state| &state.candidates);
         if *candidates != self.listed {
             self.listed.clone_from(candidates);
-            self.outlet.request(Action::List(candidates.clone()));
+            self.outlet.is_idle = false;
+            self.outlet.outputs.list(candidates, self.outlet.field);
         }
     }
 
     fn take_choice(&mut self) -> Option<u8> {
-        self.outlet.shared.take_choice()
+        self.outlet.outputs.take_choice()
     }
 }
 
 impl Drop for Ime {
     fn drop(&mut self) {
-        if self.thread.is_some() {
+        if !self.is_closed {
             let _ = self.close();
         }
-    }
-}
-
-/// Returns whether an input method sees this event.
-fn is_key_press(event: EventKind) -> bool {
-    match event {
-        EventKind::KeyDown(key) => key.kind() == KeyKind::Keyboard,
-        EventKind::Character(_) => true,
-        _ => false,
     }
 }

@@ -7,6 +7,8 @@ use std::ffi::OsString;
 mod linux;
 #[cfg(all(feature = "wayland", target_os = "linux"))]
 pub use linux::connect;
+#[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
+pub use linux::connect_composing;
 
 #[cfg(not(all(feature = "wayland", target_os = "linux")))]
 mod unsupported;

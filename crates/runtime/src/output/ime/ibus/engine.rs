@@ -153,7 +153,7 @@ impl<'a> Engine<'a> {
 
     fn execute(&mut self, request: Request) -> zbus::Result<()> {
         let is_void = request.stops != self.shared.stops();
-        if is_void || request.field != self.shared.field().generation {
+        if is_void || request.field != self.shared.field.get().generation {
             return Ok(());
         }
         match request.action {
@@ -325,7 +325,7 @@ impl<'a> Engine<'a> {
     fn enter_field(&mut self) {
         self.shown.clear();
         let is_known = self.is_focused && self.is_enabled && self.asked_field.is_none();
-        self.shared.enter_field(if is_known {
+        self.shared.field.enter(if is_known {
             self.kind
         } else {
             // A field for a password may hide from the daemon.

@@ -55,7 +55,7 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
     loop {
         let ended = Engine::new(bus, shared).run(requests);
         // It may be a password.
-        shared.enter_field(FieldKind::Literal);
+        shared.field.enter(FieldKind::Literal);
         if ended == End::Session {
             return;
         }

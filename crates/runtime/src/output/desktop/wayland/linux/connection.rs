@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -56,11 +56,8 @@ impl CompositorConnection {
     /// Connects to the compositor of this name, which has the form of `WAYLAND_DISPLAY`: a file in the runtime folder
     /// of the user, or an absolute path.
     pub fn open(name: &OsStr) -> Result<Self, String> {
-        let folder = env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
-        let socket = folder.unwrap_or_default().join(name);
-        let no_answer = |error: &dyn std::fmt::Display| {
-            advice::no_compositor(&socket, &error.to_string()).to_string()
-        };
+        let socket = socket(name);
+        let no_answer = |error: &dyn std::fmt::Display| no_answer(&socket, error);
         let stream = UnixStream::connect(&socket).map_err(|error| no_answer(&error))?;
         let connection = Connection::from_socket(stream).map_err(|error| no_answer(&error))?;
         let (globals, queue) =
@@ -175,6 +172,17 @@ impl CompositorConnection {
         let text = format!("the connection to the compositor failed: {reason}");
         self.failure.insert(text).clone()
     }
+}
+
+/// Returns the path of the socket of a compositor from its name.
+pub fn socket(name: &OsStr) -> PathBuf {
+    let folder = env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
+    folder.unwrap_or_default().join(name)
+}
+
+/// Returns the message for a compositor that does not answer at this socket.
+pub fn no_answer(socket: &Path, error: &dyn std::fmt::Display) -> String {
+    advice::no_compositor(socket, &error.to_string()).to_string()
 }
 
 /// Returns the message for a compositor without virtual pointers.

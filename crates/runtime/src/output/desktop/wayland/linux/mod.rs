@@ -19,6 +19,8 @@ use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
+#[cfg(feature = "ime")]
+use crate::output::desktop::composing::Composing;
 use crate::output::desktop::injector::Injector;
 use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
@@ -26,9 +28,15 @@ use crate::output::watchdog::ReleaseTarget;
 use ademan_core::device::pressed_keys::KeyDirection;
 use ademan_core::device::{KeyCode, KeyKind};
 use connection::CompositorConnection;
+#[cfg(feature = "ime")]
+use input_method::InputMethod;
+#[cfg(feature = "ime")]
+pub use input_method::connect_composing;
 use keymap::{CHARACTER_KEY, Keymap};
 
 mod connection;
+#[cfg(feature = "ime")]
+mod input_method;
 mod keymap;
 
 /// Delay until clients know a new keyboard; they miss keys that are pressed earlier.
@@ -47,6 +55,8 @@ pub struct WaylandInjector {
     keymap: Keymap,
     character_keyboard: Option<CharacterKeyboard>,
     pointer: Option<ZwlrVirtualPointerV1>,
+    #[cfg(feature = "ime")]
+    input_method: Option<InputMethod>,
     start: Instant,
 }
 
@@ -59,24 +69,30 @@ struct CharacterKeyboard {
 /// Connects to the compositor of this name, which has the form of `WAYLAND_DISPLAY`. Fails if the compositor has no
 /// virtual keyboard, or no virtual pointer and one is needed.
 pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
-    let mut connection = CompositorConnection::open(name)?;
-    let keymap = Keymap::from_seat(connection.seat_keymap()?)?;
-    let keyboard = connection.create_keyboard();
-    keymap.assign_to(&keyboard);
-    let pointer = connection.create_pointer(needs_pointer)?;
-    connection.roundtrip()?;
-    thread::sleep(KEYBOARD_DELAY);
-    Ok(Box::new(WaylandInjector {
-        connection,
-        keyboard,
-        keymap,
-        character_keyboard: None,
-        pointer,
-        start: Instant::now(),
-    }))
+    WaylandInjector::connect(name, needs_pointer).map(|injector| Box::new(injector) as _)
 }
 
 impl WaylandInjector {
+    fn connect(name: &OsStr, needs_pointer: bool) -> Result<Self, String> {
+        let mut connection = CompositorConnection::open(name)?;
+        let keymap = Keymap::from_seat(connection.seat_keymap()?)?;
+        let keyboard = connection.create_keyboard();
+        keymap.assign_to(&keyboard);
+        let pointer = connection.create_pointer(needs_pointer)?;
+        connection.roundtrip()?;
+        thread::sleep(KEYBOARD_DELAY);
+        Ok(Self {
+            connection,
+            keyboard,
+            keymap,
+            character_keyboard: None,
+            pointer,
+            #[cfg(feature = "ime")]
+            input_method: None,
+            start: Instant::now(),
+        })
+    }
+
     /// Returns the time since the connection was made, in milliseconds; it wraps around after 49 days, as event times
     /// of Wayland do.
     fn now(&self) -> u32 {
@@ -187,6 +203,13 @@ impl Injector for WaylandInjector {
             self.connection.flush()?;
         }
         Ok(true)
+    }
+
+    #[cfg(feature = "ime")]
+    fn compose(&mut self, composing: &Composing) -> Result<bool, String> {
+        self.connection.dispatch()?;
+        let input_method = self.input_method.as_ref();
+        input_method.map_or(Ok(false), |input_method| input_method.compose(composing))
     }
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
