@@ -156,7 +156,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(25, "a length of 4 GiB", Tests(&[
         ("tests/cli/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_memory_is_allocated"),
-        ("crates/runtime/src/capture/recording/lengths.rs", "any_length_beyond_its_record_is_detected"),
+        ("crates/recording/src/lengths.rs", "any_length_beyond_its_record_is_detected"),
     ])),
     fault(26, "a thousand connections", Tests(&[
         ("tests/cli/faults/clients.rs", "a_thousand_connections_end_and_the_first_client_is_served"),

@@ -4,7 +4,7 @@ use std::process::Command;
 
 const FOLDER: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/crates/runtime/src/capture/recording/message"
+    "/crates/recording/src/message"
 );
 
 #[test]
