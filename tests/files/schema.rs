@@ -2,10 +2,7 @@
 
 use std::process::Command;
 
-const FOLDER: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/crates/recording/src/message"
-);
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/recording/src/message");
 
 #[test]
 fn the_schema_in_recordings_is_what_protoc_makes_of_its_text() {
