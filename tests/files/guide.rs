@@ -159,6 +159,10 @@ fn the_page_on_persons_lists_every_field() {
 }
 
 #[test]
+#[cfg_attr(
+    windows,
+    ignore = "Windows rounds sines in another way, which shows in the last digits of a picture"
+)]
 fn each_shipped_layout_has_its_picture_in_the_gallery() {
     let mut expected = BTreeSet::new();
     for name in shipped_layouts() {

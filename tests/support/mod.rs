@@ -8,6 +8,7 @@ pub mod body;
 pub mod checked;
 pub mod free_address;
 pub mod full_pipe;
+#[cfg(unix)]
 pub mod glove;
 pub mod hand;
 #[cfg(target_os = "linux")]

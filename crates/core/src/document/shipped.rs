@@ -1,5 +1,7 @@
 //! The files under `layouts/`, compiled into the program.
 
+use std::path::is_separator;
+
 use ademan_layouts::{FILES, MESHES};
 
 use super::{Document, DocumentError};
@@ -52,7 +54,8 @@ fn names<'a>() -> impl Iterator<Item = &'a str> {
 }
 
 fn file_name(path: &str) -> &str {
-    path.rsplit_once('/').map_or(path, |(_, name)| name)
+    path.rsplit_once(is_separator)
+        .map_or(path, |(_, name)| name)
 }
 
 impl DocumentError {

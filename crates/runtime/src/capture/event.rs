@@ -93,7 +93,7 @@ impl<S: Source> EventSource<S> {
     }
 
     /// Replaces the detector, because a test cannot suspend the system.
-    #[cfg(test)]
+    #[cfg(all(test, target_os = "linux"))]
     pub fn with_suspend_detector(self, suspend: SuspendDetector) -> Self {
         Self { suspend, ..self }
     }

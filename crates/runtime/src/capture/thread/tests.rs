@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::*;
 use crate::capture::event::NOISE_INTERVAL;
 use crate::capture::event_queue::QUEUE_CAPACITY;
+#[cfg(target_os = "linux")]
 use crate::capture::suspend::SuspendDetector;
 use crate::capture::{Channels, Reading, Sample, SourceEvent, SourceStats};
 use ademan_core::command::Command;
