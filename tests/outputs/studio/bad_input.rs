@@ -112,6 +112,6 @@ fn the_simulated_hand_leaves_out_a_key_beyond_its_reach() {
     fs::write(&path, FAR_KEY).expect("space on the disk");
     let name = path.display().to_string();
     let program = Program::from_command(studio(&server, &["--layout", &name]));
-    program.wait_for_line("the simulated hand leaves out a character", 1);
+    program.wait_for_line("the simulated hand leaves out `tap D`", 1);
     assert!(is_typing(&server), "{:#?}", program.stderr_lines());
 }
