@@ -1,6 +1,6 @@
 //! Unsaved work, kept in a file of its own, and a lock that tells two editors of one layout apart.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -10,7 +10,7 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::LayoutEditor;
 use ademan_core::document::Document;
 use ademan_core::message::escape_path;
-use ademan_runtime::files::{self, FileError, OpenDocument};
+use ademan_runtime::files::{self, FileError, LockedFile, OpenDocument};
 
 /// The first line of a recovery file; the name of the layout follows.
 const HEAD: &str = "// Unsaved work on ";
@@ -28,7 +28,7 @@ pub struct UnsavedWork {
 #[derive(Debug)]
 pub(super) struct Recovery {
     /// Present while this editor holds the lock of its layout.
-    lock: Option<File>,
+    lock: Option<LockedFile>,
     jobs: Option<Sender<Job>>,
     /// The other end, to drop a job that is out of date.
     queued: Receiver<Job>,
@@ -101,7 +101,7 @@ impl Recovery {
         files::create_private_folder(folder)?;
         let stem = stem(name);
         let lock = files::open_private(&folder.join(format!("{stem}.lock")))?;
-        let lock = lock.try_lock().is_ok().then_some(lock);
+        let lock = LockedFile::try_lock(lock).ok();
         let own = match lock.is_some() {
             true => String::new(),
             false => format!(".{}", std::process::id()),
@@ -141,10 +141,6 @@ impl Drop for Recovery {
         self.jobs = None;
         if let Some(writer) = self.writer.take() {
             let _ = writer.join();
-        }
-        // Closing alone keeps the lock while a child has the descriptor: until it has executed its program.
-        if let Some(lock) = &self.lock {
-            let _ = lock.unlock();
         }
     }
 }

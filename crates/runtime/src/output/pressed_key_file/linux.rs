@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustix::fs::fstatfs;
 
-use crate::files::{self, FileError};
+use crate::files::{self, FileError, LockedFile};
 use crate::output::character_key::{CharacterKey, KeymapChange};
 use crate::output::socket;
 use ademan_core::device::KeyCode;
@@ -41,7 +41,7 @@ const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 
 /// The file of an output of this process.
 pub struct PressedKeyFile {
-    file: File,
+    file: LockedFile,
     path: PathBuf,
     /// Position of the keysyms, behind the name of the display.
     keysyms: u64,
@@ -78,7 +78,7 @@ impl PressedKeyFile {
         let unnamed = path.with_extension("new");
         let _ = fs::remove_file(&unnamed);
         let file = files::create_private(&unnamed).map_err(io::Error::other)?;
-        file.try_lock()?;
+        let file = LockedFile::try_lock(file)?;
         // All bytes are written, so that a full disk shows here and not at a press. Behind the name is a NUL.
         let content = [&[0; KEY_COUNT], display.as_bytes(), &[0; 1 + KEYSYMS]].concat();
         let written = file
@@ -95,7 +95,7 @@ impl PressedKeyFile {
 
     /// Returns `true` if recording a key cannot wait for a disk.
     pub fn is_in_memory(&self) -> bool {
-        fstatfs(&self.file).is_ok_and(|system| MEMORY_TYPES.contains(&(system.f_type as u32)))
+        fstatfs(&*self.file).is_ok_and(|system| MEMORY_TYPES.contains(&(system.f_type as u32)))
     }
 
     /// Records a key: before a press and after a release. Writes one byte, which a reader sees entirely or not at all.
@@ -130,8 +130,6 @@ impl Drop for PressedKeyFile {
         if !*self.is_abandoned.get_mut() {
             let _ = fs::remove_file(&self.path);
         }
-        // Closing alone keeps the lock while a child has the descriptor: until it has executed its program.
-        let _ = self.file.unlock();
     }
 }
 
@@ -144,7 +142,7 @@ pub struct AbandonedKeys {
     display: String,
     path: PathBuf,
     /// Keeps other processes from releasing the keys too.
-    lock: File,
+    _lock: LockedFile,
 }
 
 impl AbandonedKeys {
@@ -204,15 +202,15 @@ impl AbandonedKeys {
 
     /// Reads a file. `None` if its process runs.
     fn read(path: PathBuf) -> io::Result<Option<Self>> {
-        let mut file = files::open_secret(&path).map_err(io::Error::other)?;
-        if file.try_lock().is_err() {
+        let file = files::open_secret(&path).map_err(io::Error::other)?;
+        let Ok(lock) = LockedFile::try_lock(file) else {
             return Ok(None);
-        }
+        };
+        let mut file: &File = &lock;
         let mut bytes = [0; KEY_COUNT];
         file.read_exact(&mut bytes)?;
         let mut rest = Vec::new();
-        (&file)
-            .take(MAX_NAME + KEYSYMS as u64)
+        file.take(MAX_NAME + KEYSYMS as u64)
             .read_to_end(&mut rest)?;
         // An earlier version wrote no more than the name.
         let end = rest.iter().position(|byte| *byte == 0);
@@ -226,19 +224,13 @@ impl AbandonedKeys {
             character_keys: character_keys(keysyms.get(1..).unwrap_or_default()),
             display: String::from_utf8_lossy(name).into_owned(),
             path,
-            lock: file,
+            _lock: lock,
         }))
     }
 
     /// Removes the file: the keys were released.
     pub fn forget(self) {
         let _ = fs::remove_file(&self.path);
-    }
-}
-
-impl Drop for AbandonedKeys {
-    fn drop(&mut self) {
-        let _ = self.lock.unlock();
     }
 }
 
