@@ -1,4 +1,4 @@
-//! The movements of a fingertip for those of the mouse.
+//! The movements of a fingertip as the mouse moves.
 
 use crossbeam_channel::Sender;
 
@@ -154,16 +154,14 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Viewpoint};
+    use crate::scene::tests::model_of;
     use crate::scene::{bearing, points_of_interest};
-    use crate::sensors::SensorTable;
     use ademan_core::contact::TargetId;
-    use ademan_core::contact::surface::Surface;
     use ademan_core::hand::Joint;
     use ademan_core::kinematics::HandPose;
     use ademan_core::layout::Layout;
     use ademan_core::time::Timestamp;
     use ademan_runtime::files::Load;
-    use ademan_runtime::session::view::{View, ViewState};
 
     const SIZE: Vec2 = Vec2::new(900.0, 500.0);
 
@@ -177,16 +175,7 @@ mod tests {
 
     impl Scene {
         fn new(layout: &str) -> Self {
-            let layout = Layout::load(layout).unwrap();
-            let surfaces = layout.scene.surfaces().iter();
-            let view = View {
-                boards: surfaces.map(Surface::anchor_from_surface).collect(),
-                layout: Arc::new(layout),
-                state: Arc::new(ViewState::starting("", "", "")),
-                messages: Arc::default(),
-                missed: 0,
-            };
-            let mut model = StudioModel::new(view, SensorTable::default());
+            let mut model = model_of(Arc::new(Layout::load(layout).unwrap()));
             for side in [Side::Right, Side::Left] {
                 let mut pose = HandPose::new(Timestamp(0), side, 0.005);
                 let elbow = Vec3::new(if side == Side::Right { 0.2 } else { -0.2 }, 1.0, 0.0);

@@ -1,9 +1,9 @@
 //! The menu of the simulated hand: speed, noise, and the person.
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{self, Key, PopupCloseBehavior};
+use eframe::egui::{self, PopupCloseBehavior};
 
-use super::PanelState;
+use super::{PanelState, file_field};
 use crate::settings::{HAND_NOISES, HAND_SPEEDS, HandSettings};
 use crate::texts::text;
 use ademan_core::document::shipped_persons;
@@ -20,7 +20,12 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
         show_sliders(ui, hand);
         ui.separator();
         show_people(ui, hand);
-        show_file(ui, hand, &mut state.person_file);
+        let file = &mut state.person_file;
+        if let Some(name) =
+            file_field::show(ui, WIDTH, "hand-person-file", "hand-person-open", file)
+        {
+            hand.person = Some(name);
+        }
     });
 }
 
@@ -51,19 +56,4 @@ fn show_people(ui: &mut egui::Ui, hand: &mut HandSettings) {
             hand.person = Some(name);
         }
     }
-}
-
-/// Asks for the file of a person.
-fn show_file(ui: &mut egui::Ui, hand: &mut HandSettings, file: &mut String) {
-    let label = ui.label(text("hand-person-file"));
-    ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(file).desired_width(WIDTH - 70.0);
-        let field = ui.add(field).labelled_by(label.id);
-        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let is_opened = ui.button(text("hand-person-open")).clicked();
-        let name = file.trim();
-        if (is_entered || is_opened) && !name.is_empty() {
-            hand.person = Some(name.to_owned());
-        }
-    });
 }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{self, Key, PopupCloseBehavior};
+use eframe::egui::{self, PopupCloseBehavior};
 
-use super::PanelState;
+use super::{PanelState, file_field};
 use crate::first_start::LAYOUTS;
 use crate::texts::{text, text_with};
 use ademan_core::message::escape;
@@ -23,7 +23,15 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
     let (button, _) = menu.ui(ui, |ui| {
         ui.set_width(WIDTH);
         let chosen = show_recent(ui, state)
-            .or_else(|| show_file(ui, &mut state.layout_file))
+            .or_else(|| {
+                file_field::show(
+                    ui,
+                    WIDTH,
+                    "layouts-file",
+                    "layouts-button",
+                    &mut state.layout_file,
+                )
+            })
             .or_else(|| show_shipped(ui));
         if chosen.is_some() {
             state.next_layout = chosen;
@@ -56,22 +64,6 @@ fn show_recent(ui: &mut egui::Ui, state: &mut PanelState) -> Option<String> {
     let name = escape(&file).into_owned();
     state.message = Some(text_with("layouts-missing", &[("file", name.into())]));
     None
-}
-
-fn show_file(ui: &mut egui::Ui, file: &mut String) -> Option<String> {
-    let label = ui.label(text("layouts-file"));
-    let mut chosen = None;
-    ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(file).desired_width(WIDTH - 70.0);
-        let field = ui.add(field).labelled_by(label.id);
-        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let is_opened = ui.button(text("layouts-button")).clicked();
-        let name = file.trim();
-        if (is_entered || is_opened) && !name.is_empty() {
-            chosen = Some(name.to_owned());
-        }
-    });
-    chosen
 }
 
 fn show_shipped(ui: &mut egui::Ui) -> Option<String> {

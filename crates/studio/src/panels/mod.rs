@@ -3,6 +3,7 @@
 mod actions;
 mod calibration;
 mod editor;
+mod file_field;
 mod first_start;
 mod fonts;
 mod hand;

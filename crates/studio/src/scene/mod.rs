@@ -178,4 +178,4 @@ pub fn bearing(model: &StudioModel) -> f32 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -47,7 +47,7 @@ pub(super) fn add_limbs(canvas: &mut Canvas, model: &StudioModel, pose: &HandPos
     has_limbs
 }
 
-/// Returns the vertices of a mesh in the world. That of a left hand is mirrored.
+/// Returns the vertices of a mesh in the world. The mesh of a left hand is mirrored.
 fn placed(
     mesh: &TriangleMesh,
     shape: &Shape,

@@ -19,18 +19,22 @@ use ademan_runtime::session::view::{View, ViewState};
 
 const SIZE: Vec2 = Vec2::new(900.0, 500.0);
 
-/// Returns a shipped layout below an elbow, and a camera that shows it.
-fn scene(layout: &str) -> (StudioModel, Camera) {
-    let layout = Layout::load(layout).unwrap();
+/// Returns what the window has of a session with a layout that has received no hand.
+pub(crate) fn model_of(layout: Arc<Layout>) -> StudioModel {
     let surfaces = layout.scene.surfaces().iter();
     let view = View {
         boards: surfaces.map(Surface::anchor_from_surface).collect(),
-        layout: Arc::new(layout),
+        layout,
         state: Arc::new(ViewState::starting("", "", "")),
         messages: Arc::default(),
         missed: 0,
     };
-    let mut model = StudioModel::new(view, SensorTable::default());
+    StudioModel::new(view, SensorTable::default())
+}
+
+/// Returns a shipped layout below an elbow, and a camera that shows it.
+fn scene(layout: &str) -> (StudioModel, Camera) {
+    let mut model = model_of(Arc::new(Layout::load(layout).unwrap()));
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     pose.set(Joint::Elbow, Pose::from_translation(Vec3::ZERO));
     model.poses[Side::Right.index()] = Some(pose);
@@ -241,14 +245,7 @@ fn skin_pixels(model: &StudioModel, camera: &Camera) -> usize {
 #[test]
 fn a_shape_grows_with_the_value_of_its_trigger_and_is_on_the_hand_that_has_it() {
     let layout = Arc::new(Layout::load("claws").unwrap());
-    let view = View {
-        boards: Arc::new([]),
-        layout: Arc::clone(&layout),
-        state: Arc::new(ViewState::starting("", "", "")),
-        messages: Arc::default(),
-        missed: 0,
-    };
-    let mut model = StudioModel::new(view, SensorTable::default());
+    let mut model = model_of(Arc::clone(&layout));
     // A wrist alone has no skin.
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     let to_the_left = glam::Quat::from_rotation_y(std::f32::consts::PI);

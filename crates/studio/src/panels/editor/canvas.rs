@@ -53,7 +53,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     paint(ui, panel, context, (area, &viewport), &over);
 }
 
-/// What is drawn over the items, and below the board.
+/// The drawings over the items, and below the board.
 pub(super) struct Over<'a> {
     /// The strengths of a colour, by item.
     pub heats: &'a [f32],
