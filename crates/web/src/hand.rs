@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use ademan_core::capture::protocol::{Decoder, Packet, Protocol, bvh, hand_landmarks, joint_sets};
-use ademan_core::capture::{Reading, Sample, StreamFormat};
-use ademan_core::hand::Side;
+use ademan_core::capture::{Reading, StreamFormat};
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Layout, Person};
 use ademan_core::time::Timestamp;
@@ -91,8 +90,8 @@ pub struct FollowedHand {
     /// The protocol, with its options if they are not the defaults.
     format: String,
     decoder: Box<dyn Decoder>,
-    waiting: VecDeque<(Timestamp, Option<Side>, Sample)>,
-    /// The time of the page minus that of the sensor, in microseconds.
+    waiting: VecDeque<Reading>,
+    /// The time of the page minus the time of the sensor, in microseconds.
     offset: Option<i64>,
     /// The time of the latest bytes of a sensor that measures now; `None` for a recording.
     live: Option<Timestamp>,
@@ -127,13 +126,11 @@ impl Hand {
                 false
             }
             Self::Followed(hand) => {
-                hand.advance(time, readings);
+                take_due(&mut hand.waiting, time, readings);
                 false
             }
             Self::Recorded(waiting) => {
-                while let Some(reading) = waiting.pop_front_if(|it| it.time <= time) {
-                    readings.push(reading);
-                }
+                take_due(waiting, time, readings);
                 false
             }
         }
@@ -271,7 +268,7 @@ impl FollowedHand {
                 None => now,
             };
             if waiting.len() < MAX_WAITING {
-                waiting.push_back((time, packet.side, packet.sample));
+                waiting.push_back(Reading::new(time, packet.side, packet.sample));
             }
         };
         self.decoder.push(bytes, &mut receive);
@@ -280,13 +277,11 @@ impl FollowedHand {
         }
         self.waiting.len() - before
     }
+}
 
-    fn advance(&mut self, time: Timestamp, readings: &mut Vec<Reading>) {
-        while let Some((due, ..)) = self.waiting.front()
-            && *due <= time
-            && let Some((due, side, sample)) = self.waiting.pop_front()
-        {
-            readings.push(Reading::new(due, side, sample));
-        }
+/// Moves the readings that are due at a time.
+fn take_due(waiting: &mut VecDeque<Reading>, time: Timestamp, readings: &mut Vec<Reading>) {
+    while let Some(reading) = waiting.pop_front_if(|it| it.time <= time) {
+        readings.push(reading);
     }
 }

@@ -9,7 +9,7 @@ use ademan_core::hand::Side;
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Fit, Glove, Person};
 use ademan_core::pipeline::{LayoutInstance, Pipeline};
-use ademan_recording::{RecordedEvent, RecordedSetup, Recording, RecordingError, kind};
+use ademan_recording::{RecordedEvent, RecordedSetup, Recording, kind};
 use serde::Serialize;
 
 use crate::hand::Hand;
@@ -64,7 +64,7 @@ impl PageSession {
         Ok(played)
     }
 
-    /// Uses the hands of the page again after those of a recording.
+    /// Ends a recording: the hands of the page move again.
     pub(crate) fn end_recording(&mut self) {
         if !matches!(self.hand, Hand::Recorded(_)) {
             return;
@@ -142,8 +142,7 @@ fn read_all(recording: &mut Recording<&[u8]>, readings: &mut VecDeque<Reading>) 
             // The page has no commands that move boards.
             Ok(Some(RecordedEvent::Command(_))) => {}
             Ok(None) => return recording.truncation().map(|it| it.reason.clone()),
-            Err(RecordingError::Unreadable { reason, .. }) => return Some(reason),
-            Err(error @ RecordingError::Malformed { .. }) => return Some(error.to_string()),
+            Err(error) => return Some(error.to_string()),
         }
     }
 }
