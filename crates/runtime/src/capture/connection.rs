@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result, Write};
+use std::thread;
 use std::time::Duration;
 
 use super::HeadsetList;
@@ -140,5 +141,15 @@ impl ConnectError {
         match self {
             Self::Absent(reason) | Self::Unusable(reason) => reason,
         }
+    }
+}
+
+/// Closes a connection on its own thread: closing the port of an absent device can block for seconds.
+pub fn close_on_thread(lost: impl Send + 'static) {
+    let thread = thread::Builder::new()
+        .name("close".to_owned())
+        .spawn(move || drop(lost));
+    if let Err(error) = thread {
+        tracing::debug!("cannot start a thread, the port was closed in place: {error}");
     }
 }

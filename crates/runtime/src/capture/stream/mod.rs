@@ -10,7 +10,7 @@ use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
-use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
+use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER, close_on_thread};
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
@@ -485,16 +485,6 @@ fn is_idle(kind: ErrorKind) -> bool {
         kind,
         ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
     )
-}
-
-/// Closes a connection on its own thread: closing the port of an absent device can block for seconds.
-fn close_on_thread(lost: impl Send + 'static) {
-    let thread = std::thread::Builder::new()
-        .name("close".to_owned())
-        .spawn(move || drop(lost));
-    if let Err(error) = thread {
-        tracing::debug!("cannot start a thread, the port was closed in place: {error}");
-    }
 }
 
 #[cfg(test)]
