@@ -116,7 +116,7 @@ fn the_readings_of_a_live_hand_are_accepted_from_the_first_one() {
 /// The longest tour of a layout with a pause, in readings of a slow line.
 const MAX_READINGS: usize = 40_000;
 
-/// What a live hand has done so far.
+/// A live hand, and its effects so far.
 struct Played {
     hand: SimulatedTypist,
     pipeline: CheckedPipeline,

@@ -330,7 +330,7 @@ fn bend_before(shape: HandShape) -> f64 {
     }
 }
 
-/// Returns the bend of each finger at a time, from those of a relaxed hand to those of a shape.
+/// Returns the bend of each finger at a time, from a relaxed hand to a shape.
 fn bends_at(seconds: f64, before: f64, shape: &[f64; Finger::COUNT]) -> [f64; Finger::COUNT] {
     let fraction = ((seconds - 1.0) / MOVE).clamp(0.0, 1.0);
     shape.map(|bend| before + fraction * (bend - before))

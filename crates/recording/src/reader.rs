@@ -22,7 +22,7 @@ pub struct Truncation {
     pub reason: String,
 }
 
-/// What a recorded session received or executed.
+/// A reading that a recorded session received, or a command that it executed.
 #[expect(
     clippy::large_enum_variant,
     reason = "a reading is passed on without an allocation"

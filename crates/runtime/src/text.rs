@@ -13,7 +13,7 @@ schema! {
     #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename = "Text", default, deny_unknown_fields)]
     pub struct TextSetup {
-        /// What it changes at the start.
+        /// The mode at the start.
         pub mode: TextModeSetup,
         /// The language: `en` or `es`, or the path of a model that ends in `.adm`.
         pub language: String,
@@ -23,7 +23,7 @@ schema! {
 }
 
 schema! {
-    /// What the text decoder changes.
+    /// The changes of the text decoder.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename = "TextMode")]
     pub enum TextModeSetup {

@@ -36,7 +36,7 @@ pub struct Live {
     told: LiveNews,
 }
 
-/// What the page is told about the place of the boards.
+/// The news about the place of the boards for the page.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct LiveNews {
     /// The part of the second for which the hand has been held, in percent; `None` if the boards are not to be placed.

@@ -17,7 +17,7 @@ pub struct Rehearsal {
     time: Timestamp,
 }
 
-/// What the rehearsed person types: keys that every keyboard for one hand or both has.
+/// The text that the rehearsed person types: keys that every keyboard for one hand or both has.
 const REHEARSED: &str = "asdf jkl";
 
 /// Most readings of a rehearsal.

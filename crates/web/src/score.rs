@@ -17,7 +17,7 @@ use crate::session::NAME;
 /// Phrases that each person types.
 const PHRASES: usize = 6;
 
-/// The seed of the people and of their errors, as that of `ademan lab score`.
+/// The seed of the people and of their errors, as `ademan lab score` has it.
 const SEED: u64 = 1;
 
 /// Most people: a browser shows the trend, the program gives the figures.

@@ -12,10 +12,10 @@ use ademan_core::layout::{Fit, Layout};
 use glam::{Quat, Vec3};
 use parry3d::math::Pose;
 
-/// Length of the forearm as a multiple of the hand length: that of the hand and forearm that `measure_lengths` assumes.
+/// Length of the forearm as a multiple of the hand length, as `measure_lengths` assumes it.
 const FOREARM: f64 = 0.25 / 0.18;
 
-/// The height of the index fingertip of a typing hand above the middle of its board, in metres: that of the layout, within these limits. It is
+/// The height of the index fingertip of a typing hand above the middle of its board, in metres: as the layout has it, within these limits. It is
 /// low because cameras show less of a movement towards them than there is.
 const HEIGHTS: (f32, f32) = (0.008, 0.015);
 

@@ -25,11 +25,11 @@ pub(crate) struct Words {
     mode: Option<TextMode>,
     /// The latest reading, if there is a decoder.
     latest: Option<Reading>,
-    /// What the page knows.
+    /// The state that the page knows.
     told: Option<TextState>,
 }
 
-/// What the page is told about the decoder.
+/// The news about the decoder for the page.
 #[derive(Serialize)]
 struct CandidateNews<'a> {
     /// `None` for a layout with too few letters.

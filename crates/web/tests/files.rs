@@ -76,7 +76,7 @@ fn a_motion_capture_file_moves_the_arm_that_is_asked_for() {
         assert!(poses.len() > 20, "{}", poses.len());
         assert!(poses.iter().all(|pose| pose["side"] == side));
         let joints = ["Arm", "ForeArm", "Hand"].map(|joint| format!("{name}{joint}"));
-        // The page shows the latest pose of each picture, at the end that of the last frame.
+        // The page shows the latest pose of each picture, at the end the pose of the last frame.
         let expected = angle(&positions["39"], joints.each_ref().map(String::as_str));
         let last = &poses[poses.len() - 1]["positions"];
         let found = angle(last, ["shoulder", "elbow", "wrist"]);

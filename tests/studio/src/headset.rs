@@ -46,7 +46,7 @@ impl Source for HeadsetHand {
     }
 }
 
-/// Returns a code that is no code of anything, with as many modules as that of a link.
+/// Returns modules that are no QR code of anything, as many as a link has.
 fn code() -> QrModules {
     const WIDTH: usize = 41;
     QrModules::new(WIDTH, (0..WIDTH * WIDTH).map(|it| it % 3 == 0).collect())

@@ -1,4 +1,4 @@
-//! How far each finger has bent lately: what tells a finger that presses from its neighbors that follow.
+//! The recent bend of each finger, which tells a finger that presses from its neighbors that follow.
 
 use std::time::Duration;
 

@@ -134,7 +134,7 @@ impl FingerState {
     }
 }
 
-/// What becomes of a stroke behind the press depth.
+/// The fate of a stroke behind the press depth.
 enum Decision {
     /// It presses a target, at a point in the frame of that target.
     Press(TargetLocation, Vec3),

@@ -149,7 +149,7 @@ impl Axis {
 /// The events of one step, releases first.
 ///
 /// In one step, ten fingers can each end one press and begin another, each with one modifier, 10 × (2 + 2)
-/// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, that of a sequence 32 more, and the release
+/// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, a text of a sequence 32 more, and the release
 /// of all keys takes 52; what does not fit of values and velocities follows in the next step.
 pub type Events = ArrayVec<OutputEvent, 192>;
 

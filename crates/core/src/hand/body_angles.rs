@@ -3,7 +3,7 @@
 use crate::names::named_enum;
 
 named_enum! {
-    /// An angle of the body beside the arms, in radians. Those of the head are relative to the trunk.
+    /// An angle of the body beside the arms, in radians. The angles of the head are relative to the trunk.
     pub enum BodyAngle ("angle of the body") {
         /// The turn of the head: positive to the wearer's right.
         HeadYaw = "head-yaw",

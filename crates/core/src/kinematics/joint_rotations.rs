@@ -64,7 +64,7 @@ impl JointRotations {
     }
 }
 
-/// Returns the rotation by an angle in radians about a unit axis, the same as that of [`JointRotations::about`].
+/// Returns the rotation by an angle in radians about a unit axis, as [`JointRotations::about`] does.
 pub(super) fn rotation_about(axis: Vec3, radians: f64) -> Quat {
     rotation(axis, half_angle(radians))
 }

@@ -40,7 +40,7 @@ schema! {
     }
 }
 
-/// What the steps of a sequence so far take.
+/// The characters and the time of the steps of a sequence so far.
 #[derive(Default)]
 struct Totals {
     characters: usize,

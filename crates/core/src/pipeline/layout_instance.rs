@@ -22,7 +22,7 @@ use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::time::Timestamp;
 
-/// What the sources of the hands permit in one step.
+/// The presses that the sources of the hands permit in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressRules {
     /// By side, whether the hand may point but not type.

@@ -62,7 +62,7 @@ pub struct Imported {
     pub name: String,
     /// The layout, as RON text.
     pub text: String,
-    /// What was left out or added, one sentence each.
+    /// The omissions and additions, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -84,7 +84,7 @@ pub enum ImportError {
         row: usize,
         /// The key in the row, from 1.
         column: usize,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What a changed layout must not do.
+//! The limits of a changed layout.
 
 use std::collections::BTreeSet;
 

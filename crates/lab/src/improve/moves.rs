@@ -13,7 +13,7 @@ use crate::names::named_enum;
 use crate::people::Draw;
 
 named_enum! {
-    /// What a search changes.
+    /// The properties that a search changes.
     pub enum MoveKind ("move") {
         /// Poses of boards, and positions of rows and controls on them.
         Positions = "positions",
@@ -61,7 +61,7 @@ enum Change {
 #[derive(Clone, Debug, PartialEq)]
 struct Slot {
     range: Range<usize>,
-    /// How often the phrases have its character.
+    /// The frequency of its character in the phrases.
     uses: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a search improves.
+//! The objective of a search.
 
 use std::str::FromStr;
 
@@ -8,8 +8,8 @@ use crate::message::escape;
 /// The weights of speed, errors and effort in one figure, of which more is better.
 ///
 /// A layout that types: words of correct text per minute, minus wrong characters in percent, minus the effort. A layout that is scored
-/// by tasks: tasks per minute, minus tasks that are not done in percent. The effort is a percentage of that on the original layout:
-/// half that of the turns of all joints for each character, half that of the time outside the comfortable range.
+/// by tasks: tasks per minute, minus tasks that are not done in percent. The effort is a percentage of the effort on the original layout:
+/// half for the turns of all joints for each character, half for the time outside the comfortable range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Objective {
     /// Weight of a word per minute.

@@ -23,7 +23,7 @@ const HOT: f64 = 0.01;
 /// The part of the steps after which only better states are taken.
 const COOL: f64 = 0.6;
 
-/// What is improved, and on whom.
+/// The objective of a search, and its people.
 pub struct Task<'a> {
     /// The original.
     pub document: &'a Document,
@@ -35,11 +35,11 @@ pub struct Task<'a> {
     pub phrases: usize,
     /// The sensors.
     pub source: SourceKind,
-    /// What changes.
+    /// The properties that change.
     pub kinds: &'a [MoveKind],
     /// The names of controls that stay as they are.
     pub keep: &'a [String],
-    /// How much the outline of a board may grow on each side, in metres.
+    /// The growth of the outline of a board that is permitted on each side, in metres.
     pub margin: f32,
     /// The figure that counts.
     pub objective: Objective,
@@ -125,7 +125,7 @@ struct Search<'a> {
     moves: Moves,
     limits: Limits,
     reference: Reference,
-    /// What the people did on the original.
+    /// The results of the people on the original.
     original: Vec<PersonScore>,
     cancel: &'a AtomicBool,
     refused: Refused,

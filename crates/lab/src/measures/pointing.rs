@@ -71,7 +71,7 @@ const MIN_DEVIATION: f64 = 0.289;
 impl PointingResult {
     /// Scores movements; all figures are 0 without one.
     ///
-    /// The throughput is that of ISO/TS 9241-411:2012, annex B, in the form of MacKenzie 2015 (Fitts' throughput and the remarkable case
+    /// The throughput follows ISO/TS 9241-411:2012, annex B, in the form of MacKenzie 2015 (Fitts' throughput and the remarkable case
     /// of touch-based target selection, doi 10.1007/978-3-319-20916-6_23) and of the program that comes with it, for a series of
     /// movements that start where the last one ended: log₂(Aₑ / Wₑ + 1) by the mean movement time, where Aₑ is the mean distance
     /// between two clicks along the axis from target to target, and Wₑ is √(2πe) times the sample standard deviation of the clicks

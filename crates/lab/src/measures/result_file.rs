@@ -82,7 +82,7 @@ pub struct LabResult {
     pub partial: Option<Partial>,
 }
 
-/// What is missing in a result of a part of the people.
+/// The part that is missing in a result of some of the people.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Partial {
     /// The indices of the shards without scores.

@@ -9,7 +9,7 @@ use crate::layout::Layout;
 /// A tap of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touch {
-    /// What the key types.
+    /// The character that the key types.
     pub(crate) character: char,
     /// The index of the board.
     pub(crate) board: usize,

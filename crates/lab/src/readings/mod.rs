@@ -56,22 +56,22 @@ pub const READERS: [&str; 6] = [
     "decoder",
 ];
 
-/// What came of the strokes of a phrase, at each stage.
+/// The text of the strokes of a phrase, at each stage.
 #[derive(Clone, Debug)]
 pub(crate) struct PhraseTaps {
     /// The text that was to be typed.
     pub(crate) presented: String,
-    /// What the plainest detector reads.
+    /// The text that the plainest detector reads.
     pub(crate) plane: String,
-    /// What the keys nearest to the strokes type.
+    /// The text of the keys nearest to the strokes.
     pub(crate) nearest: String,
-    /// What the devices type.
+    /// The text that the devices type.
     pub(crate) literal: String,
     /// The taps that the devices type from.
     pub(crate) touches: Vec<Touch>,
     /// The scatter of the person, in millimetres.
     pub(crate) scatter: f32,
-    /// What the decoder leaves in the text field.
+    /// The text that the decoder leaves in the text field.
     pub(crate) decoded: String,
 }
 

@@ -52,7 +52,7 @@ pub struct StudyLayout {
     pub tasks: Vec<Task>,
 }
 
-/// What a participant does in a trial.
+/// The task of a participant in a trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Task {

@@ -31,7 +31,7 @@ impl TrialKind {
     }
 }
 
-/// What a participant did in a trial. Numbers that a kind of trial does not have are `None`.
+/// The outcome of a trial of a participant. Numbers that a kind of trial does not have are `None`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// The pseudonym.
@@ -52,10 +52,10 @@ pub struct Trial {
     pub program_version: String,
     /// The time from the first to the last event, in seconds.
     pub seconds: f64,
-    /// What was to be typed; absent for practice.
+    /// The text to type; absent for practice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub presented: Option<String>,
-    /// What was typed.
+    /// The text that was typed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub typed: Option<String>,
     /// Characters to be typed.

@@ -61,7 +61,7 @@ pub struct FingerPath {
     pub keys: Vec<String>,
 }
 
-/// What a recorded hand did on a layout.
+/// The presses of a recorded hand on a layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Retraced {
     /// Readings.
@@ -78,7 +78,7 @@ pub struct Retraced {
     pub near_misses: Vec<NearMiss>,
     /// The path of each finger that was over a board, by name.
     pub paths: BTreeMap<String, FingerPath>,
-    /// What a text field would have received.
+    /// The text that a text field would have received.
     pub text: String,
 }
 

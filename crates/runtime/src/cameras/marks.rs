@@ -7,14 +7,14 @@ use glam::DVec2;
 /// Steps between the threshold and the brightest pixel at which a shape may fall into several marks.
 const LEVELS: usize = 24;
 
-/// How much each pixel of an image belongs to a mark.
+/// An image whose pixels state by how much they belong to a mark.
 #[derive(Clone, Debug)]
 pub struct MarkImage {
     width: usize,
     values: Vec<f32>,
 }
 
-/// What counts as a mark.
+/// The limits of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkSettings {
     /// Smallest value of a pixel of a mark, above 0 and below 1.

@@ -19,7 +19,7 @@ pub(super) enum Place {
     Inside,
     /// Right behind a mark that may end it.
     BehindMark,
-    /// Where the next one starts.
+    /// The start of the next one.
     Start,
 }
 

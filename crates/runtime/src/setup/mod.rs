@@ -55,11 +55,11 @@ schema! {
         pub source: Option<SourceUri>,
         /// The events that the source may cause. Default: all, or pointer events if the source is on the network.
         pub role: Option<SourceRole>,
-        /// The source of the arm, if another one than that of the fingers: a camera beside a glove.
+        /// The source of the arm, if the fingers have another one: a camera beside a glove.
         pub arm_source: Option<SourceUri>,
         /// The events that the source of the arm may cause. The hand causes only those that both of its sources may.
         pub arm_role: Option<SourceRole>,
-        /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11`, if the source provides channels.
+        /// The glove: a shipped name or a path. Default: the glove of the protocol, such as `unam-hc11`, if the source provides channels.
         pub glove: Option<String>,
         /// The person: a shipped name or a path. Sets the side and, unless `arm` names a model or lengths, the arms.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,7 +74,7 @@ schema! {
         pub profiles: Vec<ProfileSetup>,
         /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
         pub output: String,
-        /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. Those of a recording are not used.
+        /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. A recording's are not used.
         pub share: Vec<ShareTarget>,
         /// Feedback to the gloves while a session runs, when a finger touches or presses.
         pub haptics: Haptics,
@@ -110,11 +110,11 @@ schema! {
         pub source: Option<SourceUri>,
         /// The events that its source may cause.
         pub role: Option<SourceRole>,
-        /// The source of the arm. Default: that of the first hand, if it shows both arms.
+        /// The source of the arm. Default: the source of the first hand, if it shows both arms.
         pub arm_source: Option<SourceUri>,
         /// The events that the source of the arm may cause.
         pub arm_role: Option<SourceRole>,
-        /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11-left`, if the source provides channels.
+        /// The glove: a shipped name or a path. Default: the glove of the protocol, such as `unam-hc11-left`, if the source provides channels.
         pub glove: Option<String>,
         /// The arm.
         pub arm: ArmSetup,
@@ -130,7 +130,7 @@ schema! {
         pub name: String,
         /// The layout: a shipped name or a path.
         pub layout: String,
-        /// What the text decoder changes in this layout. Default: as in the setup.
+        /// The changes of the text decoder in this layout. Default: as in the setup.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub text: Option<TextModeSetup>,
     }

@@ -40,7 +40,7 @@ pub fn setup_json_schema() -> Value {
     schema
 }
 
-/// Sets the defaults of the fields of a structure to those of a value.
+/// Sets the defaults of the fields of a structure to the fields of a value.
 fn set_defaults(schema: &mut Value, table: &str, defaults: serde_json::Result<Value>) {
     let properties = &mut schema["$defs"][table]["properties"];
     let Ok(Value::Object(defaults)) = defaults else {

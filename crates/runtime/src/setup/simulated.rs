@@ -139,7 +139,7 @@ impl LoadedSetup {
         Ok(typist.repeated())
     }
 
-    /// Makes the simulated person of this setup that of a [live hand](Self::live_hand) of it, with sensors of this noise: a standard
+    /// Gives a [live hand](Self::live_hand) of this setup its simulated person, with sensors of this noise: a standard
     /// deviation in counts of a glove, or in millimetres of a camera. The hand goes on with its task.
     pub fn change_live_hand(
         &self,

@@ -179,7 +179,7 @@ impl StudioApp {
         self
     }
 
-    /// Opens a layout in the editor in place of that of the session. A layout that comes with the program is an unsaved copy.
+    /// Opens a layout in the editor in place of the session's layout. A layout that comes with the program is an unsaved copy.
     pub fn edit(&mut self, name: &str) -> Result<(), DocumentError> {
         self.panels.edit(name, self.model.view.layout.fit)
     }

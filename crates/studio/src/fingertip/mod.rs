@@ -1,10 +1,10 @@
-//! The mouse as a fingertip: a session beside that of the window, whose hand follows the pointer over the 3D view.
+//! The mouse as a fingertip: a session beside the window's own, whose hand follows the pointer over the 3D view.
 //!
 //! ```text
 //!  mouse ─ Ray ──▶ Aim ─ front under it ──▶ PointerSource ─ positions of joints ──▶ session without an output ──▶ model
 //! ```
 //!
-//! The readings pass through a pipeline like that of the session of the window, but nothing reaches an output, as the keys would
+//! The readings pass through a pipeline as in the session of the window, but nothing reaches an output, as the keys would
 //! go to the window itself, which has the focus. The session has one layout: another one has another session.
 
 mod aim;

@@ -24,7 +24,7 @@ pub struct Scored {
 /// The result of a run.
 #[derive(Clone, Debug)]
 pub struct LabOutcome {
-    /// What was scored.
+    /// The layout and the people that were scored.
     pub request: LabRequest,
     /// The people.
     pub participants: Vec<Participant>,
@@ -47,7 +47,7 @@ pub struct PersonBar {
     pub hand_mm: f64,
     /// The fingers, as a word.
     pub style: String,
-    /// What went wrong: wrong characters, or tasks that were not done; 0..=1 and more.
+    /// The failures: wrong characters, or tasks that were not done; 0..=1 and more.
     pub failure: f64,
     /// The readings of the person can be watched.
     pub can_be_watched: bool,

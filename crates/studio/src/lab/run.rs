@@ -18,7 +18,7 @@ use ademan_lab::phrases::Corpus;
 use ademan_runtime::files::OpenDocument;
 use ademan_runtime::priority;
 
-/// What is scored.
+/// The layout and the people that are scored.
 #[derive(Clone, Debug)]
 pub struct LabRequest {
     /// Who types what.

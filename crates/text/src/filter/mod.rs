@@ -23,7 +23,7 @@ pub use self::keys::has_text_commands;
 /// The languages that come with the crate.
 static LANGUAGES: [(&str, &[u8]); 2] = [("en", languages::ENGLISH), ("es", languages::SPANISH)];
 
-/// How the name of the file of a language model ends.
+/// The end of the name of the file of a language model.
 const FILE_ENDING: &str = ".adm";
 
 /// A language model that decoders of any thread use.

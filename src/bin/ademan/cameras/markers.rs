@@ -83,7 +83,7 @@ struct Reader {
     report: Report,
 }
 
-/// What was found in the pictures of a camera.
+/// The marks in the pictures of a camera.
 #[derive(Default)]
 struct Report {
     pictures: usize,

@@ -232,7 +232,7 @@ fn play_bytes(
     }
 }
 
-/// Returns the format of the bytes: that of the line, or lines of LucidGloves at its rate for a glove with a stick and buttons, or of
+/// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, or of
 /// body landmarks for head and feet.
 fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, Failure> {
     let protocol = match (setup.layout.uses_body(), setup.layout.uses_inputs()) {

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 /// Names that are listed of each kind.
 const NAMED: usize = 8;
 
-/// What such a replay cannot show.
+/// The limits of such a replay.
 const LIMITS: &str = "limits of a replay: the person aimed at the keys of the recorded layout and saw what they did there. On another layout the same \
 path presses what lies under it by chance, so these figures say where the hand was and how clear its presses were, not how fast or \
 how well the person would type. `ademan lab score` simulates people who aim at the layout";

@@ -94,11 +94,11 @@ pub struct Exercise {
     pub is_simulated: bool,
     /// The file to which the readings are recorded.
     pub record_to: Option<PathBuf>,
-    /// What a simulated hand does, if there is no source.
+    /// The task of a simulated hand, if there is no source.
     pub simulated: SimulatedTask,
 }
 
-/// What a simulated hand does in a task.
+/// The actions of a simulated hand in a task.
 pub enum SimulatedTask {
     /// It types a text.
     Text(String),

@@ -17,7 +17,7 @@ use crate::{ctl, headset_link, run};
 /// The port without `--port`.
 const PORT: u16 = 8443;
 
-/// What the person at the computer types to let the headset press keys.
+/// The word by which the person at the computer lets the headset press keys.
 const CONSENT: &str = "allow";
 
 /// Serves the page, and runs a session with the hands of the headset.
@@ -64,7 +64,7 @@ fn run_args(source: &str, session: &SessionArgs) -> Result<run::Args, Failure> {
     args.map_err(|error| Failure::wrong_use(error.to_string()))
 }
 
-/// Returns the address at which the page is served: the one that is given, or that of the network with the default route.
+/// Returns the address at which the page is served: the given one, or the address in the network with the default route.
 fn listen_address(given: &str, port: u16) -> Result<SocketAddr, Failure> {
     let ip = match given {
         "" => network_address().ok_or_else(|| {

@@ -18,7 +18,7 @@
 //! | repeatability | √(Σ (yᵢ − ȳg − d(tᵢ − t̄g))² / (N − groups − 1)): the standard deviation of a pose that is taken again |
 //! | hysteresis | mean of (yᵢ − d tᵢ) over falling − its mean over rising: positive if the sensor lags behind the movement |
 //!
-//! Hysteresis and repeatability are those of IEC 61298-2 ("difference between upscale and downscale readings for the same input in
+//! Hysteresis and repeatability follow IEC 61298-2 ("difference between upscale and downscale readings for the same input in
 //! the same cycle"; "closeness of agreement among consecutive measurements approached from the same direction"), with a mean and a
 //! standard deviation in place of a largest difference. All are usually stated in percent of the span.
 
@@ -58,7 +58,7 @@ impl SensorRecording {
         }
     }
 
-    /// Adds a reading. Readings beyond a limit of memory, those of another glove, and those that are older than the last one are
+    /// Adds a reading. Readings beyond a limit of memory, of another glove, or older than the last one are
     /// [ignored](Self::ignored).
     pub fn push(&mut self, time: Timestamp, reading: &Channels) {
         let channels = self.channels.get_or_insert_with(|| {

@@ -26,8 +26,8 @@ pub enum KeyAction {
 }
 
 impl KeyAction {
-    /// Returns the capability that an output needs for it; `None` if it emits no event, or those of a sequence, which
-    /// [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds.
+    /// Returns the capability that an output needs for it; `None` if it emits no event. The events of a
+    /// sequence have the capabilities that [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds.
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),

@@ -157,7 +157,7 @@ impl KeyArbiter {
     /// emitted by the next [`emit_changes`](Self::emit_changes).
     ///
     /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it. A sequence that runs
-    /// ends before the press of a key, button or text, so that its keys and those of the person do not mix.
+    /// ends before the press of a key, button or text, so that its keys and the person's do not mix.
     pub fn press(
         &mut self,
         source: PressSource,

@@ -59,7 +59,7 @@ pub struct Trigger {
     /// The time after it switched off in which it does not switch on; swipes of the same hand in any direction share it.
     pub cool_down: Duration,
     /// The measurements for the values 0 and 1, in the same unit. The value is
-    /// `clamp((measurement − first) / (second − first), 0, 1)`; that of an input of the glove or of the head can be as low as
+    /// `clamp((measurement − first) / (second − first), 0, 1)`; for an input of the glove or of the head it can be as low as
     /// −1, because a stick and a head move to both sides. `None`: the value is 1 while it is on, else 0.
     pub range: Option<(f32, f32)>,
     /// The action that is held while it is on.
@@ -95,7 +95,7 @@ struct HandMemory {
 struct HandTrigger {
     trigger: Trigger,
     side: Side,
-    /// The angle is that of the body, which the readings of both hands have: it belongs to the hand that shows it first.
+    /// The angle is one of the body, which the readings of both hands have: it belongs to the hand that shows it first.
     is_shared: bool,
     emitter: ValueEmitter,
     switch: Switch,

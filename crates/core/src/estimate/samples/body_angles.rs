@@ -1,6 +1,6 @@
 //! Angles of the head, the feet and the knees from the landmarks of a body.
 //!
-//! The trunk has the axes up u, from the middle of the hips to that of the shoulders, right r, from the left to the right shoulder
+//! The trunk has the axes up u, from the middle of the hips to the middle of the shoulders, right r, from the left to the right shoulder
 //! and perpendicular to u, and forward u × r. With the middle of the ears E, the middle of both eyes and the nose N, and the axis a
 //! from the left ear to the right one:
 //!

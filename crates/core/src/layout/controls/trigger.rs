@@ -115,7 +115,7 @@ schema! {
             #[serde(default)]
             full_mm: Option<FingertipGap>,
         },
-        /// A shape of the hand, in whatever direction it points. Its confidence is 0 to 1: that of the finger that fits least.
+        /// A shape of the hand, in whatever direction it points. Its confidence is 0 to 1, as the finger that fits least has it.
         HandShape {
             /// The shape. An open hand counts within 1 s after a closed one, because a hand at rest is open, too.
             name: HandShape,

@@ -41,7 +41,7 @@ pub struct PointingPosture {
     pub probe: f64,
 }
 
-/// What a hand moves, in metres or radians from the middle.
+/// A displacement of a hand, in metres or radians from the middle.
 #[derive(Clone, Debug)]
 enum Control {
     /// The index fingertip: its place in the middle, and the directions of the frame (world).

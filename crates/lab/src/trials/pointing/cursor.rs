@@ -1,4 +1,4 @@
-//! What moves on the screen: the cursor of a pipeline, and an ideal one.
+//! The cursors on the screen: the one of a pipeline, and an ideal one.
 
 use parry3d::math::Vec2;
 

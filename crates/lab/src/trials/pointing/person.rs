@@ -39,7 +39,7 @@ const TELLING: f64 = 0.1;
 /// The longest short and the longest middle movement, in pixels.
 const LENGTHS: [f64; 2] = [60.0, 240.0];
 
-/// With a velocity: the time in which the remaining way would be made, that of the hand to a new displacement, the part of the highest
+/// With a velocity: the time in which the remaining way would be made, the time of the hand to a new displacement, the part of the highest
 /// velocity that people use, and the time for which an error of the velocity lasts, in seconds ?.
 const APPROACH: f64 = 0.25;
 const HAND_TIME: f64 = 0.06;
@@ -118,7 +118,7 @@ pub(super) struct Pointing<'a, C> {
     seen: VecDeque<[f64; 2]>,
     /// The way of the cursor since the last click.
     length: f64,
-    /// What the person knows of the cursor, for short, middle and long movements: many pointers are faster in a fast movement.
+    /// The person's knowledge of the cursor, for short, middle and long movements: many pointers are faster in a fast movement.
     /// `None` for a cursor whose velocity follows the hand.
     known: Option<[Jacobian; LENGTHS.len() + 1]>,
 }

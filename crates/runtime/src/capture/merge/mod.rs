@@ -49,7 +49,7 @@ pub struct MergedSource {
     is_live: bool,
     start: Instant,
     inputs: ArrayVec<MergedInput, MAX_SOURCES>,
-    /// Those of the first source that has any.
+    /// The headsets of the first source that has any.
     headsets: Option<HeadsetList>,
     /// Time of the latest reading. Times never decrease, and those of parts increase.
     time: Timestamp,

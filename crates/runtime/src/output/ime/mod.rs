@@ -5,7 +5,7 @@
 //! character and the pointer go through the output `desktop` or the one that is named: `ime:uinput`. So do all keys while no text
 //! field has the focus, and in fields for passwords, numbers, addresses and terminals.
 //!
-//! The input method is that of a Wayland compositor, or IBus.
+//! The input method belongs to a Wayland compositor, or is IBus.
 
 use super::{BACKENDS, Backend, desktop, uinput};
 use ademan_core::device::Capabilities;

@@ -1,7 +1,7 @@
 //! The output `transcript`: events as lines of text.
 //!
 //! Each line has the time in milliseconds with three decimals, right-aligned to 12 columns, and the event. Keys and
-//! buttons have the names of [`KeyCode`](ademan_core::device::KeyCode), targets those of the layout (or their index if they
+//! buttons have the names of [`KeyCode`](ademan_core::device::KeyCode), targets their names in the layout (or their index if they
 //! have none). Depths and values have three decimals, absolute pointer positions four.
 //!
 //! ```text

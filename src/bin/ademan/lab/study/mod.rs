@@ -90,7 +90,7 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         Some(path) => outputs::read_corpus(path)?,
     };
     let mut study = Study::new(args.seed, env!("CARGO_PKG_VERSION"));
-    // Whoever is tested reaches what somebody of the general population reaches.
+    // A participant is assumed to reach what the general population reaches.
     let person = population(&People::Drawn(1), None, args.seed).remove(0);
     let counts = Counts {
         phrases: args.count.into(),

@@ -10,7 +10,7 @@ use crate::practice::{PointingTask, PracticeLine, PracticeTask};
 /// The time for which a value stays before it counts as set, in seconds.
 const SET: f64 = 1.5;
 
-/// What is done in a trial.
+/// The task of a trial.
 pub enum StudyTask {
     /// A phrase, and the keys that went down for it.
     Phrase {
