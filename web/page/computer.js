@@ -1,22 +1,13 @@
 // The computer that serves the page with `ademan serve --lan`: it receives the hands, once it was shown the token of the link.
 
-const KEY = "ademan-token";
+import { forgetToken, token } from "./token.js";
+
 const FIRST_WAIT_MS = 1000;
 const LONGEST_WAIT_MS = 10000;
 /** Lines without hands are sent for so long: the computer releases the keys of hands that are gone, and then needs no more. */
 const FAREWELL_MS = 500;
 /** A line is left out while so many bytes wait: a late hand is worse than none. */
 const MAX_WAITING_BYTES = 16384;
-
-/** Returns the token of the link, which then leaves the address bar; the tab keeps it until it is closed. */
-function takeToken() {
-  const found = /^#token=([0-9a-f]{64})$/.exec(location.hash)?.[1];
-  if (found) {
-    sessionStorage.setItem(KEY, found);
-    history.replaceState(null, "", location.pathname + location.search);
-  }
-  return found ?? sessionStorage.getItem(KEY);
-}
 
 /** Returns the name of the headset, as the browser states it. */
 function nameOfHeadset() {
@@ -26,7 +17,6 @@ function nameOfHeadset() {
 
 /** Prepares the connection. `open` receives the layout of the computer. */
 export function connectComputer(notify, open) {
-  const token = takeToken();
   let [socket, state, wait, last, seenAt, isOpen, shown] = [null, "", FIRST_WAIT_MS, 0, -Infinity, false, null];
 
   const say = (text) => {
@@ -61,7 +51,7 @@ export function connectComputer(notify, open) {
     own.onclose = () => {
       [socket, isOpen] = [null, false];
       if (isRefused) {
-        sessionStorage.removeItem(KEY);
+        forgetToken();
         say("the computer refuses this page: open the link that it shows now");
         notify(state);
         return;
@@ -74,8 +64,6 @@ export function connectComputer(notify, open) {
 
   return {
     start() {
-      // Another link in the same tab changes the fragment only.
-      addEventListener("hashchange", () => location.hash.startsWith("#token=") && location.reload());
       if (token && location.protocol === "https:") connect();
     },
     state: () => state,

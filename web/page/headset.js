@@ -1,5 +1,6 @@
 // A headset as the glove: WebXR follows both hands, the stages of the page read them, and the boards are in the room.
 
+import { stagesTime } from "./clock.js";
 import { connectComputer } from "./computer.js";
 import { Boards } from "./headset-boards.js";
 import { CHAINS, compose, handsOf, TIPS } from "./headset-joints.js";
@@ -11,29 +12,15 @@ import { middle, move, scale, subtract } from "./vectors.js";
 import { redraw, view } from "./view.js";
 
 const MODES = { "immersive-vr": "enter-vr", "immersive-ar": "enter-ar" };
-/** The stages make one step in this time; a longer gap than the second one is skipped (crates/web). In milliseconds. */
-const PERIOD_MS = 10;
-const MAX_ELAPSED_MS = 100;
 const FADE_MS = 220;
 const PANEL_M = [0.16, 0.05];
 
 const element = (id) => document.getElementById(id);
 
-/** The time of the stages, in milliseconds, which the times of the joints follow. */
-const clock = { time: 0, rest: 0 };
-
 /** The headset of the page: what `main.js` tells it, and what runs. */
 const page = { stages: null, advance() {}, notify() {} };
 let running = null;
 const computer = connectComputer((text) => page.notify(text), (layout) => page.openLayout(layout));
-
-/** Counts the time for which the stages were moved on. */
-export function pass(elapsed) {
-  clock.rest = Math.min(clock.rest + elapsed, MAX_ELAPSED_MS);
-  const steps = Math.floor(clock.rest / PERIOD_MS);
-  clock.rest -= steps * PERIOD_MS;
-  clock.time += steps * PERIOD_MS;
-}
 
 /** Hears what the stages say: a touch sounds, and the panel shows the text. */
 export function hear(message) {
@@ -53,14 +40,14 @@ export function hear(message) {
   }
 }
 
-/** Shows the buttons for what the browser supports. `of` has the stages, and functions of the page. */
-export async function offerHeadset(of) {
+/** Shows the buttons for the modes that the browser supports. `of` has the stages, and functions of the page. */
+export function offer(modes, of) {
   Object.assign(page, of);
-  for (const [mode, id] of Object.entries(MODES)) {
-    const isSupported = await navigator.xr?.isSessionSupported(mode).catch(() => false);
-    element(id).hidden = !isSupported;
-    element(id).addEventListener("click", () => (running ? running.session.end() : enter(mode)));
-    element("headset").hidden &&= !isSupported;
+  for (const mode of modes) {
+    const button = element(MODES[mode]);
+    button.hidden = false;
+    button.addEventListener("click", () => (running ? running.session.end() : enter(mode)));
+    element("headset").hidden = false;
   }
   computer.start();
 }
@@ -135,7 +122,7 @@ function push(hands) {
     label: side,
     joints: joints.map((joint) => joint && running.boards.toWorld(joint).map((axis) => Math.round(axis * 1e5) / 1e5)),
   }));
-  const time = Math.round((clock.time + clock.rest) * 1000);
+  const time = Math.round(stagesTime() * 1000);
   // Two lines of one time are one too many.
   if (time > running.lastPush) page.stages.push("webxr", `${JSON.stringify({ time_us: time, hands: seen })}\n`);
   running.lastPush = time;

@@ -1,9 +1,10 @@
 // The page: a layout, the hands over it, and what they type.
 
+import { pass } from "./clock.js";
 import "./completion.js";
 import * as editor from "./editor.js";
 import { layoutIn, linkTo } from "./fragment.js";
-import { hear, offerHeadset, pass } from "./headset.js";
+import { offerHeadset } from "./headset-offer.js";
 import { clearScore, drawHeat, prepareScore } from "./heat.js";
 import { followPointer } from "./pointing.js";
 import { onChange, planPicture, showPlan, showPressed } from "./plan.js";
@@ -217,6 +218,7 @@ function measureSoon() {
 }
 
 let lastFrame = performance.now();
+let headset = null;
 
 /** Moves the stages on: in the frames of the window, and in those of a headset. */
 function advance(now) {
@@ -224,7 +226,7 @@ function advance(now) {
   lastFrame = Math.max(now, lastFrame);
   pass(elapsed);
   for (const message of stages.advance(elapsed)) {
-    hear(message);
+    headset?.hear(message);
     (receivers[message.kind] ?? show)(message);
   }
 }
@@ -308,7 +310,7 @@ addEventListener("hashchange", openFragment);
 if (!(await openFragment())) openShipped(FIRST_LAYOUT);
 if (session.layout === null) openShipped(FIRST_LAYOUT);
 requestAnimationFrame(frame);
-offerHeadset({ stages, advance, notify, openLayout });
+offerHeadset({ stages, advance, notify, openLayout }).then((it) => (headset = it));
 redraw();
 document.documentElement.dataset.ready = "true";
 navigator.serviceWorker?.register("offline.js").catch(() => {});

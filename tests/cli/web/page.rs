@@ -249,6 +249,19 @@ fn the_page_opens_without_a_server_after_the_first_visit() {
     open(&mut browser, &address);
     browser.evaluate("document.getElementById('type').click()");
     is_typed(&mut browser, "hello");
+    let deferred = browser.evaluate(
+        r#"(async () => {
+            const loaded = performance.getEntriesByType("resource").map((it) => new URL(it.name).pathname);
+            const early = loaded.filter((it) => it === "/headset.js" || it === "/layout.schema.json");
+            const {offer} = await import("/headset.js");
+            return {early, offer: typeof offer, schema: (await fetch("layout.schema.json")).ok};
+        })()"#,
+    );
+    assert_eq!(
+        deferred,
+        json!({"early": [], "offer": "function", "schema": true}),
+        "loaded when it is used, and kept for then"
+    );
 }
 
 /// Sets the size of the window and the theme.
