@@ -18,6 +18,7 @@ mod keyboard;
 mod lab;
 mod layouts;
 mod open_layout;
+mod phone_pad;
 mod picture;
 mod played_hand;
 mod posing_hand;

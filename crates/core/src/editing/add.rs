@@ -102,7 +102,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             (
                 Part::Layout,
                 "boards",
-                format!("(pose: {pose}, keys: [{key}])"),
+                format!("(\n    pose: {pose},\n    keys: [\n        {key},\n    ],\n)"),
             )
         }
         NewPart::Trigger => {
@@ -115,7 +115,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             (
                 Part::Layout,
                 "spaces",
-                format!("(pose: {pose}, targets: [{target}])"),
+                format!("(\n    pose: {pose},\n    targets: [\n        {target},\n    ],\n)"),
             )
         }
         NewPart::SpaceTarget { space, at_mm } => {

@@ -150,16 +150,31 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     }
     let parts = take_out(draft, &[part], false)?;
     let part = require_key(parts[0])?;
+    let is_numbered_copy = is_numbered_copy(draft, part, &old);
     set_action(draft, part, binding)?;
-    if draft.field(part, "name").is_none() {
+    let is_implied = draft.field(part, "name").is_none();
+    if is_implied || is_numbered_copy {
         match new {
+            Some(new) if !is_implied => {
+                draft.unset(part, "name")?;
+                rename_mentions(draft, &old, &new)?;
+            }
             Some(new) if new == old => {}
             Some(new) => rename_mentions(draft, &old, &new)?,
-            None => draft.set(part, "name", &quote(&old))?,
+            None if is_implied => draft.set(part, "name", &quote(&old))?,
+            None => {}
         }
     }
     draft.commit()?;
     Ok(parts)
+}
+
+/// Returns `true` if the name of a key is one that a copy of another key got: the key code and a number.
+fn is_numbered_copy(draft: &Draft, part: Part, name: &str) -> bool {
+    let code = draft.field(part, "code").map(|code| code.range.clone());
+    let code = code.and_then(|range| quoted_content(&draft.text()[range]));
+    let number = code.and_then(|code| name.strip_prefix(&canonical(code))?.strip_prefix(' '));
+    number.is_some_and(|number| number.parse::<u32>().is_ok())
 }
 
 /// Replaces the field with the action of a key.

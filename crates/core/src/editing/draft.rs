@@ -166,7 +166,8 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds values at the end of a list, which is a field of `part` and is written if it is missing.
+    /// Adds values at the end of a list, which is a field of `part` and is written if it is missing. Lines of a value are indented
+    /// with it.
     pub fn push(&mut self, part: Part, list: &str, values: &[String]) -> Result<(), EditError> {
         if values.is_empty() {
             return Ok(());
@@ -174,17 +175,18 @@ impl Draft {
         let node = self.node(part)?;
         let Some(node) = node.field(&self.text, list) else {
             let indent = indent_in(&self.text, node);
-            let lines: String = values
-                .iter()
-                .map(|value| format!("\n{indent}    {value},"))
-                .collect();
-            return self.set(part, list, &format!("[{lines}\n{indent}]"));
+            let lines = lines(values, &indent);
+            return self.set(part, list, &format!("[{lines}]"));
         };
-        let (range, text) = if node.items().is_empty() {
-            appended(&self.text, node, &values.join(", "))
-        } else {
+        let indent = indent_in(&self.text, node);
+        let (range, text) = if !node.items().is_empty() {
             let separator = separator_in(&self.text, node);
+            let values: Vec<String> = values.iter().map(|it| indented(it, &indent)).collect();
             appended(&self.text, node, &values.join(&separator))
+        } else if has_line_of_its_own(&self.text, node, list) {
+            appended(&self.text, node, &lines(values, &indent))
+        } else {
+            appended(&self.text, node, &values.join(", "))
         };
         self.replace(range, text);
         Ok(())
@@ -264,6 +266,29 @@ fn indent_in(text: &str, group: &Node) -> String {
         " ".repeat(text[line..].len() - rest.len())
     };
     own.map_or_else(of_line, str::to_owned)
+}
+
+/// Returns values in lines of their own within a list whose line has this indentation.
+fn lines(values: &[String], indent: &str) -> String {
+    let inner = format!("{indent}    ");
+    let values = values.iter();
+    let lines: String = values
+        .map(|value| format!("\n{inner}{},", indented(value, &inner)))
+        .collect();
+    format!("{lines}\n{indent}")
+}
+
+/// Returns a value with its lines but the first one indented.
+fn indented(value: &str, indent: &str) -> String {
+    value.replace('\n', &format!("\n{indent}"))
+}
+
+/// Returns `true` if the line of a list begins with its field.
+fn has_line_of_its_own(text: &str, list: &Node, field: &str) -> bool {
+    let before = &text[..list.range.start];
+    let line = before.rfind('\n').map(|newline| &before[newline..]);
+    let line = line.and_then(|line| line.trim().strip_prefix(field));
+    line.is_some_and(|rest| rest.trim() == ":")
 }
 
 /// Returns the text between two items of a group: a line break if the last item is at the start of a line.
@@ -361,6 +386,21 @@ mod tests {
         assert_eq!(
             after(|draft| draft.unset(one, "b")),
             TEXT.replace(", b: (2.50, 3)", "")
+        );
+    }
+
+    #[test]
+    fn items_of_an_empty_list_get_lines_if_the_list_has_one() {
+        let text = "(\n    boards: [],\n    spaces: [(targets: [])],\n)";
+        let mut draft = Draft::new(text).unwrap();
+        let board = "(\n    a: 1,\n)".to_owned();
+        draft.push(Part::Layout, "boards", &[board]).unwrap();
+        draft
+            .push(Part::Space(0), "targets", &["5".into()])
+            .unwrap();
+        assert_eq!(
+            draft.finish(Vec::new()).unwrap().text,
+            "(\n    boards: [\n        (\n            a: 1,\n        ),\n    ],\n    spaces: [(targets: [5])],\n)"
         );
     }
 

@@ -20,6 +20,8 @@ pub struct FieldSpec {
     pub field_type: FieldType,
     /// Unit as it is written behind a number, such as ` mm`; empty without one.
     pub unit: &'static str,
+    /// The value if the field is not written, as its description gives it; empty if there is none.
+    pub default: &'static str,
     /// Description, a sentence without its full stop.
     pub help: &'static str,
 }
@@ -40,7 +42,7 @@ pub enum FieldType {
     Bool,
     /// A text in quotes.
     Text,
-    /// One of these words, as they are written. The first is the default, unless the field is required.
+    /// One of these words, as they are written. What follows a word in parentheses is edited in fields of its own.
     Choice(&'static [&'static str]),
     /// Numbers in parentheses.
     Point {
@@ -102,6 +104,9 @@ pub fn fields_of(part: Part) -> Vec<FieldSpec> {
     FIELDS.get(table_of(part)).cloned().unwrap_or_default()
 }
 
+/// Radius of a board that becomes curved, in millimetres.
+const NEW_RADIUS_MM: u32 = 320;
+
 /// Returns the fields of a table, of its pose, and the radius of its shape.
 fn fields(table: &'static Table) -> Vec<FieldSpec> {
     /// The fields that are shown first.
@@ -119,7 +124,11 @@ fn fields(table: &'static Table) -> Vec<FieldSpec> {
                 fields.extend(rows.iter().filter_map(|row| field(row, "pose.")));
             }
             Some(Shape::Table("BoardShape")) => {
-                fields.extend(field(row, ""));
+                let shape = field(row, "");
+                fields.extend(shape.map(|field| FieldSpec {
+                    field_type: choice(board_shapes()),
+                    ..field
+                }));
                 let radius = field_row("BoardShape", "Arc(radius_mm)");
                 fields.extend(radius.and_then(|row| field(row, "shape.")));
             }
@@ -132,6 +141,20 @@ fn fields(table: &'static Table) -> Vec<FieldSpec> {
     };
     fields.sort_by_key(rank);
     fields
+}
+
+/// Returns the shapes of a board, curved ones with a radius that suits a forearm.
+fn board_shapes() -> impl Iterator<Item = String> {
+    let is_shape = |row: &&Row| !row.name.contains('(');
+    let table = tables().iter().find(|table| table.name == "BoardShape");
+    let shapes = table.into_iter().flat_map(|table| table.rows.iter());
+    shapes.filter(is_shape).map(|row| {
+        let radius = format!("{}(radius_mm)", row.name);
+        match field_row("BoardShape", &radius) {
+            Some(_) => format!("{}(radius_mm: {NEW_RADIUS_MM})", row.name),
+            None => row.name.clone(),
+        }
+    })
 }
 
 /// Returns the field of a row.
@@ -164,6 +187,7 @@ fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
         name: name.leak(),
         field_type,
         unit,
+        default: row.default.trim_matches('`'),
         help: &row.meaning,
     })
 }
@@ -261,6 +285,28 @@ mod tests {
             FieldType::Choice(&["Hand", "Off"])
         );
         assert!(field("shape.radius_mm").is_some());
+        let shape = field("shape").unwrap();
+        assert_eq!(
+            (shape.default, field("pose.fit").unwrap().default),
+            ("Flat", "Hand")
+        );
+        let FieldType::Choice(shapes) = shape.field_type else {
+            panic!("{shape:?}");
+        };
+        for shape in shapes {
+            let parts = vec![Part::Board(0)];
+            let (field, value) = ("shape".to_owned(), Some((*shape).to_owned()));
+            let edited = edit(
+                BOARD,
+                &Edit::SetField {
+                    parts,
+                    field,
+                    value,
+                },
+            )
+            .unwrap();
+            Layout::parse(&edited.text, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+        }
         assert_eq!(field("keys"), None, "keys are parts of their own");
     }
 }

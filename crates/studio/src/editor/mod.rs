@@ -89,11 +89,16 @@ impl LayoutEditor {
     /// Opens the layout with a name, as [`Document::open`] finds it, for these hands. One that comes with the program is an unsaved
     /// copy: [`save`](Self::save) fails until [`save_as`](Self::save_as) has given it a file.
     ///
-    /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons.
+    /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons. One that is empty begins
+    /// with a layout without controls, which is not saved.
     pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
         let document = Document::open(name)?;
         let file = EditedFile::open(&document);
-        Ok(Self::new(file, document.text, fit))
+        let text = match document.path.filter(|_| document.text.trim().is_empty()) {
+            Some(path) => blank_layout(&path),
+            None => document.text,
+        };
+        Ok(Self::new(file, text, fit))
     }
 
     /// Edits a text that has no file. `name` stands for it in messages.
@@ -436,4 +441,19 @@ fn patched(text: &str, patches: &[Patch]) -> Option<String> {
 /// Returns a text as it is written in a layout, in quotes.
 pub fn quoted(text: &str) -> String {
     quote(text)
+}
+
+/// Returns a layout without controls whose name is made of the name of its file.
+fn blank_layout(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let words = stem.split(|letter: char| !letter.is_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let mut letters = words.join(" ");
+    if let Some(first) = letters.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    format!(
+        "Layout(\n    name: {},\n    boards: [],\n)\n",
+        quote(&letters)
+    )
 }

@@ -396,7 +396,6 @@ editor-triggers = Triggers
 editor-spaces = Targets in space
 editor-nothing-selected = Nothing is selected. Click a key, or drag around several.
 editor-several-selected = { $count } parts selected
-editor-default = default
 editor-remove-field = Use the default
 editor-optional = Options that have their defaults
 editor-binding = Binding

@@ -396,7 +396,6 @@ editor-triggers = Disparadores
 editor-spaces = Objetivos en el espacio
 editor-nothing-selected = No hay nada seleccionado. Haga clic en una tecla o arrastre alrededor de varias.
 editor-several-selected = { $count } partes seleccionadas
-editor-default = por omisión
 editor-remove-field = Usar el valor por omisión
 editor-optional = Opciones con valor por omisión
 editor-binding = Asignación

@@ -1,6 +1,7 @@
 //! The bar of the layout editor: boards, undo, save, arrangement.
 
-use eframe::egui;
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
+use eframe::egui::{self, PopupCloseBehavior};
 
 use super::{EditorPanel, icons};
 use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
@@ -136,7 +137,10 @@ fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         }
     }
     ui.add_enabled_ui(count > 0, |ui| {
-        ui.menu_button(text("editor-repeat"), |ui| show_repeat(ui, panel));
+        // A click into a number must not close it.
+        let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+        let menu = MenuButton::new(text("editor-repeat")).config(stays);
+        menu.ui(ui, |ui| show_repeat(ui, panel));
     });
 }
 

@@ -11,7 +11,7 @@ use crate::canvas::gesture::{self, Gesture, Preview};
 use crate::canvas::handles::{self, Handle};
 use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::Viewport;
-use crate::canvas::{Bounds, CORNERS, bend};
+use crate::canvas::{Bounds, CORNERS, bend, item_at};
 use crate::editor::{Edit, Part};
 use crate::model::StudioModel;
 use crate::scene::SceneColors;
@@ -146,7 +146,18 @@ fn handle_mouse(
     if !is_down {
         let preview = std::mem::take(&mut panel.preview);
         panel.gesture = None;
+        if preview.shapes.is_empty() && !modifiers.shift {
+            finish_click(panel, &gesture);
+        }
         finish(panel, &gesture, &preview);
+    }
+}
+
+/// Selects the clicked one of several selected items.
+fn finish_click(panel: &mut EditorPanel, gesture: &Gesture) {
+    if let Gesture::Move { from } = gesture {
+        panel.selected.set(item_at(&panel.items.items, *from));
+        panel.select_items_in_editor();
     }
 }
 

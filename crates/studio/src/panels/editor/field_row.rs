@@ -55,12 +55,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             }
         }
         FieldType::Choice(choices) => {
-            let written = written.clone().filter(|_| !is_mixed);
-            show_choice(ui, panel, parts, field.name, &written, choices);
+            let shown = written.as_deref().unwrap_or(field.default);
+            let shown = if is_mixed { "" } else { shown };
+            if let Some(chosen) = show_choice(ui, field.name, shown, choices) {
+                set(panel, parts, field.name, Some(chosen));
+            }
         }
         FieldType::Text => {
             let value = unquoted(&written.clone().filter(|_| !is_mixed));
-            show_text(ui, panel, parts, field.name, value, true);
+            show_text(ui, panel, parts, field, value, true);
         }
         FieldType::Point { .. }
         | FieldType::Outline
@@ -68,14 +71,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
         | FieldType::Ron
         | FieldType::Action => {
             let value = written.clone().filter(|_| !is_mixed).unwrap_or_default();
-            show_text(ui, panel, parts, field.name, value, false);
+            show_text(ui, panel, parts, field, value, false);
         }
     }
     if is_mixed {
         ui.weak(text("editor-mixed"));
-    } else if written.is_none() {
-        ui.weak(text("editor-default"));
-    } else if field.name != "name" {
+    } else if written.is_some() && field.name != "name" {
         let remove = ui
             .small_button("×")
             .on_hover_text(text("editor-remove-field"));
@@ -89,28 +90,24 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     }
 }
 
-fn show_choice(
-    ui: &mut egui::Ui,
-    panel: &mut EditorPanel,
-    parts: &[Part],
-    name: &'static str,
-    written: &Option<String>,
-    choices: &[&str],
-) {
-    let mut chosen = written.clone().unwrap_or_default();
-    let before = chosen.clone();
-    let shown = chosen.trim_matches('"').to_owned();
-    egui::ComboBox::from_id_salt(name)
-        .selected_text(shown)
-        .show_ui(ui, |ui| {
-            for choice in choices {
-                let words = choice.trim_matches('"');
-                ui.selectable_value(&mut chosen, (*choice).to_owned(), words);
+/// Returns the value that was chosen.
+fn show_choice(ui: &mut egui::Ui, name: &str, shown: &str, choices: &[&str]) -> Option<String> {
+    let word = |value: &str| {
+        let end = value.find('(').unwrap_or(value.len());
+        value[..end].trim_matches('"').to_owned()
+    };
+    let shown = word(shown);
+    let mut chosen = None;
+    let list = egui::ComboBox::from_id_salt(name).selected_text(&shown);
+    list.show_ui(ui, |ui| {
+        for choice in choices {
+            let is_shown = word(choice) == shown;
+            if ui.selectable_label(is_shown, word(choice)).clicked() && !is_shown {
+                chosen = Some((*choice).to_owned());
             }
-        });
-    if chosen != before {
-        set(panel, parts, name, Some(chosen));
-    }
+        }
+    });
+    chosen
 }
 
 /// Shows a text that becomes the value when the field is left.
@@ -118,13 +115,15 @@ fn show_text(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
     parts: &[Part],
-    name: &'static str,
+    field: &FieldSpec,
     value: String,
     is_quoted: bool,
 ) {
+    let name = field.name;
     let written = panel.form.text.clone().filter(|(own, _)| *own == name);
     let mut content = written.map_or_else(|| value.clone(), |(_, content)| content);
-    let edit = egui::TextEdit::singleline(&mut content);
+    let hint = Some(field.default).filter(|default| *default != "required");
+    let edit = egui::TextEdit::singleline(&mut content).hint_text(hint.unwrap_or_default());
     // A grid gives a field the width that its column had before.
     let edit = ui.add_sized([TEXT_WIDTH, ui.spacing().interact_size.y], edit);
     edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));

@@ -194,6 +194,14 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
         let own = fields_of(*part);
         fields.retain(|field| own.contains(field) && field.name != "name");
     }
+    // A board that is flat has no radius.
+    fields.retain(|field| {
+        let group = field.name.rsplit_once('.').map(|(group, _)| group);
+        group.is_none_or(|group| {
+            let value = panel.editor.value(first, group);
+            value.is_some_and(|value| value.contains('('))
+        })
+    });
     let is_row_key = matches!(first, Part::RowKey { .. });
     let is_written = |panel: &EditorPanel, field: &FieldSpec| {
         field.name == "name" || (!is_row_key && panel.editor.value(first, field.name).is_some())
