@@ -365,6 +365,8 @@ fn controls_and_gestures_do_not_allocate() {
         (name: "claw", action: Key("X"), output: Axis("LeftX"),
          when: Angle(dof: "index-mcp-flexion", on_deg: 50, off_deg: 40, zero_deg: 0, full_deg: 90)),
         (name: "pinch", action: Key("MouseLeft"), when: Pinch(finger: "index")),
+        (name: "circle", action: Key("Y"), when: Circle(point: "index")),
+        (name: "both", action: Key("Z"), when: Sequence(steps: ["claw", "pinch"])),
     ])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let targets = layout.scene.len() as u64;

@@ -16,6 +16,18 @@ const SWIPES: &str = r#"triggers: [
 ]"#;
 const SHAKE: &str = r#"triggers: [(name: "Shake", action: Key("S"), when: Shake())]"#;
 
+const CIRCLES: &str = r#"triggers: [
+    (name: "Right", action: Key("R"), when: Circle(direction: "clockwise")),
+    (name: "Left", action: Key("L"), when: Circle(direction: "counter-clockwise")),
+    (name: "Two", action: Key("T"), when: Circle(on: 1.8)),
+]"#;
+const STEPS: &str = r#"triggers: [
+    (name: "Fist", hold_ms: 50, cool_down_ms: 0, when: HandShape(name: "fist")),
+    (name: "Open", hold_ms: 50, cool_down_ms: 0, when: HandShape(name: "open-hand")),
+    (name: "Twice", action: Key("T"), when: Sequence(steps: ["Fist", "Fist"])),
+    (name: "Burst", action: Key("B"), when: Sequence(steps: ["Fist", "Open"])),
+]"#;
+
 fn claw(times: &str, script: &str) -> String {
     simulate_layout(BOARD, &CLAW.replace("TIMES", times), script)
 }
@@ -41,8 +53,23 @@ fn palm(from: [i32; 2], to: [i32; 2], milliseconds: i32) -> String {
     places.collect::<Vec<_>>().join("; ")
 }
 
+/// Returns a script that moves the palm around a circle, in millimetres, by an angle in degrees within a second; clockwise as the
+/// wearer sees it for a positive one.
+fn circle(radius: f64, degrees: f64) -> String {
+    let places = (0..=100).map(|step| {
+        let angle = (degrees * f64::from(step) / 100.0).to_radians();
+        let (right, up) = (radius * angle.sin(), radius * angle.cos());
+        format!("knuckle {right:.1} {up:.1} 0")
+    });
+    places.collect::<Vec<_>>().join("; ")
+}
+
 fn swipes(script: &str) -> String {
-    let events = simulate_layout(BOARD, SWIPES, script);
+    keys(SWIPES, script)
+}
+
+fn keys(triggers: &str, script: &str) -> String {
+    let events = simulate_layout(BOARD, triggers, script);
     let keys = events
         .split(' ')
         .filter(|event| !event.starts_with("value"));
@@ -225,6 +252,77 @@ fn a_shake_goes_back_and_forth() {
 }
 
 #[test]
+fn a_circle_has_a_direction_and_ends_when_the_hand_stops() {
+    let draw = |script: &str| {
+        keys(
+            CIRCLES,
+            &format!("knuckle 0 80 0; wait 500; {script}; wait 500"),
+        )
+    };
+    assert_eq!(draw(&circle(80.0, 360.0)), "dn:R up:R");
+    assert_eq!(draw(&circle(80.0, -360.0)), "dn:L up:L");
+    assert_eq!(draw(&circle(80.0, 270.0)), "");
+    assert_eq!(draw(&circle(20.0, 360.0)), "");
+    assert_eq!(draw(&circle(80.0, 720.0)), "dn:R dn:T up:R up:T");
+}
+
+#[test]
+fn a_palm_that_jumps_draws_no_circle() {
+    let [first, second] = [circle(80.0, 200.0), circle(80.0, 160.0)];
+    let script = format!("knuckle 0 80 0; wait 500; {first}; reacquire & {second}; wait 500");
+    assert_eq!(keys(CIRCLES, &script), "");
+}
+
+#[test]
+fn steps_in_their_order_are_a_sequence() {
+    let [rest, fist, flat] = [30, 80, 5].map(|degrees| bend_all(Finger::ALL, degrees));
+    let play = |script: &str| keys(STEPS, &format!("{rest}; wait 50; {script}"));
+    let opened = format!("{fist}; wait 200; {flat}; wait 200");
+    assert_eq!(play(&opened), "dn:B");
+    assert_eq!(play(&format!("{opened}; {rest}; wait 50")), "dn:B up:B");
+    let twice = format!("{fist}; wait 200; {rest}; wait 200; {fist}; wait 200; {rest}; wait 50");
+    assert_eq!(play(&twice), "dn:T up:T");
+    let slow = format!("{fist}; wait 200; {rest}; wait 1200; {fist}; wait 200; {rest}; wait 50");
+    assert_eq!(play(&slow), "");
+    let lost = format!("{fist}; wait 200; doubt little; trust little; {flat}; wait 200");
+    assert_eq!(play(&lost), "", "a finger of a step was lost");
+    let held = format!("{opened}; doubt little; wait 50");
+    assert_eq!(play(&held), "dn:B up:B");
+}
+
+#[test]
+fn sequences_that_are_never_complete_are_rejected() {
+    for (steps, expected) in [
+        (r#"["A"]"#, "two or more steps"),
+        ("[]", "two or more steps"),
+        (r#"["A", "B", "A", "B", "A"]"#, "at most 4 steps"),
+        (r#"["A", "Bb"]"#, "did you mean `B`?"),
+        (
+            r#"["A", "Later"]"#,
+            "unknown trigger before the sequence `Later`",
+        ),
+        (r#"["A", "Both"]"#, "write the steps of `Both`"),
+        (
+            r#"["A", "Of the left hand"]"#,
+            r#"set `hand: "left"` for the sequence"#,
+        ),
+    ] {
+        let text = format!(
+            r#"Layout(name: "t", triggers: [
+                (name: "A", when: HandShape(name: "fist")),
+                (name: "B", when: HandShape(name: "point")),
+                (name: "Of the left hand", hand: "left", when: HandShape(name: "point")),
+                (name: "Both", when: Sequence(steps: ["A", "B"])),
+                (name: "T", when: Sequence(steps: {steps})),
+                (name: "Later", when: HandShape(name: "point")),
+            ])"#
+        );
+        let error = Layout::parse(&text, "t.ron").unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
 fn thresholds_that_a_hand_at_rest_would_pass_are_rejected() {
     for (when, expected) in [
         (
@@ -234,6 +332,10 @@ fn thresholds_that_a_hand_at_rest_would_pass_are_rejected() {
         (
             r#"Swipe(direction: "left", on_mm: 20)"#,
             "turns on at 20 and off at 50, set on_mm to more than off_mm",
+        ),
+        (
+            "Circle(on: 0.2)",
+            "turns on at 0.2 and off at 0.4, set on to more than off",
         ),
         (r#"HandShape(name: "fits")"#, "did you mean `fist`?"),
         (r#"HandShape(name: "fist", on: 1.5)"#, "1.5"),

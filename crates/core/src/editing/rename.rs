@@ -1,5 +1,7 @@
 //! Changes names, and every mention of them.
 
+use std::ops::Range;
+
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::unsupported;
@@ -40,7 +42,12 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
                 kind: ControlKind::Key,
                 ..
             } => rename_mentions(draft, &old, name)?,
-            Part::Layer(_) => rename_layer(draft, &old, name),
+            Part::Layer(_) => rename_found(draft, name, |node, text, found| {
+                collect_layers(node, text, &old, found);
+            }),
+            Part::Trigger(_) => rename_found(draft, name, |node, text, found| {
+                collect_steps(node, text, &old, found);
+            }),
             Part::RadioOption { board, radio, .. } => {
                 let group = Part::Control {
                     board,
@@ -60,16 +67,35 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     Ok(parts)
 }
 
-/// Renames a layer in `layer: "…"` of keys and holds, and in `Layer("…")` of other actions.
-fn rename_layer(draft: &mut Draft, old: &str, new: &str) {
+/// Replaces what a search finds in the layout by another name.
+fn rename_found(
+    draft: &mut Draft,
+    new: &str,
+    search: impl FnOnce(&Node, &str, &mut Vec<Range<usize>>),
+) {
     let mut found = Vec::new();
-    collect_layers(draft.tree(), draft.text(), old, &mut found);
+    search(draft.tree(), draft.text(), &mut found);
     for range in found {
         draft.replace(range, quote(new));
     }
 }
 
-fn collect_layers(node: &Node, text: &str, name: &str, found: &mut Vec<std::ops::Range<usize>>) {
+/// Finds the mentions of a trigger in the steps of sequences.
+fn collect_steps(node: &Node, text: &str, name: &str, found: &mut Vec<Range<usize>>) {
+    let triggers = node.field(text, "triggers").map_or(&[][..], Node::items);
+    for trigger in triggers {
+        let when = trigger.value.in_some(text).field(text, "when");
+        let steps = when.and_then(|when| when.field(text, "steps"));
+        for step in steps.map_or(&[][..], Node::items) {
+            if quoted_content(step.value.text(text)) == Some(name) {
+                found.push(step.value.range.clone());
+            }
+        }
+    }
+}
+
+/// Finds the mentions of a layer in `layer: "…"` of keys and holds, and in `Layer("…")` of other actions.
+fn collect_layers(node: &Node, text: &str, name: &str, found: &mut Vec<Range<usize>>) {
     let is_layer_action = node.name(text) == Some("Layer");
     for item in node.items() {
         let key = item.key.as_ref().map(|key| &text[key.clone()]);
@@ -79,5 +105,28 @@ fn collect_layers(node: &Node, text: &str, name: &str, found: &mut Vec<std::ops:
             found.push(value.range.clone());
         }
         collect_layers(&item.value, text, name, found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editing::{Edit, edit};
+
+    #[test]
+    fn the_steps_of_sequences_have_the_name_of_a_trigger_that_is_renamed() {
+        let text = r#"Layout(name: "A", triggers: [
+            (name: "A", when: Shake()),
+            (name: "B", when: HandShape(name: "fist")),
+            (name: "C", when: Sequence(steps: ["A", "B", "A"])),
+        ])"#;
+        let rename = Edit::Rename {
+            part: Part::Trigger(0),
+            name: "New".into(),
+        };
+        let renamed = edit(text, &rename).expect("a name that is free");
+        let expected = text.replace(r#"(name: "A""#, r#"(name: "New""#);
+        let expected = expected.replace(r#""A", "B", "A""#, r#""New", "B", "New""#);
+        assert_eq!(renamed.text, expected);
     }
 }

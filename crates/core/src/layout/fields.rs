@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::load::LayoutSchema;
-use crate::device::trigger::{HandShape, SwipeDirection};
+use crate::device::trigger::{CircleDirection, CirclePoint, HandShape, SwipeDirection};
 use crate::document::{FieldType, Shape, Table, tables_of};
 use crate::hand::{Dof, Finger, Input, Joint, Side};
 
@@ -27,6 +27,8 @@ quoted_names! {
     Input = "",
     HandShape = "",
     SwipeDirection = "",
+    CirclePoint = "",
+    CircleDirection = "",
     Side = "",
     Joint = "joint",
     Dof = "degree of freedom",

@@ -48,6 +48,10 @@ ranged_numbers! {
     SwipeDistance = "a distance", 0.0 ..= 1000.0, " mm";
     /// Number of times that a palm turns back within a second.
     Reversals = "a number of reversals", 0.0 ..= 16.0, "";
+    /// Number of turns of a circle.
+    CircleTurns = "a number of turns", 0.0 ..= 16.0, "";
+    /// Time from a step of a sequence of triggers to the next, in milliseconds.
+    StepGap = "a time", 50.0 ..= 10000.0, " ms";
     /// Time for which a trigger is held before it turns on, in milliseconds.
     TriggerHold = "a hold time", 0.0 ..= 5000.0, " ms";
     /// Time after a trigger turned off in which it does not turn on, in milliseconds.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use super::disturbance;
+use crate::contact::TargetId;
 use crate::device::trigger::{HandShape, Measure, Trigger};
 use crate::estimate::BendRanges;
 use crate::hand::{Finger, Input};
@@ -60,7 +61,11 @@ pub fn tour(layout: &Layout) -> Vec<TourStop> {
     let controls = controls.flat_map(control_stops);
     let triggers = layout.triggers.iter();
     let triggers = triggers.filter(|(_, trigger)| !disturbing.contains(&trigger.target));
-    let triggers = triggers.filter_map(|(name, trigger)| trigger_stop(name, trigger));
+    let triggers = triggers.filter_map(|(name, trigger)| {
+        let actions = trigger_actions(layout, trigger)?;
+        let name = name.clone();
+        Some(TourStop { name, actions })
+    });
     let mut stops: Vec<TourStop> = keys.chain(controls).chain(triggers).collect();
     match &layout.pointer {
         Some(pointer) if pointer.mode.starts_at_rest() => stops.extend(stick_stops()),
@@ -150,8 +155,9 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
     }
 }
 
-fn trigger_stop(name: &str, trigger: &Trigger) -> Option<TourStop> {
-    let actions = match trigger.measure {
+/// Returns the movements that turn a trigger on and off.
+fn trigger_actions(layout: &Layout, trigger: &Trigger) -> Option<String> {
+    Some(match trigger.measure {
         Measure::Angle(dof) => {
             let beyond = BEYOND_DEG.copysign(trigger.on - trigger.off);
             let (on, off) = (trigger.on.to_degrees(), trigger.off.to_degrees());
@@ -185,12 +191,19 @@ fn trigger_stop(name: &str, trigger: &Trigger) -> Option<TourStop> {
             )
         }
         Measure::HandShape(shape) => shape_actions(shape, trigger.hold),
-        // A swipe and a shake are faster than the hand of a script.
-        Measure::Pinch(_) | Measure::Swipe(_) | Measure::Shake => return None,
-    };
-    Some(TourStop {
-        name: name.to_owned(),
-        actions,
+        Measure::Sequence(steps) => {
+            let step = |target: &TargetId| {
+                let mut triggers = layout.triggers.iter();
+                let (_, step) = triggers.find(|(_, it)| it.target == *target)?;
+                trigger_actions(layout, step)
+            };
+            let actions: Option<Vec<String>> = steps.targets.iter().flatten().map(step).collect();
+            actions?.join("; ")
+        }
+        // A swipe, a shake and a circle are faster than the hand of a script.
+        Measure::Pinch(_) | Measure::Swipe(_) | Measure::Shake | Measure::Circle(..) => {
+            return None;
+        }
     })
 }
 

@@ -1,6 +1,6 @@
 //! The measurement of a trigger.
 
-use super::{HandMemory, HandShape, SwipeDirection};
+use super::{CircleDirection, CirclePoint, HandMemory, HandShape, Steps, SwipeDirection};
 use crate::device::DeviceInput;
 use crate::hand::{BodyAngle, Dof, Finger, Input};
 
@@ -18,6 +18,10 @@ pub enum Measure {
     Swipe(SwipeDirection),
     /// The number of times that the palm has turned back within a second, after 100 mm or more along an axis of the world.
     Shake,
+    /// The number of turns that a point of the hand has drawn without a stop; `None` for either direction.
+    Circle(CirclePoint, Option<CircleDirection>),
+    /// The fraction of steps that were done in their order.
+    Sequence(Steps),
     /// A stick, trigger or button of the glove, −1..=1.
     Input(Input),
     /// An angle of the head, a foot or a knee, in radians.
@@ -57,6 +61,9 @@ impl Measure {
             }
             Self::Swipe(direction) => hand.motion.swipe(direction),
             Self::Shake => hand.motion.reversals(),
+            Self::Circle(point, direction) => hand.circles[point.index()].turns(direction),
+            // Follows the other triggers.
+            Self::Sequence(_) => None,
             Self::Input(own) => input.inputs.get(own),
             Self::Body(angle) => input.inputs.angle(angle),
         };

@@ -1,21 +1,27 @@
-//! Triggers: a joint angle, a pinch, a shape or a motion of the hand, a button of the glove, or the head or a foot as a control, without a
-//! target to touch.
+//! Triggers: a joint angle, a pinch, a shape or a motion of the hand, a button of the glove, the head or a foot, or several of them in
+//! an order, as a control without a target to touch.
 
+mod circle;
 mod hand_shape;
 mod measure;
 mod opening;
 mod palm_motion;
+mod sequence;
 mod steady_bends;
 mod switch;
 
+pub use circle::{CircleDirection, CirclePoint};
 pub use hand_shape::HandShape;
 pub use measure::Measure;
 pub use palm_motion::SwipeDirection;
+pub use sequence::{MAX_STEPS, Steps};
 
 use std::time::Duration;
 
+use self::circle::CircleMotion;
 use self::opening::Opening;
 use self::palm_motion::PalmMotion;
+use self::sequence::HandSequence;
 use self::steady_bends::SteadyBends;
 use self::switch::{Change, Switch};
 use super::value_output::{ValueEmitter, ValueOutput};
@@ -50,7 +56,7 @@ pub struct Trigger {
     /// The measurement.
     pub measure: Measure,
     /// The measurement at which it switches on: in radians or metres, as a fraction for an input of the glove, as a confidence for a
-    /// shape, or as a number of reversals.
+    /// shape, or as a number of reversals or turns.
     pub on: f32,
     /// The measurement at which it switches off, in the same unit; not equal to `on`.
     pub off: f32,
@@ -71,9 +77,13 @@ pub struct Trigger {
 /// The triggers of a layout.
 #[derive(Clone, Debug)]
 pub struct Triggers {
+    /// All but the sequences.
     triggers: Vec<HandTrigger>,
+    sequences: Vec<HandSequence>,
     /// A trigger measures the motion of the hand.
     needs_motion: bool,
+    /// A trigger measures a circle.
+    needs_circles: bool,
     /// A trigger measures a shape of the hand.
     needs_bends: bool,
     /// By side.
@@ -84,6 +94,8 @@ pub struct Triggers {
 #[derive(Clone, Debug, Default)]
 struct HandMemory {
     motion: PalmMotion,
+    /// By point of the hand.
+    circles: [CircleMotion; CirclePoint::COUNT],
     bends: SteadyBends,
     opening: Opening,
     /// The time at which a swipe was on last.
@@ -105,11 +117,19 @@ impl Triggers {
     /// Creates the triggers, all off; those after the first [`MAX_TRIGGERS`] are ignored.
     pub fn new(triggers: impl IntoIterator<Item = Trigger>) -> Self {
         let triggers = triggers.into_iter().take(MAX_TRIGGERS);
-        let triggers: Vec<HandTrigger> = triggers.flat_map(HandTrigger::for_hands).collect();
+        let triggers = triggers.flat_map(HandTrigger::for_hands);
+        let is_sequence = |it: &HandTrigger| matches!(it.trigger.measure, Measure::Sequence(_));
+        let (sequences, triggers): (Vec<HandTrigger>, Vec<HandTrigger>) =
+            triggers.partition(is_sequence);
+        let sequences = sequences.iter();
+        let sequences = sequences.filter_map(|it| HandSequence::new(it, &triggers));
         let needs_motion = |it: &HandTrigger| it.trigger.measure.is_motion();
+        let needs_circles = |it: &HandTrigger| matches!(it.trigger.measure, Measure::Circle(..));
         let needs_bends = |it: &HandTrigger| matches!(it.trigger.measure, Measure::HandShape(_));
         Self {
+            sequences: sequences.collect(),
             needs_motion: triggers.iter().any(needs_motion),
+            needs_circles: triggers.iter().any(needs_circles),
             needs_bends: triggers.iter().any(needs_bends),
             triggers,
             hands: Default::default(),
@@ -119,7 +139,8 @@ impl Triggers {
 
 impl VirtualDevice for Triggers {
     fn add_capabilities(&self, required: &mut Capabilities) {
-        for HandTrigger { trigger, .. } in &self.triggers {
+        let sequences = self.sequences.iter().map(|it| &it.trigger);
+        for HandTrigger { trigger, .. } in self.triggers.iter().chain(sequences) {
             required.extend(trigger.action.and_then(KeyAction::required_capability));
             trigger.output.add_capabilities(required);
         }
@@ -134,6 +155,11 @@ impl VirtualDevice for Triggers {
         if self.needs_motion {
             hand.motion.update(input.pose);
         }
+        if self.needs_circles {
+            for (circle, &point) in hand.circles.iter_mut().zip(CirclePoint::ALL) {
+                circle.update(point, input.pose);
+            }
+        }
         if self.needs_bends {
             hand.bends.update(input);
             hand.opening.update(hand.bends.get(), input.pose.time);
@@ -147,21 +173,32 @@ impl VirtualDevice for Triggers {
             if trigger.side != input.pose.side {
                 continue;
             }
-            match measurement {
-                Some(measurement) => trigger.update(measurement, hand, input.pose.time, out),
-                None => trigger.reset(input.pose.time, out),
+            trigger.process(measurement, hand, input.pose.time, out);
+        }
+        for sequence in &mut self.sequences {
+            if sequence.trigger.side != input.pose.side {
+                continue;
             }
+            let measurement = sequence.measurement(&self.triggers, input.pose.time);
+            let measurement = measurement.filter(|_| sequence.trigger.is_held(input));
+            let trigger = &mut sequence.trigger;
+            trigger.process(measurement, hand, input.pose.time, out);
         }
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for hand in &mut self.hands {
             hand.motion.clear();
+            hand.circles = Default::default();
             hand.bends = SteadyBends::default();
             hand.opening = Opening::None;
         }
         for trigger in &mut self.triggers {
             trigger.reset(time, out);
+        }
+        for sequence in &mut self.sequences {
+            sequence.reset();
+            sequence.trigger.reset(time, out);
         }
     }
 }
@@ -190,6 +227,20 @@ impl HandTrigger {
 
     fn source(&self) -> PressSource {
         PressSource::Part(self.trigger.target, self.side.index() as u8)
+    }
+
+    /// Processes the measurement of a step, `None` if it is not known.
+    fn process(
+        &mut self,
+        measurement: Option<f32>,
+        hand: &mut HandMemory,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
+        match measurement {
+            Some(measurement) => self.update(measurement, hand, time, out),
+            None => self.reset(time, out),
+        }
     }
 
     fn update(

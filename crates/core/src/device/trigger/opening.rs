@@ -9,10 +9,13 @@ use crate::time::Timestamp;
 /// The longest time from a closed hand to an open one.
 const OPENING_TIME: Duration = Duration::from_secs(1);
 
+/// The confidence at which a hand is closed: a hand around a cup is not so bent, and becomes flat when it puts the cup down.
+const CLOSES: f32 = 0.8;
+
 /// The confidence at which a closed hand has opened: a hand that comes to rest is not so straight.
 const OPENS: f32 = 0.8;
 
-/// The confidence to which a hand stays closed or open.
+/// The confidence to which a hand stays open.
 const STAYS: f32 = 0.5;
 
 /// The state of one hand.
@@ -37,7 +40,7 @@ impl Opening {
             return;
         };
         *self = match *self {
-            _ if closed >= STAYS => Self::Closed(time),
+            _ if closed >= CLOSES => Self::Closed(time),
             Self::Closed(since) if time.since(since) > OPENING_TIME => Self::None,
             Self::Closed(_) if open >= OPENS => Self::Open,
             Self::Open if open < STAYS => Self::None,

@@ -244,9 +244,9 @@ impl<'a> LayoutBuilder<'a> {
         &self.chords
     }
 
-    /// The number of triggers that were added.
-    pub fn trigger_count(&self) -> usize {
-        self.triggers.len()
+    /// The triggers that were added, with their names.
+    pub fn triggers(&self) -> &[(String, Trigger)] {
+        &self.triggers
     }
 
     /// Records that a control sets an axis, and reports a second one. Two controls would overwrite each other's position.

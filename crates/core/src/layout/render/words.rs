@@ -1,10 +1,11 @@
 //! Layouts in words, for what a drawing cannot show: ranges, outputs, gestures and chords.
 
+use crate::contact::TargetId;
 use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::{Anchor, Surface};
 use crate::device::keyboard::{Activation, Chord, TapHold};
 use crate::device::toggle::ToggleOutput;
-use crate::device::trigger::{Measure, Trigger};
+use crate::device::trigger::{CircleDirection, Measure, Trigger};
 use crate::device::value_output::ValueOutput;
 use crate::device::{KeyAction, Latch, Sequence, SequenceStep, TextId};
 use crate::hand::Joint;
@@ -404,6 +405,22 @@ impl Words<'_> {
             Measure::HandShape(shape) => format!("{shape}, confidence {:.2}", trigger.on),
             Measure::Swipe(direction) => format!("swipe {direction}, {:.0} mm", trigger.on * 1e3),
             Measure::Shake => format!("shake, {:.0} reversals", trigger.on),
+            Measure::Circle(point, direction) => {
+                let direction = direction.map_or("either direction", CircleDirection::name);
+                format!(
+                    "circle of the {point}, {direction}, {:.1} turns",
+                    trigger.on
+                )
+            }
+            Measure::Sequence(steps) => {
+                let step = |target: &TargetId| {
+                    let mut triggers = self.0.triggers.iter();
+                    Some(triggers.find(|(_, it)| it.target == *target)?.0.as_str())
+                };
+                let names: Vec<&str> = steps.targets.iter().flatten().filter_map(step).collect();
+                let within = steps.within.as_millis();
+                format!("{} within {within} ms", names.join(", then "))
+            }
             Measure::Input(input) => format!("glove {input}, from {:.2}", trigger.on),
             Measure::Body(angle) => format!("{angle} {:.0}°", trigger.on.to_degrees()),
         }];

@@ -1,20 +1,18 @@
-//! Triggers: postures, shapes and motions of a hand, and buttons of a glove, with an action or a value.
-
-use std::time::Duration;
+//! The quantities that triggers measure, and their thresholds.
 
 use serde::Deserialize;
 
-use super::value_output::{ValueOutputSchema, value_output};
-use crate::device::trigger::{HandShape, MAX_TRIGGERS, Measure, SwipeDirection, Trigger};
+use super::parse;
+use crate::device::trigger::{
+    CircleDirection, CirclePoint, HandShape, MAX_STEPS, Measure, Steps, SwipeDirection,
+};
 use crate::document::{DocumentError, Spanned, schema};
-use crate::hand::{BodyAngle, Dof, Finger, Input, Side};
+use crate::hand::{BodyAngle, Dof, Finger, Input};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{
-    Confidence, CoolDown, FingertipGap, InputValue, JointAngle, Reversals, SwipeDistance,
-    TriggerHold, duration, metres,
+    CircleTurns, Confidence, FingertipGap, InputValue, JointAngle, Reversals, StepGap,
+    SwipeDistance, duration,
 };
-use crate::layout::schema::Action;
-use crate::layout::shape::ShapeSchema;
 use crate::names::UnknownName;
 
 /// Default gaps at which a pinch turns on and off, in millimetres: the thresholds of Ultraleap's hand tracking.
@@ -35,52 +33,20 @@ const SWIPE_MM: (f64, f64) = (200.0, 50.0);
 /// Default reversals at which a shake turns on and off.
 const SHAKE: (f64, f64) = (4.0, 1.0);
 
-/// Default times for which a hand shape is held and of its cool-down, in milliseconds.
-const SHAPE_MS: (f64, f64) = (300.0, 300.0);
+/// Default turns at which a circle turns on and off: the ends of a circle do not meet exactly.
+const CIRCLE: (f64, f64) = (0.8, 0.4);
 
-/// Default cool-down of a motion, in milliseconds: the hand swings back.
-const MOTION_COOL_DOWN_MS: f64 = 600.0;
+/// Fractions of the steps of a sequence at which it turns on and off.
+const SEQUENCE: (f64, f64) = (1.0, 0.9);
 
-schema! {
-    /// A hand posture with an action or a value.
-    #[derive(Debug, Deserialize)]
-    #[serde(rename = "Trigger", deny_unknown_fields)]
-    pub(in crate::layout) struct TriggerSchema<'a> {
-        /// Name.
-        #[serde(borrow)]
-        name: Spanned<'a>,
-        /// `"left"` or `"right"`. Default: either.
-        #[serde(borrow, default)]
-        hand: Option<Spanned<'a>>,
-        /// Button of the glove that has to be held, such as `"button-b"`: without it the trigger is off.
-        #[serde(borrow, default)]
-        held: Option<Spanned<'a>>,
-        /// The quantity that is measured, and its thresholds.
-        #[serde(borrow)]
-        when: MeasureSchema<'a>,
-        /// Time for which it has to last before it turns on. Default: 0, of a hand shape 300.
-        #[serde(default)]
-        hold_ms: Option<TriggerHold>,
-        /// Time after it turned off in which it does not turn on; swipes of a hand share it. Default: 0, of a hand shape 300, of a motion 600.
-        #[serde(default)]
-        cool_down_ms: Option<CoolDown>,
-        /// Action while it is on.
-        #[serde(borrow, default)]
-        action: Option<Action<'a>>,
-        /// Output of the value.
-        #[serde(borrow, default)]
-        output: Option<ValueOutputSchema<'a>>,
-        /// Mesh that moves with the value in the 3D view.
-        #[serde(borrow, default)]
-        shape: Option<ShapeSchema<'a>>,
-    }
-}
+/// Default time from one step of a sequence to the next, in milliseconds.
+const WITHIN_MS: f64 = 1000.0;
 
 schema! {
     /// The quantity that a trigger measures, the thresholds, and the range of its value.
     #[derive(Debug, Deserialize)]
     #[serde(rename = "Measure", deny_unknown_fields)]
-    enum MeasureSchema<'a> {
+    pub(super) enum MeasureSchema<'a> {
         /// A joint angle.
         Angle {
             /// Name of the degree of freedom, such as `wrist-flexion`.
@@ -152,6 +118,30 @@ schema! {
             #[serde(default)]
             off: Option<Reversals>,
         },
+        /// A circle that the hand draws in the air, or flat as on a table, within 2.5 s and with a radius of 30 mm or more.
+        Circle {
+            /// The point that draws: the palm or the tip of the index finger. Default: `"palm"`.
+            #[serde(default)]
+            point: Option<CirclePoint>,
+            /// The direction as the wearer sees it, of a flat circle from above. Default: either.
+            #[serde(default)]
+            direction: Option<CircleDirection>,
+            /// CircleTurns without a stop at which it turns on. Default: 0.8.
+            #[serde(default)]
+            on: Option<CircleTurns>,
+            /// CircleTurns at which it turns off. A hand that stops has 0. Default: 0.4.
+            #[serde(default)]
+            off: Option<CircleTurns>,
+        },
+        /// Other triggers, one after the other. It is on while the last one is.
+        Sequence {
+            /// Names of two to four triggers that stand before it, in their order.
+            #[serde(borrow)]
+            steps: Vec<Spanned<'a>>,
+            /// Longest time from the end of a step to the beginning of the next. Default: 1000.
+            #[serde(default)]
+            within_ms: Option<StepGap>,
+        },
         /// A stick, trigger or button of the glove, or an angle of the head, a foot or a knee.
         Input {
             /// `stick-x`, `stick-y`, `stick-button`, `trigger`, `trigger-button`, `button-a`, `button-b`, `grab`, `pinch`,
@@ -176,85 +166,22 @@ schema! {
 }
 
 /// The numbers of a trigger in the unit of the file.
-struct Thresholds {
+pub(super) struct Thresholds {
     /// The end of the names of their fields.
     unit: &'static str,
-    on: f64,
-    off: f64,
+    pub(super) on: f64,
+    pub(super) off: f64,
     zero: Option<f64>,
     full: Option<f64>,
 }
 
-impl<'a> TriggerSchema<'a> {
-    /// Adds the trigger.
-    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
-        let name = self.name.text;
-        let target = builder.add_target("trigger", name, name)?;
-        if builder.trigger_count() == MAX_TRIGGERS {
-            let message = format!("a layout has at most {MAX_TRIGGERS} triggers");
-            return Err(builder.error(name, message));
-        }
-        let (measure, thresholds) = self.when.check(builder)?;
-        let range = thresholds
-            .range(name, measure)
-            .map_err(|message| builder.error(name, message))?;
-        let to_si = |value: f64| match measure {
-            Measure::Angle(_) | Measure::Body(_) => value.to_radians() as f32,
-            Measure::Pinch(_) | Measure::Swipe(_) => metres(value),
-            Measure::Input(_) | Measure::HandShape(_) | Measure::Shake => value as f32,
-        };
-        let side = self
-            .hand
-            .map(|hand| parse::<Side>(builder, hand))
-            .transpose()?;
-        let held = self.held.map(|held| parse::<Input>(builder, held));
-        let action = self
-            .action
-            .map(|action| builder.action(action, None))
-            .transpose()?;
-        let output = value_output(builder, self.output)?;
-        let trigger = Trigger {
-            target,
-            side,
-            held: held.transpose()?,
-            measure,
-            on: to_si(thresholds.on),
-            off: to_si(thresholds.off),
-            hold: self.hold(measure),
-            cool_down: self.cool_down(measure),
-            range: range.map(|(zero, full)| (to_si(zero), to_si(full))),
-            action,
-            output,
-        };
-        if let Some(shape) = &self.shape {
-            let shape = shape.build(builder.document())?;
-            builder.add_shape(target, shape);
-        }
-        builder.add_trigger(name, trigger);
-        Ok(())
-    }
-
-    fn hold(&self, measure: Measure) -> Duration {
-        let default = match measure {
-            Measure::HandShape(_) => SHAPE_MS.0,
-            _ => 0.0,
-        };
-        duration(self.hold_ms.map_or(default, TriggerHold::get))
-    }
-
-    fn cool_down(&self, measure: Measure) -> Duration {
-        let default = match measure {
-            Measure::HandShape(_) => SHAPE_MS.1,
-            Measure::Swipe(_) | Measure::Shake => MOTION_COOL_DOWN_MS,
-            _ => 0.0,
-        };
-        duration(self.cool_down_ms.map_or(default, CoolDown::get))
-    }
-}
-
 impl MeasureSchema<'_> {
-    fn check(&self, builder: &LayoutBuilder) -> Result<(Measure, Thresholds), DocumentError> {
-        let millimetres = |gap: Option<FingertipGap>| gap.map(FingertipGap::get);
+    /// Returns the measurement of the trigger with this name, and its thresholds.
+    pub(super) fn check(
+        &self,
+        name: &str,
+        builder: &LayoutBuilder,
+    ) -> Result<(Measure, Thresholds), DocumentError> {
         Ok(match *self {
             Self::Angle {
                 dof,
@@ -279,19 +206,15 @@ impl MeasureSchema<'_> {
                 zero_mm,
                 full_mm,
             } => {
-                let thresholds = Thresholds {
-                    unit: "_mm",
-                    on: millimetres(on_mm).unwrap_or(PINCH_MM.0),
-                    off: millimetres(off_mm).unwrap_or(PINCH_MM.1),
-                    zero: millimetres(zero_mm),
-                    full: millimetres(full_mm),
-                };
+                let values = [on_mm, off_mm, zero_mm, full_mm];
+                let values = values.map(|it| it.map(FingertipGap::get));
                 let source = finger.text;
                 let finger = parse::<Finger>(builder, finger)?;
                 if finger == Finger::Thumb {
                     let message = "the thumb pinches with another finger, name that finger";
                     return Err(builder.error(source, message));
                 }
+                let thresholds = Thresholds::with_defaults("_mm", PINCH_MM, values);
                 (Measure::Pinch(finger), thresholds)
             }
             Self::HandShape {
@@ -301,13 +224,8 @@ impl MeasureSchema<'_> {
                 zero,
                 full,
             } => {
-                let thresholds = Thresholds {
-                    unit: "",
-                    on: on.map_or(CONFIDENCE.0, Confidence::get),
-                    off: off.map_or(CONFIDENCE.1, Confidence::get),
-                    zero: zero.map(Confidence::get),
-                    full: full.map(Confidence::get),
-                };
+                let values = [on, off, zero, full].map(|it| it.map(Confidence::get));
+                let thresholds = Thresholds::with_defaults("", CONFIDENCE, values);
                 (Measure::HandShape(name), thresholds)
             }
             Self::Swipe {
@@ -323,6 +241,25 @@ impl MeasureSchema<'_> {
                 let on = on.map_or(SHAKE.0, Reversals::get);
                 let off = off.map_or(SHAKE.1, Reversals::get);
                 (Measure::Shake, Thresholds::new("", on, off))
+            }
+            Self::Circle {
+                point,
+                direction,
+                on,
+                off,
+            } => {
+                let on = on.map_or(CIRCLE.0, CircleTurns::get);
+                let off = off.map_or(CIRCLE.1, CircleTurns::get);
+                let measure = Measure::Circle(point.unwrap_or(CirclePoint::Palm), direction);
+                (measure, Thresholds::new("", on, off))
+            }
+            Self::Sequence {
+                ref steps,
+                within_ms,
+            } => {
+                let steps = sequence(builder, name, steps, within_ms)?;
+                let (on, off) = SEQUENCE;
+                (Measure::Sequence(steps), Thresholds::new("", on, off))
             }
             Self::Input {
                 name,
@@ -350,8 +287,23 @@ impl Thresholds {
         }
     }
 
+    /// Creates thresholds from the values of a file: at which it turns on and off, and at which the value is 0 and 1.
+    fn with_defaults(
+        unit: &'static str,
+        defaults: (f64, f64),
+        [on, off, zero, full]: [Option<f64>; 4],
+    ) -> Self {
+        Self {
+            unit,
+            on: on.unwrap_or(defaults.0),
+            off: off.unwrap_or(defaults.1),
+            zero,
+            full,
+        }
+    }
+
     /// Returns the quantities at value 0 and 1, if the trigger has a value. Rejects thresholds that contradict each other.
-    fn range(&self, name: &str, measure: Measure) -> Result<Option<(f64, f64)>, String> {
+    pub(super) fn range(&self, name: &str, measure: Measure) -> Result<Option<(f64, f64)>, String> {
         let Thresholds { unit, on, off, .. } = *self;
         if on == off {
             return Err(format!(
@@ -361,7 +313,7 @@ impl Thresholds {
         // A hand that does nothing would be one of these.
         let needs_more = matches!(
             measure,
-            Measure::HandShape(_) | Measure::Swipe(_) | Measure::Shake
+            Measure::HandShape(_) | Measure::Swipe(_) | Measure::Shake | Measure::Circle(..)
         );
         if needs_more && on < off {
             return Err(format!(
@@ -389,14 +341,7 @@ fn input_thresholds(
     values: [Option<f64>; 4],
 ) -> Result<(Measure, Thresholds), DocumentError> {
     let (measure, defaults) = input(builder, name)?;
-    let [on, off, zero, full] = values;
-    let thresholds = Thresholds {
-        unit: "",
-        on: on.unwrap_or(defaults.0),
-        off: off.unwrap_or(defaults.1),
-        zero,
-        full,
-    };
+    let thresholds = Thresholds::with_defaults("", defaults, values);
     let is_beyond = |value: &f64| !(-1.0..=1.0).contains(value);
     if let (Measure::Input(input), Some(value)) =
         (measure, values.into_iter().flatten().find(is_beyond))
@@ -419,10 +364,38 @@ fn input(builder: &LayoutBuilder, name: Spanned) -> Result<(Measure, (f64, f64))
     Ok((Measure::Body(angle), BODY_DEG))
 }
 
-fn parse<T: std::str::FromStr<Err = UnknownName>>(
+/// Returns the steps of a sequence, which are triggers before it and no sequences themselves.
+fn sequence(
     builder: &LayoutBuilder,
-    name: Spanned,
-) -> Result<T, DocumentError> {
-    let parsed = name.text.parse();
-    parsed.map_err(|error| builder.error(name.text, error))
+    own: &str,
+    names: &[Spanned],
+    within: Option<StepGap>,
+) -> Result<Steps, DocumentError> {
+    let mut targets = [None; MAX_STEPS];
+    for (index, name) in names.iter().enumerate() {
+        let error = |message: String| Err(builder.error(name.text, message));
+        let Some(target) = targets.get_mut(index) else {
+            return error(format!("a sequence has at most {MAX_STEPS} steps"));
+        };
+        let others = || builder.triggers().iter();
+        let Some((_, step)) = others().find(|(other, _)| other == name.text) else {
+            let others = others().map(|(other, _)| other.as_str());
+            let unknown = UnknownName::new("trigger before the sequence", name.text, others);
+            return error(unknown.to_string());
+        };
+        if matches!(step.measure, Measure::Sequence(_)) {
+            return error(format!(
+                "a sequence has no sequence as a step, write the steps of `{}`",
+                name.text
+            ));
+        }
+        *target = Some(step.target);
+    }
+    match names {
+        [_, _, ..] => Ok(Steps {
+            targets,
+            within: duration(within.map_or(WITHIN_MS, StepGap::get)),
+        }),
+        _ => Err(builder.error(own, "a sequence has two or more steps, name two triggers")),
+    }
 }
