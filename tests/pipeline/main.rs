@@ -16,6 +16,7 @@ mod gestures;
 mod hand_sizes;
 mod hands_and_profiles;
 mod oracle;
+mod other_hand;
 mod joint_positions;
 mod key_words;
 mod layout_changes;

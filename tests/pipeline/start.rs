@@ -159,7 +159,7 @@ impl Person {
 }
 
 /// Returns a hand whose index fingertip is at `tip` and whose other fingers are bent by `bend` degrees at two joints.
-fn hand(tip: DVec3, bend: f64) -> JointPositions {
+pub(crate) fn hand(tip: DVec3, bend: f64) -> JointPositions {
     let mut positions = JointPositions::default();
     let wrist = tip + DVec3::new(0.02, 0.0, 0.18);
     positions.set(Joint::Wrist, wrist);

@@ -117,8 +117,8 @@ fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
     }
 }
 
-/// Returns one warning for all controls that no hand of the setup can press, and one for each pair of boards in one place. Such a
-/// layout is still valid.
+/// Returns one warning for all controls that no hand of the setup can press, one for each pair of boards in one place, and one for a
+/// layout that follows a hand which the setup does not measure. Such a layout is still valid.
 fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = Setup {
         layout: layout.file.clone(),
@@ -131,7 +131,13 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let out_of_reach = report.map(|report| report.to_string());
     let overlaps = setup.layout.board_overlaps();
     let overlaps = overlaps.iter().map(BoardOverlap::message);
-    Ok(out_of_reach.into_iter().chain(overlaps).collect())
+    let missing = setup.missing_other_hand(&setup.layout);
+    let missing = missing.map(str::to_owned).into_iter();
+    Ok(out_of_reach
+        .into_iter()
+        .chain(overlaps)
+        .chain(missing)
+        .collect())
 }
 
 /// Parses the hand and forearm length of a hand.

@@ -18,6 +18,8 @@ pub enum Anchor {
     Joint(Joint),
     /// The place of the open hand [at the start](HandPose::start).
     Start,
+    /// The [wrist of the other hand](HandPose::other_wrist).
+    OtherHand,
 }
 
 impl Anchor {
@@ -29,6 +31,7 @@ impl Anchor {
             Self::Joint(joint) => pose.position(joint),
             Self::Start if is_shared => pose.start.shared,
             Self::Start => pose.start.own,
+            Self::OtherHand => pose.other_wrist,
         }
     }
 }
@@ -63,9 +66,9 @@ impl Surface {
         ))
     }
 
-    /// Returns whether the hand may touch the surface once the surface has its place at the start.
-    pub fn waits_for_start(&self, pose: &HandPose) -> bool {
-        self.anchor == Anchor::Start
+    /// Returns whether the hand may touch the surface once the surface has its place, at the start or at the other hand.
+    pub fn waits_for_place(&self, pose: &HandPose) -> bool {
+        matches!(self.anchor, Anchor::Start | Anchor::OtherHand)
             && self.side.is_none_or(|side| side == pose.side)
             && self.anchor.position(pose, self.side.is_none()).is_none()
     }
@@ -242,6 +245,12 @@ impl Scene {
     pub fn starts_at_hand(&self) -> bool {
         let mut surfaces = self.surfaces.iter();
         surfaces.any(|surface| surface.anchor == Anchor::Start)
+    }
+
+    /// Returns whether a surface is anchored at the other hand.
+    pub fn follows_other_hand(&self) -> bool {
+        let mut surfaces = self.surfaces.iter();
+        surfaces.any(|surface| surface.anchor == Anchor::OtherHand)
     }
 
     /// Returns whether a finger presses a target by bending.

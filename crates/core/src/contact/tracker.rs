@@ -214,17 +214,19 @@ impl ContactTracker {
 
     /// Returns whether the hand is clear of all targets: no fingertip touches one, no trusted fingertip
     /// is behind a front (inside its outline, at most 0.1 m deep), and at least one trusted fingertip is
-    /// known. A surface without its place at the start has no targets yet. Does not allocate.
+    /// known. A surface that waits for its place has no targets yet, and surfaces of the other hand have none for this one. Does not allocate.
     pub fn is_clear(&self, scene: &Scene, pose: &HandPose) -> bool {
         if !self.is_idle() {
             return false;
         }
         let is_trusted = |&finger: &Finger| trusted_fingertip(pose, finger).is_some();
-        // A scene without surfaces has no anchor that must be known.
-        let mut is_seen = scene.surfaces().is_empty() && Finger::ALL.iter().any(is_trusted);
+        // A hand without surfaces has no anchor that must be known.
+        let is_of_other = |surface: &Surface| surface.side().is_some_and(|side| side != pose.side);
+        let mut is_seen =
+            scene.surfaces().iter().all(is_of_other) && Finger::ALL.iter().any(is_trusted);
         for surface in scene.surfaces() {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
-                is_seen |= surface.waits_for_start(pose) && Finger::ALL.iter().any(is_trusted);
+                is_seen |= surface.waits_for_place(pose) && Finger::ALL.iter().any(is_trusted);
                 continue;
             };
             for &finger in Finger::ALL {

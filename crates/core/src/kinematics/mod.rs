@@ -48,6 +48,8 @@ pub struct HandPose {
     pub tip_radius: f32,
     /// The place of the hand at the start, which a new reading keeps.
     pub start: StartPlace,
+    /// The position of the wrist of the other hand (world, metres), if one source measures both in one frame. A new reading keeps it.
+    pub other_wrist: Option<Vec3>,
     joints: [Pose; Joint::COUNT],
     known: u32,
 }
@@ -62,6 +64,7 @@ impl HandPose {
             jumped: false,
             tip_radius,
             start: StartPlace::default(),
+            other_wrist: None,
             joints: [Pose::IDENTITY; Joint::COUNT],
             known: 0,
         }

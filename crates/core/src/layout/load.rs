@@ -13,8 +13,8 @@ use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, r
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{
-    AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label, OutlineSchema,
-    PoseSchema, PressSchema,
+    AnchorSchema, AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label,
+    OutlineSchema, PoseSchema, PressSchema,
 };
 use super::sequences::{StepSchema, build_sequence};
 use super::signals::SignalSchema;
@@ -299,6 +299,10 @@ impl<'a> BoardSchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         has_neighbors: bool,
     ) -> Result<(), DocumentError> {
+        if self.hand.is_none() && self.pose.anchor == AnchorSchema::Other {
+            let message = "a board with `anchor: other` is for one hand, set its `hand`";
+            return Err(builder.error(builder.name().text, message));
+        }
         let fit = builder.pose_fit(&self.pose, self.hand);
         builder.begin_board(BoardSettings {
             shape: self.shape.shape(&fit),

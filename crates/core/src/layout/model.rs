@@ -11,7 +11,7 @@ use super::fit::Fit;
 use super::outline::Outline;
 use super::shape::Shape;
 use crate::contact::board_pose::AutoRecenter;
-use crate::contact::surface::Scene;
+use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{TargetId, TargetNames};
 use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
@@ -245,6 +245,16 @@ impl Layout {
     pub fn uses_body(&self) -> bool {
         let mut triggers = self.triggers.iter();
         triggers.any(|(_, it)| matches!(it.measure, Measure::Body(_)))
+    }
+
+    /// Returns whether a board, pointer or space is anchored at the other hand.
+    pub fn follows_other_hand(&self) -> bool {
+        self.scene.follows_other_hand() || self.has_frame_at(Anchor::OtherHand)
+    }
+
+    /// Returns whether a pointer or space has this anchor.
+    pub(crate) fn has_frame_at(&self, anchor: Anchor) -> bool {
+        self.frames().any(|frame| frame.anchor == anchor)
     }
 
     /// Returns the bindings of the keys, for the keyboard device.

@@ -80,6 +80,7 @@ impl From<AnchorSchema> for Anchor {
             AnchorSchema::Elbow => Self::Joint(Joint::Elbow),
             AnchorSchema::Wrist => Self::Joint(Joint::Wrist),
             AnchorSchema::Start => Self::Start,
+            AnchorSchema::Other => Self::OtherHand,
         }
     }
 }

@@ -155,6 +155,8 @@ schema! {
         Wrist,
         /// The index fingertip of your open hand, held still for a second at the start. From then on it does not move.
         Start,
+        /// The wrist of your other hand, for a source that measures both hands in one room, such as a camera or a headset. Without that hand nothing is touched.
+        Other,
     }
 }
 

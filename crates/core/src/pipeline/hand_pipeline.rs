@@ -1,6 +1,7 @@
 //! The stages of one hand from readings to poses.
 
 use super::StepOutput;
+use super::other_hand::RoomState;
 use super::start::StartDetector;
 use super::unreached::ReachWatch;
 use crate::contact::{Presses, Touches};
@@ -32,6 +33,7 @@ pub(super) struct HandPipeline {
     pub(super) is_suspended: bool,
     pub(super) start: StartDetector,
     pub(super) reach: ReachWatch,
+    pub(super) room: RoomState,
 }
 
 impl HandPipeline {
@@ -55,6 +57,7 @@ impl HandPipeline {
             is_suspended: false,
             start: StartDetector::default(),
             reach: ReachWatch::default(),
+            room: RoomState::default(),
         }
     }
 

@@ -10,7 +10,6 @@ use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Anchor, Scene};
 use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches, bent_fingers};
 use crate::device::key_arbiter::SequenceHand;
-use crate::device::pointer::AnchoredFrame;
 use crate::device::signals::Signals;
 use crate::device::{
     CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, Sequence, TimedCommands,
@@ -47,6 +46,8 @@ pub struct LayoutInstance {
     layout: Option<Arc<Layout>>,
     /// Whether something is anchored at the start.
     starts_at_hand: bool,
+    /// Whether something is anchored at the other hand.
+    follows_other_hand: bool,
     /// The text decoder.
     filter: Option<Box<dyn PressFilter>>,
 }
@@ -66,6 +67,7 @@ impl LayoutInstance {
             is_bent: scene.has_bend_targets(),
             needs_bends: scene.has_bend_targets() || devices.iter().any(|it| it.needs_bends()),
             starts_at_hand: scene.starts_at_hand(),
+            follows_other_hand: scene.follows_other_hand(),
             bend_trackers: Default::default(),
             scene,
             target_names,
@@ -90,9 +92,9 @@ impl LayoutInstance {
     /// Sets the layout that it was made from, for displays.
     #[must_use]
     pub fn with_layout(self, layout: Arc<Layout>) -> Self {
-        let is_at_start = |frame: &AnchoredFrame| frame.anchor == Anchor::Start;
         Self {
-            starts_at_hand: self.scene.starts_at_hand() || layout.frames().any(is_at_start),
+            starts_at_hand: self.starts_at_hand || layout.has_frame_at(Anchor::Start),
+            follows_other_hand: layout.follows_other_hand(),
             layout: Some(layout),
             ..self
         }
@@ -171,6 +173,11 @@ impl LayoutInstance {
     /// Returns whether a board, pointer or space is anchored at the place of the hand at the start.
     pub fn starts_at_hand(&self) -> bool {
         self.starts_at_hand
+    }
+
+    /// Returns whether a board, pointer or space is anchored at the other hand.
+    pub(super) fn follows_other_hand(&self) -> bool {
+        self.follows_other_hand
     }
 
     /// Returns whether a device points somewhere.

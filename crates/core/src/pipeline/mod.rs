@@ -9,6 +9,7 @@ mod commands;
 mod hand_pipeline;
 mod layout_instance;
 mod learning;
+mod other_hand;
 mod output_gate;
 mod permissions;
 pub mod press_filter;
@@ -185,9 +186,11 @@ impl Pipeline {
         self.accepted += 1;
         self.time = self.time.max(reading.time);
         self.hands[index].accept(reading.time);
+        self.hands[index].note_room(&reading.sample);
         self.update_pose(index);
         self.arm_if_clear(index);
         self.update_devices(index, events);
+        self.release_followers(index, events);
         self.watch_reach(index, events.len() > first);
         self.place_at_start(index, events);
         self.zero_if_at_rest(events);
@@ -202,6 +205,7 @@ impl Pipeline {
 
     /// Runs forward kinematics and contact for the present estimate of a hand.
     fn update_pose(&mut self, index: usize) {
+        self.update_other_wrist(index);
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
         hand.arm.forward_into(&output.estimate, &mut output.pose);

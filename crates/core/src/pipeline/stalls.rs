@@ -70,6 +70,7 @@ impl Pipeline {
             if side.is_none_or(|side| side == self.hands[index].side()) {
                 self.hands[index].lose(part);
                 self.release_lost(index, events);
+                self.release_followers(index, events);
             }
         }
         if last.is_some() && !self.expects_readings() {
@@ -109,6 +110,7 @@ impl Pipeline {
             if is_overdue(&self.hands[index]) {
                 self.hands[index].lose(None);
                 self.release_lost(index, events);
+                self.release_followers(index, events);
             }
         }
     }
@@ -132,7 +134,7 @@ impl Pipeline {
     }
 
     /// Passes a hand that lost a part on to the devices, which release what that part held.
-    fn release_lost(&mut self, index: usize, events: &mut Events) {
+    pub(super) fn release_lost(&mut self, index: usize, events: &mut Events) {
         self.reset_filters();
         let estimate = &mut self.hands[index].output.estimate;
         estimate.time = estimate.time.max(self.time);

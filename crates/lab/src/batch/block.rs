@@ -59,7 +59,7 @@ impl LaneSurface {
         } = surface.anchor_from_surface();
         Self {
             anchor: match surface.anchor() {
-                Anchor::World | Anchor::Start => None,
+                Anchor::World | Anchor::Start | Anchor::OtherHand => None,
                 Anchor::Joint(joint) => Some(joint),
             },
             translation: splat(translation.to_array()),
@@ -67,7 +67,7 @@ impl LaneSurface {
             heights: surface.front_heights(),
             is_flat: surface.is_flat(),
             tip_radius,
-            has_no_place: surface.anchor() == Anchor::Start
+            has_no_place: matches!(surface.anchor(), Anchor::Start | Anchor::OtherHand)
                 || surface.side().is_some_and(|other| other != side),
         }
     }

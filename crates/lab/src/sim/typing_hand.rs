@@ -163,7 +163,9 @@ impl TypingHand {
             own: place,
             shared: place,
         };
-        let resting_pose = self.pose(&self.rest_values());
+        let mut resting_pose = self.pose(&self.rest_values());
+        // The other hand comes to where this one rests.
+        resting_pose.other_wrist = resting_pose.fingertip(FINGER);
         Self {
             resting_pose,
             ..self

@@ -314,6 +314,24 @@ impl LoadedSetup {
         Ok(())
     }
 
+    /// Returns the reason why a layout that follows the other hand touches nothing with this setup, or `None`.
+    pub fn missing_other_hand(&self, layout: &Layout) -> Option<&'static str> {
+        if !layout.follows_other_hand() {
+            None
+        } else if self.other_hand.is_none() {
+            Some(
+                "`anchor: other` follows the other hand, and the setup has one hand: nothing is touched; set `other_hand`",
+            )
+        } else if self.glove.is_some() {
+            Some(
+                "`anchor: other` needs a source that measures both hands in one room, and a glove does not: nothing is touched; \
+                 use a camera or a headset",
+            )
+        } else {
+            None
+        }
+    }
+
     /// Returns the glove file of the first hand, or `None` if its source needs none.
     pub fn glove_document(&self) -> Option<&Document> {
         let mut documents = self.documents.iter();

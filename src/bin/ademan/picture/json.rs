@@ -77,6 +77,7 @@ fn anchor(surface: &Surface) -> &'static str {
         Anchor::World => "world",
         Anchor::Joint(joint) => joint.name(),
         Anchor::Start => "start",
+        Anchor::OtherHand => "other",
     }
 }
 

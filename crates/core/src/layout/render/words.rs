@@ -187,6 +187,7 @@ pub(super) fn anchor(anchor: Anchor) -> &'static str {
         Anchor::Joint(Joint::Wrist) => "wrist",
         Anchor::Joint(_) => "elbow",
         Anchor::Start => "start",
+        Anchor::OtherHand => "other wrist",
     }
 }
 

@@ -1,0 +1,70 @@
+//! The wrist of the other hand, from which boards and pointers with the anchor `other` are measured.
+
+use parry3d::math::Vec3;
+
+use super::Pipeline;
+use super::hand_pipeline::HandPipeline;
+use crate::capture::Sample;
+use crate::device::Events;
+use crate::hand::{FingerSet, Joint};
+
+/// The relation of a hand to the room, in which both hands are measured.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RoomState {
+    /// The source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove measures none.
+    is_measured: bool,
+    /// The number of times that the hand was found at another place.
+    jumps: u32,
+    /// The jumps of the other hand when its wrist was used last.
+    other_jumps: u32,
+}
+
+impl HandPipeline {
+    /// Notes an accepted reading.
+    pub(super) fn note_room(&mut self, sample: &Sample) {
+        match sample {
+            Sample::Joints { .. } => self.room.is_measured = true,
+            Sample::Body(_) => self.room.is_measured = false,
+            _ => {}
+        }
+        let has_jumped = self.output.estimate.jumped;
+        self.room.jumps = self.room.jumps.wrapping_add(has_jumped.into());
+    }
+
+    /// Returns the measured wrist in the room; `None` for a hand that is lost.
+    fn wrist_in_room(&self) -> Option<Vec3> {
+        let estimate = &self.output.estimate;
+        let is_lost = !estimate.is_placed || estimate.untrusted == FingerSet::ALL;
+        let is_used = self.room.is_measured && self.last_accepted.is_some() && !self.is_suspended;
+        let wrist = estimate.measured.get(Joint::Wrist);
+        wrist.filter(|wrist| is_used && !is_lost && wrist.is_finite())
+    }
+}
+
+impl Pipeline {
+    /// Sets the wrist of the other hand in the pose of a hand, if the layout needs it. After a jump of the other hand the wrist is unknown for
+    /// one step, as the way in between was not seen.
+    pub(super) fn update_other_wrist(&mut self, index: usize) {
+        let mut others = self.hands.iter().enumerate();
+        let other = others.find(|(other, _)| *other != index);
+        let other = other.map(|(_, hand)| (hand.wrist_in_room(), hand.room.jumps));
+        let (wrist, jumps) = other.unwrap_or_default();
+        let is_followed = self.layout().follows_other_hand();
+        let hand = &mut self.hands[index];
+        let has_jumped = std::mem::replace(&mut hand.room.other_jumps, jumps) != jumps;
+        let is_known = is_followed && hand.room.is_measured && !has_jumped;
+        hand.output.pose.other_wrist = wrist.filter(|_| is_known);
+    }
+
+    /// Releases what the other hand holds on boards that follow this one, if this one is lost.
+    pub(super) fn release_followers(&mut self, index: usize, events: &mut Events) {
+        if self.hands[index].wrist_in_room().is_some() {
+            return;
+        }
+        for other in 0..self.hands.len() {
+            if other != index && self.hands[other].output.pose.other_wrist.is_some() {
+                self.release_lost(other, events);
+            }
+        }
+    }
+}
