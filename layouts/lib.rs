@@ -22,6 +22,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/colemak-flat"
     "keyboards/dvorak-flat"
     "keyboards/numpad"
+    "keyboards/phone-pad"
     "keyboards/qwerty-arc"
     "keyboards/qwerty-flat"
     "keyboards/qwerty-flat-22"

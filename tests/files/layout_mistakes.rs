@@ -319,7 +319,7 @@ fn structure() -> Vec<Mistake> {
         (
             "an action that is a text",
             key("name: \"hi\", action: \"hi\", at_mm: (0, 0)"),
-            "4:21: expected one of these names, without quotes: Key, Layer, Text, Sequence, Command, Clutch, Precision, NoOp",
+            "4:21: expected one of these names, without quotes: Key, Layer, Text, Multitap, Sequence, Command, Clutch, Precision, NoOp",
         ),
         (
             "no boards",

@@ -4,6 +4,7 @@ mod guide;
 mod layout_errors;
 mod layout_mistakes;
 mod layouts;
+mod multitap;
 mod pictures;
 mod recordings;
 mod schema;

@@ -18,7 +18,11 @@ fn load(setup: Setup) -> LoadedSetup {
 /// Types a text and returns the presses, and the releases with a slash.
 fn type_with(setup: &LoadedSetup, pipeline: &mut Pipeline, text: &str) -> Vec<String> {
     let hand = setup.typist(text, &Hc11Format::default(), 0.0, 0);
-    let mut hand = hand.expect("the layout has all keys");
+    play(hand.expect("the layout has all keys"), pipeline)
+}
+
+/// Plays a hand and returns the presses, and the releases with a slash.
+fn play(mut hand: impl Source, pipeline: &mut Pipeline) -> Vec<String> {
     let mut keys = Vec::new();
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         let mut events = Events::new();
@@ -57,6 +61,24 @@ fn a_suppressed_press_releases_its_modifier() {
     let keys = type_with(&setup, &mut pipeline, "H");
     assert_eq!(keys, ["ShiftLeft", "/ShiftLeft"]);
     assert_eq!(pipeline.suppressed().rate_limited, 1);
+}
+
+#[test]
+fn a_letter_and_the_backspace_that_replaces_the_letter_before_are_one_press() {
+    let setup = load(Setup {
+        layout: "phone-pad".into(),
+        max_presses_per_second: Some(3),
+        ..Setup::default()
+    });
+    let script = "tap 2; wait 100; tap 2; wait 100; tap 2";
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let mut pipeline = setup.pipeline();
+    let keys = play(hand.expect("a script"), &mut pipeline).join(" ");
+    assert_eq!(
+        keys,
+        "A /A Backspace /Backspace B /B Backspace /Backspace C /C"
+    );
+    assert_eq!(pipeline.suppressed().rate_limited, 0);
 }
 
 #[test]

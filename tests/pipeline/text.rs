@@ -3,6 +3,7 @@
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::{EventKind, Events};
+use ademan::document::Document;
 use ademan::pipeline::CommandError;
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::UsTextField;
@@ -221,6 +222,28 @@ fn a_language_or_letters_that_are_missing_leave_keys_as_they_are() {
         assert!(note.contains(message), "{note}");
     }
     assert_eq!(load("es", "qwerty-flat"), (true, None));
+}
+
+#[test]
+fn a_multitap_key_replaces_its_letter_and_takes_no_correction_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("signs.ron");
+    let layout = Document::shipped("qwerty-flat").unwrap().text;
+    let key = "keys: [(action: Multitap(\"Period Comma\"), name: \"signs\", at_mm: (0, 60)),";
+    std::fs::write(&path, layout.replacen("keys: [", key, 1)).unwrap();
+    let setup = Setup {
+        layout: path.display().to_string(),
+        text: Some(TextSetup {
+            mode: TextModeSetup::Auto,
+            ..TextSetup::default()
+        }),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("a layout");
+    let script = "tap T; tap E; tap H; tap signs; tap signs; tap Space";
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let typed = play(&setup, hand.expect("a script"), |_, _, _| {});
+    assert_eq!(typed.text, "the, ");
 }
 
 /// Wrong characters of a text, as the edit distance to what was meant.

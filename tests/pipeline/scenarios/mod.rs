@@ -45,7 +45,8 @@ macro_rules! scenario_files {
 }
 
 scenario_files!(
-    arm, arming, bends, faults, gestures, lines, notes, reloads, sequences, steps, together, waits
+    arm, arming, bends, faults, gestures, lines, multitap, notes, reloads, sequences, steps,
+    together, waits
 );
 
 fn folder() -> PathBuf {

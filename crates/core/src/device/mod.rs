@@ -40,7 +40,8 @@ pub mod pointer;
 
 pub use capabilities::{Capabilities, Capability};
 pub use key_arbiter::{
-    KeyAction, KeyArbiter, Latch, PressSource, Sequence, SequenceId, SequenceStep, TextId,
+    KeyAction, KeyArbiter, Latch, Multitap, MultitapId, Multitaps, PressSource, Sequence,
+    SequenceId, SequenceStep, TextId,
 };
 pub use keycode::{KeyCode, KeyKind};
 

@@ -41,6 +41,7 @@ impl Layout {
         for device in self.devices() {
             device.add_capabilities(&mut capabilities);
         }
+        self.multitaps.add_capabilities(&mut capabilities);
         for sequence in &self.sequences {
             sequence.add_capabilities(&mut capabilities);
         }

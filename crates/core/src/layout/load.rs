@@ -11,7 +11,9 @@ use super::draft::LayoutDraft;
 use super::fit::Fit;
 use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, report_idle_keys};
 use super::model::Layout;
-use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
+use super::quantity::{
+    ChordTimeout, Debounce, MultitapTimeout, Pitch, PressAt, ReleaseAt, Travel, duration,
+};
 use super::schema::{
     AnchorSchema, AutoRecenterSchema, BoardShapeSchema, ContactSchema, GapsSchema, Label,
     OutlineSchema, PoseSchema, PressSchema,
@@ -52,6 +54,9 @@ schema! {
         /// Maximum time between the first and the last key press of a chord.
         #[serde(default)]
         chord_timeout_ms: ChordTimeout,
+        /// Maximum time between two taps of a multitap key that choose one letter.
+        #[serde(default)]
+        multitap_timeout_ms: MultitapTimeout,
         /// Hand postures with an action or value.
         #[serde(borrow, default)]
         triggers: Vec<TriggerSchema<'a>>,
@@ -208,7 +213,8 @@ impl LayoutDraft {
         let mut builder = LayoutBuilder::new(document, schema.name, fit);
         let built = schema.build(&mut builder);
         let chord_timeout = duration(schema.chord_timeout_ms.get());
-        Ok(builder.finish(built, schema.description, chord_timeout))
+        let multitap_timeout = duration(schema.multitap_timeout_ms.get());
+        Ok(builder.finish(built, schema.description, chord_timeout, multitap_timeout))
     }
 }
 

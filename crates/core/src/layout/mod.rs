@@ -27,6 +27,7 @@ mod keys;
 mod load;
 mod mirror;
 mod model;
+mod multitap;
 mod outline;
 mod person;
 mod placement;

@@ -18,7 +18,7 @@ use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::signals::Signals;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::ValueOutput;
-use crate::device::{KeyAction, Sequence, SequenceId, TextId};
+use crate::device::{KeyAction, Multitap, MultitapId, Multitaps, Sequence, SequenceId, TextId};
 use crate::hand::Side;
 
 /// The maximum number of targets of a layout: keys, other controls, triggers, and targets in space.
@@ -64,6 +64,8 @@ pub struct Layout {
     pub texts: Vec<String>,
     /// Sequences that presses start, indexed by [`SequenceId`].
     pub sequences: Vec<Sequence>,
+    /// Letters of multitap keys.
+    pub multitaps: Multitaps,
     /// Key combinations with an action of their own.
     pub chords: Vec<Chord>,
     /// Maximum time between the first and the last key press of a chord.
@@ -377,7 +379,14 @@ impl Layout {
 
     /// Returns the label of a key with this action and without a label of its own.
     pub(super) fn action_label(&self, action: KeyAction) -> &str {
-        action_label(action, &self.layers, &self.texts, &self.sequences)
+        let multitaps = &self.multitaps.keys;
+        action_label(
+            action,
+            &self.layers,
+            &self.texts,
+            &self.sequences,
+            multitaps,
+        )
     }
 
     /// Returns the label of a key while a layer is active, or `None` if the layer does not change the key.
@@ -396,6 +405,7 @@ pub(super) fn action_label<'a>(
     layers: &'a [String],
     texts: &'a [String],
     sequences: &'a [Sequence],
+    multitaps: &'a [Multitap],
 ) -> &'a str {
     let entry = |list: &'a [String], index: usize| list.get(index).map_or("?", String::as_str);
     match action {
@@ -405,6 +415,10 @@ pub(super) fn action_label<'a>(
         KeyAction::Sequence(SequenceId(index)) => {
             let sequence = sequences.get(usize::from(index));
             sequence.map_or("?", |sequence| &sequence.name)
+        }
+        KeyAction::Multitap(MultitapId(index)) => {
+            let multitap = multitaps.get(usize::from(index));
+            multitap.map_or("?", |multitap| &multitap.label)
         }
         KeyAction::Command(command) => command.spec().key_label,
         KeyAction::Clutch => "Clutch",

@@ -32,6 +32,8 @@ ranged_numbers! {
     SequenceWait = "a wait", 1.0 ..= 5000.0, " ms";
     /// Time between the first and the last key press of a chord, in milliseconds.
     ChordTimeout = "a chord timeout", 10.0 ..= 500.0, " ms", or 50.0;
+    /// Time between two taps of a multitap key, in milliseconds.
+    MultitapTimeout = "a multitap timeout", 200.0 ..= 5000.0, " ms", or 800.0;
     /// Pointer motion per finger motion on a touchpad, in pixels per millimetre.
     PixelsPerMm = "a pointer speed", 0.1 ..= 100.0, " px/mm", or 4.0;
     /// Increase of the pointer speed of a touchpad with a fast finger, as a factor.

@@ -242,6 +242,8 @@ schema! {
         Layer(Spanned<'a>),
         /// Types a text of 1 to 32 characters, whatever the receiver's keymap is.
         Text(Spanned<'a>),
+        /// Types the first of 2 to 12 keys or characters; another tap within `multitap_timeout_ms` replaces it by the next one: `Multitap("A B C 2")`.
+        Multitap(Spanned<'a>),
         /// Starts one of the `sequences` of the layout: keys, texts and waits.
         Sequence(Spanned<'a>),
         /// Issues a command to the session, in the words of `ademan ctl`: `Command("nudge 0 0 -10")`.
@@ -262,6 +264,7 @@ impl<'a> Action<'a> {
             Self::Key(name)
             | Self::Layer(name)
             | Self::Text(name)
+            | Self::Multitap(name)
             | Self::Sequence(name)
             | Self::Command(name) => Some(name),
             _ => None,

@@ -12,8 +12,8 @@ use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches
 use crate::device::key_arbiter::SequenceHand;
 use crate::device::signals::Signals;
 use crate::device::{
-    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, Sequence, TimedCommands,
-    VirtualDevice,
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, Multitaps, Sequence,
+    TimedCommands, VirtualDevice,
 };
 use crate::estimate::{BendRanges, FingerBends};
 use crate::hand::{FingerSet, Side};
@@ -85,6 +85,7 @@ impl LayoutInstance {
         Self::new(scene, names, layout.devices())
             .with_texts(layout.texts.clone())
             .with_sequences(layout.sequences.clone())
+            .with_multitaps(layout.multitaps.clone())
             .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
             .with_layout(Arc::new(layout.clone()))
     }
@@ -114,6 +115,15 @@ impl LayoutInstance {
     pub fn with_sequences(self, sequences: Vec<Sequence>) -> Self {
         Self {
             key_arbiter: self.key_arbiter.with_sequences(sequences),
+            ..self
+        }
+    }
+
+    /// Sets the letters of multitap keys.
+    #[must_use]
+    pub fn with_multitaps(self, multitaps: Multitaps) -> Self {
+        Self {
+            key_arbiter: self.key_arbiter.with_multitaps(multitaps),
             ..self
         }
     }
@@ -292,11 +302,17 @@ impl LayoutInstance {
             is_seen: step.estimate.untrusted != FingerSet::ALL,
             press_gap: rules.sequence_gap,
         };
+        self.key_arbiter.watch_multitap(&hand);
         self.key_arbiter.advance_sequence(&hand, events);
         if self.devices.len() > 1 || had_sequence {
             move_releases_first(&mut events[first..]);
         }
         self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Returns the number of presses that replaced letters since the last call; see [`KeyArbiter::take_replacing_presses`].
+    pub(super) fn take_replacing_presses(&mut self) -> usize {
+        self.key_arbiter.take_replacing_presses()
     }
 
     /// Ends the sequence that runs. The next step releases its keys.

@@ -416,8 +416,9 @@ impl Pipeline {
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         let step = (output.pose.time, output.pose.side, &output.presses[..]);
+        let replacing = layout.take_replacing_presses();
         let filter = layout.filter_mut();
-        let added = self.filters.apply(filter, step, first, events);
+        let added = self.filters.apply(filter, step, first, events) + replacing;
         let system_keys = self.gate.suppressed().system_keys;
         let is_within_limit = self.gate.filter(index, first, added, events);
         if self.gate.suppressed().system_keys > system_keys {
@@ -456,6 +457,7 @@ impl Pipeline {
         let layout = &mut self.profiles[self.active_profile].layout;
         let output = &mut self.hands[index].output;
         layout.update_devices(output, rules, &mut Events::new());
+        layout.take_replacing_presses();
         let mut commands = std::mem::take(&mut output.commands).into_iter();
         let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
         if commands.any(|issued| ends_pause(issued.command)) {

@@ -260,6 +260,10 @@ impl PressFilter for TextFilter {
                     _ => self.take_choice(event.time, &mut step),
                 }
                 match event.kind {
+                    EventKind::KeyDown(_) if replaces_letter(&given[index..]) => {
+                        self.leave();
+                        step.push(event);
+                    }
                     EventKind::KeyDown(key) => self.press(key, event, &mut step),
                     EventKind::Character(character) => {
                         self.last_key = event.time;
@@ -392,6 +396,18 @@ impl Step {
         let mut held = self.held.release_order();
         held.any(|key| key.is_modifier() && !is_shift(key))
     }
+}
+
+/// Returns whether events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
+/// that letter and takes no correction back.
+fn replaces_letter(events: &[OutputEvent]) -> bool {
+    let [press, release, letter, ..] = events else {
+        return false;
+    };
+    press.kind == EventKind::KeyDown(KeyCode::BACKSPACE)
+        && release.kind == EventKind::KeyUp(KeyCode::BACKSPACE)
+        && matches!(letter.kind, EventKind::KeyDown(_) | EventKind::Character(_))
+        && [release.time, letter.time] == [press.time; 2]
 }
 
 fn is_shift(key: KeyCode) -> bool {

@@ -27,6 +27,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "lucidgloves-controller"
     "media"
     "mixer"
+    "phone-pad"
     "piano"
     "qwerty-words"
     "rate"

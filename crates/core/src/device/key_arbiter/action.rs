@@ -1,6 +1,6 @@
 //! The actions of key presses.
 
-use super::SequenceId;
+use super::{MultitapId, SequenceId};
 use crate::command::Command;
 use crate::device::{Capability, KeyCode, KeyKind};
 
@@ -17,6 +17,8 @@ pub enum KeyAction {
     Text(TextId),
     /// Starts a sequence, unless one runs.
     Sequence(SequenceId),
+    /// Types a letter, and in place of it the next one if the same key is tapped again.
+    Multitap(MultitapId),
     /// Sends a command to the session, once.
     Command(Command),
     /// Holds the pointer still, so that the hand can move back.
@@ -27,13 +29,15 @@ pub enum KeyAction {
 
 impl KeyAction {
     /// Returns the capability that an output needs for it; `None` if it emits no event. The events of a
-    /// sequence have the capabilities that [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds.
+    /// sequence have the capabilities that [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds, the letters of a
+    /// multitap key the ones of [`Multitaps::add_capabilities`](super::Multitaps::add_capabilities).
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),
             Self::Text(_) => Some(Capability::Text),
             Self::Layer(..)
             | Self::Sequence(_)
+            | Self::Multitap(_)
             | Self::Command(_)
             | Self::Clutch
             | Self::Precision => None,
@@ -44,14 +48,17 @@ impl KeyAction {
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
-            Self::Text(_) | Self::Sequence(_) => true,
+            Self::Text(_) | Self::Sequence(_) | Self::Multitap(_) => true,
             Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => false,
         }
     }
 
     /// Returns whether a press with it ends the sequence that runs: the person types, clicks or holds a modifier again.
     pub(super) const fn ends_sequence(self) -> bool {
-        matches!(self, Self::Key(_) | Self::Modifier(..) | Self::Text(_))
+        matches!(
+            self,
+            Self::Key(_) | Self::Modifier(..) | Self::Text(_) | Self::Multitap(_)
+        )
     }
 }
 

@@ -2,10 +2,12 @@
 
 mod action;
 mod locks;
+mod multitap;
 mod one_shots;
 mod sequence;
 
 pub use self::action::{KeyAction, Latch, TextId};
+pub use self::multitap::{Multitap, MultitapId, Multitaps};
 pub use self::sequence::{
     MAX_SEQUENCE_KEYS, Sequence, SequenceHand, SequenceId, SequenceStep, TIME_PER_CHARACTER,
 };
@@ -13,6 +15,7 @@ pub use self::sequence::{
 use arrayvec::ArrayVec;
 
 use self::locks::Locks;
+use self::multitap::Cycle;
 use self::one_shots::OneShots;
 use self::sequence::RunningSequence;
 use super::{EventKind, Events, KeyCode, OutputEvent};
@@ -40,6 +43,11 @@ pub struct KeyArbiter {
     sequences: Vec<Sequence>,
     /// One at a time.
     running: Option<RunningSequence>,
+    multitaps: Multitaps,
+    /// Until another press, a time-out or a loss.
+    cycle: Option<Cycle>,
+    /// The presses that replaced letters.
+    replacing_presses: usize,
     /// In order of pressing.
     presses: ArrayVec<Press, MAX_PRESSES>,
     one_shots: OneShots,
@@ -157,7 +165,8 @@ impl KeyArbiter {
     /// emitted by the next [`emit_changes`](Self::emit_changes).
     ///
     /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it. A sequence that runs
-    /// ends before the press of a key, button or text, so that its keys and the person's do not mix.
+    /// ends before the press of a key, button or text, so that its keys and the person's do not mix. Any press but the next tap of
+    /// the same multitap key keeps the letter that was chosen last.
     pub fn press(
         &mut self,
         source: PressSource,
@@ -177,14 +186,16 @@ impl KeyArbiter {
         if action.ends_sequence() {
             self.end_sequence(time, events);
         }
+        let cycle = self.cycle.take();
         match action {
+            KeyAction::Multitap(letters)
+                if !self.tap_multitap(letters, source, cycle, time, events) =>
+            {
+                return false;
+            }
             KeyAction::Text(text) if !self.write(text, time, events) => return false,
             KeyAction::Sequence(sequence) if self.running.is_none() => {
-                let side = match source {
-                    PressSource::Touch(side, ..) => Some(side),
-                    PressSource::Part(..) => None,
-                };
-                self.running = Some(RunningSequence::new(sequence, side, time));
+                self.running = Some(RunningSequence::new(sequence, source, time));
             }
             _ => {}
         }
@@ -232,9 +243,10 @@ impl KeyArbiter {
         }
     }
 
-    /// Ends all presses, one-shots, locks and the sequence that runs, and releases all keys.
+    /// Ends all presses, one-shots, locks, the sequence that runs and the choice of a letter, and releases all keys.
     pub fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         self.running = None;
+        self.cycle = None;
         self.presses.clear();
         self.one_shots = OneShots::default();
         self.locks = Locks::default();
@@ -282,9 +294,13 @@ impl KeyArbiter {
 
     fn end(&mut self, matches: impl Fn(PressSource) -> bool, is_tap: bool) {
         let (one_shots, locks) = (&mut self.one_shots, &mut self.locks);
+        let cycle = &mut self.cycle;
         self.presses.retain(|press| {
             if !matches(press.source) {
                 return true;
+            }
+            if !is_tap && matches!(press.action, KeyAction::Multitap(_)) {
+                *cycle = None;
             }
             one_shots.end_press(press, is_tap);
             locks.end_press(press, is_tap);

@@ -9,7 +9,7 @@ use crate::device::KeyCode;
 #[derive(Clone, Debug, Default)]
 pub(super) struct OneShots {
     /// Modifiers armed for the next key.
-    armed: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    pub(super) armed: ArrayVec<KeyCode, MODIFIER_COUNT>,
     /// The layer armed for the next key.
     pub(super) layer: Option<usize>,
     /// Modifiers that are down for one key press.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{KeyArbiter, TextId};
+use super::{KeyArbiter, PressSource, TextId};
 use crate::device::{Capabilities, Capability, Events, KeyCode};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -75,23 +75,51 @@ pub(super) struct RunningSequence {
     next: usize,
     /// The time of the next step.
     due: Timestamp,
-    /// The hand that has started it; of a control that either hand moves, the hand of the next step.
-    side: Option<Side>,
-    was_placed: bool,
+    performer: Performer,
     /// The keys that it holds, in order of pressing.
     pub(super) keys: ArrayVec<KeyCode, MAX_SEQUENCE_KEYS>,
 }
 
 impl RunningSequence {
-    pub(super) fn new(SequenceId(index): SequenceId, side: Option<Side>, time: Timestamp) -> Self {
+    pub(super) fn new(SequenceId(index): SequenceId, source: PressSource, time: Timestamp) -> Self {
         Self {
             index: index.into(),
             next: 0,
             due: time,
-            side,
-            was_placed: false,
+            performer: Performer::new(source),
             keys: ArrayVec::new(),
         }
+    }
+}
+
+/// The hand that has started something that goes on after its press.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Performer {
+    /// Of a control that either hand moves, the hand of the next step.
+    side: Option<Side>,
+    was_placed: bool,
+}
+
+impl Performer {
+    pub(super) fn new(source: PressSource) -> Self {
+        let side = match source {
+            PressSource::Touch(side, ..) => Some(side),
+            PressSource::Part(..) => None,
+        };
+        Self {
+            side,
+            was_placed: false,
+        }
+    }
+
+    /// Returns whether the hand of a step is lost; `None` if it is the other hand.
+    pub(super) fn is_lost(&mut self, hand: &SequenceHand) -> Option<bool> {
+        if *self.side.get_or_insert(hand.side) != hand.side {
+            return None;
+        }
+        let is_lost = !hand.is_seen || self.was_placed && !hand.is_placed;
+        self.was_placed = hand.is_placed;
+        Some(is_lost)
     }
 }
 
@@ -114,14 +142,11 @@ impl KeyArbiter {
         let Some(running) = &mut self.running else {
             return;
         };
-        if *running.side.get_or_insert(hand.side) != hand.side {
-            return;
+        match running.performer.is_lost(hand) {
+            None => return,
+            Some(true) => return self.end_sequence(hand.time, events),
+            Some(false) => {}
         }
-        if !hand.is_seen || running.was_placed && !hand.is_placed {
-            self.end_sequence(hand.time, events);
-            return;
-        }
-        running.was_placed = hand.is_placed;
         if hand.time < running.due {
             return;
         }

@@ -47,7 +47,11 @@ impl PendingPress {
 fn is_active_while_pressed(action: KeyAction) -> bool {
     !matches!(
         action,
-        KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Sequence(_) | KeyAction::Command(_)
+        KeyAction::Key(_)
+            | KeyAction::Text(_)
+            | KeyAction::Multitap(_)
+            | KeyAction::Sequence(_)
+            | KeyAction::Command(_)
     )
 }
 

@@ -2,9 +2,12 @@
 
 use super::LayoutBuilder;
 use crate::command::{Command, InvalidCommand};
-use crate::device::{KeyAction, KeyCode, Latch, Sequence, SequenceId, TextId};
+use crate::device::{
+    KeyAction, KeyCode, Latch, Multitap, MultitapId, Sequence, SequenceId, TextId,
+};
 use crate::document::{DocumentError, Spanned};
 use crate::layout::model::action_label;
+use crate::layout::multitap::build_multitap;
 use crate::layout::schema::{Action, LatchSchema};
 use crate::names::UnknownName;
 
@@ -23,6 +26,7 @@ impl<'a> LayoutBuilder<'a> {
             Action::Key(code) => return self.key_action(code, latch),
             Action::Layer(layer) => return self.layer_action(layer, latch),
             Action::Text(text) => KeyAction::Text(self.text_id(text)?),
+            Action::Multitap(letters) => KeyAction::Multitap(build_multitap(self, letters)?),
             Action::Sequence(name) => KeyAction::Sequence(self.named_sequence(name)?),
             Action::Command(command) => KeyAction::Command(self.command(command)?),
             Action::Clutch => KeyAction::Clutch,
@@ -78,7 +82,8 @@ impl<'a> LayoutBuilder<'a> {
     /// Returns the default label of a key: that of its action, or its name if it has none.
     pub fn default_label(&self, action: Option<KeyAction>, name: &str) -> String {
         let label = action.map_or(name, |action| {
-            action_label(action, &self.layers, &self.texts, &self.sequences)
+            let (sequences, multitaps) = (&self.sequences, &self.multitaps);
+            action_label(action, &self.layers, &self.texts, sequences, multitaps)
         });
         label.to_owned()
     }
@@ -94,6 +99,16 @@ impl<'a> LayoutBuilder<'a> {
             return Err(self.error(name, UnknownName::new("layer", name, names)));
         };
         Ok(KeyAction::Layer(layer, checked_latch(latch)))
+    }
+
+    /// Adds the letters of a multitap key.
+    pub fn add_multitap(&mut self, multitap: Multitap) -> MultitapId {
+        let index = self.multitaps.len();
+        self.multitaps.push(multitap);
+        let index = index
+            .try_into()
+            .expect("a layout has at most 10 000 targets");
+        MultitapId(index)
     }
 
     /// Adds a sequence. Its index fits: a layout has few.

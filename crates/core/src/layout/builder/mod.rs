@@ -25,7 +25,7 @@ use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
 use crate::device::signals::{MidiKind, Signal, Signals};
 use crate::device::trigger::Trigger;
-use crate::device::{Axis, KeyCode, Sequence};
+use crate::device::{Axis, KeyCode, Multitap, Multitaps, Sequence};
 use crate::document::{Document, DocumentError, DocumentFault, Spanned, byte_offset, line_number};
 use crate::hand::{Finger, Side};
 use crate::names::UnknownName;
@@ -42,6 +42,7 @@ pub(super) struct LayoutBuilder<'a> {
     layers: Vec<String>,
     texts: Vec<String>,
     sequences: Vec<Sequence>,
+    multitaps: Vec<Multitap>,
     profiles: Vec<String>,
     chords: Vec<Chord>,
     triggers: Vec<(String, Trigger)>,
@@ -95,6 +96,7 @@ impl<'a> LayoutBuilder<'a> {
             layers: vec![BASE_LAYER.to_owned()],
             texts: Vec::new(),
             sequences: Vec::new(),
+            multitaps: Vec::new(),
             profiles: Vec::new(),
             chords: Vec::new(),
             triggers: Vec::new(),
@@ -175,6 +177,7 @@ impl<'a> LayoutBuilder<'a> {
         built: Result<(), DocumentError>,
         description: Option<Spanned>,
         chord_timeout: Duration,
+        multitap_timeout: Duration,
     ) -> LayoutDraft {
         if let Err(error) = built {
             self.errors.add(error);
@@ -198,6 +201,10 @@ impl<'a> LayoutBuilder<'a> {
             profiles: self.profiles,
             texts: self.texts,
             sequences: self.sequences,
+            multitaps: Multitaps {
+                keys: self.multitaps,
+                timeout: multitap_timeout,
+            },
             chords: self.chords,
             chord_timeout,
             triggers: self.triggers,

@@ -202,9 +202,11 @@ pub(super) fn check_action(
     let latch = match action {
         KeyAction::Modifier(_, latch) | KeyAction::Layer(_, latch) => latch,
         KeyAction::Clutch | KeyAction::Precision => Latch::Momentary,
-        KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Sequence(_) | KeyAction::Command(_) => {
-            return Ok(());
-        }
+        KeyAction::Key(_)
+        | KeyAction::Text(_)
+        | KeyAction::Multitap(_)
+        | KeyAction::Sequence(_)
+        | KeyAction::Command(_) => return Ok(()),
     };
     let what = match activation {
         Activation::OnPress => return Ok(()),

@@ -261,6 +261,7 @@ impl Words<'_> {
             KeyAction::Layer(_, latch) => format!("layer {label}{}", duration(latch)),
             KeyAction::Modifier(_, latch) => format!("{label}{}", duration(latch)),
             KeyAction::Sequence(_) => format!("sequence {label}"),
+            KeyAction::Multitap(_) => format!("one of {}", escape(label)),
             _ => label.to_owned(),
         }
     }
@@ -352,7 +353,9 @@ impl Words<'_> {
                 parts.push(self.action(action));
             }
             Some(action @ KeyAction::Text(_)) => parts.push(types(self.0.action_label(action))),
-            Some(action @ KeyAction::Sequence(_)) => parts.push(self.action(action)),
+            Some(action @ (KeyAction::Sequence(_) | KeyAction::Multitap(_))) => {
+                parts.push(self.action(action))
+            }
             Some(KeyAction::Command(command)) => parts.push(format!("command `{command}`")),
             _ => {}
         }

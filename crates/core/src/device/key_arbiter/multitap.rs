@@ -1,0 +1,347 @@
+//! Multitap keys: taps in a row choose one of several letters.
+
+use std::time::Duration;
+
+use arrayvec::ArrayVec;
+
+use super::sequence::Performer;
+use super::{KeyAction, KeyArbiter, MODIFIER_COUNT, Press, PressSource, SequenceHand};
+use crate::device::{Capabilities, Capability, EventKind, Events, KeyCode};
+use crate::time::Timestamp;
+
+/// The letters of one key.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Multitap {
+    /// The letters as displays write them.
+    pub label: String,
+    /// At least one, in the order of the taps: [`KeyAction::Key`] with a key that types a character, or [`KeyAction::Text`] with one
+    /// character.
+    pub letters: Vec<KeyAction>,
+}
+
+/// The index of a list of letters in the list of the [`KeyArbiter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MultitapId(pub u16);
+
+/// The multitap keys of a layout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Multitaps {
+    /// The letters, indexed by [`MultitapId`].
+    pub keys: Vec<Multitap>,
+    /// The longest time between two taps of the same key that choose one letter.
+    pub timeout: Duration,
+}
+
+impl Multitaps {
+    /// Adds the capabilities that an output needs for the letters, and for the Backspace between them.
+    pub fn add_capabilities(&self, required: &mut Capabilities) {
+        let letters = self.keys.iter().flat_map(|key| &key.letters).copied();
+        let letters = letters.filter_map(KeyAction::required_capability);
+        required.extend(letters);
+        if !self.keys.is_empty() {
+            required.extend([Capability::Key(KeyCode::BACKSPACE)]);
+        }
+    }
+}
+
+/// The letter that the next tap of its key replaces.
+#[derive(Clone, Debug)]
+pub(super) struct Cycle {
+    id: MultitapId,
+    index: usize,
+    source: PressSource,
+    /// The one-shot modifiers of the first tap.
+    one_shots: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    /// The time of the last tap.
+    time: Timestamp,
+    performer: Performer,
+}
+
+/// Returns whether both are presses of the same control, by whichever finger.
+fn is_same_control(source: PressSource, other: PressSource) -> bool {
+    match (source, other) {
+        (PressSource::Touch(.., target), PressSource::Touch(.., other)) => target == other,
+        (source, other) => source == other,
+    }
+}
+
+impl KeyArbiter {
+    /// Sets the letters of multitap keys.
+    #[must_use]
+    pub fn with_multitaps(self, multitaps: Multitaps) -> Self {
+        Self { multitaps, ..self }
+    }
+
+    /// Returns the number of presses since the last call that replaced a letter: a person has not made them.
+    pub fn take_replacing_presses(&mut self) -> usize {
+        std::mem::take(&mut self.replacing_presses)
+    }
+
+    /// Ends the choice of a letter when the hand that has tapped it is lost: the letter stays.
+    pub fn watch_multitap(&mut self, hand: &SequenceHand) {
+        let cycle = self.cycle.as_mut();
+        if cycle.is_some_and(|cycle| cycle.performer.is_lost(hand) == Some(true)) {
+            self.cycle = None;
+        }
+    }
+
+    /// Types the first letter of a key, or in place of the letter of `before` the next one. Returns `false`, and has no effect, if there
+    /// is no room. Everything that it presses besides Shift is released at once, so that no receiver repeats a letter.
+    pub(super) fn tap_multitap(
+        &mut self,
+        id: MultitapId,
+        source: PressSource,
+        before: Option<Cycle>,
+        time: Timestamp,
+        events: &mut Events,
+    ) -> bool {
+        // Shift comes up and goes down, Backspace and the letter are tapped.
+        let room = 2 * MODIFIER_COUNT + 4;
+        if events.remaining_capacity() < room + 2 * (1 + MODIFIER_COUNT) + self.pressed_keys.len() {
+            self.cycle = before;
+            return false;
+        }
+        let before = before.filter(|cycle| {
+            is_same_control(cycle.source, source)
+                && time.since(cycle.time) <= self.multitaps.timeout
+                && self.can_replace(events)
+        });
+        let mut cycle = before.unwrap_or(Cycle {
+            id,
+            index: usize::MAX,
+            source,
+            one_shots: ArrayVec::new(),
+            time,
+            performer: Performer::new(source),
+        });
+        let Some(key) = self.multitaps.keys.get(usize::from(cycle.id.0)) else {
+            return false;
+        };
+        let is_first = cycle.index == usize::MAX;
+        cycle.index = cycle.index.wrapping_add(1) % key.letters.len().max(1);
+        let Some(&letter) = key.letters.get(cycle.index) else {
+            return false;
+        };
+        if !is_first {
+            self.delete_letter(time, events);
+        }
+        let is_typed = match letter {
+            KeyAction::Text(text) => self.write(text, time, events),
+            KeyAction::Key(code) => {
+                if !is_first {
+                    self.one_shots.armed = cycle.one_shots;
+                }
+                let is_typed = self.tap_letter(code, source, time, events);
+                cycle.one_shots = self.one_shots.active.clone();
+                is_typed
+            }
+            _ => false,
+        };
+        cycle.time = time;
+        self.cycle = (is_typed && !self.holds_shortcut()).then_some(cycle);
+        true
+    }
+
+    /// Returns whether a Backspace would delete a letter: no key that changes its meaning is down. A Shift is released for it, which
+    /// must not follow a press of the same step.
+    fn can_replace(&self, events: &Events) -> bool {
+        let mut keys = self.pressed_keys.iter();
+        let has_backspace = keys.any(|key| key.code == KeyCode::BACKSPACE);
+        let mut events = events.iter();
+        !has_backspace
+            && !self.holds_shortcut()
+            && !events.any(|event| matches!(event.kind, EventKind::KeyDown(_)))
+    }
+
+    /// Returns whether a modifier other than Shift is down: a letter is then a shortcut and types nothing.
+    fn holds_shortcut(&self) -> bool {
+        let mut keys = self.pressed_keys.iter();
+        keys.any(|key| key.is_modifier && !is_shift(key.code))
+    }
+
+    /// Taps Backspace without Shift, which the letter behind it presses again.
+    fn delete_letter(&mut self, time: Timestamp, events: &mut Events) {
+        for index in (0..self.pressed_keys.len()).rev() {
+            let code = self.pressed_keys[index].code;
+            if is_shift(code) && self.push_event(time, EventKind::KeyUp(code), events) {
+                self.pressed_keys.remove(index);
+                self.replacing_presses += 1;
+            }
+        }
+        self.push_event(time, EventKind::KeyDown(KeyCode::BACKSPACE), events);
+        self.push_event(time, EventKind::KeyUp(KeyCode::BACKSPACE), events);
+        self.replacing_presses += 1;
+    }
+
+    /// Taps a key with the modifiers that are down, locked or armed. Returns whether it went down: not if a control holds it.
+    fn tap_letter(
+        &mut self,
+        code: KeyCode,
+        source: PressSource,
+        time: Timestamp,
+        events: &mut Events,
+    ) -> bool {
+        let is_down = |arbiter: &Self| arbiter.pressed_keys.iter().any(|key| key.code == code);
+        let was_down = is_down(self);
+        self.apply_one_shots(source);
+        self.presses.push(Press {
+            source,
+            action: KeyAction::Key(code),
+            is_used: false,
+            latches: false,
+        });
+        self.emit_changes(time, events);
+        let is_typed = !was_down && is_down(self);
+        self.presses.pop();
+        self.emit_changes(time, events);
+        is_typed
+    }
+}
+
+fn is_shift(code: KeyCode) -> bool {
+    code == KeyCode::SHIFT_LEFT || code == KeyCode::SHIFT_RIGHT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::TargetId;
+    use crate::device::{OutputEvent, TextId};
+    use crate::hand::{Finger, Side};
+
+    const ABC: KeyAction = KeyAction::Multitap(MultitapId(0));
+
+    fn key(name: &str) -> KeyAction {
+        KeyAction::Key(name.parse().expect("the name of a key"))
+    }
+
+    /// Returns an arbiter with the letters A, ñ and 2, between which taps choose for 800 ms.
+    fn arbiter() -> KeyArbiter {
+        let letters = vec![key("A"), KeyAction::Text(TextId(0)), key("2")];
+        let label = "Añ2".to_owned();
+        KeyArbiter::new(vec!["ñ".to_owned()]).with_multitaps(Multitaps {
+            keys: vec![Multitap { label, letters }],
+            timeout: Duration::from_millis(800),
+        })
+    }
+
+    fn finger(finger: Finger, target: u32) -> PressSource {
+        PressSource::Touch(Side::Right, finger, TargetId(target))
+    }
+
+    /// Taps with a source and returns the events.
+    fn tap(arbiter: &mut KeyArbiter, source: PressSource, action: KeyAction, ms: u64) -> String {
+        let (mut events, time) = (Events::new(), Timestamp(ms * 1_000));
+        assert!(arbiter.press(source, action, time, &mut events));
+        arbiter.emit_changes(time, &mut events);
+        arbiter.release(|other| other == source);
+        arbiter.emit_changes(time, &mut events);
+        words(&events)
+    }
+
+    fn tap_index(arbiter: &mut KeyArbiter, ms: u64) -> String {
+        tap(arbiter, finger(Finger::Index, 0), ABC, ms)
+    }
+
+    fn words(events: &Events) -> String {
+        let words = events.iter().map(|event| match event.kind {
+            EventKind::KeyDown(code) => format!("+{code}"),
+            EventKind::KeyUp(code) => format!("-{code}"),
+            EventKind::Character(character) => character.to_string(),
+            kind => panic!("{kind:?}"),
+        });
+        words.collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn each_tap_within_the_time_out_replaces_the_letter() {
+        let mut arbiter = arbiter();
+        assert_eq!(tap_index(&mut arbiter, 0), "+A -A");
+        assert_eq!(tap_index(&mut arbiter, 800), "+Backspace -Backspace ñ");
+        assert_eq!(
+            tap_index(&mut arbiter, 1_600),
+            "+Backspace -Backspace +2 -2"
+        );
+        assert_eq!(arbiter.take_replacing_presses(), 2);
+        assert_eq!(tap_index(&mut arbiter, 2_401), "+A -A");
+        assert_eq!(arbiter.take_replacing_presses(), 0);
+    }
+
+    #[test]
+    fn another_finger_may_tap_the_same_key_and_another_key_starts_over() {
+        let mut arbiter = arbiter();
+        tap_index(&mut arbiter, 0);
+        let thumb = tap(&mut arbiter, finger(Finger::Thumb, 0), ABC, 100);
+        assert_eq!(thumb, "+Backspace -Backspace ñ");
+        let other = tap(&mut arbiter, finger(Finger::Index, 1), ABC, 200);
+        assert_eq!(other, "+A -A");
+    }
+
+    #[test]
+    fn a_lost_hand_and_a_lost_finger_keep_the_letter() {
+        let hand = |side, is_placed, is_seen| SequenceHand {
+            side,
+            time: Timestamp(0),
+            is_placed,
+            is_seen,
+            press_gap: Duration::ZERO,
+        };
+        for lost in [
+            hand(Side::Right, false, true),
+            hand(Side::Right, true, false),
+        ] {
+            let mut arbiter = arbiter();
+            tap_index(&mut arbiter, 0);
+            arbiter.watch_multitap(&hand(Side::Right, true, true));
+            arbiter.watch_multitap(&hand(Side::Left, false, false));
+            assert_eq!(tap_index(&mut arbiter, 100), "+Backspace -Backspace ñ");
+            arbiter.watch_multitap(&lost);
+            assert_eq!(tap_index(&mut arbiter, 200), "+A -A");
+        }
+        let mut arbiter = arbiter();
+        let source = finger(Finger::Index, 0);
+        assert!(arbiter.press(source, ABC, Timestamp(0), &mut Events::new()));
+        arbiter.cancel(|other| other == source);
+        assert_eq!(tap_index(&mut arbiter, 100), "+A -A");
+    }
+
+    #[test]
+    fn a_hand_without_a_position_is_not_lost() {
+        let mut arbiter = arbiter();
+        tap_index(&mut arbiter, 0);
+        arbiter.watch_multitap(&SequenceHand {
+            side: Side::Right,
+            time: Timestamp(0),
+            is_placed: false,
+            is_seen: true,
+            press_gap: Duration::ZERO,
+        });
+        assert_eq!(tap_index(&mut arbiter, 100), "+Backspace -Backspace ñ");
+    }
+
+    #[test]
+    fn a_tap_without_room_changes_nothing() {
+        let mut arbiter = arbiter();
+        tap_index(&mut arbiter, 0);
+        let kind = EventKind::MoveBy(1, 0);
+        let time = Timestamp(0);
+        let full: Events = (0..160).map(|_| OutputEvent { time, kind }).collect();
+        let mut events = full.clone();
+        let source = finger(Finger::Index, 0);
+        assert!(!arbiter.press(source, ABC, Timestamp(1_000), &mut events));
+        assert_eq!(events, full);
+        assert_eq!(tap_index(&mut arbiter, 100), "+Backspace -Backspace ñ");
+    }
+
+    #[test]
+    fn a_letter_that_a_control_holds_is_neither_typed_nor_deleted() {
+        let mut arbiter = arbiter();
+        let held = PressSource::Part(TargetId(9), 0);
+        let mut events = Events::new();
+        assert!(arbiter.press(held, key("A"), Timestamp(0), &mut events));
+        arbiter.emit_changes(Timestamp(0), &mut events);
+        assert_eq!(words(&events), "+A");
+        assert_eq!(tap_index(&mut arbiter, 100), "");
+        assert_eq!(tap_index(&mut arbiter, 200), "");
+    }
+}
