@@ -81,6 +81,14 @@ fn an_error_of_a_knob_has_its_position() {
             "the knob `K` is endless and cannot have an `initial` value: it counts turns from 0",
         ),
         (
+            knob("endless: true, springs_back: true"),
+            "the knob `K` is endless and cannot spring back",
+        ),
+        (
+            knob("springs_back: true, initial: 0.4, steps: 4"),
+            "the knob `K` springs back to 0.4, which is at none of its 4 steps",
+        ),
+        (
             knob("endless: true, output: Axis(\"LeftX\")"),
             "the knob `K` is endless and cannot output an axis, which has ends",
         ),
@@ -113,6 +121,18 @@ fn an_error_of_a_lever_or_valve_has_its_position() {
         (
             valve("turns: -1"),
             "out of range: a number of turns is 0.25 to 50",
+        ),
+        (
+            valve("twist_gain: 0"),
+            "out of range: a twist gain is 0.1 to 20",
+        ),
+        (
+            valve("springs_back: true, output: Axis(\"Wheel\")"),
+            "the valve `V` springs back to 0, where the axis `Wheel` is not at 0, set `initial: 0.5`",
+        ),
+        (
+            valve("springs_back: true, initial: 0.5, output: Axis(\"Throttle\")"),
+            "the valve `V` springs back to 0.5, where the axis `Throttle` is not at 0, set `initial: 0`",
         ),
     ]);
 }

@@ -64,6 +64,18 @@ fn a_finger_beside_the_rim_keeps_its_grip_and_a_lost_one_leaves_the_value() {
 }
 
 #[test]
+fn a_knob_with_a_spring_returns_to_its_initial_value() {
+    let shuttle = VOLUME.replace(", initial", ", springs_back: true, initial");
+    assert_eq!(
+        simulate(
+            &shuttle,
+            "index Volume 15 0 up; index Volume 15 0 down; index Volume 0 -15 down; index Volume 0 -15 up"
+        ),
+        "value:Volume=0.833 value:Volume=0.500"
+    );
+}
+
+#[test]
 fn a_second_finger_on_the_rim_is_ignored() {
     assert_eq!(
         simulate(

@@ -72,7 +72,7 @@ pub enum EventKind {
     MoveTo(f32, f32),
     /// Rotation of the wheel in 1/120 detents: to the right, up (away from the wearer).
     Scroll(i32, i32),
-    /// Value of a stick, trigger or 6-DoF axis, −1..=1 (triggers 0..=1); 0 at rest.
+    /// Value of an axis of a gamepad or 6-DoF device, −1..=1 (triggers, throttle and brake 0..=1); 0 at rest.
     Axis(Axis, f32),
     /// Depth of a press on a target, as a fraction of its travel, for outputs with analog controls.
     Depth(TargetId, f32),
@@ -120,6 +120,14 @@ named_enum! {
         LeftTrigger = "LeftTrigger",
         /// Right trigger.
         RightTrigger = "RightTrigger",
+        /// Steering wheel, clockwise.
+        Wheel = "Wheel",
+        /// Rudder, to the right.
+        Rudder = "Rudder",
+        /// Throttle.
+        Throttle = "Throttle",
+        /// Brake.
+        Brake = "Brake",
         /// Translation to the right.
         MoveX = "MoveX",
         /// Translation away from the wearer.
@@ -143,7 +151,10 @@ impl Axis {
 
     /// Returns whether its range is 0..=1 instead of −1..=1.
     pub const fn is_trigger(self) -> bool {
-        matches!(self, Self::LeftTrigger | Self::RightTrigger)
+        matches!(
+            self,
+            Self::LeftTrigger | Self::RightTrigger | Self::Throttle | Self::Brake
+        )
     }
 }
 

@@ -34,6 +34,10 @@ pub struct Knob {
     pub steps: Option<u16>,
     /// The value at the start; 0..=1 for a limited range.
     pub initial: f32,
+    /// The value to which it returns when it is released, at which its axis must be 0; `None` if it stays.
+    pub rest: Option<f32>,
+    /// Its rotation per rotation of a hand that pinches it, more than 0.
+    pub twist_gain: f32,
     /// The events for its value.
     pub output: ValueOutput,
 }
@@ -76,9 +80,9 @@ struct RimGrip {
 /// outline and at most 40 mm from its front. If one of these two fingers held the rim, the pinch takes over.
 /// Until the fingers open, the knob follows the rotation of the hand about the knob's normal.
 ///
-/// At its ends a knob stops, and turns back as soon as the hand does. It keeps its value when it is released
-/// or the hand is lost. [`VirtualDevice::release_all`] also keeps the value, but returns the axis to 0 until
-/// the knob is held again.
+/// At its ends a knob stops, and turns back as soon as the hand does. When it is released or the hand is lost, it keeps its
+/// value or returns to rest. [`VirtualDevice::release_all`] does the same, and returns the axis to 0 until the knob is held
+/// again.
 #[derive(Clone, Debug)]
 pub struct Knobs {
     knobs: Vec<(Knob, ValueEmitter)>,
@@ -93,7 +97,8 @@ impl Knobs {
     pub fn new(knobs: Vec<Knob>) -> Self {
         let with_emitter = |knob: Knob| {
             let initial = nearest_step(knob.initial, knob.steps);
-            (knob, ValueEmitter::new(knob.target, knob.output, initial))
+            let emitter = ValueEmitter::new(knob.target, knob.output, initial);
+            (knob, emitter.with_rest(knob.rest.map(|_| initial)))
         };
         Self {
             index: TargetIndex::new(knobs.iter().map(|knob| knob.target)),
@@ -105,7 +110,7 @@ impl Knobs {
     }
 
     fn grab_rim(&mut self, touch: &Touch, out: &mut DeviceOutput) {
-        self.rim_grips.release(touch);
+        self.release_rim(touch, out);
         let Some(index) = self.index.get(touch.target) else {
             return;
         };
@@ -116,6 +121,20 @@ impl Knobs {
         let position = self.outside_dead_center(index, touch.position);
         self.rim_grips
             .grab(touch, index, RimGrip { position, value });
+    }
+
+    fn release_rim(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+        if let Some(grip) = self.rim_grips.release(touch) {
+            self.let_go(grip.control, touch.time, out);
+        }
+    }
+
+    /// Returns a knob that nothing holds to rest, if it has a rest value.
+    fn let_go(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
+        let (_, emitter) = &mut self.knobs[index];
+        if emitter.springs_back() {
+            self.pending_returns.start(index, emitter, time, out);
+        }
     }
 
     fn is_pinched(&self, index: usize) -> bool {
@@ -162,7 +181,8 @@ impl Knobs {
     fn update_pinch(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
         let hand = input.pose.side.index();
         let tips = PinchTips::from_pose(input.pose);
-        self.pinches[hand] = match (self.pinches[hand], tips) {
+        let before = self.pinches[hand];
+        self.pinches[hand] = match (before, tips) {
             (_, None) => PinchState::Closed,
             (_, Some(tips)) if tips.are_open() => PinchState::Open,
             (PinchState::Open, Some(tips)) if tips.are_closed() => {
@@ -171,6 +191,11 @@ impl Knobs {
             (PinchState::Holding(grip), Some(_)) => self.follow_pinch(grip, input, out),
             (state, Some(_)) => state,
         };
+        if let PinchState::Holding(grip) = before
+            && !self.pinches[hand].holds(grip.knob)
+        {
+            self.let_go(grip.knob, input.pose.time, out);
+        }
     }
 
     /// Takes the knob between thumb and index finger when they close.
@@ -206,6 +231,7 @@ impl Knobs {
             return PinchState::Closed;
         };
         let knob = &mut self.knobs[grip.knob];
+        let angle = angle * knob.0.twist_gain;
         turn(knob, &mut grip.value, angle, input.pose.time, out);
         PinchState::Holding(grip)
     }
@@ -241,9 +267,7 @@ impl VirtualDevice for Knobs {
                 Phase::Touched => {}
                 Phase::Pressed => self.grab_rim(touch, out),
                 Phase::Moved => self.follow_rim(touch, out),
-                Phase::Released | Phase::Left | Phase::Cancelled => {
-                    self.rim_grips.release(touch);
-                }
+                Phase::Released | Phase::Left | Phase::Cancelled => self.release_rim(touch, out),
             }
         }
         self.update_pinch(input, out);

@@ -5,9 +5,8 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use parry3d::math::Vec2;
 use serde::Deserialize;
 
-use super::value_output::{ValueOutputSchema, kept_output};
+use super::value_output::{ValueOutputSchema, check_rest, kept_output};
 use super::{ControlModel, Front, Handle, KindSpec};
-use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::knob::{self, Knob};
 use crate::device::value_output::ValueOutput;
@@ -50,9 +49,12 @@ schema! {
         /// Number of steps of the range, or of a turn if it is endless. Default: continuous.
         #[serde(default)]
         steps: Option<Steps>,
-        /// Initial value. Default: 0.
+        /// Initial value, and rest position of the spring. Default: 0.
         #[serde(default)]
         initial: Option<Fraction>,
+        /// The knob returns to `initial` when it is released.
+        #[serde(default)]
+        springs_back: bool,
         /// Output of the value, per turn if it is endless.
         #[serde(borrow, default)]
         output: Option<ValueOutputSchema<'a>>,
@@ -70,6 +72,12 @@ pub(super) struct DialSpec<'s, 'a> {
     pub label: &'s Option<Label>,
     pub at_mm: (Offset, Offset),
     pub diameter_mm: Size,
+    pub range: knob::KnobRange,
+    pub steps: Option<Steps>,
+    pub initial: Option<Fraction>,
+    pub springs_back: bool,
+    pub twist_gain: f32,
+    pub output: ValueOutput,
 }
 
 impl<'a> KnobSchema<'a> {
@@ -89,15 +97,14 @@ impl<'a> KnobSchema<'a> {
             label: &self.label,
             at_mm: self.at_mm,
             diameter_mm: self.diameter_mm,
-        };
-        add_dial(builder, dial, |target, radius| Knob {
-            target,
-            radius,
             range,
-            steps: self.steps.map(|steps| steps.get() as u16),
-            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
+            steps: self.steps,
+            initial: self.initial,
+            springs_back: self.springs_back,
+            twist_gain: 1.0,
             output,
-        })
+        };
+        add_dial(builder, dial)
     }
 
     /// Rejects settings of an endless knob that need a range.
@@ -108,6 +115,7 @@ impl<'a> KnobSchema<'a> {
     ) -> Result<(), DocumentError> {
         let name = self.name.text;
         let what = match (output, self.range_deg, self.initial) {
+            _ if self.springs_back => "spring back",
             (ValueOutput::Axis(_), ..) => "output an axis, which has ends",
             (_, Some(_), _) => "have a `range_deg`",
             (_, _, Some(_)) => "have an `initial` value: it counts turns from 0",
@@ -118,31 +126,59 @@ impl<'a> KnobSchema<'a> {
     }
 }
 
-/// Adds a dial to the current board, and the knob, which gets the radius in metres.
+/// Adds a dial to the current board.
 pub(super) fn add_dial<'a>(
     builder: &mut LayoutBuilder<'a>,
     dial: DialSpec<'_, 'a>,
-    knob: impl FnOnce(TargetId, f32) -> Knob,
 ) -> Result<(), DocumentError> {
+    let steps = dial.steps.map(|steps| steps.get() as u16);
+    let initial = dial.initial.map_or(0.0, |initial| initial.get() as f32);
+    if dial.springs_back {
+        let steps = steps.map(|steps| (steps, "steps"));
+        let rest = ("initial", initial);
+        check_rest(builder, dial.kind, dial.name, rest, steps, dial.output)?;
+    }
     let radius = builder.board().metres(dial.diameter_mm.get()) / 2.0;
     let face = builder.add_face(FaceSpec {
         size: OutlineSchema::Disc(dial.diameter_mm),
         margin: DRAG_MARGIN,
         ..builder.face_spec(dial.kind, dial.name, dial.label, dial.at_mm)
     })?;
-    let target = face.target;
+    let knob = Knob {
+        target: face.target,
+        radius,
+        range: dial.range,
+        steps,
+        initial,
+        rest: dial.springs_back.then_some(initial),
+        twist_gain: dial.twist_gain,
+        output: dial.output,
+    };
     builder.add_control(Control {
         faces: vec![face],
-        kind: ControlKind::Knob(knob(target, radius)),
+        kind: ControlKind::Knob(knob),
     });
     Ok(())
+}
+
+/// The largest number of turns of a dial with a scale. One with more is a wheel.
+const MAX_DIAL_TURNS: f32 = 1.01;
+
+/// Returns the position of the value 0, in turns clockwise from the top. The middle of a dial and the rest of a wheel are at the top.
+fn start_turns(range: f32, rest: Option<f32>) -> f32 {
+    let turns = range / TAU;
+    if turns > MAX_DIAL_TURNS {
+        -rest.unwrap_or(0.0) * turns
+    } else {
+        -turns / 2.0
+    }
 }
 
 impl ControlModel for Knob {
     fn handle(&self) -> Handle {
         let (is_endless, start, turns) = match self.range {
             knob::KnobRange::Endless => (true, 0.0, 1.0),
-            knob::KnobRange::Limited(range) => (false, -range / TAU / 2.0, range / TAU),
+            knob::KnobRange::Limited(range) => (false, start_turns(range, self.rest), range / TAU),
         };
         Handle::Turn {
             radius: self.radius * GRIP,
@@ -163,15 +199,19 @@ impl ControlModel for Knob {
     fn describe(&self, words: &Words) -> Vec<String> {
         let kind = match self.range {
             knob::KnobRange::Endless => "endless knob".to_owned(),
-            knob::KnobRange::Limited(range) if range > TAU * 1.01 => {
+            knob::KnobRange::Limited(range) if range / TAU > MAX_DIAL_TURNS => {
                 let turns = (range / TAU * 100.0).round() / 100.0;
                 format!("valve, {turns} turns")
             }
             knob::KnobRange::Limited(range) => format!("knob, {:.0}°", range.to_degrees()),
         };
         let steps = self.steps.map(|steps| format!(", {steps} steps"));
+        let spring = self.rest.map_or("", |_| ", springs back");
         let output = words.value_output(self.output);
-        vec![format!("{kind}{}{output}", steps.unwrap_or_default())]
+        vec![format!(
+            "{kind}{}{spring}{output}",
+            steps.unwrap_or_default()
+        )]
     }
 
     fn draw(&self, front: &Front, canvas: &mut Canvas) {
@@ -198,11 +238,15 @@ fn draw_knob(knob: &Knob, face: &Face, canvas: &mut Canvas) {
     let radius = face.outline.half_extents().x * 1e3;
     draw_outline("well", &face.outline, 0.0, canvas);
     match knob.range {
-        knob::KnobRange::Limited(range) if range > TAU * 1.01 => {
+        knob::KnobRange::Limited(range) if range / TAU > MAX_DIAL_TURNS => {
             draw_wheel(knob, range, radius, canvas)
         }
         knob::KnobRange::Limited(range) => draw_dial(knob, range, radius, canvas),
         knob::KnobRange::Endless => draw_endless(knob, radius, canvas),
+    }
+    if let (Some(rest), knob::KnobRange::Limited(range)) = (knob.rest, knob.range) {
+        let at = (start_turns(range, knob.rest) + rest * range / TAU) * TAU - FRAC_PI_2;
+        draw_spring(at, radius, canvas);
     }
     let half = Vec2::new(HUB * 0.92, HUB * 0.4) * radius;
     draw_label("label", &face.label, Vec2::ZERO, half, canvas);
@@ -230,7 +274,8 @@ fn draw_endless(knob: &Knob, radius: f32, canvas: &mut Canvas) {
 fn draw_wheel(knob: &Knob, range: f32, radius: f32, canvas: &mut Canvas) {
     canvas.circle("metal", Vec2::ZERO, radius * 0.97);
     canvas.circle("well", Vec2::ZERO, radius * 0.76);
-    let turn = knob.initial.clamp(0.0, 1.0) * range - FRAC_PI_2;
+    let start = start_turns(range, knob.rest) * TAU - FRAC_PI_2;
+    let turn = start + knob.initial.clamp(0.0, 1.0) * range;
     for spoke in 0..SPOKES {
         let angle = turn + (f32::from(spoke) + 0.5) * TAU / f32::from(SPOKES);
         canvas.line("spoke", spoke_ends(angle, radius, [HUB, 0.8]));
@@ -241,6 +286,18 @@ fn draw_wheel(knob: &Knob, range: f32, radius: f32, canvas: &mut Canvas) {
     let half = Vec2::new(HUB * 0.7, HUB * 0.17) * radius;
     let below = Vec2::Y * radius * HUB * 0.62;
     draw_fitted("muted", &format!("{turns} turns"), below, half, 3.0, canvas);
+}
+
+/// Draws arrows along the rim, from both sides towards the position to which a spring returns the mark.
+fn draw_spring(at: f32, radius: f32, canvas: &mut Canvas) {
+    let point = |angle: f32, length: f32| Vec2::from_angle(angle) * radius * length;
+    for side in [-1.0, 1.0] {
+        for distance in [0.2, 0.32] {
+            let wings = [0.84, 0.94].map(|length| point(at + side * (distance + 0.07), length));
+            let tip = point(at + side * distance, 0.89);
+            canvas.polyline("icon", &[wings[0], tip, wings[1]]);
+        }
+    }
 }
 
 fn draw_body(radius: f32, canvas: &mut Canvas) {

@@ -4,9 +4,8 @@ use serde::Deserialize;
 
 use super::KindSpec;
 use super::slider::{TrackSpec, add_track};
-use super::value_output::{ValueOutputSchema, kept_output};
+use super::value_output::{ValueOutputSchema, check_rest, kept_output};
 use crate::device::slider::{GrabMode, Slider, Track};
-use crate::device::value_output::ValueOutput;
 use crate::document::{DocumentError, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
 use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps, Throw};
@@ -65,10 +64,9 @@ impl<'a> LeverSchema<'a> {
         let output = kept_output(builder, self.output)?;
         let detents = self.detents.map(|detents| detents.get() as u16);
         let rest = self.rest.map_or(0.5, |rest| rest.get() as f32);
-        if self.springs_back
-            && let Some(message) = self.rest_conflict(rest, detents, output)
-        {
-            return Err(builder.error(self.name.text, message));
+        if self.springs_back {
+            let steps = detents.map(|detents| (detents, "detents"));
+            check_rest(builder, "lever", self.name, ("rest", rest), steps, output)?;
         }
         let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
         let track = TrackSpec {
@@ -89,33 +87,6 @@ impl<'a> LeverSchema<'a> {
             initial: rest,
             springs_back: self.springs_back,
             output,
-        })
-    }
-
-    /// Returns the message if a spring-loaded lever cannot rest at this value: between detents, or with its axis off 0.
-    fn rest_conflict(
-        &self,
-        rest: f32,
-        detents: Option<u16>,
-        output: ValueOutput,
-    ) -> Option<String> {
-        let name = self.name.text;
-        if let Some(detents) = detents {
-            let detent = rest * f32::from(detents);
-            if (detent - detent.round()).abs() > 1e-3 {
-                return Some(format!(
-                    "the lever `{name}` springs back to {rest}, which is at none of its {detents} detents"
-                ));
-            }
-        }
-        let ValueOutput::Axis(axis) = output else {
-            return None;
-        };
-        let at_zero = if axis.is_trigger() { 0.0 } else { 0.5 };
-        (rest != at_zero).then(|| {
-            format!(
-                "the lever `{name}` springs back to {rest}, where the axis `{axis}` is not at 0, set `rest: {at_zero}`"
-            )
         })
     }
 }

@@ -15,7 +15,7 @@ schema! {
     #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
     #[serde(rename = "Output", deny_unknown_fields)]
     pub(in crate::layout) enum ValueOutputSchema<'a> {
-        /// An axis of a gamepad or 6-DoF device, from -1 to 1; a trigger axis from 0 to 1.
+        /// An axis of a gamepad or 6-DoF device, from -1 to 1; a trigger, throttle or brake from 0 to 1.
         #[serde(borrow)]
         Axis(Spanned<'a>),
         /// Scrolls this number of detents to the right for the full range.
@@ -78,6 +78,35 @@ pub(in crate::layout) fn value_output<'a>(
             steps: steps.get() as u16,
         },
     })
+}
+
+/// Rejects a spring-loaded control that cannot rest at the value of a field: between two of its steps, or with its axis off 0.
+pub(super) fn check_rest(
+    builder: &LayoutBuilder,
+    kind: &str,
+    name: Spanned,
+    (field, rest): (&str, f32),
+    steps: Option<(u16, &str)>,
+    output: ValueOutput,
+) -> Result<(), DocumentError> {
+    let control = format!("the {kind} `{}` springs back to {rest}", name.text);
+    if let Some((steps, unit)) = steps {
+        let step = rest * f32::from(steps);
+        if (step - step.round()).abs() > 1e-3 {
+            let message = format!("{control}, which is at none of its {steps} {unit}");
+            return Err(builder.error(name.text, message));
+        }
+    }
+    let ValueOutput::Axis(axis) = output else {
+        return Ok(());
+    };
+    let at_zero = if axis.is_trigger() { 0.0 } else { 0.5 };
+    if rest == at_zero {
+        return Ok(());
+    }
+    let message =
+        format!("{control}, where the axis `{axis}` is not at 0, set `{field}: {at_zero}`");
+    Err(builder.error(name.text, message))
 }
 
 /// Parses the name of an axis.

@@ -169,7 +169,8 @@ fn gamepad(required: &Capabilities) -> Option<DeviceSpec> {
     Some(gamepad)
 }
 
-/// Returns the kernel's axis with its range, as in the driver `xpad`, which games know.
+/// Returns the kernel's axis with its range. Sticks and triggers are those of the driver `xpad`, which games know; the others
+/// have the kernel's codes for wheels and pedals, which udev's `input_id` takes for a joystick too.
 pub fn axis_range(axis: Axis) -> AxisRange {
     let stick = |code| (code, -STICK_MAX - 1, STICK_MAX);
     let trigger = |code| (code, 0, TRIGGER_MAX);
@@ -180,6 +181,10 @@ pub fn axis_range(axis: Axis) -> AxisRange {
         Axis::RightY => stick(AbsoluteAxisCode::ABS_RY),
         Axis::LeftTrigger => trigger(AbsoluteAxisCode::ABS_Z),
         Axis::RightTrigger => trigger(AbsoluteAxisCode::ABS_RZ),
+        Axis::Wheel => stick(AbsoluteAxisCode::ABS_WHEEL),
+        Axis::Rudder => stick(AbsoluteAxisCode::ABS_RUDDER),
+        Axis::Throttle => trigger(AbsoluteAxisCode::ABS_THROTTLE),
+        Axis::Brake => trigger(AbsoluteAxisCode::ABS_BRAKE),
         // No device declares them.
         Axis::MoveX | Axis::MoveY | Axis::MoveZ | Axis::TurnX | Axis::TurnY | Axis::TurnZ => {
             stick(AbsoluteAxisCode::ABS_MISC)
@@ -215,7 +220,7 @@ mod tests {
 
     #[test]
     fn each_device_has_the_required_capabilities_only() {
-        let table: [(&[Capability], &[&str]); 9] = [
+        let table: [(&[Capability], &[&str]); 10] = [
             (&[], &[]),
             (&[code("Q"), code("ArrowUp")], &["keyboard: 16 103 /  / "]),
             (&[Capability::RelativeMotion], &["mouse: 272 273 / 0 1 / "]),
@@ -246,6 +251,10 @@ mod tests {
                 ],
                 &["gamepad: 304 305 /  / 3 2"],
             ),
+            (
+                &[Capability::Axis(Axis::Wheel), Capability::Axis(Axis::Brake)],
+                &["gamepad: 304 305 /  / 8 10"],
+            ),
             (&[code("PadMode")], &["gamepad: 304 305 316 /  / "]),
         ];
         for (required, devices) in table {
@@ -269,6 +278,10 @@ mod tests {
             stick(4),
             (2, 0, 255),
             (5, 0, 255),
+            stick(8),
+            stick(7),
+            (6, 0, 255),
+            (10, 0, 255),
         ];
         assert_eq!(ranges, expected);
     }

@@ -203,7 +203,7 @@ fn axis_value(axis: Axis, value: f32) -> i32 {
     let value = value.clamp(-1.0, 1.0);
     let (fraction, maximum) = match axis {
         Axis::LeftY | Axis::RightY => (-value, STICK_MAX),
-        Axis::LeftTrigger | Axis::RightTrigger => (value.max(0.0), TRIGGER_MAX),
+        _ if axis.is_trigger() => (value.max(0.0), TRIGGER_MAX),
         _ => (value, STICK_MAX),
     };
     (fraction * maximum as f32).round() as i32
@@ -223,6 +223,10 @@ mod tests {
             (Axis::LeftTrigger, 0.5, 128),
             (Axis::RightTrigger, -1.0, 0),
             (Axis::RightTrigger, 9.0, 255),
+            (Axis::Wheel, -0.5, -16_384),
+            (Axis::Rudder, 1.0, 32_767),
+            (Axis::Throttle, 1.0, 255),
+            (Axis::Brake, -0.5, 0),
             (Axis::LeftX, f32::NAN, 0),
             (Axis::LeftTrigger, f32::NAN, 0),
         ];
