@@ -7,7 +7,7 @@ use super::draft::{Draft, Edited};
 use super::error::EditError;
 use super::part::Part;
 use super::patch::Patch;
-use super::{add, arrange, delete, duplicate, fields, geometry, rename};
+use super::{add, arrange, delete, duplicate, fields, geometry, in_space, rename};
 
 /// An edit of a layout. Lengths in millimetres and angles in degrees of the file.
 ///
@@ -24,6 +24,13 @@ pub enum Edit {
         /// Distances.
         by_mm: [f64; 3],
     },
+    /// Moves parts along the axes of the world: to the right, away from the wearer, and up, whatever their bearings are.
+    MoveInSpace {
+        /// Boards or targets in space.
+        parts: Vec<Part>,
+        /// Distances.
+        by_mm: [f64; 3],
+    },
     /// Changes width and depth. A round part has the width as its diameter.
     Resize {
         /// Keys, controls, rows or targets in space.
@@ -36,6 +43,14 @@ pub enum Edit {
     /// Turns parts about their centers, and boards about their anchors, counter-clockwise.
     Turn {
         /// Keys, sliders, levers, boards or spaces.
+        parts: Vec<Part>,
+        /// Angle.
+        degrees: f64,
+    },
+    /// Turns boards where they are, counter-clockwise as seen from above: a board on arcs about the center of its arcs, any other
+    /// about its (0, 0).
+    TurnInSpace {
+        /// Boards.
         parts: Vec<Part>,
         /// Angle.
         degrees: f64,
@@ -176,12 +191,14 @@ fn changed(
 fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
     match edit {
         Edit::Move { parts, by_mm } => geometry::shift(draft, parts, *by_mm),
+        Edit::MoveInSpace { parts, by_mm } => in_space::shift(draft, parts, *by_mm),
         Edit::Resize {
             parts,
             by_mm,
             fixed,
         } => geometry::resize(draft, parts, *by_mm, *fixed),
         Edit::Turn { parts, degrees } => geometry::turn(draft, parts, *degrees),
+        Edit::TurnInSpace { parts, degrees } => in_space::turn(draft, parts, *degrees),
         Edit::Tilt { parts, degrees } => geometry::tilt(draft, parts, *degrees),
         Edit::Align { parts, edge } => arrange::align(draft, parts, *edge),
         Edit::Distribute { parts, axis } => arrange::distribute(draft, parts, *axis),

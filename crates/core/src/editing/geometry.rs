@@ -476,7 +476,7 @@ fn rotation(draft: &Draft, part: Part) -> Result<f64, EditError> {
 }
 
 /// Returns an angle from −180° to 180°.
-fn wrapped(degrees: f64) -> f64 {
+pub(super) fn wrapped(degrees: f64) -> f64 {
     if (-180.0..=180.0).contains(&degrees) {
         degrees
     } else {

@@ -14,6 +14,7 @@ mod edit;
 mod error;
 mod fields;
 mod geometry;
+mod in_space;
 mod names;
 mod part;
 mod patch;

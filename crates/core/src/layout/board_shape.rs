@@ -102,6 +102,24 @@ impl BoardShape {
         }
     }
 
+    /// Returns the point of the board's frame at row coordinates: the inverse of `unbend` on the board.
+    pub fn bend(self, row_position: Vec2) -> Vec3 {
+        let center = match self {
+            Self::Arc(radius_at_zero) => {
+                let radius = radius_at_zero + row_position.y;
+                let (sin, cos) = (row_position.x / radius).sin_cos();
+                Vec2::new(sin, cos) * radius - Vec2::Y * radius_at_zero
+            }
+            _ => row_position,
+        };
+        let outline = Outline {
+            center,
+            rotation: 0.0,
+            shape: Shape::Disc(0.0),
+        };
+        self.surface_from_tangent(&outline).translation
+    }
+
     /// Returns a point of the board's frame as row coordinates (x, y) and distance in front of the board (z), in metres.
     pub fn unbend(self, point: Vec3) -> Vec3 {
         let unroll = |along: f32, radius: f32| {
@@ -128,4 +146,27 @@ impl BoardShape {
 /// Returns the distance of a point of a cylinder from its tangent plane at (0, 0).
 fn rise(angle: f32, radius: f32) -> f32 {
     radius * (1.0 - angle.cos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn row_coordinates_are_bent_and_unbent() {
+        let shapes = [
+            BoardShape::Flat,
+            BoardShape::Arc(0.06),
+            BoardShape::CurvedRows(0.1),
+            BoardShape::CurvedColumns(0.1),
+        ];
+        for shape in shapes {
+            for at in [Vec2::ZERO, Vec2::new(0.05, 0.02), Vec2::new(-0.08, -0.03)] {
+                let back = shape.unbend(shape.bend(at));
+                assert!(back.distance(at.extend(0.0)) < 1e-6, "{shape:?} {at}: {back}");
+            }
+        }
+        let end = BoardShape::Arc(0.06).bend(Vec2::new(0.06, 0.0));
+        assert!(end.y < -0.02, "the end of a row is nearer to the wearer: {end}");
+    }
 }

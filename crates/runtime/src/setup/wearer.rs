@@ -10,7 +10,7 @@ use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::{Surface, Target};
 use ademan_core::hand::{FingerSet, Side};
 use ademan_core::kinematics::HandPose;
-use ademan_core::layout::{BoardShape, ReachArea, Wearer};
+use ademan_core::layout::{BoardShape, Layout, ReachArea, Wearer};
 
 /// The distance of the area beyond the outermost targets of a board, in metres: inside the panel of the drawing.
 const MARGIN: f32 = 0.004;
@@ -36,12 +36,7 @@ impl LoadedSetup {
     pub fn wearer(&self) -> Wearer {
         let first = self.arm.side();
         let surfaces = self.layout.scene.surfaces();
-        let uses = |side: Side| surfaces.iter().any(|surface| surface.side() == Some(side));
-        let sides = [first, first.opposite()].into_iter();
-        let hands: Vec<(Side, TypingHand)> = sides
-            .filter(|side| *side == first || uses(*side))
-            .map(|side| (side, self.typing_hand(side)))
-            .collect();
+        let hands = self.hands_of(&self.layout);
         let hand_of = |surface: &Surface| {
             let side = surface.side().unwrap_or(first);
             let mut hands = hands.iter();
@@ -62,6 +57,18 @@ impl LoadedSetup {
             faults: Vec::new(),
             hands: poses(&hands),
         }
+    }
+
+    /// Returns the hands that use a layout, at rest: the first hand of the setup, and the other one if a board is reserved for it.
+    pub fn hands_at_rest(&self, layout: &Layout) -> Vec<HandPose> {
+        poses(&self.hands_of(layout))
+    }
+
+    fn hands_of(&self, layout: &Layout) -> Vec<(Side, TypingHand)> {
+        let first = self.arm.side();
+        let sides = [first, first.opposite()].into_iter();
+        let used = sides.filter(|side| *side == first || layout.has_board_for(*side));
+        used.map(|side| (side, self.typing_hand(side))).collect()
     }
 }
 
