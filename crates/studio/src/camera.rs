@@ -12,6 +12,9 @@ const NEAR: f32 = 0.02;
 /// Focal length in heights of the picture.
 const FOCAL: f32 = 1.25;
 
+/// Distance of the eye of a parallel projection from its center, in metres: everything is before it.
+const PARALLEL_DISTANCE: f32 = 10.0;
+
 /// Rotation per pixel of a drag, in radians.
 const ORBIT_SPEED: f32 = 0.008;
 
@@ -97,12 +100,32 @@ pub struct Projection {
     pub eye: Vec3,
     /// Directions to the right, up and backwards.
     pub axes: [Vec3; 3],
-    /// Focal length, in points.
+    /// Focal length in points, or points per metre of a parallel projection.
     focal: f32,
     middle: Vec2,
+    is_parallel: bool,
 }
 
 impl Projection {
+    /// Returns the parallel projection along the last axis with a point in the middle of a picture of this size, at `scale` points per metre.
+    pub fn parallel(axes: [Vec3; 3], center: Vec3, scale: f32, size: Vec2) -> Self {
+        Self {
+            eye: center + axes[2] * PARALLEL_DISTANCE,
+            axes,
+            focal: scale,
+            middle: size / 2.0,
+            is_parallel: true,
+        }
+    }
+
+    /// Returns the direction from a point to the eye; not normalized.
+    pub fn to_eye(&self, point: Vec3) -> Vec3 {
+        match self.is_parallel {
+            true => self.axes[2],
+            false => self.eye - point,
+        }
+    }
+
     /// Returns the position of a point, or `None` behind the eye.
     pub fn project(&self, point: Vec3) -> Option<Projected> {
         let [right, up, back] = self.axes;
@@ -111,7 +134,10 @@ impl Projection {
         if depth < NEAR {
             return None;
         }
-        let scale = self.focal / depth;
+        let scale = match self.is_parallel {
+            true => self.focal,
+            false => self.focal / depth,
+        };
         let position = self.middle + Vec2::new(offset.dot(right), -offset.dot(up)) * scale;
         Some(Projected {
             position,
@@ -124,9 +150,16 @@ impl Projection {
     pub fn ray(&self, position: Vec2) -> Ray {
         let [right, up, back] = self.axes;
         let offset = (position - self.middle) / self.focal;
-        Ray {
-            origin: self.eye,
-            direction: (right * offset.x - up * offset.y - back).normalize(),
+        let aside = right * offset.x - up * offset.y;
+        match self.is_parallel {
+            true => Ray {
+                origin: self.eye + aside,
+                direction: -back,
+            },
+            false => Ray {
+                origin: self.eye,
+                direction: (aside - back).normalize(),
+            },
         }
     }
 }
@@ -224,6 +257,7 @@ impl Camera {
             axes: self.axes(),
             focal: FOCAL * size.y,
             middle: size / 2.0,
+            is_parallel: false,
         }
     }
 
@@ -269,6 +303,23 @@ mod tests {
         let along = (point - ray.origin).dot(ray.direction);
         assert!((ray.origin + ray.direction * along).distance(point) < 1e-5);
         assert!(along > 0.0 && (ray.direction.length() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_parallel_projection_has_one_scale_and_one_direction() {
+        let axes = [Vec3::X, Vec3::NEG_Z, Vec3::Y];
+        let center = Vec3::new(0.1, 0.0, -0.3);
+        let projection = Projection::parallel(axes, center, 2000.0, SIZE);
+        for height in [-0.4, 0.0, 0.7] {
+            let point = center + Vec3::new(0.05, height, -0.02);
+            let seen = projection.project(point).unwrap();
+            let expected = SIZE / 2.0 + Vec2::new(100.0, -40.0);
+            assert!((seen.position - expected).length() < 1e-2, "{seen:?}");
+            assert_eq!((seen.scale, projection.to_eye(point)), (2000.0, Vec3::Y));
+            let ray = projection.ray(seen.position);
+            assert_eq!(ray.direction, Vec3::NEG_Y);
+            assert!((ray.origin - point).cross(Vec3::Y).length() < 1e-5);
+        }
     }
 
     #[test]

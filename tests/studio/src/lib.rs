@@ -20,6 +20,7 @@ mod layouts;
 mod open_layout;
 mod phone_pad;
 mod picture;
+mod plan;
 mod played_hand;
 mod posing_hand;
 mod recording;

@@ -19,11 +19,7 @@ pub(super) fn shift(
                 let space = Part::Space(space);
                 let [right, forward, up] = along_bearing(by_mm, bearing(draft, space)?);
                 let (sin, cos) = tilt(draft, space)?.sin_cos();
-                [
-                    right,
-                    up * sin + forward * cos,
-                    up * cos - forward * sin,
-                ]
+                [right, up * sin + forward * cos, up * cos - forward * sin]
             }
             _ => return Err(unsupported(part, "moved in space", "; move its board")),
         };
@@ -80,11 +76,7 @@ fn tilt(draft: &Draft, part: Part) -> Result<f64, EditError> {
 /// Returns a displacement along the axes of a bearing in radians: to its right, forward, up.
 fn along_bearing([right, forward, up]: [f64; 3], bearing: f64) -> [f64; 3] {
     let (sin, cos) = bearing.sin_cos();
-    [
-        right * cos - forward * sin,
-        right * sin + forward * cos,
-        up,
-    ]
+    [right * cos - forward * sin, right * sin + forward * cos, up]
 }
 
 #[cfg(test)]
@@ -168,7 +160,10 @@ mod tests {
         assert!(before.translation.distance(after.translation) < 2e-5);
         let angle = before.rotation.angle_between(after.rotation);
         assert!((angle.to_degrees() - 20.0).abs() < 1e-2, "{angle}");
-        let arc = text("bearing_deg: 35, height_mm: -45", "shape: Arc(radius_mm: 320),\n    ");
+        let arc = text(
+            "bearing_deg: 35, height_mm: -45",
+            "shape: Arc(radius_mm: 320),\n    ",
+        );
         let expected = arc.replace("bearing_deg: 35", "bearing_deg: 15");
         assert_eq!(edited(&arc, &turn), expected);
     }
@@ -177,7 +172,10 @@ mod tests {
     fn a_key_is_not_moved_in_space() {
         let parts = vec![Part::Row { board: 0, row: 0 }];
         let by_mm = [1.0; 3];
-        let error = edit(&text("forward_mm: 1", ""), &Edit::MoveInSpace { parts, by_mm });
+        let error = edit(
+            &text("forward_mm: 1", ""),
+            &Edit::MoveInSpace { parts, by_mm },
+        );
         let error = error.unwrap_err().to_string();
         assert_eq!(error, "a row cannot be moved in space; move its board");
     }

@@ -163,10 +163,16 @@ mod tests {
         for shape in shapes {
             for at in [Vec2::ZERO, Vec2::new(0.05, 0.02), Vec2::new(-0.08, -0.03)] {
                 let back = shape.unbend(shape.bend(at));
-                assert!(back.distance(at.extend(0.0)) < 1e-6, "{shape:?} {at}: {back}");
+                assert!(
+                    back.distance(at.extend(0.0)) < 1e-6,
+                    "{shape:?} {at}: {back}"
+                );
             }
         }
         let end = BoardShape::Arc(0.06).bend(Vec2::new(0.06, 0.0));
-        assert!(end.y < -0.02, "the end of a row is nearer to the wearer: {end}");
+        assert!(
+            end.y < -0.02,
+            "the end of a row is nearer to the wearer: {end}"
+        );
     }
 }

@@ -90,18 +90,23 @@ impl BoardItems {
 }
 
 fn item(face: &Face, board: &Board, mm_per_metre: f32, can_turn: bool) -> Item {
-    let outline = &face.outline;
-    let rotation = outline.rotation - board.shape.row_rotation(face.row_position);
     Item {
-        shape: ItemShape {
-            center: face.row_position * mm_per_metre,
-            half: outline.half_extents() * mm_per_metre,
-            rotation_deg: rotation.to_degrees(),
-            is_disc: matches!(outline.shape, Shape::Disc(_)),
-        },
+        shape: shape(face, board, mm_per_metre),
         label: face.label.clone(),
         marks: Vec::new(),
         can_turn,
+    }
+}
+
+/// Returns the outline of a front in row coordinates, at a number of millimetres per metre.
+pub(super) fn shape(face: &Face, board: &Board, mm_per_metre: f32) -> ItemShape {
+    let outline = &face.outline;
+    let rotation = outline.rotation - board.shape.row_rotation(face.row_position);
+    ItemShape {
+        center: face.row_position * mm_per_metre,
+        half: outline.half_extents() * mm_per_metre,
+        rotation_deg: rotation.to_degrees(),
+        is_disc: matches!(outline.shape, Shape::Disc(_)),
     }
 }
 

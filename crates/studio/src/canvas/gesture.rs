@@ -123,8 +123,10 @@ pub fn moved(items: &[Item], selected: &Selection, offset: Vec2, snap: SnapSetti
     let Some(bounds) = Bounds::around(shapes.iter().map(|(_, shape)| shape)) else {
         return Preview::default();
     };
-    let is_moved = |index| selected.contains(index);
-    let snapped = snap_move(bounds, offset, items, is_moved, snap);
+    let others = items.iter().enumerate();
+    let others = others.filter(|(index, _)| !selected.contains(*index));
+    let others = others.map(|(_, item)| item.shape.bounds());
+    let snapped = snap_move(bounds, offset, bounds.center(), others, snap);
     for (_, shape) in &mut shapes {
         shape.center += snapped.offset;
     }

@@ -10,6 +10,7 @@ pub mod draw;
 pub mod free;
 pub mod gesture;
 pub mod handles;
+pub mod plan;
 pub mod selection;
 pub mod snap;
 pub mod viewport;

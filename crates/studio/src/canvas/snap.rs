@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec2;
 
-use super::{Bounds, Item};
+use super::Bounds;
 
 /// A line that shows to which edge or center items have snapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,21 +39,20 @@ pub struct Snapped {
     pub guides: Vec<Guide>,
 }
 
-/// Corrects a motion of the items within `moved` so that an edge or center lies on one of another item, or its center on the grid.
-///
-/// `is_moved` names the items that move along and do not attract.
+/// Corrects a motion of what is within `moved` so that an edge or center lies on one of `others`, or the point `on_grid` of it on the
+/// grid.
 pub fn snap_move(
     moved: Bounds,
     offset: Vec2,
-    items: &[Item],
-    is_moved: impl Fn(usize) -> bool,
+    on_grid: Vec2,
+    others: impl Iterator<Item = Bounds>,
     settings: SnapSettings,
 ) -> Snapped {
     let target = Bounds {
         min: moved.min + offset,
         max: moved.max + offset,
     };
-    let near = neighbours(target, items, is_moved, settings.reach_mm);
+    let near = neighbours(target, others, settings.reach_mm);
     let mut snapped = Snapped {
         offset,
         guides: Vec::new(),
@@ -65,7 +64,10 @@ pub fn snap_move(
                 snapped.offset[axis] += shift;
                 snapped.guides.push(guide(target, other, axis, line));
             }
-            None => snapped.offset[axis] += grid_shift(target.center()[axis], settings.grid_mm),
+            None => {
+                let place = on_grid[axis] + offset[axis];
+                snapped.offset[axis] += grid_shift(place, settings.grid_mm);
+            }
         }
     }
     snapped
@@ -86,12 +88,7 @@ fn grid_shift(value: f32, grid_mm: f32) -> f32 {
 /// Distance up to which items are neighbours, in sizes of what moves: others on a full board would attract everywhere.
 const NEIGHBOURHOOD: f32 = 2.5;
 
-fn neighbours(
-    target: Bounds,
-    items: &[Item],
-    is_moved: impl Fn(usize) -> bool,
-    reach_mm: f32,
-) -> Vec<Bounds> {
+fn neighbours(target: Bounds, others: impl Iterator<Item = Bounds>, reach_mm: f32) -> Vec<Bounds> {
     if reach_mm <= 0.0 {
         return Vec::new();
     }
@@ -100,10 +97,7 @@ fn neighbours(
         min: target.min - margin,
         max: target.max + margin,
     };
-    let others = items.iter().enumerate();
-    let others = others.filter(|(index, _)| !is_moved(*index));
-    let bounds = others.map(|(_, item)| item.shape.bounds());
-    bounds.filter(|bounds| bounds.touches(around)).collect()
+    others.filter(|bounds| bounds.touches(around)).collect()
 }
 
 /// Returns the smallest correction along an axis, the line it leads to, and the item that attracts.
@@ -161,7 +155,8 @@ mod tests {
     fn moved(offset: Vec2, settings: SnapSettings) -> Snapped {
         let items = [square(0.0, 0.0), square(50.0, 0.3)];
         let bounds = items[0].shape.bounds();
-        snap_move(bounds, offset, &items, |index| index == 0, settings)
+        let others = items[1..].iter().map(|item| item.shape.bounds());
+        snap_move(bounds, offset, bounds.center(), others, settings)
     }
 
     #[test]

@@ -65,7 +65,10 @@ pub(super) fn of_draft(
             line: Some(before.matches('\n').count() + 1),
             column: None,
             range,
-            part: part_of(parts, second),
+            // The remedy is about the board, not the control.
+            part: part_of(parts, second)
+                .and_then(Part::board)
+                .map(Part::Board),
         });
     }
     problems

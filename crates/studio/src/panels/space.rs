@@ -246,6 +246,11 @@ fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
 /// Paints a picture on a background.
 pub fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
     painter.rect_filled(area, 0.0, color32(background));
+    paint_over(painter, area, picture);
+}
+
+/// Paints a picture over what is there.
+pub fn paint_over(painter: &egui::Painter, area: Rect, picture: &Picture) {
     painter.add(mesh(&picture.below, area));
     painter.add(label_mesh(painter, area, &picture.labels));
     if let Some(image) = &picture.skin {

@@ -8,7 +8,7 @@ use crate::model::StudioModel;
 use crate::picture::{Color, Label, convex_hull, with_known_signs};
 use ademan_core::contact::TargetId;
 use ademan_core::contact::surface::{Shape, Surface, Target};
-use ademan_core::layout::FrontMark;
+use ademan_core::layout::{FrontMark, Layout};
 
 /// The lowest key, in metres: a key with less travel would look like a drawing.
 const MIN_KEY_HEIGHT: f32 = 0.004;
@@ -40,17 +40,49 @@ const DISC_STEPS: usize = 16;
 /// Signs of the corners of a box, in the order of its outline.
 const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
 
+/// The state of a control that is seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FrontState {
+    /// It is pressed or selected.
+    is_lit: bool,
+    /// Depth of its front, as a fraction of its travel.
+    depth: f32,
+    /// The value of its handle; `None` for the one of a picture of the layout.
+    value: Option<f32>,
+}
+
 /// Adds a board, if its pose is known.
 pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) {
     let Some(world_from_board) = model.world_from_board(index) else {
         return;
     };
-    let surface = &model.view.layout.scene.surfaces()[index];
-    add_plate(canvas, &world_from_board, surface);
+    let layout = &model.view.layout;
+    add_plate(canvas, &world_from_board, &layout.scene.surfaces()[index]);
+    let state = |id: TargetId| {
+        let contact = model.contact_with(id);
+        FrontState {
+            is_lit: contact.is_some_and(|contact| contact.is_pressed)
+                || model.view.state.selected.contains(&id),
+            depth: contact.map_or(0.0, |contact| contact.depth),
+            value: model.values.get(&id).copied(),
+        }
+    };
+    add_controls(canvas, layout, index, &world_from_board, state);
+}
+
+/// Adds the keys and controls of a board, from the farthest to the nearest.
+pub(super) fn add_controls(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    index: usize,
+    world_from_board: &Pose,
+    state: impl Fn(TargetId) -> FrontState,
+) {
+    let surface = &layout.scene.surfaces()[index];
     let mut keys: Vec<_> = surface
         .targets()
         .filter_map(|(id, target)| {
-            let world_from_target = world_from_board * target.surface_from_target;
+            let world_from_target = *world_from_board * target.surface_from_target;
             let center = canvas.project(world_from_target.translation)?;
             let radius = half_extents(target).length() * 2.0 * center.scale;
             let is_seen = canvas.is_seen(center.position, radius);
@@ -59,7 +91,7 @@ pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) 
         .collect();
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (_, id, target, world_from_target) in keys {
-        add_key(canvas, model, id, target, &world_from_target);
+        add_key(canvas, layout, (id, target), &world_from_target, state(id));
     }
 }
 
@@ -93,11 +125,15 @@ fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, surface: &Surface) {
     }
 }
 
-fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Target, pose: &Pose) {
-    let contact = model.contact_with(id);
-    let is_lit = contact.is_some_and(|contact| contact.is_pressed)
-        || model.view.state.selected.contains(&id);
-    let depth = contact.map_or(0.0, |contact| contact.depth * target.travel);
+fn add_key(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    (id, target): (TargetId, &Target),
+    pose: &Pose,
+    state: FrontState,
+) {
+    let is_lit = state.is_lit;
+    let depth = state.depth * target.travel;
     let center = *pose * Vec3::new(0.0, 0.0, -depth);
     let Some(projected) = canvas.project(center) else {
         return;
@@ -107,7 +143,7 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         true => (colors.lit, colors.lit_side, colors.lit_label),
         false => (colors.key, colors.key_side, colors.label),
     };
-    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.eye - center) <= 0.0;
+    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.to_eye(center)) <= 0.0;
     if 2.0 * half_extents(target).min_element() * projected.scale < MIN_DETAIL_PT {
         if !is_turned_away {
             add_small_key(
@@ -138,11 +174,10 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    let value = model.values.get(&id).copied();
-    if let Some(marks) = model.view.layout.front_marks(id, value) {
+    if let Some(marks) = layout.front_marks(id, state.value) {
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);
-    } else if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
+    } else if let Some(text) = layout.face(id).map(|face| &face.label) {
         add_label(
             canvas,
             text,
@@ -227,7 +262,7 @@ fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, fro
 }
 
 /// Returns the corners of the box around a front, on the surface.
-pub(super) fn corners(target: &Target) -> [Vec3; 4] {
+pub(crate) fn corners(target: &Target) -> [Vec3; 4] {
     corners_with_margin(target, 0.0)
 }
 

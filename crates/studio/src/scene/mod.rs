@@ -5,6 +5,7 @@ mod colors;
 mod fingertips;
 mod hand;
 mod limbs;
+mod plan;
 mod raster;
 mod reach;
 mod shapes;
@@ -14,12 +15,15 @@ mod spaces;
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use self::boards::add_board;
+pub(crate) use self::boards::corners as front_corners;
 pub use self::colors::SceneColors;
 use self::fingertips::{add_rings, add_trail};
 use self::hand::{add_bones, add_hand};
+pub use self::plan::{PlanScene, draw_plan};
 use self::raster::Mesh;
 use self::reach::add_reach;
 use self::shapes::{add_limbs, add_shapes};
+pub(crate) use self::spaces::volume_corners;
 use self::spaces::{add_pointer, add_spaces};
 use super::camera::{Camera, Projected, Projection};
 use super::model::StudioModel;
@@ -57,7 +61,7 @@ impl Default for SceneOptions {
     }
 }
 
-/// The view of a camera and the picture that it draws.
+/// A projection and the picture that is drawn with it.
 struct Canvas<'a> {
     projection: Projection,
     size: Vec2,
@@ -68,9 +72,9 @@ struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    fn new(camera: &Camera, size: Vec2, colors: &'a SceneColors) -> Self {
+    fn new(projection: Projection, size: Vec2, colors: &'a SceneColors) -> Self {
         Self {
-            projection: camera.projection(size),
+            projection,
             size,
             colors,
             skin: Mesh::default(),
@@ -102,7 +106,7 @@ pub fn draw(
     colors: &SceneColors,
     options: SceneOptions,
 ) -> Picture {
-    let mut canvas = Canvas::new(camera, size, colors);
+    let mut canvas = Canvas::new(camera.projection(size), size, colors);
     for pose in model.poses.iter().flatten().filter(|_| options.reach) {
         add_reach(&mut canvas, pose);
     }
@@ -135,7 +139,7 @@ pub fn draw(
 
 /// Draws a hand without boards on a picture of this size, in points.
 pub fn draw_hand(pose: &HandPose, camera: &Camera, size: Vec2, colors: &SceneColors) -> Picture {
-    let mut canvas = Canvas::new(camera, size, colors);
+    let mut canvas = Canvas::new(camera.projection(size), size, colors);
     add_hand(&mut canvas, pose, SceneOptions::default());
     canvas.finish(1.0)
 }

@@ -49,7 +49,9 @@ pub(super) fn add_reach(canvas: &mut Canvas, pose: &HandPose) {
         let direction = direction(column, row);
         let point = elbow + direction * radius;
         let projected = canvas.project(point)?;
-        let facing = (canvas.projection.eye - point)
+        let facing = canvas
+            .projection
+            .to_eye(point)
             .normalize_or_zero()
             .dot(direction)
             .abs();

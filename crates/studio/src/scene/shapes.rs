@@ -70,7 +70,7 @@ fn add_mesh(canvas: &mut Canvas, mesh: &TriangleMesh, vertices: &[Vec3]) {
     for corners in &mesh.triangles {
         let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        let to_eye = canvas.projection.eye - a;
+        let to_eye = canvas.projection.to_eye(a);
         let normal = normal * normal.dot(to_eye).signum();
         let lit = [a, b, c].map(|point| skin::corner(canvas, point, normal, colors, 1.0));
         if let [Some(a), Some(b), Some(c)] = lit {

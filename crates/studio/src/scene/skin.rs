@@ -105,7 +105,7 @@ pub(super) fn corner(
     let projected = canvas.project(point)?;
     let [right, up, back] = canvas.projection.axes;
     let light = right * LIGHT.x + up * LIGHT.y + back * LIGHT.z;
-    let to_eye = (canvas.projection.eye - point).normalize_or_zero();
+    let to_eye = canvas.projection.to_eye(point).normalize_or_zero();
     let facing = normal.dot(to_eye);
     // Skin is lit from behind the edge of a shadow too.
     let lit = (0.5 + 0.5 * normal.dot(light.normalize_or_zero())).powf(1.6);

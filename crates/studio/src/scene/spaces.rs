@@ -90,7 +90,7 @@ pub(super) fn add_spaces(canvas: &mut Canvas, model: &StudioModel) {
     }
 }
 
-fn add_volume(canvas: &mut Canvas, frame: &Pose, volume: &Volume, is_selected: bool) {
+pub(super) fn add_volume(canvas: &mut Canvas, frame: &Pose, volume: &Volume, is_selected: bool) {
     let color = match is_selected {
         true => canvas.colors.lit.with_opacity(SELECTED_OPACITY),
         false => canvas.colors.ring.with_opacity(VOLUME_OPACITY),
@@ -127,7 +127,7 @@ fn add_box(canvas: &mut Canvas, corners: &[Vec3; 8], color: Color) {
 }
 
 /// Adds the name of a target, towards the eye.
-fn add_name(canvas: &mut Canvas, center: Vec3, volume: &Volume, name: &str) {
+pub(super) fn add_name(canvas: &mut Canvas, center: Vec3, volume: &Volume, name: &str) {
     let Some(center) = canvas.project(center) else {
         return;
     };
@@ -239,6 +239,11 @@ fn half_extents(volume: &Volume) -> Vec3 {
         VolumeShape::Ball(radius) => Vec3::splat(radius),
         VolumeShape::Box(half) => half,
     }
+}
+
+/// Returns the corners of the box around a volume, from its center.
+pub(crate) fn volume_corners(volume: &Volume) -> [Vec3; 8] {
+    corners(half_extents(volume))
 }
 
 /// Returns the corners of a box around the origin; bit `i` of an index is the side on axis `i`.

@@ -471,6 +471,13 @@ editor-export = Write a picture (SVG)
 editor-exported = The picture is written beside the layout
 editor-export-exists = the picture exists and is not overwritten; move it away
 
+# Layout editor: all boards
+editor-plan = All boards
+editor-plan-tab-hint = All boards and targets in space where they are, with the hand at rest
+editor-plan-canvas = Plan of all boards
+editor-plan-hint = drag: move (Alt: freely) · round handles: turn, tilt, bend · double click: open a board · right drag: pan · scroll: zoom
+editor-view-front = From the front
+
 ## First start
 
 first-title = Ademán Studio: first start

@@ -471,6 +471,13 @@ editor-export = Escribir una imagen (SVG)
 editor-exported = La imagen está escrita junto a la distribución
 editor-export-exists = la imagen existe y no se sobrescribe; muévala a otro sitio
 
+# Editor de distribuciones: todos los tableros
+editor-plan = Todos los tableros
+editor-plan-tab-hint = Todos los tableros y objetivos en el espacio donde están, con la mano en reposo
+editor-plan-canvas = Plano de todos los tableros
+editor-plan-hint = arrastrar: mover (Alt: libre) · asas redondas: girar, inclinar, curvar · doble clic: abrir un tablero · botón derecho: desplazar · rueda: zoom
+editor-view-front = De frente
+
 ## First start
 
 first-title = Ademán Studio: primer inicio

@@ -3,7 +3,7 @@
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{self, PopupCloseBehavior};
 
-use super::{EditorPanel, icons};
+use super::{EditorPanel, icons, plan};
 use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
 use crate::texts::{Language, language, text, text_with};
 
@@ -39,7 +39,18 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         show_snapping(ui, panel);
         show_trial(ui, panel);
     });
-    ui.horizontal_wrapped(|ui| show_boards(ui, panel));
+    ui.horizontal_wrapped(|ui| {
+        let is_open = panel.plan.is_open;
+        let tab = ui.selectable_label(is_open, text("editor-plan"));
+        if tab.on_hover_text(text("editor-plan-tab-hint")).clicked() && !is_open {
+            panel.open_plan();
+        }
+        if is_open {
+            plan::show_views(ui, panel);
+        }
+        ui.separator();
+        show_boards(ui, panel, !panel.plan.is_open);
+    });
     ui.add_space(2.0);
 }
 
@@ -192,7 +203,7 @@ fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
-        panel.viewport = None;
+        panel.show_all();
     }
 }
 
@@ -209,13 +220,13 @@ fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-/// Shows a tab for each board, and the result of the last operation.
-pub fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+/// Shows a tab for each board, and the result of the last operation. `is_shown`: one of them is on the canvas.
+pub fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel, is_shown: bool) {
     for board in 0..panel.editor.count("boards") {
         let name = text_with("editor-board", &[("number", (board + 1).into())]);
-        let tab = ui.selectable_label(panel.board == board, name);
+        let tab = ui.selectable_label(is_shown && panel.board == board, name);
         if tab.clicked() {
-            panel.show_board(board);
+            panel.leave_plan(board);
         }
     }
     // One line, so that a message does not move the board.

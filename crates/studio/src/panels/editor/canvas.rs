@@ -71,7 +71,7 @@ fn name_for_readers(panel: &EditorPanel, response: &egui::Response) {
 }
 
 /// Keeps the arrow keys from moving the focus away from the canvas.
-fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
+pub(super) fn keep_arrow_keys(ui: &egui::Ui, response: &egui::Response) {
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }

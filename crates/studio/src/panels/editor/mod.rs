@@ -13,6 +13,7 @@ mod new_parts;
 mod open;
 mod outside;
 mod palette;
+mod plan;
 mod problems;
 mod several;
 mod shortcuts;
@@ -49,6 +50,7 @@ use self::open::OpenQuestion;
 pub(super) use self::outside::guard_close;
 use self::outside::{SaveAs, SaveQuestion};
 use self::palette::Palette;
+use self::plan::PlanPanel;
 
 /// The editor between two pictures.
 pub struct EditorPanel {
@@ -70,6 +72,8 @@ pub struct EditorPanel {
     selected: Selection,
     gesture: Option<Gesture>,
     preview: Preview,
+    /// All boards, in place of one.
+    plan: PlanPanel,
     /// Radius that a drag of the bend would give, in millimetres.
     dragged_radius: Option<f32>,
     /// Edges and centers of other items and the grid attract.
@@ -124,6 +128,7 @@ impl EditorPanel {
 
     fn new(editor: LayoutEditor) -> Self {
         Self {
+            plan: PlanPanel::new(editor.count("boards"), editor.count("spaces")),
             editor,
             board: 0,
             canvas_size: None,
@@ -248,15 +253,31 @@ impl EditorPanel {
         self.message = None;
     }
 
-    /// Selects everything on the board.
+    /// Selects everything on the board or the plan.
     fn select_all(&mut self) {
+        if self.plan.is_open {
+            self.select_all_in_plan();
+            return;
+        }
         let count = self.items.items.len();
         self.selected.set(0..count);
         self.select_items_in_editor();
     }
 
+    /// Shows the whole board, or all of the plan.
+    fn show_all(&mut self) {
+        match self.plan.is_open {
+            true => self.show_all_in_plan(),
+            false => self.viewport = None,
+        }
+    }
+
     /// Shows the selected items as large as they fit, or the whole board without any.
     fn zoom_to_selection(&mut self) {
+        if self.plan.is_open {
+            self.zoom_to_selection_in_plan();
+            return;
+        }
         let shapes = self.selected.shapes(&self.items.items);
         let bounds = Bounds::around(shapes.iter().map(|(_, shape)| shape));
         self.viewport = match (bounds, self.canvas_size) {
@@ -290,10 +311,11 @@ impl EditorPanel {
         parts.filter_map(|index| *self.parts.get(index)?).collect()
     }
 
-    /// Shows a part: its board, and its item selected.
+    /// Shows a part: its board, and its item selected. A board itself is shown on the plan while that is open.
     fn show_part(&mut self, part: Part) {
-        if let Some(board) = part.board() {
-            self.show_board(board);
+        let is_on_plan = self.plan.is_open && matches!(part, Part::Board(_));
+        if let Some(board) = part.board().filter(|_| !is_on_plan) {
+            self.leave_plan(board);
         }
         self.editor.select([part]);
         self.update_items();
@@ -312,6 +334,10 @@ impl EditorPanel {
     }
 
     fn move_selected(&mut self, by: Vec2) {
+        if self.plan.is_open {
+            self.move_in_plan(by);
+            return;
+        }
         let parts = self.selected_parts();
         if !parts.is_empty() {
             self.apply(&Edit::Move {
@@ -388,5 +414,8 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
     let frame = egui::Frame::NONE;
     egui::CentralPanel::default()
         .frame(frame)
-        .show(ui, |ui| canvas::show(ui, panel, context));
+        .show(ui, |ui| match panel.plan.is_open {
+            true => plan::show(ui, panel, context),
+            false => canvas::show(ui, panel, context),
+        });
 }

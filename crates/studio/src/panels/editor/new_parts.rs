@@ -43,6 +43,7 @@ impl EditorPanel {
 
     /// Adds a control to the board, in free room near the middle of the canvas.
     pub(super) fn add_control(&mut self, kind: ControlKind) {
+        self.leave_plan_for_control();
         let center = self.viewport.map_or(Vec2::ZERO, |viewport| viewport.center);
         let center = center.to_array().map(|mm| f64::from(mm.round()));
         let board = self.board;
@@ -84,6 +85,10 @@ impl EditorPanel {
 
     /// Copies what is selected; the copies are selected then, in free room near it.
     pub(super) fn duplicate(&mut self) {
+        if self.plan.is_open {
+            self.duplicate_in_plan();
+            return;
+        }
         let parts = self.editor.selection().to_vec();
         if !parts.is_empty() {
             self.apply_where_free(None, |by_mm| Edit::Duplicate {
@@ -111,6 +116,7 @@ impl EditorPanel {
 
     /// Adds controls of the clipboard, in free room near the middle of the canvas.
     pub(super) fn paste(&mut self, text: String) {
+        self.leave_plan_for_control();
         let center = self.viewport.map(|viewport| viewport.center);
         let board = self.board;
         self.apply_where_free(center, |by_mm| Edit::Paste {

@@ -71,7 +71,8 @@ fn commands() -> Vec<Command> {
         command("editor-duplicate", "Ctrl-D", |panel, _| panel.duplicate()),
         command("editor-delete", "Delete", |panel, _| panel.delete()),
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
-        command("editor-fit", "", |panel, _| panel.viewport = None),
+        command("editor-fit", "", |panel, _| panel.show_all()),
+        command("editor-plan", "", |panel, _| panel.open_plan()),
         command("editor-zoom-selection", "F", |panel, _| {
             panel.zoom_to_selection();
         }),

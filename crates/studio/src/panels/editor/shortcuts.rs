@@ -20,6 +20,13 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if ui.ctx().text_edit_focused() {
         return;
     }
+    if panel.can_escape() && pressed(Modifiers::NONE, Key::Escape) {
+        panel.escape();
+    }
+    if panel.plan.is_dragging() {
+        // Its edit is the last one until it ends.
+        return;
+    }
     if pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z) || pressed(Modifiers::COMMAND, Key::Y)
     {
         panel.redo();
@@ -40,15 +47,15 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         panel.zoom_to_selection();
     }
     handle_clipboard(ui, panel);
-    if panel.selected.is_empty() {
+    let has_selection = match panel.plan.is_open {
+        true => !panel.editor.selection().is_empty(),
+        false => !panel.selected.is_empty(),
+    };
+    if !has_selection {
         return;
     }
     if pressed(Modifiers::NONE, Key::Delete) {
         panel.delete();
-    }
-    if pressed(Modifiers::NONE, Key::Escape) {
-        panel.selected.clear();
-        panel.select_items_in_editor();
     }
     let arrows = [
         (Key::ArrowLeft, Vec2::NEG_X),

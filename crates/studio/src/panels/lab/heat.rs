@@ -17,7 +17,7 @@ pub(super) fn show(
     ui.horizontal_wrapped(|ui| {
         ui.add_space(6.0);
         ui.strong(editor.editor.name().to_owned());
-        show_boards(ui, editor);
+        show_boards(ui, editor, true);
     });
     let heats = match &state.shown {
         // The controls of another text are others.

@@ -1,0 +1,440 @@
+//! The plan of the layout editor: all boards and targets in space where they are, with mouse, keyboard and painting.
+
+use eframe::egui::{self, PointerButton, Sense};
+use parry3d::math::Vec2;
+
+use super::super::{PanelContext, space};
+use super::{EditorPanel, canvas};
+use crate::canvas::draw::{self, CanvasScene};
+use crate::canvas::gesture::Preview;
+use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
+use crate::canvas::plan::{Plan, PlanView, at_start, handles};
+use crate::canvas::selection::Selection;
+use crate::canvas::snap::SnapSettings;
+use crate::canvas::viewport::Viewport;
+use crate::editor::{Edit, Part};
+use crate::scene::{PlanScene, SceneColors, draw_plan};
+use crate::texts::{text, text_with};
+use ademan_core::kinematics::HandPose;
+
+/// Distance at which edges attract, in points.
+const SNAP_REACH: f32 = 6.0;
+
+/// Distance beside an item at which it is hit, in points.
+const HIT_REACH: f32 = 5.0;
+
+/// Distance between a board and its copy, in millimetres.
+const COPY_GAP_MM: f32 = 20.0;
+
+/// The plan between two pictures.
+#[derive(Default)]
+pub(super) struct PlanPanel {
+    /// It is shown in place of one board.
+    pub is_open: bool,
+    /// The board that is shown was opened from the plan: Escape leads back.
+    is_left: bool,
+    pub view: PlanView,
+    /// The part of the plan that each view shows; `None` until its next picture, which shows everything.
+    viewports: [Option<Viewport>; PlanView::ALL.len()],
+    plan: Plan,
+    /// The hands at rest for the plan.
+    hands: Vec<HandPose>,
+    /// Revision of the text of the plan.
+    shown: Option<u64>,
+    drag: Option<PlanDrag>,
+    /// Size of the canvas in the last picture, in points.
+    size: Vec2,
+    /// Guides and rubber band of the drag.
+    preview: Preview,
+}
+
+/// A drag of the mouse.
+struct PlanDrag {
+    gesture: PlanGesture,
+    /// The edit of the drag so far, which is the last one of the history.
+    edit: Option<Edit>,
+    /// Revision of the text after it. With another one the last edit is not that of the drag.
+    revision: u64,
+}
+
+impl PlanPanel {
+    /// Creates the panel, open for a layout that has nothing else to show.
+    pub fn new(boards: usize, spaces: usize) -> Self {
+        Self {
+            is_open: boards == 0 && spaces > 0,
+            ..Self::default()
+        }
+    }
+
+    /// Returns `true` while something is dragged.
+    pub fn is_dragging(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    fn viewport(&mut self) -> &mut Option<Viewport> {
+        &mut self.viewports[self.view as usize]
+    }
+}
+
+impl EditorPanel {
+    /// Shows all boards, and selects those on which something was selected.
+    pub(super) fn open_plan(&mut self) {
+        self.plan.is_open = true;
+        self.plan.is_left = false;
+        let selection = self.editor.selection().iter();
+        let boards = selection.map(|part| part.board().map_or(*part, Part::Board));
+        self.editor.select(boards.collect::<Vec<_>>());
+        self.selected.clear();
+        self.gesture = None;
+        self.preview = Preview::default();
+    }
+
+    /// Shows one board in place of the plan.
+    pub(super) fn leave_plan(&mut self, board: usize) {
+        if self.plan.is_open {
+            self.end_drag();
+            self.plan.is_open = false;
+            self.plan.is_left = true;
+            // What is selected there is on the board, not the board.
+            self.editor.select([]);
+        }
+        self.show_board(board);
+    }
+
+    /// Shows the board to which a new control is added: the selected one.
+    pub(super) fn leave_plan_for_control(&mut self) {
+        if self.plan.is_open && self.editor.count("boards") > 0 {
+            let board = match *self.editor.selection() {
+                [Part::Board(board)] => board,
+                _ => self.board,
+            };
+            self.leave_plan(board);
+        }
+    }
+
+    /// Returns `true` if Escape has an effect.
+    pub(super) fn can_escape(&self) -> bool {
+        let plan = &self.plan;
+        match plan.is_open {
+            true => plan.drag.is_some() || !self.editor.selection().is_empty(),
+            false => plan.is_left || !self.selected.is_empty(),
+        }
+    }
+
+    /// Undoes a drag, or deselects everything, or shows the plan from which a board was opened.
+    pub(super) fn escape(&mut self) {
+        if self
+            .plan
+            .drag
+            .as_ref()
+            .is_some_and(|drag| self.is_current(drag) && drag.edit.is_some())
+        {
+            self.undo();
+        }
+        if self.plan.is_dragging() {
+            self.end_drag();
+        } else if self.plan.is_open {
+            self.editor.select([]);
+        } else if self.selected.is_empty() {
+            self.open_plan();
+        } else {
+            self.selected.clear();
+            self.select_items_in_editor();
+        }
+    }
+
+    fn end_drag(&mut self) {
+        self.plan.drag = None;
+        self.plan.preview = Preview::default();
+    }
+
+    /// Returns `true` if nothing but a drag has changed the text since it began.
+    fn is_current(&self, drag: &PlanDrag) -> bool {
+        drag.revision == self.editor.revision()
+    }
+
+    /// Selects all boards and targets in space.
+    pub(super) fn select_all_in_plan(&mut self) {
+        let items = self.plan.plan.items.iter();
+        let parts: Vec<Part> = items.map(|item| item.part).collect();
+        self.editor.select(parts);
+    }
+
+    /// Shows everything in the next picture of a view.
+    pub(super) fn show_all_in_plan(&mut self) {
+        *self.plan.viewport() = None;
+    }
+
+    /// Shows the selected items as large as they fit, or everything without any.
+    pub(super) fn zoom_to_selection_in_plan(&mut self) {
+        let (view, size) = (self.plan.view, self.plan.size);
+        let selection = self.editor.selection();
+        let bounds = self
+            .plan
+            .plan
+            .bounds(view, |part| selection.contains(&part));
+        let is_drawn = size.min_element() > 0.0;
+        let bounds = bounds.filter(|_| is_drawn);
+        *self.plan.viewport() = bounds.map(|bounds| Viewport::fit(bounds, size));
+    }
+
+    /// Moves the selected items by a distance on the picture, in millimetres.
+    pub(super) fn move_in_plan(&mut self, by: Vec2) {
+        let parts = self.selected_in_plan();
+        if let Some(edit) = gesture::moved(self.plan.view, &parts, by) {
+            self.apply(&edit);
+        }
+    }
+
+    /// Copies the selected items to their right.
+    pub(super) fn duplicate_in_plan(&mut self) {
+        let parts = self.selected_in_plan();
+        let is_copied = |part: Part| parts.contains(&part);
+        if let Some(bounds) = self.plan.plan.bounds(PlanView::Above, is_copied) {
+            let right = f64::from((bounds.size().x + COPY_GAP_MM).ceil());
+            self.apply(&Edit::Duplicate {
+                parts,
+                by_mm: [right, 0.0],
+            });
+        }
+    }
+
+    /// Returns the selected boards and targets in space.
+    fn selected_in_plan(&self) -> Vec<Part> {
+        let selection = self.editor.selection().iter().copied();
+        let is_item = |part: &Part| self.plan.plan.item(*part).is_some();
+        selection.filter(is_item).collect()
+    }
+
+    /// Places everything anew after a change of the text. The last layout that could be read stays.
+    fn update_plan(&mut self, context: &PanelContext) {
+        let revision = self.editor.revision();
+        if self.plan.shown == Some(revision) || !self.editor.is_read() {
+            return;
+        }
+        let Some(layout) = self.editor.layout() else {
+            return;
+        };
+        self.plan.shown = Some(revision);
+        self.plan.hands = at_start(context.sensors.setup().hands_at_rest(layout));
+        self.plan.plan = Plan::new(&self.editor, layout, &self.plan.hands);
+    }
+}
+
+/// Shows the directions from which the plan is seen.
+pub(super) fn show_views(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let names = ["view-above", "editor-view-front", "view-side"];
+    for (view, name) in PlanView::ALL.into_iter().zip(names) {
+        let is_shown = panel.plan.view == view;
+        if ui.selectable_label(is_shown, text(name)).clicked() {
+            panel.end_drag();
+            panel.plan.view = view;
+        }
+    }
+}
+
+/// Shows the plan.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    let size = Vec2::new(area.width(), area.height());
+    if size.min_element() < 1.0 {
+        return;
+    }
+    panel.plan.size = size;
+    panel.update_plan(context);
+    let name = text("editor-plan-canvas");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
+    canvas::keep_arrow_keys(ui, &response);
+    let view = panel.plan.view;
+    let bounds = panel.plan.plan.bounds(view, |_| true);
+    let viewport = panel.plan.viewport().get_or_insert_with(|| match bounds {
+        Some(bounds) => Viewport::fit(bounds, size),
+        None => Viewport::default(),
+    });
+    let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
+    canvas::move_view(ui, &response, viewport, to_local, size);
+    let viewport = *viewport;
+    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
+        let point = viewport.to_board(to_local(at), size);
+        handle_mouse(ui, panel, &response, (point, viewport.scale));
+        set_cursor(ui, panel, (point, viewport.scale));
+        // What a drag has changed is in the same picture.
+        panel.update_plan(context);
+    }
+    if !ui.input(|input| input.pointer.button_down(PointerButton::Primary)) {
+        panel.end_drag();
+    }
+    paint(ui, panel, (area, &viewport));
+    show_names(ui, panel, (area, &viewport));
+}
+
+fn handle_mouse(
+    ui: &egui::Ui,
+    panel: &mut EditorPanel,
+    response: &egui::Response,
+    (point, scale): (Vec2, f32),
+) {
+    let modifiers = ui.input(|input| input.modifiers);
+    let view = panel.plan.view;
+    if response.double_clicked() {
+        let item = panel.plan.plan.item_at(view, point, HIT_REACH / scale);
+        if let Some(board) = item.and_then(|item| item.part.board()) {
+            panel.leave_plan(board);
+            return;
+        }
+    }
+    let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
+    if starts && response.contains_pointer() {
+        let mut selected = panel.selected_in_plan();
+        let plan = &panel.plan.plan;
+        let gesture = gesture::begin(plan, &mut selected, view, (point, scale), modifiers.shift);
+        panel.editor.select(selected);
+        panel.message = None;
+        panel.plan.drag = Some(PlanDrag {
+            gesture,
+            edit: None,
+            revision: panel.editor.revision(),
+        });
+    }
+    let Some(drag) = &panel.plan.drag else {
+        return;
+    };
+    if response.dragged_by(PointerButton::Primary) {
+        if !panel.is_current(drag) {
+            panel.end_drag();
+            return;
+        }
+        let snap = match panel.snaps && !modifiers.alt {
+            true => SnapSettings {
+                grid_mm: panel.grid_mm,
+                reach_mm: SNAP_REACH / scale,
+            },
+            false => SnapSettings::OFF,
+        };
+        let selected = drag.gesture.selected(&panel.plan.plan, view, point);
+        let change = drag.gesture.change(view, point, snap);
+        if let Some(selected) = selected {
+            panel.editor.select(selected);
+        }
+        follow(panel, change);
+    }
+}
+
+/// Makes the edit of a drag, in place of its edit so far: one step of undo.
+fn follow(panel: &mut EditorPanel, change: PlanChange) {
+    panel.plan.preview.guides = change.guides;
+    panel.plan.preview.band = change.band;
+    let Some(mut drag) = panel.plan.drag.take() else {
+        return;
+    };
+    if drag.edit != change.edit {
+        let result = match (&drag.edit, &change.edit) {
+            (Some(_), Some(edit)) => panel.editor.amend(edit),
+            (None, Some(edit)) => panel.editor.apply(edit),
+            (_, None) => {
+                panel.editor.undo();
+                Ok(())
+            }
+        };
+        if result.is_ok() {
+            drag.edit = change.edit;
+        }
+        panel.report(result);
+        drag.revision = panel.editor.revision();
+    }
+    panel.plan.drag = Some(drag);
+}
+
+fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, (point, scale): (Vec2, f32)) {
+    let plan = &panel.plan;
+    let handle = match *panel.editor.selection() {
+        [part] => plan
+            .plan
+            .item(part)
+            .and_then(|item| handles::handle_at(item, plan.view, point, scale)),
+        _ => None,
+    };
+    let icon = match plan.drag.as_ref().map(|drag| &drag.gesture) {
+        Some(PlanGesture::Move { .. }) => egui::CursorIcon::Grabbing,
+        Some(PlanGesture::Handle { .. }) => egui::CursorIcon::Crosshair,
+        None if handle.is_some() => egui::CursorIcon::Crosshair,
+        _ => return,
+    };
+    ui.ctx().set_cursor_icon(icon);
+}
+
+fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Viewport)) {
+    let colors = match ui.visuals().dark_mode {
+        true => SceneColors::DARK,
+        false => SceneColors::LIGHT,
+    };
+    let size = Vec2::new(area.width(), area.height());
+    let painter = ui.painter_at(area);
+    let (nothing, still) = (Selection::default(), Preview::default());
+    let empty = |preview, has_grid| CanvasScene {
+        items: &[],
+        selected: &nothing,
+        faulty: &[],
+        heats: &[],
+        pressed: &[],
+        fingertips: &[],
+        preview,
+        radius: None,
+        has_grid,
+    };
+    let grid = draw::draw(&empty(&still, true), viewport, size, &colors);
+    space::paint(&painter, area, &grid, colors.background);
+    let plan = &panel.plan;
+    if let Some(layout) = panel.editor.layout() {
+        let scene = PlanScene {
+            layout,
+            plan: &plan.plan,
+            hands: &plan.hands,
+            view: plan.view,
+            viewport,
+            selected: panel.editor.selection(),
+            faulty: &|part| panel.editor.is_faulty(part),
+        };
+        for picture in draw_plan(&scene, size, &colors) {
+            space::paint_over(&painter, area, &picture);
+        }
+    }
+    let marks = draw::draw(&empty(&plan.preview, false), viewport, size, &colors);
+    space::paint_over(&painter, area, &marks);
+    let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
+    let font = egui::FontId::proportional(12.0);
+    let color = ui.visuals().weak_text_color();
+    let words = text("editor-plan-hint");
+    painter.text(hint, egui::Align2::CENTER_BOTTOM, words, font, color);
+}
+
+/// Shows the names of the boards, and tells screen readers where everything is.
+fn show_names(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Viewport)) {
+    let size = Vec2::new(area.width(), area.height());
+    let painter = ui.painter_at(area);
+    let (view, selection) = (panel.plan.view, panel.editor.selection());
+    for item in &panel.plan.plan.items {
+        let bounds = item.bounds(view);
+        let [min, max] = [bounds.min, bounds.max].map(|at| viewport.to_screen(at, size));
+        let corners = [min, max].map(|at| area.min + egui::vec2(at.x, at.y));
+        let place = egui::Rect::from_two_pos(corners[0], corners[1]);
+        let name = match item.part {
+            Part::Board(board) => text_with("editor-board", &[("number", (board + 1).into())]),
+            part => panel.editor.part_name(part).unwrap_or_default(),
+        };
+        let response = ui.interact(place, ui.scope_id().with(item.part), Sense::hover());
+        let is_selected = selection.contains(&item.part);
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::GraphicsObject, true, is_selected, &name)
+        });
+        if item.board().is_some() {
+            let color = ui.visuals().strong_text_color();
+            let words = painter.layout_no_wrap(name, egui::FontId::proportional(12.0), color);
+            let at = place.left_top() - egui::vec2(0.0, 8.0);
+            let tag = egui::Align2::LEFT_BOTTOM.anchor_size(at, words.size());
+            let background = ui.visuals().extreme_bg_color.gamma_multiply(0.7);
+            painter.rect_filled(tag.expand2(egui::vec2(4.0, 1.0)), 3.0, background);
+            painter.galley(tag.min, words, color);
+        }
+    }
+}

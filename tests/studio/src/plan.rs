@@ -1,0 +1,244 @@
+//! The plan of the layout editor: a person moves boards and targets in space, opens a board, and undoes.
+
+use ademan::studio::texts::text;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, Rect, Vec2, vec2};
+use egui_kittest::kittest::Queryable;
+
+use crate::editor::{EditedFile, canvas, drag, press};
+use crate::picture;
+use crate::window::{Opening, StudioWindow};
+
+/// A board for the fingers, and arcs for the thumb that move with the wrist. The fronts of the first one are 36 mm wide.
+const FINGERS_AND_THUMB: &str = "// mine
+Layout(
+    name: \"Fingers and thumb\",
+    boards: [
+        // fingers
+        (
+            pose: (anchor: elbow, forward_mm: 320, height_mm: -45, /* x */ right_mm: 4),
+            keys: [(code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: (19, 0))],
+        ),
+        // thumb
+        (
+            pose: (anchor: elbow, forward_mm: 200, height_mm: -45, right_mm: -60),
+            shape: Arc(radius_mm: 60),
+            pitch_mm: 22,
+            rows: [(at_mm: (-44, 0), keys: \"C D E F G\")],
+        ),
+    ],
+)
+";
+
+/// Width of the first board in all views but that from the side, in millimetres.
+const WIDTH_MM: f32 = 36.0;
+
+const IN_SPACE: &str = "Layout(name: \"In space\", spaces: [(pose: (anchor: elbow), targets: [
+    (name: \"Moon\", at_mm: (120, 0, -300), shape: Ball(50)), // a ball
+    (name: \"Door\", at_mm: (160, 50, -320), shape: Box(60, 40, 30)),
+])])
+";
+
+fn open_plan(file: &EditedFile) -> StudioWindow {
+    let mut window = file.open();
+    window.click(text("editor-plan"));
+    window
+}
+
+/// Returns the area of a board or target on the plan.
+fn place(window: &StudioWindow, name: &str) -> Rect {
+    let item = window
+        .harness
+        .get_by_role_and_label(Role::GraphicsObject, name);
+    item.rect()
+}
+
+fn is_on_plan(window: &StudioWindow) -> bool {
+    let mut canvases = window
+        .harness
+        .query_all_by_label(text("editor-plan-canvas"));
+    canvases.next().is_some()
+}
+
+fn button(at: Pos2, pressed: bool) -> egui::Event {
+    egui::Event::PointerButton {
+        pos: at,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    }
+}
+
+#[test]
+fn a_drag_in_the_front_view_is_written_undone_at_once_and_saved_with_its_comments() {
+    let file = EditedFile::new("plan-front.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    window.click(text("editor-view-front"));
+    let board = place(&window, "Board 1");
+    let points_per_mm = board.width() / WIDTH_MM;
+    drag(
+        &mut window,
+        board.center(),
+        vec2(23.0, 31.0) * points_per_mm,
+    );
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let moved = FINGERS_AND_THUMB
+        .replace("right_mm: 4", "right_mm: 27")
+        .replacen("height_mm: -45", "height_mm: -76", 1);
+    assert_eq!(file.text(), moved);
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    press(&mut window, Modifiers::SHIFT, Key::ArrowUp);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let nudged = moved
+        .replace("right_mm: 27", "right_mm: 28")
+        .replace("-76", "-75.9");
+    assert_eq!(file.text(), nudged);
+    for _ in 0..3 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert_eq!(file.text(), FINGERS_AND_THUMB);
+}
+
+#[test]
+fn boards_in_one_place_are_listed_during_the_drag_and_escape_undoes_it() {
+    let file = EditedFile::new("plan-overlap.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    assert!(window.has(text("editor-no-problems")));
+    let from = place(&window, "Board 1").center();
+    let to = place(&window, "Board 2").center_top() + vec2(0.0, 10.0);
+    for event in [
+        egui::Event::PointerMoved(from),
+        button(from, true),
+        egui::Event::PointerMoved(from.lerp(to, 0.5)),
+        egui::Event::PointerMoved(to),
+    ] {
+        window.harness.event(event);
+        window.draw(2);
+    }
+    assert!(window.has_words("boards 1 and 2 overlap by"));
+    let right = window
+        .harness
+        .get_by_role_and_label(Role::SpinButton, "pose · right");
+    let right = right.value().expect("the form shows the number");
+    assert!(right.starts_with('-'), "the form follows: {right}");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(window.has(text("editor-no-problems")), "the drag is undone");
+    window.harness.event(button(to, false));
+    window.draw(2);
+    assert!(window.has(text("editor-no-problems")));
+    assert!(!window.is_enabled(text("editor-undo")));
+}
+
+#[test]
+fn a_double_click_opens_a_board_and_escape_leads_back() {
+    let file = EditedFile::new("plan-open.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    assert!(is_on_plan(&window));
+    let at = place(&window, "Board 2").center_top() + vec2(0.0, 4.0);
+    window.harness.hover_at(at);
+    window.draw(2);
+    for pressed in [true, false, true, false] {
+        window.harness.input_mut().events.push(button(at, pressed));
+    }
+    window.draw(3);
+    assert!(!is_on_plan(&window), "the board is open");
+    let center = canvas(&window).center();
+    drag(&mut window, center, Vec2::ZERO);
+    assert!(window.has_words("Key E"), "its keys are selected there");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!is_on_plan(&window), "the first Escape deselects the key");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(is_on_plan(&window));
+}
+
+#[test]
+fn a_layout_of_targets_in_space_opens_on_the_plan_and_they_are_moved() {
+    let file = EditedFile::new("plan-space.ron", IN_SPACE);
+    let mut window = Opening::on_layout(file.0.to_str().unwrap()).open();
+    window.click(text("workspace-layout"));
+    window.draw(3);
+    assert!(is_on_plan(&window));
+    window.click(text("view-side"));
+    let moon = place(&window, "Moon");
+    let points_per_mm = moon.width() / 50.0;
+    drag(
+        &mut window,
+        moon.center(),
+        vec2(-12.0, -20.0) * points_per_mm,
+    );
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert_eq!(
+        file.text(),
+        IN_SPACE.replace("(120, 0, -300)", "(120, 20, -288)")
+    );
+}
+
+#[test]
+fn a_copied_board_is_beside_its_original() {
+    let file = EditedFile::new("plan-copy.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    let at = place(&window, "Board 1").center();
+    drag(&mut window, at, Vec2::ZERO);
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    let (first, copy) = (place(&window, "Board 1"), place(&window, "Board 3"));
+    assert!(copy.min.x > first.max.x, "{first} {copy}");
+    assert!(window.has(text("editor-no-problems")));
+}
+
+/// Keys for four fingers before the elbow, arcs for the thumb that move with the wrist, an upright board, and a ball.
+const WORKPLACE: &str = "Layout(
+    name: \"Workplace\",
+    boards: [
+        (
+            pose: (anchor: elbow, bearing_deg: 10, forward_mm: 400, height_mm: -50, tilt_deg: 10),
+            shape: Arc(radius_mm: 400),
+            rows: [
+                (at_mm: (-66.5, 9.5), keys: \"Q W E R T Y U I\"),
+                (at_mm: (-62, -9.5), keys: \"A S D F G H J\"),
+            ],
+        ),
+        (
+            pose: (anchor: wrist, bearing_deg: -25, right_mm: -30, forward_mm: 60, height_mm: -60),
+            shape: Arc(radius_mm: 70),
+            pitch_mm: 22,
+            rows: [(at_mm: (-44, 0), keys: \"Space Enter Tab Escape Delete\")],
+        ),
+        (
+            pose: (anchor: elbow, bearing_deg: 40, forward_mm: 430, height_mm: 20, tilt_deg: 75),
+            sliders: [
+                (name: \"Volume\", at_mm: (-20, 0), length_mm: 80),
+                (name: \"Light\", at_mm: (20, 0), length_mm: 80),
+            ],
+        ),
+    ],
+    spaces: [(
+        pose: (anchor: elbow),
+        targets: [(name: \"Stop\", at_mm: (-160, 60, -380), shape: Ball(60))],
+    )],
+)
+";
+
+#[test]
+fn the_plan_shows_boards_arcs_and_targets_where_they_are() {
+    for (theme, name) in [(egui::Theme::Dark, "dark"), (egui::Theme::Light, "light")] {
+        let file = EditedFile::new(&format!("plan-{name}.ron"), WORKPLACE);
+        let mut opening = Opening::on_layout(file.0.to_str().unwrap());
+        opening.theme = theme;
+        let mut window = opening.open();
+        window.click(text("workspace-layout"));
+        window.draw(3);
+        window.click(text("editor-plan"));
+        let thumb = place(&window, "Board 2");
+        drag(&mut window, thumb.center(), Vec2::ZERO);
+        for view in ["editor-view-front", "view-side", "view-above"] {
+            window.click(text(view));
+            picture::draw(&mut window, &format!("plan-{name}-{view}"));
+        }
+        let plan = canvas(&window);
+        let panel = Rect::from_x_y_ranges(window.workspace().x_range(), plan.y_range());
+        if theme == egui::Theme::Dark {
+            picture::compare(&mut window, "studio-plan", panel);
+        }
+    }
+}
