@@ -193,6 +193,18 @@ fn wrong_names_in_a_setup_have_a_line() {
             "panic_keys: [\"MouseLeft\"]",
             ":2:13: `panic_keys`: `MouseLeft` is not a key of a keyboard",
         ),
+        (
+            "profiles_by_application: [(application: \"foot\", profile: \"mian\")]",
+            ":2:26: `profiles_by_application`: unknown profile `mian`, did you mean `main`?; add it to `profiles`",
+        ),
+        (
+            "profiles_by_application: [(application: \" \", profile: \"main\")]",
+            ":2:26: `profiles_by_application`: the name of an application is empty",
+        ),
+        (
+            "profiles_by_application: [(application: \"foot\", profile: \"main\"), (application: \"Foot\", profile: \"main\")]",
+            ":2:26: `profiles_by_application`: two rules for `Foot`",
+        ),
     ] {
         let setup = file(&folder, "wrong.ron", format!("Setup(\n{field},\n)"));
         for command in ["run", "doctor"] {

@@ -12,6 +12,8 @@ mod music;
 #[cfg(target_os = "linux")]
 mod spacenav;
 #[cfg(target_os = "linux")]
+mod views;
+#[cfg(target_os = "linux")]
 mod vm;
 #[cfg(feature = "studio")]
 mod studio;

@@ -195,6 +195,10 @@ fn state_text(reply: &Value) -> String {
             ranges["percent"]
         );
     }
+    let mut profile = or_unknown(&reply["profile"]);
+    if let Some(application) = plain_text(&reply["application"]) {
+        profile += &format!(" (the rule for {application} holds)");
+    }
     let headset = HeadsetStatus::deserialize(&reply["headset"]).ok();
     let headset = headset.map_or(String::new(), |headset| format!("\nsource     {headset}"));
     let incomplete = reply["incomplete"].as_array().into_iter().flatten();
@@ -203,8 +207,7 @@ fn state_text(reply: &Value) -> String {
         .map(|file| format!("\nfiles      {file}"))
         .collect();
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{headset}{learned}{incomplete}",
-        or_unknown(&reply["profile"]),
+        "state      {state}\nprofile    {profile}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{headset}{learned}{incomplete}",
         or_unknown(&reply["layout"]),
         reply["steps"],
         stats["stalls"],

@@ -109,6 +109,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         control_socket,
         watch_layouts: true,
         use_panic_keys: true,
+        follow_focus: true,
         report_status: true,
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()

@@ -129,16 +129,28 @@ impl Compositor {
         Desktop::open(Some(self.socket()), &needs).expect("the compositor runs")
     }
 
-    /// Returns the reply of `sway` to an IPC message of this type.
-    pub fn query(&self, kind: &str) -> String {
+    /// Returns the path of the IPC socket of `sway`.
+    pub fn ipc_socket(&self) -> PathBuf {
         let entries = fs::read_dir(self.folder()).expect("it exists").flatten();
         let is_ipc_socket = |path: &PathBuf| path.to_string_lossy().contains("sway-ipc.");
         let socket = entries.map(|entry| entry.path()).find(is_ipc_socket);
+        socket.expect("the IPC socket of sway")
+    }
+
+    /// Returns the reply of `sway` to an IPC message of this type.
+    pub fn query(&self, kind: &str) -> String {
+        self.message(&["-t", kind])
+    }
+
+    /// Returns the reply of `sway` to a command of its configuration.
+    pub fn execute(&self, command: &str) -> String {
+        self.message(&[command])
+    }
+
+    fn message(&self, arguments: &[&str]) -> String {
         let mut command = Command::new("swaymsg");
-        command
-            .arg("-s")
-            .arg(socket.expect("the IPC socket of sway"));
-        let output = command.args(["-r", "-t", kind]).output();
+        command.arg("-s").arg(self.ipc_socket()).arg("-r");
+        let output = command.args(arguments).output();
         let output = output.expect("swaymsg is part of sway").stdout;
         String::from_utf8_lossy(&output).into_owned()
     }

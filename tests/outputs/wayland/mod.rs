@@ -7,6 +7,7 @@ mod attacks;
 pub mod compositor;
 mod ends;
 mod floods;
+mod focus;
 mod output_stalls;
 mod pointer;
 mod refusals;

@@ -10,6 +10,8 @@ mod both_killed;
 mod characters;
 mod doctor;
 mod ends;
+#[cfg(target_os = "linux")]
+mod focus;
 mod grabs;
 #[cfg(target_os = "linux")]
 mod idle;

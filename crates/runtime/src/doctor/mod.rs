@@ -6,6 +6,7 @@
 
 mod checks;
 mod facts;
+mod focus;
 mod headset;
 mod panic_keys;
 mod probe;
@@ -16,6 +17,7 @@ pub use facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
     XDisplay,
 };
+pub use focus::check_focus;
 pub use headset::check_headset;
 pub use panic_keys::check_panic_keys;
 pub use source::check_source;
@@ -79,7 +81,7 @@ impl CheckStatus {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Subject of the check: `user`, `serial port`, `source`, `headset`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
-    /// `sockets`, `panic keys`, `outputs`.
+    /// `sockets`, `panic keys`, `focus`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,

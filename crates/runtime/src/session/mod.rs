@@ -18,6 +18,7 @@ mod command_channel;
 pub mod control_socket;
 mod estimator_swap;
 mod event_loop;
+pub(crate) mod focus;
 mod handle;
 mod haptics;
 mod latest;
@@ -48,6 +49,7 @@ use hdrhistogram::Histogram;
 
 use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
 use self::event_loop::run_observed;
+use self::focus::{ActiveRule, FocusWatch};
 use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
@@ -148,6 +150,8 @@ pub struct Session {
     control: Option<ControlServer>,
     /// Programs that the hand is shared with.
     share: ShareHub,
+    /// Ends its thread when it is dropped.
+    _focus: Option<FocusWatch>,
 }
 
 impl Session {
@@ -183,6 +187,11 @@ impl Session {
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
         let layout = Arc::new(setup.layout.clone());
+        let rule = ActiveRule::new(&setup.setup.profiles_by_application);
+        let focus = match options.follow_focus && !setup.setup.profiles_by_application.is_empty() {
+            true => Some(follow_focus(&rule, &command_sender, &notices)?),
+            false => None,
+        };
         let share = ShareHub::start(&options.share, setup.arm.side(), layout)?;
         let notifier = control.as_ref().map(ControlServer::notifier);
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
@@ -192,6 +201,7 @@ impl Session {
                 commands: command_sender.clone(),
                 views: Some(hub.clone()),
                 write_failures: write_failures.clone(),
+                rule,
             })?;
         }
         let is_recorded = options.record_to.is_some();
@@ -210,6 +220,7 @@ impl Session {
             start_signal: None,
             control,
             share,
+            _focus: focus,
         };
         SessionHandle::spawn(session, command_sender, snapshot_receiver, hub, sensors)
     }
@@ -437,6 +448,18 @@ fn profiles(setup: &LoadedSetup) -> Vec<ProfileInfo> {
         file: layout.file.clone(),
     };
     layouts.map(profile).collect()
+}
+
+/// Starts the thread that activates profiles by the application with the focus.
+fn follow_focus(
+    rule: &ActiveRule,
+    commands: &CommandSender,
+    notices: &NoticeThread,
+) -> io::Result<FocusWatch> {
+    let notices = notices.sender();
+    focus::watch(rule.clone(), commands.clone(), move |reason| {
+        notices.send(Notice::FocusUnknown(reason));
+    })
 }
 
 fn start_layout_manager(

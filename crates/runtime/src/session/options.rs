@@ -41,6 +41,8 @@ pub struct SessionOptions {
     pub watch_layouts: bool,
     /// Pauses the session on the `panic_keys` of the setup.
     pub use_panic_keys: bool,
+    /// Activates profiles by the `profiles_by_application` of the setup.
+    pub follow_focus: bool,
     /// Reports changes of state and losses of readings as notices.
     pub report_status: bool,
     /// Delays the session when the snapshot channel is full, instead of dropping snapshots.
@@ -96,6 +98,7 @@ impl fmt::Debug for SessionOptions {
             .field("control_socket", &self.control_socket)
             .field("watch_layouts", &self.watch_layouts)
             .field("use_panic_keys", &self.use_panic_keys)
+            .field("follow_focus", &self.follow_focus)
             .field("report_status", &self.report_status)
             .field("lossless_snapshots", &self.lossless_snapshots)
             .finish_non_exhaustive()

@@ -2,12 +2,19 @@
 
 use std::time::Duration;
 
-use super::{ArmSetup, OtherHand, PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
+use super::{
+    ApplicationProfile, ArmSetup, OtherHand, PositionSmoothingSetup, Setup, SetupError,
+    SmoothingSetup,
+};
 use crate::capture::{PositionNoise, SourceUri};
 use ademan_core::device::{KeyCode, KeyKind};
 use ademan_core::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
 use ademan_core::kinematics::BoneLengths;
-use ademan_core::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
+use ademan_core::message::escape;
+use ademan_core::names::UnknownName;
+use ademan_core::pipeline::{
+    MAIN_PROFILE, PipelineSettings, PressRateLimit, SourcePermissions, SourceRole,
+};
 
 impl Setup {
     /// Checks all values.
@@ -16,6 +23,7 @@ impl Setup {
         self.check_position_filter()?;
         self.pipeline_settings()?;
         self.check_panic_keys()?;
+        self.check_profiles_by_application()?;
         if let Some(other) = &self.other_hand {
             other.arm.bone_lengths()?;
         }
@@ -30,6 +38,37 @@ impl Setup {
                 Ok(key) => format!("`panic_keys`: `{key}` is not a key of a keyboard"),
                 Err(error) => format!("`panic_keys`: {error}"),
             };
+            return Err(SetupError::Value(message));
+        }
+        Ok(())
+    }
+
+    /// Checks that the rules name profiles of the setup, and each application once.
+    fn check_profiles_by_application(&self) -> Result<(), SetupError> {
+        let rules = &self.profiles_by_application;
+        for (index, rule) in rules.iter().enumerate() {
+            let ApplicationProfile {
+                application,
+                profile,
+            } = rule;
+            let names = self.profiles.iter().map(|profile| profile.name.as_str());
+            let mut names = std::iter::once(MAIN_PROFILE).chain(names);
+            let reason = if application.trim().is_empty() {
+                "the name of an application is empty; `xprop WM_CLASS`, or `swaymsg -t get_tree` on sway, prints the names".into()
+            } else if rules[..index]
+                .iter()
+                .any(|other| other.matches(application))
+            {
+                format!("two rules for `{}`", escape(application))
+            } else if !names.any(|name| name == profile) {
+                let names = self.profiles.iter().map(|profile| profile.name.as_str());
+                let names = std::iter::once(MAIN_PROFILE).chain(names);
+                let unknown = UnknownName::new("profile", profile, names);
+                format!("{unknown}; add it to `profiles`")
+            } else {
+                continue;
+            };
+            let message = format!("`profiles_by_application`: {reason}");
             return Err(SetupError::Value(message));
         }
         Ok(())

@@ -72,6 +72,9 @@ schema! {
         pub layout: String,
         /// Further layouts that keys and commands can activate.
         pub profiles: Vec<ProfileSetup>,
+        /// The profiles that a run activates when an application gets the focus, on X11 and sway. For other applications it activates `main`.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        pub profiles_by_application: Vec<ApplicationProfile>,
         /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
         pub output: String,
         /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. A recording's are not used.
@@ -133,6 +136,25 @@ schema! {
         /// The changes of the text decoder in this layout. Default: as in the setup.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub text: Option<TextModeSetup>,
+    }
+}
+
+schema! {
+    /// The profile for an application.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "ApplicationProfile", deny_unknown_fields)]
+    pub struct ApplicationProfile {
+        /// Class or instance of its windows on X11, or its `app_id` on Wayland, in upper or lower case.
+        pub application: String,
+        /// The name of the profile.
+        pub profile: String,
+    }
+}
+
+impl ApplicationProfile {
+    /// Returns whether the rule is for an application of this name.
+    pub fn matches(&self, name: &str) -> bool {
+        self.application.eq_ignore_ascii_case(name)
     }
 }
 
@@ -212,6 +234,7 @@ const FORMAT: Format = Format {
             Structure::of::<Setup>("Setup"),
             Structure::of::<OtherHand>("other_hand"),
             Structure::of::<ProfileSetup>("profiles"),
+            Structure::of::<ApplicationProfile>("profiles_by_application"),
             Structure::of::<TextSetup>("text"),
         ]
     },
@@ -259,6 +282,7 @@ impl Default for Setup {
             other_hand: None,
             layout: "qwerty-flat".into(),
             profiles: Vec::new(),
+            profiles_by_application: Vec::new(),
             output: "transcript".into(),
             share: Vec::new(),
             haptics: Haptics::Off,

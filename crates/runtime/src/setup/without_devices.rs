@@ -25,6 +25,7 @@ impl LoadedSetup {
             learn_ranges: false,
             arm_immediately: true,
             panic_keys: Vec::new(),
+            profiles_by_application: Vec::new(),
             ..self.setup.clone()
         };
         let mut own = self.clone();

@@ -11,7 +11,7 @@ use super::context::ServerContext;
 use super::line_writer::LineWriter;
 use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
-use super::response::{self, JsonLine};
+use super::response::{self, JsonLine, SessionContext};
 use crate::output::socket::Stream;
 use crate::session::reply::Reply;
 use crate::session::view::{ViewHub, Viewer};
@@ -85,7 +85,13 @@ impl ClientConnection<'_> {
             Ok(Reply::State(status)) => {
                 let incomplete = self.context.write_failures.reasons();
                 let headset = self.context.views.as_ref().and_then(ViewHub::headset);
-                response::state(&status, &self.context.profiles, headset, &incomplete)
+                let context = SessionContext {
+                    profiles: &self.context.profiles,
+                    application: self.context.rule.application(),
+                    headset,
+                    incomplete: &incomplete,
+                };
+                response::state(&status, context)
             }
             Err(error) => response::failure(&error.to_string()),
         }

@@ -2,6 +2,7 @@
 
 use super::ProfileInfo;
 use crate::session::command_channel::CommandSender;
+use crate::session::focus::ActiveRule;
 use crate::session::view::ViewHub;
 use crate::session::write_failures::WriteFailures;
 
@@ -15,4 +16,6 @@ pub struct ServerContext {
     pub views: Option<ViewHub>,
     /// Files that became incomplete.
     pub write_failures: WriteFailures,
+    /// The rule for the application that has the focus.
+    pub(in crate::session) rule: ActiveRule,
 }

@@ -29,13 +29,27 @@ pub(super) fn failure(error: &str) -> JsonLine {
     json(&Failure { ok: false, error })
 }
 
-/// Returns the response to `state`; `incomplete` has the reasons why files are.
-pub(super) fn state(
-    status: &SessionStatus,
-    profiles: &[ProfileInfo],
-    headset: Option<HeadsetStatus>,
-    incomplete: &[String],
-) -> JsonLine {
+/// The parts of a state that the session loop does not know.
+#[derive(Default)]
+pub(super) struct SessionContext<'a> {
+    /// Profiles of the setup, in order.
+    pub profiles: &'a [ProfileInfo],
+    /// Application of the rule that holds.
+    pub application: Option<&'a str>,
+    /// Headset that a source waits for.
+    pub headset: Option<HeadsetStatus>,
+    /// Reasons why files are incomplete.
+    pub incomplete: &'a [String],
+}
+
+/// Returns the response to `state`.
+pub(super) fn state(status: &SessionStatus, context: SessionContext) -> JsonLine {
+    let SessionContext {
+        profiles,
+        application,
+        headset,
+        incomplete,
+    } = context;
     let profile = profiles.get(status.profile);
     let rejected: u64 = status.stats.rejected.iter().sum();
     json(&StateResponse {
@@ -44,6 +58,7 @@ pub(super) fn state(
         paused: status.paused_by.is_some(),
         paused_by: status.paused_by,
         profile: profile.map(|profile| profile.name.as_str()),
+        application,
         layout: profile.map(|profile| profile.file.as_str()),
         steps: status.stats.accepted + rejected,
         stats: StatsResponse::new(&status.stats),
@@ -140,6 +155,8 @@ struct StateResponse<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     paused_by: Option<CommandOrigin>,
     profile: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    application: Option<&'a str>,
     layout: Option<&'a str>,
     steps: u64,
     stats: StatsResponse,
@@ -286,13 +303,18 @@ mod tests {
             name: "My board".into(),
             file: "my.ron".into(),
         }];
-        let line: serde_json::Value =
-            serde_json::from_str(&state(&status, &profiles, None, &[])).unwrap();
+        let context = SessionContext {
+            profiles: &profiles,
+            application: Some("foot"),
+            ..SessionContext::default()
+        };
+        let line: serde_json::Value = serde_json::from_str(&state(&status, context)).unwrap();
         let reason = Rejection::ALL[0].name();
         assert_eq!(line["stats"]["rejected"][reason], 2);
         assert_eq!(line["stats"]["received"], 10);
         assert_eq!(line["steps"], 9);
         assert_eq!(line["profile"], "My board");
+        assert_eq!(line["application"], "foot");
         assert_eq!(line["layout"], "my.ron");
         assert_eq!(line["paused"], true);
         assert_eq!(line["paused_by"], "rate-limit");
@@ -321,7 +343,11 @@ mod tests {
                 json!({"connected": {"name": "Quest 3", "address": "192.168.1.9"}}),
             ),
         ] {
-            let line = state(&status, &[], Some(HeadsetStatus { connected }), &[]);
+            let context = SessionContext {
+                headset: Some(HeadsetStatus { connected }),
+                ..SessionContext::default()
+            };
+            let line = state(&status, context);
             let line: serde_json::Value = serde_json::from_str(&line).unwrap();
             assert_eq!(line["headset"], expected);
         }

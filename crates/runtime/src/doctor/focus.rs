@@ -1,0 +1,34 @@
+//! The check of the focus, which `profiles_by_application` follows.
+
+use super::{CheckStatus, Finding};
+use crate::session::focus;
+use crate::setup::Setup;
+use ademan_core::message::{escape, escape_line};
+
+/// Checks that the desktop tells which application has the focus, and states the rule of the setup that holds. `None` for a setup
+/// without rules.
+pub fn check_focus(setup: &Setup) -> Option<Finding> {
+    let rules = &setup.profiles_by_application;
+    if rules.is_empty() {
+        return None;
+    }
+    let (status, text) = match focus::probe(rules) {
+        Ok((desktop, rule)) => {
+            let rule = rule.map_or("no rule is for it".into(), |rule| {
+                let (application, profile) = (escape(&rule.application), escape(&rule.profile));
+                format!("the rule for `{application}` holds, with the profile `{profile}`")
+            });
+            let text = format!("{desktop} tells which application has the focus; {rule}");
+            (CheckStatus::Ok, text)
+        }
+        Err(reason) => (CheckStatus::Missing, reason),
+    };
+    Some(Finding {
+        check: "focus",
+        status,
+        needed: true,
+        text: escape_line(&text).into_owned(),
+        commands: Vec::new(),
+        next_step: String::new(),
+    })
+}
