@@ -56,6 +56,7 @@ fn context(commands: CommandSender) -> ServerContext {
         commands,
         views: None,
         write_failures: Default::default(),
+        rule: Default::default(),
     }
 }
 

@@ -49,7 +49,7 @@ use hdrhistogram::Histogram;
 
 use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
 use self::event_loop::run_observed;
-use self::focus::{ActiveRule, FocusWatch};
+use self::focus::FocusWatch;
 use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
@@ -74,6 +74,7 @@ use ademan_core::snapshot::{Snapshot, Stats, StepView};
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
 #[doc(hidden)]
 pub use self::event_loop::with_loop_step;
+pub use self::focus::ActiveRule;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::layout_trial::{LayoutTrial, TrialOutcome};

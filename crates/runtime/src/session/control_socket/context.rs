@@ -17,5 +17,5 @@ pub struct ServerContext {
     /// Files that became incomplete.
     pub write_failures: WriteFailures,
     /// The rule for the application that has the focus.
-    pub(in crate::session) rule: ActiveRule,
+    pub rule: ActiveRule,
 }

@@ -27,12 +27,19 @@ const NO_RULE: usize = usize::MAX;
 
 /// The rules of a setup, and the index of the rule that holds, for readers on other threads.
 #[derive(Clone, Debug)]
-pub(super) struct ActiveRule {
+pub struct ActiveRule {
     rules: Arc<[ApplicationProfile]>,
     index: Arc<AtomicUsize>,
 }
 
+impl Default for ActiveRule {
+    fn default() -> Self {
+        Self::new(&[])
+    }
+}
+
 impl ActiveRule {
+    /// Creates rules of which none holds.
     pub fn new(rules: &[ApplicationProfile]) -> Self {
         Self {
             rules: rules.into(),
