@@ -126,10 +126,10 @@ schema! {
             /// The direction as the wearer sees it, of a flat circle from above. Default: either.
             #[serde(default)]
             direction: Option<CircleDirection>,
-            /// CircleTurns without a stop at which it turns on. Default: 0.8.
+            /// Turns without a stop at which it turns on. Default: 0.8.
             #[serde(default)]
             on: Option<CircleTurns>,
-            /// CircleTurns at which it turns off. A hand that stops has 0. Default: 0.4.
+            /// Turns at which it turns off. A hand that stops has 0. Default: 0.4.
             #[serde(default)]
             off: Option<CircleTurns>,
         },
