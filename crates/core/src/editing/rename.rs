@@ -125,7 +125,7 @@ mod tests {
             name: "New".into(),
         };
         let renamed = edit(text, &rename).expect("a name that is free");
-        let expected = text.replace(r#"(name: "A""#, r#"(name: "New""#);
+        let expected = text.replace(r#"name: "A", when"#, r#"name: "New", when"#);
         let expected = expected.replace(r#""A", "B", "A""#, r#""New", "B", "New""#);
         assert_eq!(renamed.text, expected);
     }
