@@ -120,9 +120,10 @@ impl Projection {
 
     /// Returns the direction from a point to the eye; not normalized.
     pub fn to_eye(&self, point: Vec3) -> Vec3 {
-        match self.is_parallel {
-            true => self.axes[2],
-            false => self.eye - point,
+        if self.is_parallel {
+            self.axes[2]
+        } else {
+            self.eye - point
         }
     }
 
@@ -134,9 +135,10 @@ impl Projection {
         if depth < NEAR {
             return None;
         }
-        let scale = match self.is_parallel {
-            true => self.focal,
-            false => self.focal / depth,
+        let scale = if self.is_parallel {
+            self.focal
+        } else {
+            self.focal / depth
         };
         let position = self.middle + Vec2::new(offset.dot(right), -offset.dot(up)) * scale;
         Some(Projected {
@@ -151,15 +153,16 @@ impl Projection {
         let [right, up, back] = self.axes;
         let offset = (position - self.middle) / self.focal;
         let aside = right * offset.x - up * offset.y;
-        match self.is_parallel {
-            true => Ray {
+        if self.is_parallel {
+            Ray {
                 origin: self.eye + aside,
                 direction: -back,
-            },
-            false => Ray {
+            }
+        } else {
+            Ray {
                 origin: self.eye,
                 direction: (aside - back).normalize(),
-            },
+            }
         }
     }
 }

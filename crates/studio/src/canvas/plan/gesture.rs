@@ -173,9 +173,10 @@ fn dragged(
 ) -> Option<Edit> {
     let board = item.board()?;
     let parts = vec![item.part];
-    let step = match is_snapped {
-        true => ANGLE_STEP,
-        false => FINE_ANGLE_STEP,
+    let step = if is_snapped {
+        ANGLE_STEP
+    } else {
+        FINE_ANGLE_STEP
     };
     match handle {
         PlanHandle::Turn => {
@@ -242,8 +243,9 @@ impl WrittenPose {
 fn rounded(value: f64, step: f64) -> f64 {
     // The quotient by a reciprocal is exact where the product is not: 0.1 × 3.
     let per_unit = (1.0 / step).round();
-    match per_unit >= 1.0 {
-        true => (value * per_unit).round() / per_unit,
-        false => (value / step).round() * step,
+    if per_unit >= 1.0 {
+        (value * per_unit).round() / per_unit
+    } else {
+        (value / step).round() * step
     }
 }

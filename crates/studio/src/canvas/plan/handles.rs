@@ -136,9 +136,10 @@ pub fn bend_curve(board: &PlanBoard, view: PlanView, radius_mm: f32) -> Vec<Vec2
     };
     // A board at the distance of its radius moves with it.
     let old = drawn_radius_mm(board.shape).unwrap_or(radius_mm);
-    let moved = match board.is_at_radius {
-        true => forward(board) * ((radius_mm - old) / 1e3),
-        false => Vec3::ZERO,
+    let moved = if board.is_at_radius {
+        forward(board) * ((radius_mm - old) / 1e3)
+    } else {
+        Vec3::ZERO
     };
     let curve = bend::curve(radius_mm, half).into_iter();
     let points = curve.map(|at| match board.shape {
@@ -167,9 +168,10 @@ pub fn radius_at(board: &PlanBoard, view: PlanView, point: Vec2) -> f32 {
     let (mut low, mut high) = ((best / ratio).max(low), (best * ratio).min(high));
     for _ in 0..30 {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        match distance(a) < distance(b) {
-            true => high = b,
-            false => low = a,
+        if distance(a) < distance(b) {
+            high = b;
+        } else {
+            low = a;
         }
     }
     (low + high) / 2.0

@@ -60,9 +60,10 @@ fn drag(editor: &mut LayoutEditor, view: PlanView, from: Vec2, to: &[Vec2], snap
     let mut is_begun = false;
     for point in to {
         if let Some(edit) = gesture.change(view, *point, snap).edit {
-            let edited = match is_begun {
-                true => editor.amend(&edit),
-                false => editor.apply(&edit),
+            let edited = if is_begun {
+                editor.amend(&edit)
+            } else {
+                editor.apply(&edit)
             };
             edited.unwrap();
             is_begun = true;

@@ -266,9 +266,10 @@ impl EditorPanel {
 
     /// Shows the whole board, or all of the plan.
     fn show_all(&mut self) {
-        match self.plan.is_open {
-            true => self.show_all_in_plan(),
-            false => self.viewport = None,
+        if self.plan.is_open {
+            self.show_all_in_plan();
+        } else {
+            self.viewport = None;
         }
     }
 
@@ -412,10 +413,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
         });
     panel.update_items();
     let frame = egui::Frame::NONE;
-    egui::CentralPanel::default()
-        .frame(frame)
-        .show(ui, |ui| match panel.plan.is_open {
-            true => plan::show(ui, panel, context),
-            false => canvas::show(ui, panel, context),
-        });
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+        if panel.plan.is_open {
+            plan::show(ui, panel, context);
+        } else {
+            canvas::show(ui, panel, context);
+        }
+    });
 }

@@ -115,9 +115,10 @@ impl EditorPanel {
     /// Returns `true` if Escape has an effect.
     pub(super) fn can_escape(&self) -> bool {
         let plan = &self.plan;
-        match plan.is_open {
-            true => plan.drag.is_some() || !self.editor.selection().is_empty(),
-            false => plan.is_left || !self.selected.is_empty(),
+        if plan.is_open {
+            plan.drag.is_some() || !self.editor.selection().is_empty()
+        } else {
+            plan.is_left || !self.selected.is_empty()
         }
     }
 
@@ -304,12 +305,13 @@ fn handle_mouse(
             panel.end_drag();
             return;
         }
-        let snap = match panel.snaps && !modifiers.alt {
-            true => SnapSettings {
+        let snap = if panel.snaps && !modifiers.alt {
+            SnapSettings {
                 grid_mm: panel.grid_mm,
                 reach_mm: SNAP_REACH / scale,
-            },
-            false => SnapSettings::OFF,
+            }
+        } else {
+            SnapSettings::OFF
         };
         let selected = drag.gesture.selected(&panel.plan.plan, view, point);
         let change = drag.gesture.change(view, point, snap);
@@ -364,9 +366,10 @@ fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, (point, scale): (Vec2, f32)) {
 }
 
 fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Viewport)) {
-    let colors = match ui.visuals().dark_mode {
-        true => SceneColors::DARK,
-        false => SceneColors::LIGHT,
+    let colors = if ui.visuals().dark_mode {
+        SceneColors::DARK
+    } else {
+        SceneColors::LIGHT
     };
     let size = Vec2::new(area.width(), area.height());
     let painter = ui.painter_at(area);

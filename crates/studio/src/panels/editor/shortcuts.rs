@@ -47,11 +47,12 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         panel.zoom_to_selection();
     }
     handle_clipboard(ui, panel);
-    let has_selection = match panel.plan.is_open {
-        true => !panel.editor.selection().is_empty(),
-        false => !panel.selected.is_empty(),
+    let is_nothing_selected = if panel.plan.is_open {
+        panel.editor.selection().is_empty()
+    } else {
+        panel.selected.is_empty()
     };
-    if !has_selection {
+    if is_nothing_selected {
         return;
     }
     if pressed(Modifiers::NONE, Key::Delete) {
