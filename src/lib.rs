@@ -47,6 +47,7 @@
 //!   keys and recordings.
 //! - [`setup`] reads the file that names sources, gloves, layouts and outputs, and loads what it names.
 //! - [`text`] uses the text decoder of `ademan_text` in a run: what is typed with noise is corrected at the end of a word.
+//! - [`sound`] plays a click for each press.
 //! - [`doctor`] checks the machine against a setup.
 //! - [`recorder`] writes recordings, and [`trace`] writes the results of each stage as JSON.
 //! - [`share`] gives joint angles and poses to other programs.
@@ -94,7 +95,7 @@ pub use ademan_lab::{
 
 pub use ademan_runtime::{
     advice, capture, doctor, files, message_limits, network, output, priority, recorder, session,
-    setup, share, sim, text, trace,
+    setup, share, sim, sound, text, trace,
 };
 
 #[cfg(feature = "cli")]

@@ -11,6 +11,10 @@ mod ime;
 mod music;
 #[cfg(target_os = "linux")]
 mod spacenav;
+#[cfg(all(target_os = "linux", any(feature = "sound", feature = "studio")))]
+mod sound;
+#[cfg(all(target_os = "linux", feature = "tray"))]
+mod tray;
 #[cfg(target_os = "linux")]
 mod views;
 #[cfg(target_os = "linux")]

@@ -15,6 +15,7 @@
 //! - [`text`] uses the text decoder of `ademan_text` in a run.
 //! - [`sim`] makes simulated people sources of readings.
 //! - [`recorder`] writes recordings, [`trace`] the results of each stage, and [`share`] gives them to other programs.
+//! - [`sound`] plays a click for each press.
 //! - [`doctor`] checks the machine against a setup.
 //! - `cameras`, with the feature of that name, calibrates cameras that see markers.
 //! - `layout_link`, with the feature `links`, puts a layout into a link and reads it from one.
@@ -46,5 +47,6 @@ pub mod session;
 pub mod setup;
 pub mod share;
 pub mod sim;
+pub mod sound;
 pub mod text;
 pub mod trace;

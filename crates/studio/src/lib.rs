@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`],
+//! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound`], [`tour`], [`typing`],
 //! [`settings`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
 //! # Adding a panel

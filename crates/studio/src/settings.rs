@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::camera::Camera;
 use super::recent::RecentLayouts;
 use super::texts::Language;
+use ademan_runtime::sound::DEFAULT_VOLUME;
 
 /// Range of the scale of everything in the window.
 const SCALES: (f32, f32) = (0.5, 3.0);
@@ -19,9 +20,6 @@ pub const HAND_SPEEDS: (f32, f32) = (0.25, 3.0);
 
 /// Range of the noise of its sensors.
 pub const HAND_NOISES: (f32, f32) = (0.0, 20.0);
-
-/// Volume of the clicks before it is chosen.
-const DEFAULT_VOLUME: f32 = 0.5;
 
 /// The settings. Fields that a file lacks have their defaults, so that files of other versions are read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -83,6 +83,7 @@ mod setup_args;
 mod share;
 mod signal_mask;
 mod signals;
+mod sound;
 mod source_value;
 mod sources;
 mod start;

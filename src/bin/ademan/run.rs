@@ -18,7 +18,8 @@ use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
 use crate::{
-    complete, messages, pause_signals, recording_size, release_keys, session, stats, watchdog,
+    complete, messages, pause_signals, recording_size, release_keys, session, sound, stats,
+    watchdog,
 };
 
 /// The output without any other.
@@ -50,6 +51,15 @@ pub struct Args {
     /// (see `ademan token`) or `zenoh:KEY`. May be given several times
     #[arg(long, value_name = "FORMAT:ADDRESS:PORT")]
     share: Vec<ShareTarget>,
+    /// Show an icon with the state and a menu in the tray of the desktop (Linux; needs a build with `--features tray`)
+    #[arg(long)]
+    tray: bool,
+    /// Show pauses and a lost hand or source as notifications of the desktop (Linux; needs a build with `--features tray`)
+    #[arg(long)]
+    notify: bool,
+    /// Play a click for each press, `--sound=0.8` at 0.8 of the full volume (Linux; needs a build with `--features sound`)
+    #[arg(long, value_name = "VOLUME", num_args = 0..=1, require_equals = true, default_missing_value = sound::DEFAULT, value_parser = sound::volume)]
+    sound: Option<f32>,
     /// Feedback to a LucidGloves glove: hold a finger that presses (force), vibrate on touch and press (pulse), both or off
     #[arg(long, value_name = "KIND", value_parser = haptics())]
     haptics: Option<Haptics>,
@@ -110,6 +120,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
         watch_layouts: true,
         use_panic_keys: true,
         follow_focus: true,
+        tray: args.tray || setup.tray,
+        notify: args.notify || setup.notify,
         report_status: true,
         on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
@@ -128,6 +140,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let session = session::start(setup, options)?;
     if let Some(path) = &record_to {
         recording_size::announce(path);
+    }
+    if let Some(volume) = args.sound {
+        sound::start(&session, volume)?;
     }
     report_reach(checked)?;
     pause_signals::install(session.commands().clone())?;

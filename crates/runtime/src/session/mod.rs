@@ -35,6 +35,7 @@ mod run_pipeline;
 mod sensor_link;
 mod source;
 mod status;
+mod tray;
 pub mod view;
 mod waker;
 mod write_failures;
@@ -56,6 +57,7 @@ use self::panic_keys::PanicKeysError;
 use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::{Hints, StatusLog};
+use self::tray::Tray;
 use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
 use crate::capture::{CaptureError, Haptics, Source, SourceUri};
@@ -189,8 +191,8 @@ impl Session {
         }
         let layout = Arc::new(setup.layout.clone());
         let rule = ActiveRule::new(&setup.setup.profiles_by_application);
-        let focus = match options.follow_focus && !setup.setup.profiles_by_application.is_empty() {
-            true => Some(follow_focus(&rule, &command_sender, &notices)?),
+        let focus = match options.follow_focus {
+            true => focus::watch(rule.clone(), &command_sender, notices.sender())?,
             false => None,
         };
         let share = ShareHub::start(&options.share, setup.arm.side(), layout)?;
@@ -198,7 +200,7 @@ impl Session {
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
         if let Some(control) = &mut control {
             control.serve(ServerContext {
-                profiles: profiles(&setup),
+                profiles: ProfileInfo::all(&setup),
                 commands: command_sender.clone(),
                 views: Some(hub.clone()),
                 write_failures: write_failures.clone(),
@@ -279,6 +281,8 @@ impl Session {
         for target in self.share.targets() {
             self.report_status(Notice::Sharing(*target));
         }
+        let (commands, notices) = (self.command_sender.clone(), self.notices.sender());
+        let mut tray = Tray::start(&self.options, &self.setup, commands, notices)?;
         drop(self.start_signal.take());
         let status = || StatusLog::new(has_effect);
         let mut status = self.options.report_status.then(status);
@@ -296,6 +300,9 @@ impl Session {
             if let Some(notifier) = &mut notifier {
                 notifier.notify_step(step);
                 notifier.notify_cursor(pipeline.layout());
+            }
+            if let Some(tray) = &mut tray {
+                tray.update(step, pipeline);
             }
             recordings.push(step);
             views.update(step, now, pipeline);
@@ -439,28 +446,6 @@ fn show_in_views(on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<Noti
             on_notice(notice);
         }
     }))
-}
-
-/// Names and files of the layouts of a setup.
-fn profiles(setup: &LoadedSetup) -> Vec<ProfileInfo> {
-    let layouts = setup.profile_names().zip(setup.layouts());
-    let profile = |(name, layout): (&str, &Layout)| ProfileInfo {
-        name: name.to_owned(),
-        file: layout.file.clone(),
-    };
-    layouts.map(profile).collect()
-}
-
-/// Starts the thread that activates profiles by the application with the focus.
-fn follow_focus(
-    rule: &ActiveRule,
-    commands: &CommandSender,
-    notices: &NoticeThread,
-) -> io::Result<FocusWatch> {
-    let notices = notices.sender();
-    focus::watch(rule.clone(), commands.clone(), move |reason| {
-        notices.send(Notice::FocusUnknown(reason));
-    })
 }
 
 fn start_layout_manager(

@@ -102,8 +102,8 @@ pub enum Notice {
     HandFound(Side),
     /// The watchdog exited unexpectedly or does not respond.
     WatchdogLost,
-    /// The application with the focus is not known from then on, for this reason.
-    FocusUnknown(String),
+    /// The tray, notifications or the application with the focus are not available, for this reason.
+    DesktopFailed(String),
     /// A file that the session writes is incomplete, for this reason.
     FileIncomplete(String),
     /// Outcome of a change to a layout.
@@ -206,11 +206,7 @@ impl fmt::Display for Notice {
             Self::WatchdogLost => {
                 f.write_str("the watchdog exited or hangs: everything is released")
             }
-            Self::FocusUnknown(reason) => write!(
-                f,
-                "the active profile stays, as `profiles_by_application` has no effect: {}",
-                escape_line(reason)
-            ),
+            Self::DesktopFailed(reason) => f.write_str(&escape_line(reason)),
             Self::FileIncomplete(reason) => write!(f, "{reason}; the session goes on without it"),
             Self::Layout(report) => report.fmt(f),
             Self::SimulatedHand(message) => f.write_str(&escape_line(message)),

@@ -43,6 +43,10 @@ pub struct SessionOptions {
     pub use_panic_keys: bool,
     /// Activates profiles by the `profiles_by_application` of the setup.
     pub follow_focus: bool,
+    /// Shows an icon in the tray of the desktop.
+    pub tray: bool,
+    /// Shows pauses and losses as notifications of the desktop.
+    pub notify: bool,
     /// Reports changes of state and losses of readings as notices.
     pub report_status: bool,
     /// Delays the session when the snapshot channel is full, instead of dropping snapshots.
@@ -99,6 +103,8 @@ impl fmt::Debug for SessionOptions {
             .field("watch_layouts", &self.watch_layouts)
             .field("use_panic_keys", &self.use_panic_keys)
             .field("follow_focus", &self.follow_focus)
+            .field("tray", &self.tray)
+            .field("notify", &self.notify)
             .field("report_status", &self.report_status)
             .field("lossless_snapshots", &self.lossless_snapshots)
             .finish_non_exhaustive()

@@ -79,6 +79,10 @@ schema! {
         pub output: String,
         /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. A recording's are not used.
         pub share: Vec<ShareTarget>,
+        /// A run shows an icon with its state and a menu in the tray of the desktop.
+        pub tray: bool,
+        /// A run shows pauses and losses as notifications of the desktop.
+        pub notify: bool,
         /// Feedback to the gloves while a session runs, when a finger touches or presses.
         pub haptics: Haptics,
         /// The text decoder. Without one, keys type what they say, and nothing is spent on it.
@@ -285,6 +289,8 @@ impl Default for Setup {
             profiles_by_application: Vec::new(),
             output: "transcript".into(),
             share: Vec::new(),
+            tray: false,
+            notify: false,
             haptics: Haptics::Off,
             text: None,
             smoothing: SmoothingSetup::Default,

@@ -27,6 +27,8 @@ mod watch_client;
 use std::path::{Path, PathBuf};
 
 use crate::output::socket::{self, SocketError};
+use crate::setup::LoadedSetup;
+use ademan_core::layout::Layout;
 use ademan_core::message::{escape_line, escape_path};
 
 pub use client::Client;
@@ -42,6 +44,18 @@ pub struct ProfileInfo {
     pub name: String,
     /// Path of the layout file, or the name of a shipped layout.
     pub file: String,
+}
+
+impl ProfileInfo {
+    /// Returns the profiles of a setup, in order.
+    pub(super) fn all(setup: &LoadedSetup) -> Vec<Self> {
+        let layouts = setup.profile_names().zip(setup.layouts());
+        let profile = |(name, layout): (&str, &Layout)| Self {
+            name: name.to_owned(),
+            file: layout.file.clone(),
+        };
+        layouts.map(profile).collect()
+    }
 }
 
 /// An error of the control socket.

@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use super::command_channel::CommandSender;
+use super::notice::{Notice, NoticeSender};
 use super::reply::RequestError;
 use crate::setup::ApplicationProfile;
 use ademan_core::command::{Command, ProfileName};
@@ -79,16 +80,23 @@ pub(super) struct FocusWatch(
 /// Starts a thread that activates the profile of the rule for the application with the focus, and the first profile if there is no rule.
 /// A profile that another command has activated stays active until another rule holds.
 ///
-/// The thread calls `report` at most once, with the reason why it does not follow the focus from then on. The active profile stays.
+/// The thread sends at most one notice, with the reason why it does not follow the focus from then on. The active profile stays.
+/// Without rules there is no thread.
 pub(super) fn watch(
     rule: ActiveRule,
-    commands: CommandSender,
-    report: impl FnOnce(String) + Send + 'static,
-) -> io::Result<FocusWatch> {
+    commands: &CommandSender,
+    notices: NoticeSender,
+) -> io::Result<Option<FocusWatch>> {
+    if rule.rules.is_empty() {
+        return Ok(None);
+    }
+    let commands = commands.clone();
     let lost = rule.clone();
     let report = move |reason| {
         lost.index.store(NO_RULE, Ordering::Relaxed);
-        report(reason);
+        notices.send(Notice::DesktopFailed(format!(
+            "the active profile stays, as `profiles_by_application` has no effect: {reason}"
+        )));
     };
     let follow = move |names: &[String]| match rule.update(names) {
         None => true,
@@ -101,7 +109,7 @@ pub(super) fn watch(
             )
         }
     };
-    platform::watch(follow, report).map(FocusWatch)
+    platform::watch(follow, report).map(|cancel| Some(FocusWatch(cancel)))
 }
 
 /// Connects to the desktop for a moment. Returns its name and, if there is one, the rule for the application that has the focus.

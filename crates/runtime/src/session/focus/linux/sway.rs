@@ -117,8 +117,11 @@ fn messages(bytes: &[u8]) -> Result<usize, String> {
     Ok(count)
 }
 
-/// Splits the first message off: its type, its text, and the bytes after it. `None` if it is incomplete.
-fn first_message(bytes: &[u8]) -> Result<Option<(u32, &[u8], &[u8])>, String> {
+/// The type of a message, its text, and the bytes after it.
+type Message<'a> = (u32, &'a [u8], &'a [u8]);
+
+/// Splits the first message off. `None` if it is incomplete.
+fn first_message(bytes: &[u8]) -> Result<Option<Message<'_>>, String> {
     let Some((header, rest)) = bytes.split_at_checked(HEADER) else {
         return Ok(None);
     };

@@ -36,7 +36,7 @@ const fn strike(click: Click) -> Strike {
             decay_ms: 3.0,
             at_ms: &[0.0],
         },
-        // Dull and double, which no key is.
+        // Two low strikes, so that it cannot be mistaken for a key.
         Click::Suppressed => Strike {
             frequency_hz: 330.0,
             decay_ms: 6.0,

@@ -100,9 +100,9 @@ pub(super) mod tests {
     use parry3d::math::Vec2;
 
     use super::*;
+    use crate::files::Load;
     use ademan_core::contact::TargetNames;
     use ademan_core::time::Timestamp;
-    use ademan_runtime::files::Load;
 
     const TIME: Timestamp = Timestamp(0);
 

@@ -90,12 +90,12 @@ impl SoundServer {
         }))?;
         self.version = reply.version.min(MAX_VERSION);
         let mut props = Props::new();
-        props.set(Prop::ApplicationName, c"Adem\xc3\xa1n Studio");
+        props.set(Prop::ApplicationName, c"Adem\xc3\xa1n");
         self.ask::<SetClientNameReply>(&Command::SetClientName(props))?;
         Ok(())
     }
 
-    /// Uploads a click. One of the same name, of another Studio, is the same.
+    /// Uploads a click. One of the same name, of another run, is the same.
     fn upload(&mut self, click: Click) -> Result<(), ProtocolError> {
         let samples = waveform::samples(click);
         let bytes: Vec<u8> = samples.iter().flat_map(|it| it.to_le_bytes()).collect();

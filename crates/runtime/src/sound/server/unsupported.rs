@@ -1,4 +1,4 @@
-//! Systems without PulseAudio.
+//! Builds and systems without PulseAudio.
 
 use std::convert::Infallible;
 
@@ -11,9 +11,10 @@ pub struct SoundServer(Infallible);
 impl SoundServer {
     /// Fails.
     pub fn connect() -> Result<Self, SoundError> {
-        Err(SoundError::NoServer(
-            "clicks need PulseAudio or PipeWire, which Linux has".to_owned(),
-        ))
+        Err(SoundError::Unsupported(match cfg!(target_os = "linux") {
+            true => "this program was built without them; build it with `--features sound`",
+            false => "they need PulseAudio or PipeWire, which Linux has",
+        }))
     }
 
     /// Has no server to play a click on.

@@ -1,0 +1,205 @@
+//! Notifications of pauses, losses and their ends (`org.freedesktop.Notifications`), each in place of the one before.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use zbus::blocking::Connection;
+use zbus::zvariant::Value;
+
+use super::super::TrayState;
+use super::words::{Condition, condition, heading, sentence};
+
+const SERVICE: &str = "org.freedesktop.Notifications";
+const PATH: &str = "/org/freedesktop/Notifications";
+
+/// The shortest time between two notifications. Of the states meanwhile the last one is shown.
+const MIN_PERIOD: Duration = Duration::from_secs(2);
+
+/// Levels of the hint `urgency`.
+const LOW: u8 = 0;
+const NORMAL: u8 = 1;
+
+/// The time after which the desktop hides a notification; −1 for its own default.
+const DEFAULT_TIMEOUT: i32 = -1;
+
+pub struct Notifications {
+    connection: Connection,
+    pace: Pace,
+    /// The id of the notification on the screen, 0 for none.
+    id: u32,
+    has_failed: bool,
+}
+
+impl Notifications {
+    pub fn new(connection: &Connection) -> Self {
+        Self {
+            connection: connection.clone(),
+            pace: Pace::default(),
+            id: 0,
+            has_failed: false,
+        }
+    }
+
+    /// Sets the present state.
+    pub fn push(&mut self, state: TrayState) {
+        self.pace.push(state);
+    }
+
+    /// Returns the time of the next notification, if one waits.
+    pub fn due(&self) -> Option<Instant> {
+        self.pace.due()
+    }
+
+    /// Sends a notification if one is due. Of all errors, only the first one is returned.
+    pub fn send(&mut self, now: Instant) -> Result<(), String> {
+        let Some(state) = self.pace.take(now) else {
+            return Ok(());
+        };
+        match self.notify(&state) {
+            Ok(id) => {
+                self.id = id;
+                Ok(())
+            }
+            Err(_) if std::mem::replace(&mut self.has_failed, true) => Ok(()),
+            Err(error) => Err(format!("no notification is shown: {error}")),
+        }
+    }
+
+    fn notify(&self, state: &TrayState) -> zbus::Result<u32> {
+        let is_lost = condition(state) == Condition::Lost;
+        let urgency = if is_lost { NORMAL } else { LOW };
+        let hints = HashMap::from([
+            ("urgency", Value::from(urgency)),
+            ("transient", Value::from(true)),
+            ("desktop-entry", Value::from("ademan")),
+        ]);
+        let actions: Vec<&str> = Vec::new();
+        let body = (
+            "Ademán",
+            self.id,
+            super::icon::name(state),
+            heading(state),
+            sentence(state),
+            actions,
+            hints,
+            DEFAULT_TIMEOUT,
+        );
+        let reply =
+            self.connection
+                .call_method(Some(SERVICE), PATH, Some(SERVICE), "Notify", &body)?;
+        reply.body().deserialize()
+    }
+}
+
+/// Chooses the states that are shown, and their times.
+#[derive(Default)]
+struct Pace {
+    /// The last state that a person has to know of; at first that of a run that is armed, which nobody has to be told.
+    state: Option<TrayState>,
+    shown: Option<TrayState>,
+    last_taken: Option<Instant>,
+}
+
+impl Pace {
+    fn push(&mut self, state: TrayState) {
+        match condition(&state) {
+            Condition::Waiting => {}
+            Condition::Armed if self.state.is_none() => {
+                (self.state, self.shown) = (Some(state), Some(state));
+            }
+            _ => self.state = Some(state),
+        }
+    }
+
+    fn due(&self) -> Option<Instant> {
+        self.waiting()?;
+        Some(self.last_taken? + MIN_PERIOD)
+    }
+
+    /// Returns the state that reads other than the one that is shown.
+    fn waiting(&self) -> Option<TrayState> {
+        let words = |state: &TrayState| (heading(state), sentence(state));
+        let state = self.state?;
+        (self.shown.as_ref().map(words) != Some(words(&state))).then_some(state)
+    }
+
+    /// Returns the state to show, if one is due.
+    fn take(&mut self, now: Instant) -> Option<TrayState> {
+        let state = self.waiting()?;
+        if self.last_taken.is_some_and(|last| now < last + MIN_PERIOD) {
+            return None;
+        }
+        (self.shown, self.last_taken) = (Some(state), Some(now));
+        Some(state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ademan_core::command::CommandOrigin;
+    use ademan_core::pipeline::PipelineState;
+
+    const ARMED: TrayState = TrayState {
+        state: PipelineState::Running,
+        ..TrayState::STARTING
+    };
+    const DISARMED: TrayState = TrayState {
+        state: PipelineState::Paused,
+        ..TrayState::STARTING
+    };
+    const PAUSED: TrayState = TrayState {
+        paused_by: Some(CommandOrigin::Client),
+        ..DISARMED
+    };
+    const STALLED: TrayState = TrayState {
+        state: PipelineState::Stalled,
+        ..TrayState::STARTING
+    };
+
+    #[test]
+    fn the_first_arming_is_not_shown_and_of_a_burst_the_last_state_is() {
+        let mut pace = Pace::default();
+        let start = Instant::now();
+        for state in [TrayState::STARTING, DISARMED, ARMED] {
+            pace.push(state);
+            assert_eq!(pace.take(start), None, "{state:?}");
+        }
+        pace.push(PAUSED);
+        assert_eq!(pace.take(start), Some(PAUSED));
+        assert_eq!((pace.take(start), pace.due()), (None, None));
+        let (soon, later) = (start + MIN_PERIOD / 2, start + MIN_PERIOD);
+        for state in [DISARMED, ARMED, PAUSED, ARMED, STALLED] {
+            pace.push(state);
+            assert_eq!(pace.take(soon), None, "{state:?}");
+        }
+        assert_eq!(pace.due(), Some(later));
+        assert_eq!(pace.take(later), Some(STALLED));
+    }
+
+    #[test]
+    fn a_burst_that_ends_as_it_began_shows_nothing() {
+        let mut pace = Pace::default();
+        let start = Instant::now();
+        pace.push(PAUSED);
+        assert_eq!(pace.take(start), Some(PAUSED));
+        for state in [ARMED, STALLED, DISARMED, PAUSED] {
+            pace.push(state);
+        }
+        assert_eq!(
+            (pace.take(start + 2 * MIN_PERIOD), pace.due()),
+            (None, None)
+        );
+    }
+
+    #[test]
+    fn another_profile_is_no_news() {
+        let mut pace = Pace::default();
+        pace.push(ARMED);
+        pace.push(TrayState {
+            profile: 1,
+            ..ARMED
+        });
+        assert_eq!(pace.take(Instant::now()), None);
+    }
+}

@@ -1,0 +1,26 @@
+//! Builds without a bus.
+
+use std::io;
+
+use crossbeam_channel::Receiver;
+
+use super::{TraySettings, TrayState};
+use crate::session::command_channel::CommandSender;
+
+/// Reports that there is neither icon nor notification.
+pub fn start(
+    settings: TraySettings,
+    commands: CommandSender,
+    states: Receiver<TrayState>,
+    report: impl Fn(String),
+) -> io::Result<()> {
+    drop((commands, states, settings.profiles));
+    let reason = match cfg!(target_os = "linux") {
+        true => "this program was built without them; build it with `--features tray`",
+        false => "they are made for Linux",
+    };
+    if settings.has_icon || settings.notifies {
+        report(format!("neither tray nor notifications: {reason}"));
+    }
+    Ok(())
+}

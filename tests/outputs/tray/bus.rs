@@ -1,0 +1,125 @@
+//! A message bus of its own, and a desktop on it.
+
+use std::fs::{self, Permissions};
+use std::io::{ErrorKind, Write};
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{ChildStdin, Command, Stdio};
+use std::sync::{Arc, Mutex};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::process::{Process, collect_lines};
+use crate::support::x11::wait_for;
+
+/// The Python that Debian's package of GLib is for.
+const PYTHON: &str = "/usr/bin/python3";
+
+/// A `dbus-daemon` that starts no services.
+pub struct Bus {
+    folder: TempDir,
+    daemon: Process,
+}
+
+impl Bus {
+    /// Starts a bus. Returns `None` with a message if the daemon is not installed.
+    pub fn start() -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let socket = folder.path().join("bus");
+        let configuration = format!(
+            "<busconfig><type>session</type><listen>unix:path={}</listen><auth>EXTERNAL</auth>\
+             <policy context=\"default\"><allow user=\"*\"/><allow send_destination=\"*\" eavesdrop=\"true\"/><allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>",
+            socket.display()
+        );
+        let file = folder.path().join("bus.conf");
+        fs::write(&file, configuration).expect("space on the disk");
+        let mut command = Command::new("dbus-daemon");
+        command
+            .arg("--nofork")
+            .arg(format!("--config-file={}", file.display()))
+            .stderr(Stdio::null());
+        let daemon = match Process::start(&mut command) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                println!("SKIPPED: dbus-daemon is not installed");
+                return None;
+            }
+            started => started.expect("the daemon starts"),
+        };
+        assert!(wait_for(|| socket.exists()), "the daemon listens");
+        Some(Self { folder, daemon })
+    }
+
+    pub fn address(&self) -> String {
+        format!("unix:path={}/bus", self.folder.path().display())
+    }
+
+    /// Lets other users connect.
+    pub fn open_to_all(&self) {
+        let folder = self.folder.path();
+        fs::set_permissions(folder, Permissions::from_mode(0o755)).expect("an own folder");
+        fs::set_permissions(folder.join("bus"), Permissions::from_mode(0o777)).expect("own");
+    }
+
+    pub fn kill(&mut self) {
+        self.daemon.0.kill().expect("the daemon runs");
+        self.daemon.0.wait().expect("the daemon exits");
+    }
+}
+
+/// A desktop with a tray and notifications.
+pub struct Desktop {
+    process: Process,
+    stdin: ChildStdin,
+    lines: Arc<Mutex<Vec<String>>>,
+}
+
+impl Desktop {
+    /// Starts a desktop. Returns `None` with a message if Python has no GLib.
+    pub fn start(bus: &Bus) -> Option<Self> {
+        let gi = Command::new(PYTHON).args(["-c", "import gi"]).output();
+        if !gi.is_ok_and(|output| output.status.success()) {
+            println!("SKIPPED: python3-gi is not installed");
+            return None;
+        }
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/outputs/tray/desktop.py");
+        let mut command = Command::new(PYTHON);
+        command
+            .arg(script)
+            .env("DBUS_SESSION_BUS_ADDRESS", bus.address())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        let mut process = Process::start(&mut command).expect("Python starts");
+        let stdin = process.0.stdin.take().expect("stdin is piped");
+        let stdout = process.0.stdout.take().expect("stdout is piped");
+        Some(Self {
+            process,
+            stdin,
+            lines: collect_lines(stdout),
+        })
+    }
+
+    pub fn id(&self) -> u32 {
+        self.process.0.id()
+    }
+
+    /// Returns the lines that have a field.
+    pub fn lines(&self, field: &str) -> Vec<Value> {
+        let lines = self.lines.lock().expect("no panic");
+        let lines = lines.iter().map(|line| serde_json::from_str::<Value>(line));
+        let mut lines: Vec<_> = lines.map(|line| line.expect("JSON")).collect();
+        lines.retain(|line| line.get(field).is_some());
+        lines
+    }
+
+    /// Waits until the last line with a field fulfils a condition.
+    pub fn wait_for(&self, field: &str, condition: impl Fn(&Value) -> bool) {
+        let is_fulfilled = || self.lines(field).last().is_some_and(&condition);
+        assert!(wait_for(is_fulfilled), "{:#?}", self.lines(field));
+    }
+
+    /// Clicks an entry of the menu.
+    pub fn click(&mut self, label: &str) {
+        writeln!(self.stdin, "{label}").expect("the desktop reads");
+    }
+}
