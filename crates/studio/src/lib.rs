@@ -12,7 +12,7 @@
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
 //! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound`], [`tour`], [`typing`],
-//! [`settings`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
+//! [`settings`], [`setup_change`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -55,6 +55,7 @@ pub mod sensor_control;
 pub mod sensors;
 pub mod settings;
 pub mod settings_file;
+pub mod setup_change;
 pub mod shapes;
 pub mod simulated;
 pub mod sound;

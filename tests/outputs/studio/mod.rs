@@ -1,6 +1,7 @@
 //! The window of Studio on an X server that draws without a graphics card.
 
 mod bad_input;
+mod devices;
 mod overlay;
 mod safety;
 mod sound;

@@ -16,14 +16,14 @@ use crate::support::x11::{XServer, wait_for};
 ///
 /// The hand is simulated in the program: a busy machine, on which the window draws slowly, would delay a glove.
 pub(super) struct Session {
-    server: XServer,
+    pub(super) server: XServer,
     pub(super) program: Program,
     folder: TempDir,
 }
 
 impl Session {
     /// Opens the window. A transcript in the output is in a temporary folder.
-    fn start(output: &str) -> Option<Self> {
+    pub(super) fn start(output: &str) -> Option<Self> {
         Self::start_with(output, |_| {})
     }
 

@@ -9,7 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::editor::{EditedFile, canvas, drag, press};
 use crate::picture;
-use crate::window::StudioWindow;
+use crate::window::{StudioWindow, png_of};
 
 const TWO_KEYS: &str = "Layout(
     name: \"Two keys\",
@@ -193,4 +193,33 @@ fn another_layout_is_opened_in_the_window_with_its_handles() {
         model.view.layout.text.contains("volume knob")
     });
     assert_eq!(file.text(), TWO_KEYS, "the first file is as it was");
+}
+
+/// Runs the command of the palette that these words find.
+fn run_command(window: &mut StudioWindow, words: &str) {
+    press(window, egui::Modifiers::COMMAND, egui::Key::K);
+    window.harness.event(egui::Event::Text(words.to_owned()));
+    window.draw(3);
+    window.press_key(egui::Key::Enter);
+}
+
+#[test]
+fn pictures_are_written_beside_the_layout_and_never_replaced() {
+    let file = EditedFile::new("pictures.ron", TWO_KEYS);
+    let mut window = file.open();
+    run_command(&mut window, "SVG");
+    assert!(window.has_words(text("editor-exported")));
+    let svg = fs::read_to_string(file.0.with_extension("svg")).expect("a picture");
+    assert!(svg.contains("<svg"), "{svg}");
+    run_command(&mut window, "PNG");
+    let png = file.0.with_extension("png");
+    let pixels = fs::read(&png).expect("a picture");
+    assert_eq!(pixels, png_of(&svg).expect("a picture"));
+    fs::write(&png, "another").expect("a write");
+    run_command(&mut window, "PNG");
+    assert!(window.has_words(text("editor-export-exists")));
+    assert_eq!(fs::read(&png).expect("the picture"), b"another");
+    for extension in ["svg", "png"] {
+        fs::remove_file(file.0.with_extension(extension)).expect("the picture");
+    }
 }

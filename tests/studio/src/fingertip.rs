@@ -18,7 +18,7 @@ fn open(layout: &str) -> StudioWindow {
     };
     let mut window = opening.open();
     window.show_space_only();
-    window.click(text("button-fingertip"));
+    window.toggle_in_menu(text("button-fingertip"));
     wait_for_boards(&mut window);
     window.press_key(egui::Key::Num1);
     window
@@ -128,7 +128,7 @@ fn a_click_types_the_key_under_the_mouse_and_the_session_does_not() {
         window.draw_until("a release", |window| !is_pressed(window, target));
     }
     window.draw_until("the text", |window| window.has("go"));
-    window.click(text("button-fingertip"));
+    window.toggle_in_menu(text("button-fingertip"));
     let model = window.model();
     assert_ne!(model.view.state.source, "mouse");
     assert_eq!(model.view.state.typed, "", "the session has other hands");

@@ -8,6 +8,8 @@
 
 mod accessibility;
 mod calibration;
+mod changing_window;
+mod devices;
 mod editor;
 mod editor_faults;
 mod fingertip;

@@ -61,19 +61,22 @@ fn faults(window: &StudioWindow, is_covered: bool) -> Vec<String> {
 }
 
 /// Opens each part of the window in turn, draws it, and returns what is wrong with its texts.
-fn look_at_all(language: Language, theme: egui::Theme) -> Vec<String> {
+fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) -> Vec<String> {
     let opening = Opening {
         size: SIZE,
         theme,
         ..Opening::default()
     };
     let mut window = opening.open();
-    window.harness.state_mut().settings().language = Some(language);
+    let settings = window.harness.state_mut().settings();
+    settings.language = Some(language);
+    settings.has_high_contrast = has_high_contrast;
     window.draw(3);
     let mut found = Vec::new();
     let mut look = |window: &mut StudioWindow, part: &str| {
         let is_covered = part == "keys" || part.starts_with("menu");
-        let part = format!("texts-{}-{theme:?}-{part}", language.name());
+        let contrast = if has_high_contrast { "-contrast" } else { "" };
+        let part = format!("texts-{}-{theme:?}{contrast}-{part}", language.name());
         picture::draw(window, &part);
         found.extend(
             faults(window, is_covered)
@@ -98,6 +101,9 @@ fn look_at_all(language: Language, theme: egui::Theme) -> Vec<String> {
     window.click(text("workspace-calibration"));
     window.draw(3);
     look(&mut window, "calibration");
+    window.click(text("workspace-lab"));
+    window.draw(3);
+    look(&mut window, "lab");
     found
 }
 
@@ -105,8 +111,12 @@ fn look_at_all(language: Language, theme: egui::Theme) -> Vec<String> {
 fn no_text_is_clipped_or_lies_over_another() {
     let mut found = Vec::new();
     for language in Language::ALL {
-        for theme in [egui::Theme::Dark, egui::Theme::Light] {
-            found.extend(look_at_all(language, theme));
+        for (theme, has_high_contrast) in [
+            (egui::Theme::Dark, false),
+            (egui::Theme::Light, false),
+            (egui::Theme::Light, true),
+        ] {
+            found.extend(look_at_all(language, theme, has_high_contrast));
         }
     }
     texts::set_language(Language::English);

@@ -1,7 +1,9 @@
 //! The toolbar: commands to the session, and panels that are hidden and shown.
 
-use ademan::studio::texts::text;
+use ademan::studio::texts::{self, Language, text};
+use egui_kittest::kittest::Queryable;
 
+use crate::changing_window::ChangingWindow;
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
@@ -62,6 +64,29 @@ fn toolbar_and_status_line_are_as_reviewed() {
     });
     let toolbar = frame.with_max_y(workspace.min.y);
     picture::compare(&mut window, "studio-toolbar", toolbar);
+}
+
+#[test]
+fn the_toolbar_has_one_row_in_both_languages() {
+    for language in Language::ALL {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut window = ChangingWindow::open("arrows", &folder.path().join("studio.ron"));
+        window.app().settings().language = Some(language);
+        window.draw();
+        texts::set_language(language);
+        window.picture(&format!("toolbar-{}", language.name()));
+        let middle = |window: &ChangingWindow, name| {
+            let mut found = window.harness.get_all_by_label(text(name));
+            found.next().expect("a button").rect().center()
+        };
+        let first = middle(&window, "workspace-hand");
+        for name in ["menu-devices", "menu-view", "menu-settings", "menu-help"] {
+            let own = middle(&window, name);
+            assert_eq!(own.y, first.y, "{}: {name}", language.name());
+            assert!(own.x > first.x && own.x < 1280.0, "{name}: {own}");
+        }
+    }
+    texts::set_language(Language::English);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The owner's end of a session.
 
 use std::panic::resume_unwind;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Receiver, Sender, bounded, never};
@@ -24,8 +24,10 @@ pub struct SessionHandle {
     views: ViewHub,
     sensors: Arc<SensorLink>,
     trial: Option<LayoutTrial>,
-    /// Disconnected once the outputs are open.
+    /// Receives a signal once the outputs are open, and is disconnected if the session ends before.
     started: Receiver<()>,
+    /// What has become of the start.
+    has_started: OnceLock<bool>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
 }
 
@@ -42,7 +44,7 @@ impl SessionHandle {
         sensors: SensorLink,
     ) -> Result<Self, SessionError> {
         let thread = thread::Builder::new().name("session".into());
-        let (sender, started) = bounded(0);
+        let (sender, started) = bounded(1);
         session.start_signal = Some(sender);
         let trial = session.commands.layouts().map(|link| link.trial().clone());
         Ok(Self {
@@ -52,6 +54,7 @@ impl SessionHandle {
             sensors: Arc::new(sensors),
             trial,
             started,
+            has_started: OnceLock::new(),
             thread: Some(thread.spawn(move || session.run())?),
         })
     }
@@ -83,10 +86,10 @@ impl SessionHandle {
     }
 
     /// Waits until the source and the outputs are open, or the session has ended. A compositor takes some tenths of a
-    /// second; readings that a simulated hand sends before are dropped.
-    pub fn wait_until_started(&self) {
-        // Nothing is ever sent: the error is the signal.
-        let _ = self.started.recv();
+    /// second; readings that a simulated hand sends before are dropped. Returns `false` if it has ended before they were open.
+    pub fn wait_until_started(&self) -> bool {
+        let wait = || self.started.recv().is_ok();
+        *self.has_started.get_or_init(wait)
     }
 
     /// Waits for the end of the session.

@@ -147,7 +147,7 @@ pub struct Session {
     snapshots: Option<Sender<Snapshot>>,
     views: ViewPublisher,
     view_hub: ViewHub,
-    /// Dropped once the outputs are open.
+    /// Sends once the outputs are open.
     start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
     control: Option<ControlServer>,
@@ -283,7 +283,10 @@ impl Session {
         }
         let (commands, notices) = (self.command_sender.clone(), self.notices.sender());
         let mut tray = Tray::start(&self.options, &self.setup, commands, notices)?;
-        drop(self.start_signal.take());
+        if let Some(signal) = self.start_signal.take() {
+            // The owner may have dropped its end.
+            let _ = signal.send(());
+        }
         let status = || StatusLog::new(has_effect);
         let mut status = self.options.report_status.then(status);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);

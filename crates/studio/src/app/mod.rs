@@ -17,11 +17,12 @@ use crate::first_start::{Answers, FirstStart};
 use crate::headset::HeadsetLink;
 use crate::lab::WatchedPerson;
 use crate::model::StudioModel;
-use crate::panels::{self, PanelContext, PanelState, WatchChange};
+use crate::panels::{self, DrawPng, PanelContext, PanelState, WatchChange};
 use crate::playback::Player;
 use crate::sensor_control::SensorControl;
 use crate::settings::Settings;
 use crate::settings_file::SettingsFile;
+use crate::setup_change::SetupChange;
 use crate::simulated::HandControl;
 use crate::sound::Sound;
 use ademan_core::command::Command;
@@ -45,8 +46,9 @@ pub struct StudioApp {
     fingertip: Option<Fingertip>,
     /// The simulated hand that is the source of the session.
     hand: Option<HandControl>,
-    /// Another layout can be opened in a session of its own.
+    /// Another setup can be opened in a session of its own.
     can_open: bool,
+    draw_png: Option<DrawPng>,
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
@@ -91,6 +93,7 @@ impl StudioApp {
             fingertip: None,
             hand: None,
             can_open: false,
+            draw_png: None,
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
@@ -137,6 +140,13 @@ impl StudioApp {
         self
     }
 
+    /// Exports layouts as pictures of pixels, too.
+    #[must_use]
+    pub fn with_png(mut self, draw: DrawPng) -> Self {
+        self.draw_png = Some(draw);
+        self
+    }
+
     /// Returns the settings, which are written when they change: by panels and by other windows of Studio.
     pub fn settings(&mut self) -> &mut Settings {
         self.panels.settings()
@@ -170,6 +180,13 @@ impl StudioApp {
         self
     }
 
+    /// Says why a change of the setup does not apply, so that this program is on the setup before.
+    #[must_use]
+    pub fn with_refusal(mut self, reason: String) -> Self {
+        self.panels.refuse(reason);
+        self
+    }
+
     /// Draws the limbs of an arm file, if it has any, in place of skin.
     #[must_use]
     pub fn with_arm(mut self, document: Option<&Document>) -> Self {
@@ -200,6 +217,7 @@ impl StudioApp {
             is_replay: self.player.is_some(),
             has_hand: self.hand.is_some(),
             can_open: self.can_open,
+            draw_png: self.draw_png,
             sensors: &mut self.sensors,
             trial: self.trial.as_ref(),
             sent: &mut sent,
@@ -350,8 +368,8 @@ impl StudioApp {
 pub enum SessionRequest<'a> {
     /// A session with the answers of the first start.
     First(&'a Answers),
-    /// A session on another layout in place of the present one, and whether it starts paused, as the present one is.
-    Layout(&'a str, bool),
+    /// A session with a changed setup in place of the present one, and whether it starts paused, as the present one is.
+    Change(&'a SetupChange, bool),
 }
 
 /// Starts a session and returns the program for it, or the reason why there is none.
@@ -365,7 +383,7 @@ pub struct StudioStart<'a> {
 }
 
 impl<'a> StudioStart<'a> {
-    /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for other layouts.
+    /// Shows the pages of the first start, and then the program that `open` returns for the answers, and for changes of the setup.
     pub fn first(
         first: FirstStart,
         open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
@@ -377,8 +395,8 @@ impl<'a> StudioStart<'a> {
         }
     }
 
-    /// Shows a program, and then those that `open` returns for other layouts.
-    pub fn with_layouts(
+    /// Shows a program, and then those that `open` returns for changes of the setup.
+    pub fn with_changes(
         mut app: StudioApp,
         open: impl FnMut(SessionRequest) -> Result<StudioApp, String> + 'a,
     ) -> Self {
@@ -399,7 +417,7 @@ impl<'a> StudioStart<'a> {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         if let Some(app) = &mut self.app {
             app.show(ui);
-            self.open_layout();
+            self.change_setup();
             return;
         }
         let (Some(first), Some(open)) = (&mut self.first, &mut self.open) else {
@@ -422,25 +440,26 @@ impl<'a> StudioStart<'a> {
         }
     }
 
-    /// Replaces the program by one on the layout that was chosen, if any. Without it the present one stays.
-    fn open_layout(&mut self) {
+    /// Replaces the program by one with the change that was chosen, if any. Without it the present one stays.
+    fn change_setup(&mut self) {
         let (Some(app), Some(open)) = (&mut self.app, &mut self.open) else {
             return;
         };
-        let Some(layout) = app.panels.next_layout.take() else {
+        let Some(change) = app.panels.next_setup.take() else {
             return;
         };
         // The next program reads them.
         let saved = app.settings_file.save(app.panels.settings());
         let is_paused = app.model.view.state.paused_by.is_some();
-        let opened = open(SessionRequest::Layout(&layout, is_paused));
+        let opened = open(SessionRequest::Change(&change, is_paused));
         match (saved.map_err(|error| error.to_string()), opened) {
             (saved, Ok(mut other)) => {
                 other.can_open = true;
+                other.panels.keep_devices(&mut app.panels);
                 other.panels.message = saved.err().or(other.panels.message);
                 self.app = Some(other);
             }
-            (_, Err(reason)) => app.panels.message = Some(reason),
+            (_, Err(reason)) => app.panels.refuse(reason),
         }
     }
 }

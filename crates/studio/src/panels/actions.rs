@@ -20,6 +20,7 @@ pub(super) enum Action {
     Trails,
     Reach,
     Fingertip,
+    Devices,
     Show(PanelKind),
     NextPanel,
     PreviousPanel,
@@ -63,7 +64,7 @@ const fn plain(key: Key) -> (Modifiers, Key) {
 }
 
 /// All actions. A shortcut with more modifiers stands before one with fewer.
-pub(super) const ACTIONS: [ActionSpec; 16] = [
+pub(super) const ACTIONS: [ActionSpec; 17] = [
     spec(Action::Pause, plain(Key::P), "button-pause", "hint-pause"),
     spec(
         Action::Recenter,
@@ -100,6 +101,12 @@ pub(super) const ACTIONS: [ActionSpec; 16] = [
         "button-fingertip",
         "hint-fingertip",
     ),
+    global(spec(
+        Action::Devices,
+        plain(Key::F9),
+        "menu-devices",
+        "devices-hint",
+    )),
     global(spec(
         Action::Show(PanelKind::Sensors),
         plain(Key::F7),
@@ -165,6 +172,9 @@ impl Action {
         if self == Self::Fingertip {
             return context.player.is_none() && !context.session.has_ended;
         }
+        if self == Self::Devices {
+            return context.can_open;
+        }
         let is_command = matches!(self, Self::Pause | Self::Recenter | Self::Zero);
         !is_command || (!context.session.has_ended && !context.is_replay)
     }
@@ -184,6 +194,7 @@ impl Action {
             Self::Trails => state.scene.trails = !state.scene.trails,
             Self::Reach => state.scene.reach = !state.scene.reach,
             Self::Fingertip => state.is_fingertip = !state.is_fingertip,
+            Self::Devices => state.devices.toggle(),
             Self::Show(kind) => state.shown[kind as usize] = !state.shown[kind as usize],
             Self::NextPanel => move_focus(ui, state, 1),
             Self::PreviousPanel => move_focus(ui, state, -1),

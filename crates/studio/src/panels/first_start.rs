@@ -103,7 +103,7 @@ fn show_sources(ui: &mut egui::Ui, first: &mut FirstStart) {
 }
 
 /// Returns what was heard on a port.
-fn words_of(port: &Port) -> String {
+pub(super) fn words_of(port: &Port) -> String {
     let name = ("port", escape(&port.name).into_owned().into());
     match &port.heard {
         None => text_with("first-listening", &[name]),
@@ -120,7 +120,7 @@ fn words_of(port: &Port) -> String {
 }
 
 /// Returns the protocol of a source and its address.
-fn name_of(source: &SourceUri) -> String {
+pub(super) fn name_of(source: &SourceUri) -> String {
     let title = source.protocol().map(|protocol| protocol.title());
     let source = source.to_string();
     format!("{} ({})", title.unwrap_or_default(), escape(&source))

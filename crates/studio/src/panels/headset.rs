@@ -80,7 +80,7 @@ pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelCon
                     ui.add_space(6.0);
                     show_link(ui, window);
                     ui.add_space(10.0);
-                    show_consent(ui, context.sent);
+                    show_consent(ui, "headset-keys", context.sent);
                 });
             });
         });
@@ -102,9 +102,10 @@ fn show_link(ui: &mut egui::Ui, window: &mut HeadsetWindow) {
     }
 }
 
-/// Draws the buttons of the person at the computer, who alone may let the headset press keys.
-fn show_consent(ui: &mut egui::Ui, sent: &mut Vec<Command>) {
-    ui.label(text("headset-keys"));
+/// Draws the buttons of the person at the computer, who alone may let sources on the network press keys, below `words`, the key of a
+/// text.
+pub(super) fn show_consent(ui: &mut egui::Ui, words: &'static str, sent: &mut Vec<Command>) {
+    ui.label(text(words));
     ui.horizontal(|ui| {
         for (name, hint, command) in [
             ("headset-allow", "headset-allow-hint", Command::AllowKeys),

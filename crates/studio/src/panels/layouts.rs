@@ -7,6 +7,7 @@ use eframe::egui::{self, PopupCloseBehavior};
 
 use super::{PanelState, file_field};
 use crate::first_start::LAYOUTS;
+use crate::setup_change::SetupChange;
 use crate::texts::{text, text_with};
 use ademan_core::message::escape;
 
@@ -16,7 +17,7 @@ const WIDTH: f32 = 320.0;
 /// Height of the list of layouts that come with the program, in points.
 const HEIGHT: f32 = 300.0;
 
-/// Shows the menu. A choice becomes [`PanelState::next_layout`].
+/// Shows the menu. A choice becomes [`PanelState::next_setup`].
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let menu = MenuButton::new(text("menu-open")).config(stays);
@@ -33,8 +34,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState) {
                 )
             })
             .or_else(|| show_shipped(ui));
-        if chosen.is_some() {
-            state.next_layout = chosen;
+        if let Some(layout) = chosen {
+            state.next_setup = Some(SetupChange::Layout(layout));
             ui.close();
         }
     });

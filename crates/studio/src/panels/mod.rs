@@ -2,6 +2,7 @@
 
 mod actions;
 mod calibration;
+mod devices;
 mod editor;
 mod file_field;
 mod first_start;
@@ -19,10 +20,12 @@ mod space;
 mod status;
 mod toolbar;
 
+use std::mem;
 use std::path::PathBuf;
 
 use eframe::egui;
 
+use self::devices::DevicesWindow;
 use self::editor::EditorPanel;
 use self::lab::LabState;
 use self::recording::RecordingState;
@@ -36,6 +39,7 @@ use super::playback::{Move, Player};
 use super::scene::{SceneColors, SceneOptions};
 use super::sensor_control::SensorControl;
 use super::settings::{CameraPlace, Settings, Theme};
+use super::setup_change::SetupChange;
 use super::texts::text;
 use super::tour::Tour;
 use ademan_core::command::Command;
@@ -49,6 +53,9 @@ pub use self::fonts::fonts;
 pub use self::lab::WatchChange;
 pub use self::space::{color32, paint};
 
+/// Draws an SVG document as a PNG picture, or returns the reason why it cannot.
+pub type DrawPng = fn(&str) -> Result<Vec<u8>, String>;
+
 /// The state of the session, and commands to it, for a panel.
 pub struct PanelContext<'a> {
     /// The state to show: of the session, of a recording, of a person of the lab, or of the mouse as a fingertip.
@@ -59,8 +66,10 @@ pub struct PanelContext<'a> {
     pub is_replay: bool,
     /// The source is a simulated hand that can be changed.
     pub has_hand: bool,
-    /// Another layout can be opened in a session of its own.
+    /// Another setup can be opened in a session of its own.
     pub can_open: bool,
+    /// Makes pictures of pixels, if the program can.
+    pub draw_png: Option<DrawPng>,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording is shown.
@@ -132,8 +141,10 @@ pub struct PanelState {
     person_file: String,
     /// The words in the field for the file of a layout.
     layout_file: String,
-    /// The layout that was chosen, which a new session has.
-    pub next_layout: Option<String>,
+    /// The window of the devices.
+    devices: DevicesWindow,
+    /// The change of the setup that was chosen, which the next session has.
+    pub next_setup: Option<SetupChange>,
     /// Theme and contrast that the window has.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
@@ -187,7 +198,8 @@ impl Default for PanelState {
             settings: Settings::default(),
             person_file: String::new(),
             layout_file: String::new(),
-            next_layout: None,
+            devices: DevicesWindow::default(),
+            next_setup: None,
             applied_look: None,
             tour: Tour::default(),
             shows_keys: false,
@@ -278,6 +290,18 @@ impl PanelState {
         self.workspace = Workspace::Calibration;
     }
 
+    /// Says why a change of the setup does not apply.
+    pub fn refuse(&mut self, reason: String) {
+        self.devices.error = Some(reason.clone());
+        self.message = Some(reason);
+    }
+
+    /// Keeps the window of the devices of the session before, and what it shows.
+    pub fn keep_devices(&mut self, before: &mut Self) {
+        let error = self.devices.error.take();
+        self.devices = mem::take(&mut before.devices).after_change(error);
+    }
+
     /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.
     pub fn permit_close(&mut self) {
         if let Some(Ok(editor)) = &mut self.editor {
@@ -331,6 +355,9 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     }
     help::show(ui, state);
     headset::show(ui, state, context);
+    if context.can_open {
+        devices::show(ui, state, context);
+    }
     if let Some(Ok(panel)) = &state.editor
         && let Some(path) = panel.editor.path()
     {

@@ -1,4 +1,4 @@
-//! The toolbar: commands to the session, camera positions, and menus.
+//! The toolbar: commands to the session, and menus, in one row of a window of 1280 points.
 
 use eframe::egui;
 
@@ -35,17 +35,9 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
             }
             ui.separator();
         }
-        if state.workspace == Workspace::Hand {
-            for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
-                show_button(ui, Action::Look(viewpoint), state, context);
-            }
-            if !context.is_replay {
-                show_button(ui, Action::Fingertip, state, context);
-            }
-            ui.separator();
-        }
         if context.can_open {
             layouts::show(ui, state);
+            show_button(ui, Action::Devices, state, context);
         }
         if context.has_hand {
             hand::show(ui, state);
@@ -65,7 +57,7 @@ fn show_button(
 ) {
     let name = action.name(context.session);
     let mut button = match action {
-        Action::Fingertip => egui::Button::selectable(state.is_fingertip, name),
+        Action::Devices => egui::Button::selectable(state.devices.is_open(), name),
         _ => egui::Button::new(name),
     };
     if action == Action::Pause {
@@ -80,6 +72,10 @@ fn show_button(
 }
 
 fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+        show_button(ui, Action::Look(viewpoint), state, context);
+    }
+    ui.separator();
     for spec in &ACTIONS {
         let mut is_on = match spec.action {
             Action::Show(kind) => state.shown[kind as usize],
@@ -87,9 +83,12 @@ fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Panel
             Action::Opaque => state.scene.opaque,
             Action::Trails => state.scene.trails,
             Action::Reach => state.scene.reach,
+            Action::Fingertip => state.is_fingertip,
             _ => continue,
         };
-        let response = ui.checkbox(&mut is_on, text(spec.name));
+        let is_enabled = spec.action.is_enabled(context);
+        let check_box = egui::Checkbox::new(&mut is_on, text(spec.name));
+        let response = ui.add_enabled(is_enabled, check_box);
         if response.on_hover_text(spec.keys(ui.ctx())).changed() {
             spec.action.perform(ui.ctx(), state, context);
         }

@@ -1,7 +1,7 @@
 //! `ademan layout show`: a layout in the terminal, or as a picture in a file.
 
 mod json;
-mod png;
+pub mod png;
 
 use std::fs;
 use std::io::{self, Write};

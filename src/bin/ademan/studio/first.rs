@@ -16,6 +16,7 @@ use super::sessions::Sessions;
 use super::window::{NO_OUTPUT, end, language, live_app, live_options, start};
 use super::{Args, source};
 use crate::failure::Failure;
+use crate::root_args::RootArgs;
 use crate::{panics, session, signals};
 
 /// Returns whether nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
@@ -32,10 +33,10 @@ pub fn is_first(args: &Args) -> bool {
 }
 
 /// Shows the pages, and then the session, in one window.
-pub fn open() -> Result<(), Failure> {
+pub fn open(root: RootArgs) -> Result<(), Failure> {
     session::prepare()?;
     texts::set_language(language());
-    let sessions = Sessions::new(Setup::default(), None);
+    let sessions = Sessions::new(Setup::default(), None, root);
     let shown = panics::contain(|| {
         let first = FirstStart::new(Search::of_this_machine());
         let content = StudioStart::first(first, |request| sessions.open(request));

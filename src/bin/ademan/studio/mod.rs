@@ -43,7 +43,7 @@ use crate::source_value::{self, SourceValue};
 /// Watch a hand, its boards and its sensors in a window
 #[derive(Clone, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand plays the layout in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand plays the layout in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output, or one is chosen in the window. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it

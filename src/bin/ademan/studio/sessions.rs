@@ -1,29 +1,37 @@
-//! The session of the window, which is replaced by another one on another layout.
+//! The session of the window, which is replaced by another one when the setup changes.
 
 use std::cell::RefCell;
 
+use ademan::capture::{self, SourceUri};
 use ademan::command::Command;
-use ademan::session::SessionHandle;
-use ademan::setup::Setup;
+use ademan::message::escape;
+use ademan::output;
+use ademan::session::{SessionHandle, SessionOptions};
+use ademan::setup::{LoadedSetup, Setup};
 use ademan::studio::first_start::Answers;
+use ademan::studio::setup_change::SetupChange;
+use ademan::studio::simulated::HandControl;
 use ademan::studio::{SessionRequest, StudioApp, StudioError};
 
 use super::window::{NO_OUTPUT, live_app, live_options, start};
 use super::{first, headset_link, source};
 use crate::failure::Failure;
+use crate::root_args::RootArgs;
 
 /// The setup of the window as it was named, and its session, unless that has not started or has ended.
 pub struct Sessions {
     setup: RefCell<Setup>,
     running: RefCell<Option<SessionHandle>>,
+    root: RootArgs,
 }
 
 impl Sessions {
     /// Creates the sessions of a setup, of which one may run.
-    pub fn new(setup: Setup, running: Option<SessionHandle>) -> Self {
+    pub fn new(setup: Setup, running: Option<SessionHandle>, root: RootArgs) -> Self {
         Self {
             setup: RefCell::new(setup),
             running: RefCell::new(running),
+            root,
         }
     }
 
@@ -44,7 +52,7 @@ impl Sessions {
     pub fn open(&self, request: SessionRequest) -> Result<StudioApp, String> {
         let opened = match request {
             SessionRequest::First(answers) => self.open_first(answers),
-            SessionRequest::Layout(layout, is_paused) => self.open_layout(layout, is_paused),
+            SessionRequest::Change(change, is_paused) => self.change(change, is_paused),
         };
         opened.map_err(|failure| failure.to_string())
     }
@@ -59,34 +67,192 @@ impl Sessions {
         Ok(app)
     }
 
-    /// Starts a session on another layout. The present session goes on if the layout cannot be used; otherwise it ends, with everything
-    /// released, before the other one starts.
-    fn open_layout(&self, layout: &str, is_paused: bool) -> Result<StudioApp, Failure> {
-        let setup = Setup {
-            layout: layout.to_owned(),
-            ..self.setup.borrow().clone()
+    /// Starts a session with a change of the setup. The present session goes on if a check finds that the change cannot be used;
+    /// otherwise it ends, with everything released, before the other one starts. If that fails, a session on the setup before starts,
+    /// which shows the reason.
+    fn change(&self, change: &SetupChange, is_paused: bool) -> Result<StudioApp, Failure> {
+        let before = self.setup.borrow().clone();
+        let mut setup = change.apply(before.clone())?;
+        setup.use_token_roles()?;
+        let needs_resume = change.needs_resume(&setup);
+        let next = Next::load(setup)?;
+        next.check_devices(&before)?;
+        self.root.check(output::has_effect(&next.base.output))?;
+        self.end_present();
+        let failure = match self.begin(next, is_paused || needs_resume) {
+            Ok(app) => return Ok(app),
+            Err(failure) => failure,
         };
-        let mut options = live_options();
-        let (loaded, hand) = source::load(setup.clone(), &mut options)?;
-        let arm = loaded.arm_document().cloned();
-        let headset = headset_link(&loaded)?;
-        if let Some(session) = self.take() {
-            // A session that has ended receives nothing.
-            let _ = session.commands().send(Command::Stop);
-            session.join()?;
+        let app = self.begin(Next::load(before)?, is_paused)?;
+        Ok(app.with_refusal(failure.to_string()))
+    }
+
+    /// Ends the session, if it has not ended, and releases everything.
+    fn end_present(&self) {
+        let Some(session) = self.take() else {
+            return;
+        };
+        // A session that has ended receives nothing.
+        let _ = session.commands().send(Command::Stop);
+        if let Err(error) = session.join() {
+            complain!("{error}");
         }
-        let session = start(loaded, options)?;
+    }
+
+    fn begin(&self, next: Next, is_paused: bool) -> Result<StudioApp, Failure> {
+        let arm = next.loaded.arm_document().cloned();
+        let headset = headset_link(&next.loaded)?;
+        let session = start(next.loaded, next.options)?;
         if is_paused {
             // Before it is armed, which takes a hand that is clear of every key.
             let _ = session.commands().send(Command::Pause);
         }
-        let app = live_app(&session, hand).map_err(|error| Failure::job(error.to_string()))?;
-        self.replace(setup, session);
+        if !session.wait_until_started() {
+            session.join()?;
+            return Err(Failure::job(StudioError::Ended.to_string()));
+        }
+        let app = live_app(&session, next.hand).map_err(|error| Failure::job(error.to_string()))?;
+        self.replace(next.base, session);
         Ok(app.with_arm(arm.as_ref()).with_headset(headset))
     }
 
     fn replace(&self, setup: Setup, session: SessionHandle) {
         *self.setup.borrow_mut() = setup;
         *self.running.borrow_mut() = Some(session);
+    }
+}
+
+/// A setup whose files are loaded, for the next session.
+struct Next {
+    /// The setup before its files were loaded.
+    base: Setup,
+    loaded: LoadedSetup,
+    options: SessionOptions,
+    hand: Option<HandControl>,
+}
+
+impl Next {
+    fn load(base: Setup) -> Result<Self, Failure> {
+        let mut options = live_options();
+        let (loaded, hand) = source::load(base.clone(), &mut options)?;
+        Ok(Self {
+            base,
+            loaded,
+            options,
+            hand,
+        })
+    }
+
+    /// Checks the outputs, and the sources that the session `before` does not read: it would be in the way of a check of its own.
+    fn check_devices(&self, before: &Setup) -> Result<(), Failure> {
+        output::check(
+            &self.loaded.setup.output,
+            &self.loaded.required_capabilities(),
+        )?;
+        let is_used = |uri: &&SourceUri| before.source_uris().any(|used| is_same_device(used, uri));
+        let new = self.base.source_uris().filter(|uri| !is_used(uri));
+        for uri in new {
+            check_source(uri)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns whether two sources read from one device or address.
+fn is_same_device(one: &SourceUri, other: &SourceUri) -> bool {
+    match (one, other) {
+        (SourceUri::Stream(one), SourceUri::Stream(other)) => one.address == other.address,
+        _ => one == other,
+    }
+}
+
+/// Checks that a source can be opened. One that cannot be checked without an effect counts as present; a serial port is opened.
+fn check_source(uri: &SourceUri) -> Result<(), Failure> {
+    if uri.serial_port().is_some() {
+        return Ok(capture::open(uri).map(drop)?);
+    }
+    match uri.probe() {
+        Some(Err(reason)) => Err(Failure::wrong_use(format!(
+            "cannot open `{}`: {reason}",
+            escape(&uri.to_string())
+        ))),
+        Some(Ok(())) | None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Starts the session of a window with the simulated hand.
+    fn sessions() -> Sessions {
+        let sessions = Sessions::new(Setup::default(), None, RootArgs::default());
+        let setup = Setup {
+            output: NO_OUTPUT.into(),
+            layout: "numpad".into(),
+            ..Setup::default()
+        };
+        let next = Next::load(setup).expect("a setup that comes with the program");
+        sessions.begin(next, false).expect("a session");
+        sessions
+    }
+
+    /// Returns whether the session runs.
+    fn is_running(sessions: &Sessions) -> bool {
+        let view = sessions.program(|session| Ok(session.add_viewer().views().recv().is_ok()));
+        view.is_ok_and(|has_view| has_view)
+    }
+
+    fn other(uri: &str) -> SetupChange {
+        SetupChange::Source(Some(uri.parse().expect("a source")))
+    }
+
+    #[test]
+    fn a_change_that_cannot_be_used_says_why_and_leaves_the_session() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        let first = sessions.program(|session| Ok(session.commands().clone()));
+        let first = first.expect("a session");
+        for (change, reason) in [
+            (other("serial:/dev/no-such-port"), "/dev/no-such-port"),
+            (other("recording:no/such.mcap"), "no/such.mcap"),
+            (other("file:no/such/file"), "no/such/file"),
+            (SetupChange::Output("paper".into()), "paper"),
+            (SetupChange::Output("osc:127.0.0.1:9".into()), "osc"),
+            (
+                SetupChange::Glove(Some("no/such.ron".into())),
+                "no/such.ron",
+            ),
+            (SetupChange::File("no/such.ron".into()), "no/such.ron"),
+        ] {
+            let refused = sessions.change(&change, false);
+            let message = refused.err().expect("it cannot be used").to_string();
+            assert!(message.contains(reason), "{message}");
+            assert_eq!(*sessions.setup.borrow(), before, "{change:?}");
+            first.send(Command::State).expect("the first session runs");
+        }
+    }
+
+    #[test]
+    fn what_fails_only_when_it_is_opened_leads_back_to_the_setup_before() {
+        let sessions = sessions();
+        let before = sessions.setup.borrow().clone();
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("missing/events");
+        let output = SetupChange::Output(format!("transcript:{}", file.display()));
+        sessions.change(&output, false).expect("the session before");
+        assert_eq!(*sessions.setup.borrow(), before);
+        assert!(is_running(&sessions));
+    }
+
+    #[test]
+    fn another_source_replaces_the_session() {
+        let sessions = sessions();
+        let first = sessions.program(|session| Ok(session.commands().clone()));
+        let change = other("typist:8462");
+        sessions.change(&change, false).expect("another session");
+        assert_eq!(sessions.setup.borrow().source, "typist:8462".parse().ok());
+        let first = first.expect("the first session");
+        assert!(first.send(Command::State).is_err(), "it has ended");
     }
 }

@@ -20,15 +20,16 @@ use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay,
 use super::sessions::Sessions;
 use super::{Args, first, headset_link, mesa, source};
 use crate::failure::Failure;
+use crate::picture::png;
 use crate::{panics, session, signals, stats, watchdog};
 
-/// The outputs, unless a setup file names others: nothing is typed into other programs by surprise.
+/// The outputs, unless a setup file or the person names others: nothing is typed into other programs by surprise.
 pub(super) const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
     if first::is_first(&args) {
-        return first::open();
+        return first::open(args.root);
     }
     let mut options = live_options();
     let root = args.root;
@@ -45,7 +46,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let headset = headset_link(&setup)?;
     let session = start(setup, options)?;
     texts::set_language(language());
-    let sessions = Sessions::new(base, Some(session));
+    let sessions = Sessions::new(base, Some(session), root);
     let shown = panics::contain(|| {
         if is_overlay {
             return show_overlay(sessions.program(|it| Overlay::new(it, is_placed))?);
@@ -116,7 +117,7 @@ fn show_window(
         complain!("{error}");
     }
     let content = match sessions {
-        Some(sessions) => StudioStart::with_layouts(app, |request| sessions.open(request)),
+        Some(sessions) => StudioStart::with_changes(app, |request| sessions.open(request)),
         None => app.into(),
     };
     open_window(content, signals::is_stop_requested)
@@ -127,7 +128,8 @@ pub(super) fn live_app(
     session: &SessionHandle,
     hand: Option<HandControl>,
 ) -> Result<StudioApp, StudioError> {
-    let app = with_settings(StudioApp::new(session)?.with_sound(session));
+    let app = StudioApp::new(session)?.with_png(png::from_svg);
+    let app = with_settings(app.with_sound(session));
     Ok(match hand {
         Some(hand) => app.with_hand(hand),
         None => app,

@@ -25,7 +25,7 @@ use std::time::Duration;
 use eframe::egui;
 use parry3d::math::Vec2;
 
-use super::PanelContext;
+use super::{DrawPng, PanelContext};
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
@@ -99,6 +99,8 @@ pub struct EditorPanel {
     reach: Option<ReachCheck>,
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
+    /// Makes pictures of pixels, as the session of the window has it.
+    draw_png: Option<DrawPng>,
     /// Result of the last operation, or the reason why it failed.
     message: Option<Result<&'static str, String>>,
     /// Title of the window.
@@ -155,6 +157,7 @@ impl EditorPanel {
             trial: None,
             reach: None,
             next_poll: 0.0,
+            draw_png: None,
             message: None,
             title: String::new(),
             shown_line: None,
@@ -385,6 +388,7 @@ fn rounded(value: f32) -> f64 {
 
 /// Draws the editor.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
+    panel.draw_png = context.draw_png;
     panel.show_title(ui);
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));

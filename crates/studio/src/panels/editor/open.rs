@@ -41,19 +41,32 @@ impl EditorPanel {
         }
     }
 
-    /// Writes a picture beside the file of the layout.
+    /// Writes a picture of lines beside the file of the layout.
     pub(super) fn export_svg(&mut self) {
+        self.export("svg", &|svg| Ok(svg.into_bytes()));
+    }
+
+    /// Writes a picture of pixels beside the file of the layout.
+    pub(super) fn export_png(&mut self) {
+        let draw = self.draw_png;
+        self.export("png", &|svg| match draw {
+            Some(draw) => draw(&svg),
+            None => Err(text("editor-export-no-png").to_owned()),
+        });
+    }
+
+    /// Writes what becomes of the drawing of the layout.
+    fn export(&mut self, extension: &str, convert: &dyn Fn(String) -> Result<Vec<u8>, String>) {
         let Some(layout) = self.editor.layout() else {
             return;
         };
         let name = self.editor.name().rsplit('/').next().unwrap_or_default();
         let beside = self.editor.path().map(Path::to_owned);
         let path = beside.unwrap_or_else(|| PathBuf::from(name));
-        let path = path.with_extension("svg");
-        let written = match layout.to_svg(&Wearer::default()) {
-            Ok(svg) => write_new(&path, &svg),
-            Err(error) => Err(error.to_string()),
-        };
+        let path = path.with_extension(extension);
+        let svg = layout.to_svg(&Wearer::default());
+        let picture = svg.map_err(|error| error.to_string()).and_then(convert);
+        let written = picture.and_then(|picture| write_new(&path, &picture));
         self.message = Some(match written {
             Ok(()) => Ok(text("editor-exported")),
             Err(reason) => Err(format!("{}: {reason}", escape_path(&path))),
@@ -61,9 +74,9 @@ impl EditorPanel {
     }
 }
 
-fn write_new(path: &Path, content: &str) -> Result<(), String> {
+fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
     let file = files::create_new(path);
-    let written = file.and_then(|mut file| Ok(file.write_all(content.as_bytes())?));
+    let written = file.and_then(|mut file| Ok(file.write_all(content)?));
     written.map_err(|error| match error {
         FileError::Exists => text("editor-export-exists").to_owned(),
         error => error.to_string(),

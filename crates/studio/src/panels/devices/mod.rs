@@ -1,0 +1,237 @@
+//! The window of the devices: source, glove, person, arm, outputs and profile of the session, each chosen anew.
+
+mod choice;
+mod source;
+
+use eframe::egui::{self, Align2, Key, Modifiers, Vec2};
+
+use self::choice::Choice;
+use super::{PanelContext, PanelState, file_field};
+use crate::first_start::Search;
+use crate::setup_change::SetupChange;
+use crate::texts::text;
+use ademan_core::command::{Command, ProfileName};
+use ademan_core::document::{shipped_gloves, shipped_persons};
+use ademan_core::message::escape;
+use ademan_core::pipeline::MAIN_PROFILE;
+use ademan_runtime::files::{own_gloves, own_persons};
+use ademan_runtime::output::{self, BACKENDS};
+use ademan_runtime::setup::{ArmSetup, LoadedSetup};
+
+/// Width of the content, in points.
+const WIDTH: f32 = 660.0;
+
+/// Height of the main window above and below the content, in points.
+const MARGIN: f32 = 210.0;
+
+/// Place of the window when it opens, from the upper left corner in points: below a toolbar of two rows.
+const OFFSET: Vec2 = Vec2::new(12.0, 80.0);
+
+/// The window, and the words in its fields.
+#[derive(Default)]
+pub(super) struct DevicesWindow {
+    is_open: bool,
+    /// The field for the source gets the focus with the next picture.
+    is_focus_due: bool,
+    /// The serial ports, once the window was open. Sources of the session are not listened to.
+    search: Option<Search>,
+    source: String,
+    recording: String,
+    glove: String,
+    person: String,
+    arm: String,
+    output: String,
+    setup: String,
+    /// Reason why the last choice does not apply.
+    pub error: Option<String>,
+}
+
+impl DevicesWindow {
+    /// Opens the window, or closes it.
+    pub fn toggle(&mut self) {
+        self.is_open = !self.is_open;
+        self.is_focus_due = self.is_open;
+    }
+
+    /// Goes on after a change of the setup, with the error of that, if any. Other ports may be free.
+    pub fn after_change(self, error: Option<String>) -> Self {
+        Self {
+            search: None,
+            error,
+            ..self
+        }
+    }
+
+    /// Returns whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+}
+
+/// Draws the window while it is open. A choice becomes [`PanelState::next_setup`].
+pub(super) fn show(ui: &egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let window = &mut state.devices;
+    if !window.is_open {
+        window.search = None;
+        return;
+    }
+    if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+        window.is_open = false;
+    }
+    let mut is_open = window.is_open;
+    let mut chosen = None;
+    egui::Window::new(text("menu-devices"))
+        .id(egui::Id::unique("devices"))
+        .open(&mut is_open)
+        .pivot(Align2::LEFT_TOP)
+        .default_pos((ui.ctx().content_rect().min + OFFSET).round())
+        .default_height(ui.ctx().content_rect().height() - OFFSET.y)
+        .collapsible(false)
+        .resizable(false)
+        .show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            ui.label(text("devices-words"));
+            if let Some(error) = &window.error {
+                ui.add(egui::Label::new(format!("× {}", escape(error))).wrap());
+            }
+            let height = ui.ctx().content_rect().height() - MARGIN;
+            let area = egui::ScrollArea::vertical().max_height(height);
+            chosen = area
+                .auto_shrink([false, true])
+                .show(ui, |ui| show_content(ui, window, context))
+                .inner;
+        });
+    window.is_open &= is_open;
+    if chosen.is_some() {
+        window.error = None;
+        state.next_setup = chosen;
+    }
+}
+
+fn show_content(
+    ui: &mut egui::Ui,
+    window: &mut DevicesWindow,
+    context: &mut PanelContext,
+) -> Option<SetupChange> {
+    let sent = &mut *context.sent;
+    let loaded = context.sensors.setup();
+    let chosen = source::show(ui, window, loaded, sent);
+    ui.separator();
+    show_profiles(ui, loaded, &context.session.view.state.profile, sent);
+    let grid = egui::Grid::new("devices")
+        .num_columns(2)
+        .spacing([12.0, 8.0]);
+    grid.show(ui, |ui| show_rows(ui, window, loaded))
+        .inner
+        .or(chosen)
+}
+
+/// Shows a row for each part of the setup.
+fn show_rows(
+    ui: &mut egui::Ui,
+    window: &mut DevicesWindow,
+    loaded: &LoadedSetup,
+) -> Option<SetupChange> {
+    let mut chosen = source::show_fields(ui, window);
+    let glove = Choice {
+        name: "devices-glove",
+        present: loaded.setup.glove.as_deref(),
+        default: "devices-glove-own",
+        names: shipped_gloves()
+            .map(str::to_owned)
+            .chain(own_gloves())
+            .collect(),
+        file: "devices-glove-file",
+    };
+    chosen = glove
+        .show(ui, &mut window.glove)
+        .map(SetupChange::Glove)
+        .or(chosen);
+    let person = Choice {
+        name: "devices-person",
+        present: loaded.setup.person.as_deref(),
+        default: "devices-person-none",
+        names: shipped_persons()
+            .map(str::to_owned)
+            .chain(own_persons())
+            .collect(),
+        file: "devices-person-file",
+    };
+    chosen = person
+        .show(ui, &mut window.person)
+        .map(SetupChange::Person)
+        .or(chosen);
+    let arm = Choice {
+        name: "devices-arm",
+        present: match &loaded.setup.arm {
+            ArmSetup::Model(name) => Some(name),
+            ArmSetup::Person | ArmSetup::Measured { .. } => None,
+        },
+        default: match loaded.setup.arm {
+            ArmSetup::Measured { .. } => "devices-arm-measured",
+            _ => "devices-arm-person",
+        },
+        names: Vec::new(),
+        file: "devices-arm-file",
+    };
+    chosen = arm
+        .show(ui, &mut window.arm)
+        .map(SetupChange::Arm)
+        .or(chosen);
+    chosen = show_outputs(ui, window, &loaded.setup.output).or(chosen);
+    let label = ui.strong(text("devices-setup"));
+    let words = ("devices-setup-hint", "devices-use");
+    let file = ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.setup));
+    ui.end_row();
+    file.inner.map(SetupChange::File).or(chosen)
+}
+
+/// Shows the outputs of this build. An output with an argument is written into the field.
+fn show_outputs(
+    ui: &mut egui::Ui,
+    window: &mut DevicesWindow,
+    present: &str,
+) -> Option<SetupChange> {
+    let mut chosen = None;
+    let label = ui.strong(text("devices-output"));
+    ui.horizontal(|ui| {
+        for backend in BACKENDS.iter().filter(|it| !it.is_argument_required) {
+            let radio = ui.radio(present == backend.name, backend.name);
+            if radio.on_hover_text(backend.summary).clicked() {
+                chosen = Some(backend.name.to_owned());
+            }
+        }
+    });
+    ui.end_row();
+    let is_listed = BACKENDS.iter().any(|backend| backend.name == present);
+    ui.add(egui::Label::new(if is_listed { "" } else { present }).truncate());
+    let words = ("devices-output-hint", "devices-use");
+    let field = ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.output));
+    ui.end_row();
+    if output::has_effect(present) {
+        ui.label("");
+        ui.label(text("devices-output-paused"));
+        ui.end_row();
+    }
+    chosen.or(field.inner).map(SetupChange::Output)
+}
+
+/// Shows the layouts of the setup by their names, if there are several.
+fn show_profiles(ui: &mut egui::Ui, setup: &LoadedSetup, active: &str, sent: &mut Vec<Command>) {
+    let profiles = &setup.setup.profiles;
+    if profiles.is_empty() {
+        return;
+    }
+    ui.strong(text("devices-profile"));
+    let names = profiles.iter().map(|profile| profile.name.as_str());
+    ui.horizontal_wrapped(|ui| {
+        for name in std::iter::once(MAIN_PROFILE).chain(names) {
+            if ui.radio(name == active, escape(name)).clicked()
+                && let Ok(name) = ProfileName::from(name)
+            {
+                sent.push(Command::Profile { name });
+            }
+        }
+    });
+    ui.separator();
+}

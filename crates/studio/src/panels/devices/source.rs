@@ -1,0 +1,136 @@
+//! The source: the simulated hand, a serial port of this machine, a recording, or any source as it is written after `--source`.
+
+use std::mem;
+
+use eframe::egui;
+
+use super::super::first_start::{name_of, words_of};
+use super::super::headset::show_consent;
+use super::{DevicesWindow, file_field};
+use crate::first_start::{Port, Search};
+use crate::setup_change::SetupChange;
+use crate::texts::{text, text_with};
+use ademan_core::command::Command;
+use ademan_core::message::escape_path;
+use ademan_runtime::capture::recognition::{self, Recognition, port_names};
+use ademan_runtime::capture::uri::schemes;
+use ademan_runtime::capture::{CaptureError, SourceUri};
+use ademan_runtime::setup::LoadedSetup;
+
+/// The command of a hand in front of a camera.
+const WEBCAM: &str = "ademan webcam";
+
+/// Shows the sources of this machine, and lets sources on the network press keys. Returns the choice.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    window: &mut DevicesWindow,
+    loaded: &LoadedSetup,
+    sent: &mut Vec<Command>,
+) -> Option<SetupChange> {
+    let present = loaded.setup.source.as_ref();
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        ui.strong(text("devices-source"));
+        if ui.button(text("devices-search")).clicked() {
+            window.search = None;
+        }
+    });
+    if ui
+        .radio(present.is_none(), text("first-simulated"))
+        .clicked()
+    {
+        chosen = Some(None);
+    }
+    let search = window.search.get_or_insert_with(|| search_beside(loaded));
+    search.update();
+    if search.is_listening() {
+        ui.ctx().request_repaint();
+    }
+    for source in ports_in_use(loaded) {
+        let is_present = present == Some(source);
+        if ui.radio(is_present, name_of(source)).clicked() && !is_present {
+            chosen = Some(Some(source.clone()));
+        }
+    }
+    for port in search.ports() {
+        ui.label(words_of(port));
+        for source in sources_of(port) {
+            if ui.radio(false, name_of(&source)).clicked() {
+                chosen = Some(Some(source));
+            }
+        }
+    }
+    if let Some(camera) = search.camera() {
+        let camera = escape_path(camera).into();
+        let values = [("camera", camera), ("command", WEBCAM.into())];
+        ui.label(text_with("first-camera", &values));
+    }
+    let is_listed = |uri: &SourceUri| uri.serial_port().is_some();
+    if let Some(other) = present.filter(|uri| !is_listed(uri)) {
+        // A click on the present source changes nothing.
+        let _ = ui.radio(true, name_of(other));
+    }
+    if loaded.setup.source_uris().any(SourceUri::is_remote) {
+        show_consent(ui, "devices-keys", sent);
+    }
+    chosen.map(SetupChange::Source)
+}
+
+/// Shows rows of a grid for a recording and for any source. A URI with a fault is reported in the window.
+pub(super) fn show_fields(ui: &mut egui::Ui, window: &mut DevicesWindow) -> Option<SetupChange> {
+    if mem::take(&mut window.is_focus_due) {
+        ui.memory_mut(|memory| memory.request_focus(file_field::id("devices-uri-hint")));
+    }
+    let kinds: Vec<&str> = schemes().map(|scheme| scheme.syntax).collect();
+    let label = ui
+        .strong(text("devices-uri"))
+        .on_hover_text(kinds.join("\n"));
+    let words = ("devices-uri-hint", "devices-use");
+    let field = ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.source));
+    ui.end_row();
+    let label = ui.strong(text("devices-recording"));
+    let words = ("devices-recording-hint", "devices-use");
+    let recording =
+        ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.recording));
+    ui.end_row();
+    let recording = recording
+        .inner
+        .map(|path| SourceUri::Recording { path: path.into() });
+    let source = match field.inner.map(|words| words.parse()).transpose() {
+        Ok(source) => recording.or(source),
+        Err(error) => {
+            let error: CaptureError = error;
+            window.error = Some(error.to_string());
+            None
+        }
+    };
+    source.map(|source| SetupChange::Source(Some(source)))
+}
+
+/// Returns the sources of a setup that are serial ports.
+fn ports_in_use(loaded: &LoadedSetup) -> impl Iterator<Item = &SourceUri> {
+    let uris = loaded.setup.source_uris();
+    uris.filter(|uri| uri.serial_port().is_some())
+}
+
+/// Starts to listen to the serial ports that the session does not read.
+fn search_beside(loaded: &LoadedSetup) -> Search {
+    let is_free = |port: &String| {
+        let mut used = ports_in_use(loaded).filter_map(SourceUri::serial_port);
+        !used.any(|used| used == port)
+    };
+    let ports = port_names().into_iter().filter(is_free).collect();
+    Search::new(ports, recognition::camera())
+}
+
+/// Returns what a port may be: its recognized sources, or else the default of a serial port.
+fn sources_of(port: &Port) -> Vec<SourceUri> {
+    match &port.heard {
+        Some(Ok(Recognition::Sources(sources))) => sources.clone(),
+        Some(Ok(Recognition::Unknown(_) | Recognition::Silent)) => {
+            let source = format!("serial:{}", port.name).parse();
+            source.into_iter().collect()
+        }
+        Some(Err(_)) | None => Vec::new(),
+    }
+}

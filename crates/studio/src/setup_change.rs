@@ -1,0 +1,183 @@
+//! Changes of the setup from the window: each leads to another session in place of the present one.
+
+use ademan_runtime::capture::SourceUri;
+use ademan_runtime::output;
+use ademan_runtime::setup::{ArmSetup, Setup, SetupError};
+
+/// A change of the setup, which the next session has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SetupChange {
+    /// The layout that is active at the start: a shipped name or a path.
+    Layout(String),
+    /// The source. `None` for the simulated hand.
+    Source(Option<SourceUri>),
+    /// The glove: a shipped name or a path. `None` for the glove of the protocol.
+    Glove(Option<String>),
+    /// The person: a shipped name or a path.
+    Person(Option<String>),
+    /// The arm model: a shipped name or a path. `None` for the arm of the person.
+    Arm(Option<String>),
+    /// The outputs, separated by commas.
+    Output(String),
+    /// All of it: the path of a setup file.
+    File(String),
+}
+
+impl SetupChange {
+    /// Returns a setup with the change. Roles that were given to the old source do not pass to the next one. Errors are those of a
+    /// setup file.
+    pub fn apply(&self, setup: Setup) -> Result<Setup, SetupError> {
+        Ok(match self.clone() {
+            Self::Layout(layout) => Setup { layout, ..setup },
+            Self::Source(source) => with_source(setup, source),
+            Self::Glove(glove) => Setup { glove, ..setup },
+            Self::Person(person) => Setup { person, ..setup },
+            Self::Arm(model) => Setup {
+                arm: model.map_or(ArmSetup::Person, ArmSetup::Model),
+                ..setup
+            },
+            Self::Output(output) => Setup { output, ..setup },
+            Self::File(path) => Setup::load(&path)?,
+        })
+    }
+
+    /// Returns whether the session starts paused, because it reaches other programs through outputs that were chosen just now.
+    pub fn needs_resume(&self, next: &Setup) -> bool {
+        let is_output_chosen = matches!(self, Self::Output(_) | Self::File(_));
+        is_output_chosen && output::has_effect(&next.output)
+    }
+}
+
+fn with_source(setup: Setup, source: Option<SourceUri>) -> Setup {
+    let is_simulated = source.is_none();
+    let setup = Setup {
+        source,
+        role: None,
+        ..setup
+    };
+    if !is_simulated {
+        return setup;
+    }
+    // The simulated hand is the only source.
+    Setup {
+        arm_source: None,
+        arm_role: None,
+        other_hand: setup.other_hand.map(|mut hand| {
+            (hand.source, hand.role) = (None, None);
+            (hand.arm_source, hand.arm_role) = (None, None);
+            hand
+        }),
+        ..setup
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan_core::pipeline::SourceRole;
+    use ademan_runtime::setup::OtherHand;
+
+    use super::*;
+
+    fn uri(text: &str) -> Option<SourceUri> {
+        Some(text.parse().expect("a source"))
+    }
+
+    #[test]
+    fn another_source_has_no_role_of_the_one_before() {
+        let setup = Setup {
+            source: uri("serial:/dev/ttyUSB7"),
+            role: Some(SourceRole::Both),
+            arm_source: uri("udp:127.0.0.1:9000"),
+            ..Setup::default()
+        };
+        let change = SetupChange::Source(uri("ws:127.0.0.1:9001"));
+        let next = change.apply(setup.clone()).expect("a setup");
+        assert_eq!(next.source, uri("ws:127.0.0.1:9001"));
+        assert_eq!(next.role, None);
+        assert_eq!(next.arm_source, setup.arm_source);
+    }
+
+    #[test]
+    fn the_simulated_hand_is_the_only_source() {
+        let setup = Setup {
+            source: uri("serial:/dev/ttyUSB7"),
+            arm_source: uri("udp:127.0.0.1:9000"),
+            other_hand: Some(OtherHand {
+                source: uri("serial:/dev/ttyUSB8"),
+                ..OtherHand::default()
+            }),
+            ..Setup::default()
+        };
+        let next = SetupChange::Source(None).apply(setup).expect("a setup");
+        assert_eq!(next.source_uris().count(), 0);
+        assert!(next.other_hand.is_some());
+    }
+
+    #[test]
+    fn only_outputs_that_were_chosen_wait_for_the_person() {
+        let typing = Setup {
+            output: "desktop".to_owned(),
+            ..Setup::default()
+        };
+        let output = |names: &str| SetupChange::Output(names.to_owned());
+        for (change, next, is_paused) in [
+            (output("desktop"), typing.clone(), true),
+            (
+                SetupChange::File("mine.ron".to_owned()),
+                typing.clone(),
+                true,
+            ),
+            (SetupChange::Glove(None), typing, false),
+            (output("transcript"), Setup::default(), false),
+        ] {
+            assert_eq!(change.needs_resume(&next), is_paused, "{change:?}");
+        }
+    }
+
+    #[test]
+    fn each_other_change_replaces_one_part() {
+        let name = || "mine".to_owned();
+        for (change, expected) in [
+            (
+                SetupChange::Layout(name()),
+                Setup {
+                    layout: name(),
+                    ..Setup::default()
+                },
+            ),
+            (
+                SetupChange::Glove(Some(name())),
+                Setup {
+                    glove: Some(name()),
+                    ..Setup::default()
+                },
+            ),
+            (
+                SetupChange::Person(Some(name())),
+                Setup {
+                    person: Some(name()),
+                    ..Setup::default()
+                },
+            ),
+            (
+                SetupChange::Arm(Some(name())),
+                Setup {
+                    arm: ArmSetup::Model(name()),
+                    ..Setup::default()
+                },
+            ),
+            (
+                SetupChange::Output("none".to_owned()),
+                Setup {
+                    output: "none".to_owned(),
+                    ..Setup::default()
+                },
+            ),
+        ] {
+            let next = change.apply(Setup::default()).expect("a setup");
+            assert_eq!(next, expected, "{change:?}");
+        }
+        let missing = SetupChange::File("no/such/setup.ron".to_owned());
+        assert!(missing.apply(Setup::default()).is_err());
+    }
+}

@@ -1,0 +1,115 @@
+//! Sources that are chosen in the window of the real program, with the keyboard of an X server.
+
+use std::time::Duration;
+
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+use super::safety::{Session, TRANSCRIPT};
+use crate::support::x11::XServer;
+
+/// Keysyms of keys without a character.
+const F9: u32 = 0xffc6;
+const ENTER: u32 = 0xff0d;
+const ESCAPE: u32 = 0xff1b;
+const SHIFT: u32 = 0xffe1;
+const CONTROL: u32 = 0xffe3;
+
+/// The keyboard of an X server, on which a person types.
+struct Keyboard {
+    client: RustConnection,
+    /// The keysyms of each key, without Shift and with it.
+    keysyms: Vec<[u32; 2]>,
+    first: u8,
+}
+
+impl Keyboard {
+    fn new(server: &XServer) -> Self {
+        let (client, _) = x11rb::connect(Some(server.display())).expect("the server answers");
+        let setup = client.setup();
+        let (first, last) = (setup.min_keycode, setup.max_keycode);
+        let mapping = client.get_keyboard_mapping(first, last - first + 1);
+        let mapping = mapping.expect("a request").reply().expect("a keyboard");
+        let columns = usize::from(mapping.keysyms_per_keycode);
+        let keysyms = mapping.keysyms.chunks(columns);
+        let keysyms = keysyms.map(|keysyms| [keysyms[0], keysyms[1]]).collect();
+        Self {
+            client,
+            keysyms,
+            first,
+        }
+    }
+
+    fn fake(&self, kind: u8, code: u8) {
+        let event = self
+            .client
+            .xtest_fake_input(kind, code, 0, x11rb::NONE, 0, 0, 0);
+        let event = event.expect("the server runs").check();
+        event.expect("the server has XTEST");
+        // A person is slower than the window.
+        std::thread::sleep(Duration::from_millis(15));
+    }
+
+    /// Presses and releases the key of a keysym, with Shift where that is needed.
+    fn tap(&self, keysym: u32) {
+        let find = |column: usize| self.keysyms.iter().position(|key| key[column] == keysym);
+        let (index, needs_shift) = match find(0) {
+            Some(index) => (index, false),
+            None => (find(1).expect("a key"), true),
+        };
+        let code = |index: usize| self.first + u8::try_from(index).expect("a code");
+        let shift = code(
+            self.keysyms
+                .iter()
+                .position(|key| key[0] == SHIFT)
+                .expect("a key"),
+        );
+        if needs_shift {
+            self.fake(KEY_PRESS_EVENT, shift);
+        }
+        self.fake(KEY_PRESS_EVENT, code(index));
+        self.fake(KEY_RELEASE_EVENT, code(index));
+        if needs_shift {
+            self.fake(KEY_RELEASE_EVENT, shift);
+        }
+    }
+
+    /// Replaces the words of the field that has the focus, and confirms them.
+    fn enter(&self, words: &str) {
+        let control = self.keysyms.iter().position(|key| key[0] == CONTROL);
+        let control = self.first + u8::try_from(control.expect("a key")).expect("a code");
+        self.fake(KEY_PRESS_EVENT, control);
+        self.tap(u32::from('a'));
+        self.fake(KEY_RELEASE_EVENT, control);
+        for character in words.chars() {
+            self.tap(u32::from(character));
+        }
+        self.tap(ENTER);
+    }
+}
+
+#[test]
+fn a_missing_port_leaves_the_session_and_another_source_replaces_it() {
+    let Some(session) = Session::start(TRANSCRIPT) else {
+        return;
+    };
+    session.server.focus_visible_window();
+    let keyboard = Keyboard::new(&session.server);
+    // The tour of the first start would have the first Enter.
+    keyboard.tap(ESCAPE);
+    keyboard.tap(F9);
+    keyboard.enter("serial:/dev/no-such-port");
+    session.wait_for_typing();
+    let armed = |session: &Session| {
+        let lines = session.program.stderr_lines();
+        lines.iter().filter(|line| line.contains("armed")).count()
+    };
+    assert_eq!(armed(&session), 1, "{:#?}", session.program.stderr_lines());
+    // The field has lost the focus with Enter.
+    keyboard.tap(F9);
+    keyboard.tap(F9);
+    keyboard.enter("typist:hello");
+    session.program.wait_for_line("armed", 2);
+}

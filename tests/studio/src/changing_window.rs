@@ -1,0 +1,184 @@
+//! Studio in a window without a display, in which each change of the setup leads to another session.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::command::Command;
+use ademan::output;
+use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::setup::Setup;
+use ademan::sim::HandTask;
+use ademan::studio::simulated::simulate;
+use ademan::studio::texts::text;
+use ademan::studio::{SessionRequest, StudioApp, StudioStart};
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use crate::picture;
+
+const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// The setup and the session of the window; dropped last.
+type Running = Rc<RefCell<(Setup, Option<SessionHandle>)>>;
+
+/// Starts a session in place of the present one.
+fn begin(
+    setup: Setup,
+    is_paused: bool,
+    settings: &Path,
+    running: &Running,
+) -> Result<StudioApp, String> {
+    let loaded = setup.clone().load_files().map_err(|it| it.to_string())?;
+    let simulated = loaded.setup.source.is_none();
+    let simulated =
+        simulated.then(|| simulate(&loaded, HandTask::Fitting(HandTask::tour)).expect("a hand"));
+    let (hand, control) = simulated.unzip();
+    let required = loaded.required_capabilities();
+    output::check(&loaded.setup.output, &required).map_err(|error| error.to_string())?;
+    drop(running.borrow_mut().1.take());
+    let options = SessionOptions {
+        source: hand.map(|hand| Box::new(hand) as _),
+        speed: Some(4.0),
+        ..SessionOptions::default()
+    };
+    let session = Session::start(loaded, options).map_err(|error| error.to_string())?;
+    if is_paused {
+        session.commands().send(Command::Pause).expect("it runs");
+    }
+    assert!(session.wait_until_started());
+    let app = StudioApp::new(&session).map_err(|error| error.to_string())?;
+    *running.borrow_mut() = (setup, Some(session));
+    let app = app.with_settings(settings.to_owned());
+    Ok(match control {
+        Some(control) => app.with_hand(control),
+        None => app,
+    })
+}
+
+/// A window whose layout and devices can be changed.
+pub struct ChangingWindow {
+    pub harness: Harness<'static, StudioStart<'static>>,
+    running: Running,
+}
+
+impl ChangingWindow {
+    /// Opens the window with the simulated hand on a layout.
+    pub fn open(layout: &str, settings: &Path) -> Self {
+        let setup = Setup {
+            layout: layout.to_owned(),
+            output: "none".into(),
+            ..Setup::default()
+        };
+        Self::on_setup(setup, settings)
+    }
+
+    /// Opens the window on a setup.
+    pub fn on_setup(setup: Setup, settings: &Path) -> Self {
+        let running = Running::default();
+        let app = begin(setup, false, settings, &running).expect("a session");
+        let (path, sessions) = (settings.to_owned(), Rc::clone(&running));
+        let content = StudioStart::with_changes(app, move |request| match request {
+            SessionRequest::Change(change, is_paused) => {
+                let before = sessions.borrow().0.clone();
+                let next = change.apply(before).map_err(|error| error.to_string())?;
+                let is_paused = is_paused || change.needs_resume(&next);
+                begin(next, is_paused, &path, &sessions)
+            }
+            SessionRequest::First(_) => Err("this is not the first start".to_owned()),
+        });
+        let builder = Harness::builder()
+            .with_size([1280.0, 720.0])
+            .with_theme(egui::Theme::Dark)
+            .with_render_cursor(false)
+            .with_context_setup(StudioApp::prepare)
+            .wgpu();
+        let mut window = Self {
+            harness: builder.build_ui_state(|ui, content| content.show(ui), content),
+            running,
+        };
+        window.draw();
+        // The tour of the window.
+        window.harness.key_press(egui::Key::Escape);
+        window.draw();
+        window
+    }
+
+    /// The setup of the present session.
+    pub fn setup(&self) -> Setup {
+        self.running.borrow().0.clone()
+    }
+
+    pub fn draw(&mut self) {
+        self.harness.run_steps(3);
+    }
+
+    pub fn app(&mut self) -> &mut StudioApp {
+        self.harness.state_mut().app().expect("a program")
+    }
+
+    pub fn click(&mut self, name: &str) {
+        self.harness.get_by_label(name).click();
+        self.draw();
+    }
+
+    pub fn has(&self, words: &str) -> bool {
+        let mut found = self.harness.query_all_by_label_contains(words);
+        found.next().is_some()
+    }
+
+    pub fn wait_for(&mut self, what: &str, condition: impl Fn(&mut StudioApp) -> bool) {
+        let deadline = Instant::now() + TIMEOUT;
+        while !condition(self.app()) {
+            assert!(Instant::now() < deadline, "timed out: {what}");
+            thread::sleep(Duration::from_millis(10));
+            self.draw();
+        }
+    }
+
+    /// Writes words into the field with this label, and confirms them with Enter.
+    pub fn enter(&mut self, label: &str, words: &str) {
+        let field = self.harness.get_by_role_and_label(Role::TextInput, label);
+        field.focus();
+        field.set_text_value_accesskit(words);
+        self.draw();
+        self.harness.key_press(egui::Key::Enter);
+        self.draw();
+    }
+
+    /// Writes a picture of the window, if there is a driver; for the guide if its name starts like the names there.
+    pub fn picture(&mut self, name: &str) {
+        if !picture::has_driver() {
+            println!("SKIPPED: there is no Vulkan driver; Debian's mesa-vulkan-drivers is one");
+            return;
+        }
+        let drawn = self.harness.render().expect("the driver draws");
+        let target = picture::folder("../../target/studio");
+        picture::save(&drawn, &target.join(name).with_extension("png"));
+        if name.starts_with("studio-") {
+            picture::document_drawn(&drawn, name);
+        }
+    }
+
+    pub fn choose_layout(&mut self, name: &str) {
+        self.click(text("menu-open"));
+        self.click(name);
+    }
+
+    pub fn enter_layout(&mut self, name: &str) {
+        self.click(text("menu-open"));
+        let label = text("layouts-file");
+        let field = self.harness.get_by_role_and_label(Role::TextInput, label);
+        field.set_text_value_accesskit(name);
+        self.draw();
+        self.click(text("layouts-button"));
+    }
+
+    pub fn recent_layouts(&mut self) -> Vec<String> {
+        let recent = &self.app().settings().recent_layouts;
+        recent.iter().map(str::to_owned).collect()
+    }
+}

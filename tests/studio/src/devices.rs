@@ -1,0 +1,156 @@
+//! The window of the devices: source, glove, person, outputs and profile, each chosen while the session runs.
+
+use ademan::setup::{ProfileSetup, Setup};
+use ademan::studio::texts::{self, Language, text};
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use crate::changing_window::ChangingWindow;
+
+/// Opens the window of the devices beside the simulated hand.
+fn open() -> (ChangingWindow, tempfile::TempDir) {
+    open_on("numpad")
+}
+
+fn open_on(layout: &str) -> (ChangingWindow, tempfile::TempDir) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = ChangingWindow::open(layout, &folder.path().join("studio.ron"));
+    window.harness.key_press(egui::Key::F9);
+    window.draw();
+    (window, folder)
+}
+
+/// Chooses a name in a list.
+fn choose(window: &mut ChangingWindow, list: &str, name: &str) {
+    let label = {
+        let mut lists = window.harness.query_all_by_role(Role::ComboBox);
+        let labels = lists
+            .by_ref()
+            .filter_map(|node| node.accesskit_node().label());
+        let mut own = labels.filter(|label| label.starts_with(list));
+        own.next().expect("a list")
+    };
+    window.click(&label);
+    window.click(name);
+}
+
+#[test]
+fn another_source_is_used_at_once_and_the_simulated_hand_returns() {
+    let (mut window, _folder) = open();
+    window.picture("studio-devices");
+    let source = window.app().model().view.state.source.clone();
+    window.enter(text("devices-uri"), "typist:8462");
+    assert_eq!(window.setup().source, "typist:8462".parse().ok());
+    let typist = window.app().model().view.state.source.clone();
+    assert!(typist.contains("typist"), "{typist}");
+    window.click(text("first-simulated"));
+    assert_eq!(window.setup().source, None);
+    assert_eq!(window.app().model().view.state.source, source);
+    window.wait_for("a press of the hand", |app| {
+        app.model().history.events().any(|event| event.is_press)
+    });
+}
+
+#[test]
+fn a_source_or_file_that_cannot_be_used_leaves_the_session_and_says_why() {
+    let (mut window, _folder) = open();
+    let before = window.setup();
+    window.wait_for("readings", |app| app.model().stats.accepted > 100);
+    for (field, words, reason) in [
+        ("devices-uri", "serail:/dev/ttyUSB0", "kind of source"),
+        ("devices-glove", "no/such/glove.ron", "no/such/glove.ron"),
+        ("devices-person", "no/such/person.ron", "no/such/person.ron"),
+        ("devices-arm", "no/such/arm.ron", "no/such/arm.ron"),
+        ("devices-output", "paper", "paper"),
+        ("devices-setup", "no/such/setup.ron", "no/such/setup.ron"),
+    ] {
+        window.enter(text(field), words);
+        assert!(window.has("×"), "{field}");
+        assert!(window.has(reason), "{field}: {reason}");
+        assert_eq!(window.setup(), before, "{field}");
+    }
+    window.picture("devices-error");
+    let accepted = window.app().model().stats.accepted;
+    window.wait_for("more readings", |app| app.model().stats.accepted > accepted);
+}
+
+#[test]
+fn gloves_persons_and_outputs_are_chosen_from_lists() {
+    let (mut window, _folder) = open();
+    choose(&mut window, text("devices-glove"), "lucidgloves");
+    choose(&mut window, text("devices-person"), "adult");
+    assert_eq!(window.setup().glove.as_deref(), Some("lucidgloves"));
+    assert_eq!(window.setup().person.as_deref(), Some("adult"));
+    let glove = format!("{}: lucidgloves", text("devices-glove"));
+    assert!(window.has(&glove), "the list shows the choice");
+    choose(
+        &mut window,
+        text("devices-glove"),
+        text("devices-glove-own"),
+    );
+    assert_eq!(window.setup().glove, None);
+    window.click("transcript");
+    assert_eq!(window.setup().output, "transcript");
+    let state = window.app().model().view.state.clone();
+    assert!(state.paused_by.is_none(), "nothing else receives it");
+}
+
+#[test]
+fn an_output_into_other_programs_waits_for_the_person() {
+    let (mut window, _folder) = open_on("piano");
+    window.enter(text("devices-output"), "osc:127.0.0.1:9");
+    window.wait_for("a pause", |app| app.model().view.state.paused_by.is_some());
+    assert!(window.has(text("devices-output-paused")));
+    window.wait_for("readings", |app| app.model().stats.accepted > 2000);
+    assert_eq!(window.app().model().history.events().count(), 0);
+    window.click(text("button-resume"));
+    window.wait_for("a session that goes on", |app| {
+        app.model().view.state.paused_by.is_none()
+    });
+}
+
+#[test]
+fn a_profile_of_the_setup_is_chosen_by_its_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let profile = |name: &str, layout: &str| ProfileSetup {
+        name: name.to_owned(),
+        layout: layout.to_owned(),
+        text: None,
+    };
+    let setup = Setup {
+        layout: "arrows".to_owned(),
+        output: "none".to_owned(),
+        profiles: vec![profile("numbers", "numpad")],
+        ..Setup::default()
+    };
+    let mut window = ChangingWindow::on_setup(setup, &folder.path().join("studio.ron"));
+    window.click(text("menu-devices"));
+    window.click("numbers");
+    window.wait_for("the profile", |app| {
+        app.model().view.state.profile == "numbers"
+    });
+    window.picture("devices-profiles");
+}
+
+#[test]
+fn the_window_of_the_devices_fits_in_both_languages() {
+    for language in Language::ALL {
+        texts::set_language(language);
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut window = ChangingWindow::open("arrows", &folder.path().join("studio.ron"));
+        window.app().settings().language = Some(language);
+        window.click(text("menu-devices"));
+        window.picture(&format!("devices-{}", language.name()));
+        let screen = window.harness.ctx.content_rect();
+        let root = window.harness.root();
+        for node in root.children_recursive() {
+            let own = node.accesskit_node();
+            let label = own.label().unwrap_or_default();
+            if label == text("devices-use") || label == text("devices-search") {
+                let area = node.rect();
+                assert!(screen.contains_rect(area), "{label}: {area}");
+            }
+        }
+    }
+    texts::set_language(Language::English);
+}
