@@ -248,7 +248,7 @@ fn every_page_is_skipped_to_the_simulated_hand() {
     let answers = window.answers.take().expect("answers");
     assert_eq!(answers, FirstStart::skipped());
     window.wait_for("typed text", |window| {
-        window.words().iter().any(|words| words == "hola")
+        window.words().iter().any(|words| words.starts_with("hola"))
     });
     window.picture("first-typing");
 }

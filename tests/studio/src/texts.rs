@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use ademan::studio::settings::Theme;
 use ademan::studio::texts::{self, Language, text};
 use egui::accesskit::Role;
 use egui::{FontFamily, FontId, Rect};
@@ -70,6 +71,10 @@ fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) 
     let mut window = opening.open();
     let settings = window.harness.state_mut().settings();
     settings.language = Some(language);
+    settings.theme = match theme {
+        egui::Theme::Dark => Theme::Dark,
+        egui::Theme::Light => Theme::Light,
+    };
     settings.has_high_contrast = has_high_contrast;
     window.draw(3);
     let mut found = Vec::new();
