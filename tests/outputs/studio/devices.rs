@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xproto::{ConnectionExt, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use super::safety::{Session, TRANSCRIPT};
-use crate::support::x11::XServer;
+use crate::support::x11::{XServer, wait_for};
 
 /// Keysyms of keys without a character.
 const F9: u32 = 0xffc6;
@@ -16,6 +16,9 @@ const ENTER: u32 = 0xff0d;
 const ESCAPE: u32 = 0xff1b;
 const SHIFT: u32 = 0xffe1;
 const CONTROL: u32 = 0xffe3;
+
+/// A point in the margin of the window of the devices, at the left of the 3D view.
+const MARGIN: (i16, i16) = (15, 300);
 
 /// The keyboard of an X server, on which a person types.
 struct Keyboard {
@@ -40,6 +43,24 @@ impl Keyboard {
             keysyms,
             first,
         }
+    }
+
+    /// Returns the color of a point in the margin of the window of the devices.
+    fn color(&self) -> Vec<u8> {
+        let root = self.client.setup().roots[0].root;
+        let (x, y) = MARGIN;
+        let image = self
+            .client
+            .get_image(ImageFormat::Z_PIXMAP, root, x, y, 1, 1, !0);
+        let image = image.expect("a request").reply();
+        image.expect("an image").data
+    }
+
+    /// Opens the window of the devices or closes it, and waits until that is seen: keys before go elsewhere.
+    fn toggle_devices(&self) {
+        let before = self.color();
+        self.tap(F9);
+        assert!(wait_for(|| self.color() != before), "F9 changes nothing");
     }
 
     fn fake(&self, kind: u8, code: u8) {
@@ -99,7 +120,7 @@ fn a_missing_port_leaves_the_session_and_another_source_replaces_it() {
     let keyboard = Keyboard::new(&session.server);
     // The tour of the first start would have the first Enter.
     keyboard.tap(ESCAPE);
-    keyboard.tap(F9);
+    keyboard.toggle_devices();
     keyboard.enter("serial:/dev/no-such-port");
     session.wait_for_typing();
     let armed = |session: &Session| {
@@ -108,8 +129,8 @@ fn a_missing_port_leaves_the_session_and_another_source_replaces_it() {
     };
     assert_eq!(armed(&session), 1, "{:#?}", session.program.stderr_lines());
     // The field has lost the focus with Enter.
-    keyboard.tap(F9);
-    keyboard.tap(F9);
+    keyboard.toggle_devices();
+    keyboard.toggle_devices();
     keyboard.enter("typist:hello");
     session.program.wait_for_line("armed", 2);
 }
