@@ -9,6 +9,7 @@ const DEVICES: &str = "devices.ron";
 const ON_DEVICES: &str = "tap H; press Pad -20 0; slide 40 0 600; slide 0 15 300; lift; tap MouseRight; \
                           press Wheel; slide 20 0 600; slide -20 0 600; lift; \
                           press Screen -20 -15; slide 40 30 600; lift; \
+                          press Steer 0 14; arc -180 600; lift; press Rudder; slide 20 0 400; lift; \
                           press Stick; slide 12 0 400; slide -12 12 400; lift; tap PadSouth";
 
 /// A layout with as few capabilities as possible.
@@ -140,7 +141,9 @@ fn steers(scene: &mut Scene, gamepad: &Evtest) {
     };
     assert!(farthest("ABS_X") > Some(20_000), "to the right: {events:?}");
     assert!(farthest("ABS_Y") < Some(-20_000), "up: {events:?}");
-    for axis in ["ABS_X", "ABS_Y"] {
+    assert!(farthest("ABS_WHEEL") > Some(5_000), "{events:?}");
+    assert!(farthest("ABS_RUDDER") > Some(10_000), "{events:?}");
+    for axis in ["ABS_X", "ABS_Y", "ABS_WHEEL", "ABS_RUDDER"] {
         assert_eq!(
             of(axis).next_back().map(|event| event.value),
             Some(0),
