@@ -45,6 +45,19 @@ fn open_plan(file: &EditedFile) -> StudioWindow {
     window
 }
 
+/// Opens a layout in the editor of a session with another layout: the hand of the session plays that.
+fn open_in_editor(file: &EditedFile, theme: egui::Theme) -> StudioWindow {
+    let opening = Opening {
+        theme,
+        ..Opening::default()
+    };
+    let mut window = opening.open();
+    window.open_in_editor(file.0.to_str().expect("a readable path"));
+    window.click(text("workspace-layout"));
+    window.draw(3);
+    window
+}
+
 /// Returns the area of a board or target on the plan.
 fn place(window: &StudioWindow, name: &str) -> Rect {
     let item = window
@@ -154,9 +167,7 @@ fn a_double_click_opens_a_board_and_escape_leads_back() {
 #[test]
 fn a_layout_of_targets_in_space_opens_on_the_plan_and_they_are_moved() {
     let file = EditedFile::new("plan-space.ron", IN_SPACE);
-    let mut window = Opening::on_layout(file.0.to_str().unwrap()).open();
-    window.click(text("workspace-layout"));
-    window.draw(3);
+    let mut window = open_in_editor(&file, egui::Theme::Dark);
     assert!(is_on_plan(&window));
     window.click(text("view-side"));
     let moon = place(&window, "Moon");
@@ -174,15 +185,17 @@ fn a_layout_of_targets_in_space_opens_on_the_plan_and_they_are_moved() {
 }
 
 #[test]
-fn a_copied_board_is_beside_its_original() {
-    let file = EditedFile::new("plan-copy.ron", FINGERS_AND_THUMB);
-    let mut window = open_plan(&file);
-    let at = place(&window, "Board 1").center();
-    drag(&mut window, at, Vec2::ZERO);
+fn a_copied_target_is_beside_its_original() {
+    let file = EditedFile::new("plan-copy.ron", IN_SPACE);
+    let mut window = open_in_editor(&file, egui::Theme::Dark);
+    let moon = place(&window, "Moon").center();
+    drag(&mut window, moon, Vec2::ZERO);
     press(&mut window, Modifiers::COMMAND, Key::D);
-    let (first, copy) = (place(&window, "Board 1"), place(&window, "Board 3"));
-    assert!(copy.min.x > first.max.x, "{first} {copy}");
-    assert!(!window.has_words("overlap by"));
+    let items = window.harness.query_all_by_role(Role::GraphicsObject);
+    let places: Vec<Rect> = items.map(|item| item.rect()).collect();
+    let moon = place(&window, "Moon");
+    assert_eq!(places.len(), 3);
+    assert!(places.iter().any(|it| it.min.x > moon.max.x), "{places:?}");
 }
 
 /// Keys for four fingers before the elbow, arcs for the thumb that move with the wrist, an upright board, and a ball.
@@ -206,8 +219,8 @@ const WORKPLACE: &str = "Layout(
         (
             pose: (anchor: elbow, bearing_deg: 40, forward_mm: 430, height_mm: 20, tilt_deg: 75),
             sliders: [
-                (name: \"Volume\", at_mm: (-20, 0), length_mm: 80),
-                (name: \"Light\", at_mm: (20, 0), length_mm: 80),
+                (name: \"Volume\", at_mm: (0, 12), length_mm: 80),
+                (name: \"Light\", at_mm: (0, -12), length_mm: 80),
             ],
         ),
     ],
@@ -222,11 +235,7 @@ const WORKPLACE: &str = "Layout(
 fn the_plan_shows_boards_arcs_and_targets_where_they_are() {
     for (theme, name) in [(egui::Theme::Dark, "dark"), (egui::Theme::Light, "light")] {
         let file = EditedFile::new(&format!("plan-{name}.ron"), WORKPLACE);
-        let mut opening = Opening::on_layout(file.0.to_str().unwrap());
-        opening.theme = theme;
-        let mut window = opening.open();
-        window.click(text("workspace-layout"));
-        window.draw(3);
+        let mut window = open_in_editor(&file, theme);
         window.click(text("editor-plan"));
         let thumb = place(&window, "Board 2");
         drag(&mut window, thumb.center(), Vec2::ZERO);
