@@ -26,6 +26,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/qwerty-arc"
     "keyboards/qwerty-flat"
     "keyboards/qwerty-flat-22"
+    "keyboards/qwerty-swipe"
     "keyboards/qwerty-two-arc"
     "keyboards/qwerty-two-flat"
     "keyboards/qwerty-words"

@@ -55,6 +55,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "qwerty-arc",
             "qwerty-flat",
             "qwerty-flat-22",
+            "qwerty-swipe",
             "qwerty-two-arc",
             "qwerty-two-flat",
             "qwerty-words",

@@ -36,6 +36,7 @@ mod scenarios;
 mod scripts;
 mod start;
 mod stops;
+mod swipes;
 mod taps;
 mod text;
 mod text_taps;

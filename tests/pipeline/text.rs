@@ -24,14 +24,14 @@ fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
 
 /// What a hand typed.
 #[derive(Debug, Default, PartialEq)]
-struct Typed {
-    text: String,
+pub struct Typed {
+    pub text: String,
     /// All events, as words.
-    events: String,
+    pub events: String,
 }
 
 /// Plays a hand, and calls `each` after each reading with the number of presses and characters so far.
-fn play(
+pub fn play(
     setup: &LoadedSetup,
     mut hand: impl Source,
     mut each: impl FnMut(usize, &mut CheckedPipeline, &mut Events),

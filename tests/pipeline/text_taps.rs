@@ -128,6 +128,7 @@ fn wrong(mode: Option<TextMode>, scatter: f32, seed: u64) -> usize {
                         side: pose.side,
                         presses: &presses,
                         held: &held,
+                        contact: Some((&pose, scene)),
                     };
                     filter.filter(&input, &mut events);
                 }

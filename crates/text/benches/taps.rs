@@ -1,6 +1,6 @@
 //! The time from a tap to its candidates, in one run beside two references for the last five taps: the nearest word of the same length
 //! in the flat list, by the same distances, which needs no search over errors; and the first suggestion of SymSpell within two
-//! edits of the nearest keys, which sees no positions.
+//! edits of the nearest keys, which sees no positions. Then the time from the end of a swipe to its candidates.
 //!
 //! Run with `cargo bench -p ademan-text`; prints microseconds and ratios. `cargo test --bench taps` runs it once, with few taps.
 
@@ -16,6 +16,7 @@ use ademan_text::{Decoder, Model, Options, Prior, Tap, TouchModel};
 use support::baselines::Spelling;
 use support::session::nearest;
 use support::simulated::{Person, TIERS, keyboard};
+use support::swipes::{NearestShape, Swiper};
 
 const TEXT: &str = "the quick brown fox jumps over the lazy dog, and it is not what you think of the weather in the evening. ";
 
@@ -115,6 +116,36 @@ fn main() {
             read[1],
             read[0] / reference,
             read[0] / symspell,
+        );
+    }
+    swipes(&model, rounds);
+}
+
+/// Prints the time from the end of a swipe to its candidates, beside the search for the nearest shape in all words.
+fn swipes(model: &Model, rounds: usize) {
+    let reference = NearestShape::new(model);
+    for scatter in [3.0, 5.0, 8.0] {
+        let touch = TouchModel::new(Prior::default());
+        let decoder = Decoder::new(model.clone(), keyboard(), touch, Options::default());
+        let mut decoder = decoder.with_swipes();
+        let mut person = Swiper::new(scatter, 5);
+        let (mut reads, mut shapes) = (Vec::new(), Vec::new());
+        for word in TEXT.repeat(rounds).split([' ', ',', '.']) {
+            let Some(path) = person.swipes(word) else {
+                continue;
+            };
+            let started = Instant::now();
+            black_box(decoder.swipe(black_box(path.points()), false));
+            reads.push(started.elapsed());
+            let started = Instant::now();
+            black_box(reference.read(black_box(&path)));
+            shapes.push(started.elapsed());
+        }
+        let [[read, slow], [shape, slow_shape]] = [&mut reads, &mut shapes]
+            .map(|times| [0.5, 0.99].map(|share| percentile(times, share)));
+        println!(
+            "swipe at {scatter} mm: p50 {read:.0} µs p99 {slow:.0} µs; nearest shape p50 {shape:.0} µs p99 {slow_shape:.0} µs, ratio {:.2}",
+            read / shape
         );
     }
 }

@@ -7,7 +7,8 @@
 //!                  build               model │
 //!  Tap ────────────────────────────────────▶ Decoder ──Candidate──▶ Corrector ──Edit──▶ text field
 //!  keyboard           TouchModel ──────────▶ decoder               correction
-//!                     touch
+//!  SwipePath           touch                   ▲
+//!  swipe ──────────────────────────────────────┘
 //! ```
 //!
 //! - [`logarithm`] stores probabilities in a byte, alike on every machine.
@@ -16,6 +17,7 @@
 //! - [`keyboard`] holds keys and taps, in millimetres.
 //! - [`touch`] says where taps land that mean a key, and learns it for a person.
 //! - [`decoder`] finds the text that taps most probably mean.
+//! - [`swipe`] holds paths of fingers over letters, and finds the words that explain them.
 //! - [`correction`] turns it into edits of a text field.
 //! - [`languages`] are the models that come with the crate.
 //! - [`filter`] puts all of it between the devices of a layout and the output of a pipeline of `ademan_core`.
@@ -55,6 +57,7 @@ pub mod model;
 pub mod build;
 pub mod keyboard;
 pub mod touch;
+pub mod swipe;
 pub mod decoder;
 pub mod correction;
 pub mod languages;
@@ -64,4 +67,5 @@ pub use correction::{Corrector, Edit, Mode};
 pub use decoder::{Candidate, Decoder, Options};
 pub use keyboard::{Key, Keyboard, Tap};
 pub use model::{Model, ModelError};
+pub use swipe::SwipePath;
 pub use touch::{Prior, TouchModel};

@@ -5,7 +5,7 @@ mod support;
 use ademan_text::build::Builder;
 use ademan_text::correction::Restored;
 use ademan_text::{
-    Corrector, Decoder, Edit, Keyboard, Mode, Model, Options, Prior, Tap, TouchModel,
+    Corrector, Decoder, Edit, Keyboard, Mode, Model, Options, Prior, SwipePath, Tap, TouchModel,
 };
 use support::simulated::{PITCH, keyboard};
 
@@ -29,7 +29,7 @@ impl<'m> Field<'m> {
             capitals: false,
             ..Options::default()
         };
-        let decoder = Decoder::new(model, keyboard(), touch, options);
+        let decoder = Decoder::new(model, keyboard(), touch, options).with_swipes();
         Self {
             corrector: Corrector::new(decoder, mode, restored),
             keyboard: keyboard(),
@@ -65,6 +65,27 @@ impl<'m> Field<'m> {
             position,
             typed: Some(character),
         });
+        self.edits = Self::apply(&mut self.text, edits);
+    }
+
+    /// Taps the first letter of a word, and swipes along straight lines between all its letters.
+    fn swipes(&mut self, word: &str) {
+        let mut letters = word.chars();
+        self.types(&letters.by_ref().take(1).collect::<String>());
+        let mut path = SwipePath::default();
+        let center = |letter: char| {
+            let index = self.keyboard.index(letter.to_ascii_lowercase());
+            self.keyboard.keys()[index.expect("a key")].center
+        };
+        let centers: Vec<[f32; 2]> = word.chars().map(center).collect();
+        for pair in centers.windows(2) {
+            for step in 0..=20 {
+                let t = step as f32 / 20.0;
+                let along = |axis: usize| pair[0][axis] + t * (pair[1][axis] - pair[0][axis]);
+                path.push([along(0), along(1)]);
+            }
+        }
+        let edits = self.corrector.swipe(path.points());
         self.edits = Self::apply(&mut self.text, edits);
     }
 
@@ -323,4 +344,95 @@ fn a_long_text_stays_in_step() {
     field.types(&endless);
     field.types(" teh ");
     assert_eq!(field.text, endless + " the ");
+}
+
+#[test]
+fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
+    for mode in [Mode::Suggest, Mode::Auto] {
+        let bytes = english();
+        let mut field = Field::new(&bytes, mode);
+        field.types("the ");
+        field.swipes("quick");
+        assert_eq!(field.text, "the quick ");
+        // The first letter is that of the word, so it stays.
+        assert_eq!(field.edits, 5);
+        field.backspace();
+        assert_eq!(field.text, "the ");
+        field.backspace();
+        assert_eq!(field.text, "the");
+    }
+}
+
+#[test]
+fn a_swipe_that_starts_beside_its_first_letter_replaces_it() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.swipes("quick");
+    field.backspace();
+    assert_eq!(field.text, "");
+    // `w` is beside `q`.
+    let mut path = SwipePath::default();
+    for letter in "wuick".chars() {
+        let index = field.keyboard.index(letter).expect("a key");
+        path.push(field.keyboard.keys()[index].center);
+    }
+    field.types("w");
+    let edits = field.corrector.swipe(path.points());
+    Field::apply(&mut field.text, edits);
+    assert_eq!(field.text, "quick ");
+}
+
+#[test]
+fn a_candidate_replaces_a_swiped_word_and_is_context_for_the_next() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.swipes("cat");
+    let candidates: Vec<String> = field
+        .corrector
+        .candidates()
+        .iter()
+        .map(|it| it.text.clone())
+        .collect();
+    assert_eq!(candidates[0], "cat");
+    assert!(candidates.len() > 1, "{candidates:?}");
+    let edits = field.corrector.accept(1);
+    Field::apply(&mut field.text, edits);
+    assert_eq!(field.text, format!("{} ", candidates[1]));
+    field.backspace();
+    assert_eq!(field.text, "");
+}
+
+#[test]
+fn a_swipe_behind_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("cat");
+    field.swipes("Sat");
+    assert_eq!(field.text, "cat Sat ");
+    field.backspace();
+    assert_eq!(field.text, "cat");
+}
+
+#[test]
+fn taps_behind_a_swipe_are_corrected_and_a_reset_drops_its_candidates() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.swipes("the");
+    field.types("wisdim ");
+    assert_eq!(field.text, "the wisdom ");
+    field.swipes("cat");
+    field.corrector.reset();
+    let before = field.text.clone();
+    field.backspace();
+    assert_eq!(field.edits, 1);
+    assert_eq!(field.text, before.trim_end());
+    assert!(field.corrector.candidates().is_empty());
+}
+
+#[test]
+fn a_literal_corrector_swipes_nothing() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Literal);
+    field.swipes("quick");
+    assert_eq!(field.text, "q");
 }

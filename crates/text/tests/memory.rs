@@ -10,8 +10,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use ademan_text::correction::Restored;
-use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel};
+use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, Tap, TouchModel};
 use support::simulated::{Person, TIERS, keyboard};
+use support::swipes::Swiper;
 
 /// The system allocator with a counter for each thread.
 struct Counting;
@@ -105,4 +106,41 @@ fn decoding_does_not_allocate_at_all() {
         "{allocated} allocations for {} taps",
         taps.len()
     );
+}
+
+#[test]
+fn swipes_do_not_allocate() {
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let touch = TouchModel::new(Prior::default());
+    let decoder = Decoder::new(model, keyboard(), touch, Options::default()).with_swipes();
+    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let mut person = Swiper::new(8.0, 3);
+    let words = [
+        "quick",
+        "brown",
+        "over",
+        "internationalization",
+        "the",
+        "thinking",
+    ];
+    let paths: Vec<_> = words
+        .iter()
+        .filter_map(|word| person.swipes(word))
+        .collect();
+    assert_eq!(paths.len(), words.len());
+
+    let before = ALLOCATIONS.get();
+    let mut edits = 0;
+    for path in &paths {
+        let [x, y] = path.points()[0];
+        edits += corrector.press(Tap::at(x, y)).len();
+        edits += corrector.swipe(path.points()).len();
+        edits += corrector.candidates().len();
+        edits += corrector.accept(1).len();
+    }
+    edits += corrector.backspace().len();
+    let allocated = ALLOCATIONS.get() - before;
+
+    assert!(edits > 5 * words.len());
+    assert_eq!(allocated, 0);
 }

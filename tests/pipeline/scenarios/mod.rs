@@ -46,7 +46,7 @@ macro_rules! scenario_files {
 
 scenario_files!(
     arm, arming, bends, faults, gestures, lines, multitap, notes, reloads, sequences, steps,
-    together, waits
+    swipes, together, waits
 );
 
 fn folder() -> PathBuf {

@@ -94,6 +94,9 @@ macro_rules! board_schema {
                 /// Owner of the gaps between keys.
                 #[serde(default)]
                 gaps: GapsSchema,
+                /// A finger that stays down and moves over the letters of a word types it, while a text decoder runs.
+                #[serde(default)]
+                swipe: bool,
                 /// Flat or curved.
                 #[serde(default)]
                 pub shape: BoardShapeSchema,
@@ -323,6 +326,7 @@ impl<'a> BoardSchema<'a> {
             }),
             contact: self.contact,
             press: self.press,
+            swipe: self.swipe,
             max_share: match (self.gaps, has_neighbors) {
                 (GapsSchema::Dead, _) => 0.0,
                 (GapsSchema::Nearest, true) => SHARE_BESIDE_BOARDS,

@@ -93,6 +93,8 @@ pub struct Board {
     pub pitch: f32,
     /// Flat or curved.
     pub shape: BoardShape,
+    /// The path of a finger over its letters is a word, for a text decoder.
+    pub swipe: bool,
     /// Slow motion towards a resting hand, if enabled.
     pub auto_recenter: Option<AutoRecenter>,
 }

@@ -156,6 +156,13 @@ impl LayoutInstance {
         self.filter.as_deref_mut()
     }
 
+    /// Returns the text decoder and the targets.
+    pub(super) fn filter_and_scene(
+        &mut self,
+    ) -> (Option<&mut (dyn PressFilter + 'static)>, &Scene) {
+        (self.filter.as_deref_mut(), &self.scene)
+    }
+
     /// Sets the mode of the text decoder to that of the layout before.
     pub(super) fn keep_text_mode(&mut self, before: &Self) {
         let mode = before.filter().and_then(PressFilter::text_state);

@@ -415,9 +415,9 @@ impl Pipeline {
         let dropped = layout.update_devices(output, rules, events);
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
-        let step = (output.pose.time, output.pose.side, &output.presses[..]);
         let replacing = layout.take_replacing_presses();
-        let filter = layout.filter_mut();
+        let (filter, scene) = layout.filter_and_scene();
+        let step = (&output.pose, scene, &output.presses[..]);
         let added = self.filters.apply(filter, step, first, events) + replacing;
         let system_keys = self.gate.suppressed().system_keys;
         let is_within_limit = self.gate.filter(index, first, added, events);

@@ -12,9 +12,11 @@ use arrayvec::{ArrayString, ArrayVec};
 
 use crate::command::TextMode;
 use crate::contact::Press;
+use crate::contact::surface::Scene;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, Events, OutputEvent};
 use crate::hand::Side;
+use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
 /// The input of a filter beside the events: one hand in one step.
@@ -29,10 +31,12 @@ pub struct FilterInput<'a> {
     pub presses: &'a [Press],
     /// The keys that the devices hold before the events of this step.
     pub held: &'a PressedKeys,
+    /// The hand and the targets, for the path of a finger; `None` if the events come from elsewhere.
+    pub contact: Option<(&'a HandPose, &'a Scene)>,
 }
 
 /// The step of one hand that filters see.
-pub(super) type FilteredStep<'a> = (Timestamp, Side, &'a [Press]);
+pub(super) type FilteredStep<'a> = (&'a HandPose, &'a Scene, &'a [Press]);
 
 /// A stage that may hold, replace or add key events.
 ///
@@ -103,7 +107,7 @@ impl PressFilters {
     pub(super) fn apply(
         &mut self,
         own: Option<&mut (dyn PressFilter + 'static)>,
-        (time, side, presses): FilteredStep,
+        (pose, scene, presses): FilteredStep,
         first: usize,
         events: &mut Events,
     ) -> usize {
@@ -113,10 +117,11 @@ impl PressFilters {
         let emitted: Events = events.drain(first..).collect();
         let held = self.held.clone();
         let input = FilterInput {
-            time,
-            side,
+            time: pose.time,
+            side: pose.side,
             presses,
             held: &held,
+            contact: Some((pose, scene)),
         };
         for event in &emitted {
             match event.kind {
@@ -219,7 +224,8 @@ mod tests {
         filters.add(Box::new(Filter(filter)));
         let apply = |step: &&[OutputEvent]| {
             let mut events = Events::from_iter(step.iter().copied());
-            filters.apply(None, (Timestamp(1_000), Side::Right, &[]), 0, &mut events);
+            let pose = HandPose::new(Timestamp(1_000), Side::Right, 0.006);
+            filters.apply(None, (&pose, &Scene::new(), &[]), 0, &mut events);
             events.to_vec()
         };
         steps.iter().map(apply).collect()

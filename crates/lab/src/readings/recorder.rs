@@ -59,6 +59,7 @@ impl Recorder {
             side: Side::Right,
             presses: &[],
             held: &held,
+            contact: None,
         };
         self.decoder.filter(&input, &mut events);
         let literal = std::mem::take(&mut self.literal);

@@ -9,12 +9,15 @@
 //! | typing | character that ends a word, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
 //! | other | Backspace | typing | Backspace |
+//! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
+//! | swiped | Backspace | typing | Backspaces for the word and its space |
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
 //! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
 
 mod restored;
+mod swiped;
 mod tail;
 
 use serde::{Deserialize, Serialize};
@@ -22,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use crate::decoder::{Candidate, Decoder, MAX_TAPS};
 use crate::keyboard::Tap;
 pub use restored::Restored;
+use swiped::Swiped;
 pub(crate) use tail::ends_word;
 use tail::{Difference, difference};
 
@@ -74,6 +78,8 @@ pub struct Corrector<'m> {
     undo: Undo,
     /// The decoder has not seen the beginning of the word.
     is_partial: bool,
+    /// The last word was swiped.
+    swiped: Option<Swiped>,
     edits: Vec<Edit>,
 }
 
@@ -92,6 +98,7 @@ impl<'m> Corrector<'m> {
                 ..Undo::default()
             },
             is_partial: false,
+            swiped: None,
             edits: Vec::with_capacity(16 * MAX_TAPS),
         }
     }
@@ -122,6 +129,7 @@ impl<'m> Corrector<'m> {
         self.is_partial |= !self.shown.is_empty() && !self.shown.ends_with(ends_word);
         self.shown.clear();
         self.undo.is_possible = false;
+        self.swiped = None;
         self.decoder.start_anywhere();
     }
 
@@ -156,6 +164,9 @@ impl<'m> Corrector<'m> {
             return &self.edits;
         }
         self.undo.is_possible = false;
+        if self.swiped.take().is_some() {
+            self.shown.clear();
+        }
         if self.decoder.taps() + 1 >= MAX_TAPS {
             self.reset();
         }
@@ -241,9 +252,13 @@ impl<'m> Corrector<'m> {
             self.edits
                 .extend((0..self.undo.corrected).map(|_| Edit::Backspace));
             self.edits.extend(self.undo.typed.chars().map(Edit::Type));
-            self.restored.learn();
             self.shown.clear();
-            self.decoder.commit_typed();
+            if let Some(swiped) = self.swiped.take() {
+                self.decoder.start_behind(swiped.before);
+            } else {
+                self.restored.learn();
+                self.decoder.commit_typed();
+            }
             return &self.edits;
         }
         self.edits.push(Edit::Backspace);
@@ -271,6 +286,7 @@ impl<'m> Corrector<'m> {
     pub fn candidates(&mut self) -> &[Candidate] {
         match self.mode {
             Mode::Literal => &[],
+            _ if self.swiped.is_some() => self.decoder.last_candidates(),
             _ if self.is_partial => &[],
             _ => self.decoder.candidates(),
         }
@@ -281,6 +297,10 @@ impl<'m> Corrector<'m> {
     pub fn accept(&mut self, candidate: usize) -> &[Edit] {
         self.edits.clear();
         self.target.clear();
+        if let Some(swiped) = self.swiped {
+            self.replace_swiped(candidate, swiped);
+            return &self.edits;
+        }
         let is_usable = self.mode != Mode::Literal && !self.is_partial;
         let chosen = self
             .decoder

@@ -24,11 +24,13 @@ mod learn;
 mod literal;
 mod options;
 mod render;
+mod swiped;
 mod token;
 mod touches;
 
 pub use candidate::Candidate;
 pub use options::{MAX_BEAM, Options};
+pub(crate) use swiped::Before;
 
 use beam::Beam;
 use candidate::same_letters;
@@ -46,6 +48,7 @@ use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
+use crate::swipe::Swipes;
 use crate::touch::TouchModel;
 
 /// The most taps between two commits; the next one commits by itself.
@@ -109,6 +112,8 @@ pub struct Decoder<'m> {
     rendered: Rendered,
     candidates: [Candidate; CANDIDATES],
     found: usize,
+    /// The memory for paths, if the keyboard has them.
+    swipes: Option<Swipes>,
 }
 
 impl<'m> Decoder<'m> {
@@ -150,6 +155,7 @@ impl<'m> Decoder<'m> {
             rendered: Rendered::new(),
             candidates: std::array::from_fn(|_| candidate()),
             found: 0,
+            swipes: None,
         };
         decoder.update_costs();
         decoder.start_sentence();

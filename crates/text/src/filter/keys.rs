@@ -2,11 +2,14 @@
 
 use crate::keyboard::{MAX_KEYS, Millimetres};
 use crate::{Key, Keyboard};
-use parry3d::math::Pose;
+use parry3d::math::{Pose, Vec3};
 
 use ademan_core::command::Command;
-use ademan_core::contact::{Press, TargetId};
+use ademan_core::contact::surface::Scene;
+use ademan_core::contact::{Press, TargetId, trusted_fingertip};
 use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode};
+use ademan_core::hand::Finger;
+use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 
 /// The fewest letters of a layout that the decoder is of use for.
@@ -32,8 +35,14 @@ pub(super) enum Typed {
 struct Place {
     target: TargetId,
     character: char,
-    /// Its center in the plane of the decoder.
+    /// The center in the plane of the decoder of the first key of the character.
     center: Millimetres,
+    /// Its own center in that plane.
+    own_center: Millimetres,
+    /// Its smaller extent, in millimetres.
+    width: f32,
+    /// The index of its board, if fingers swipe over that.
+    swiped_board: Option<usize>,
     /// From the frame of the board to that of the key.
     target_from_surface: Pose,
 }
@@ -54,7 +63,7 @@ impl TextKeys {
         let mut keys: Vec<Key> = Vec::new();
         let mut places = Vec::new();
         let mut left = 0.0;
-        for board in &layout.boards {
+        for (board_index, board) in layout.boards.iter().enumerate() {
             let (low, high) = layout.extent(board);
             for key in &layout.keys[board.keys.clone()] {
                 let Some(character) = key
@@ -67,10 +76,10 @@ impl TextKeys {
                 let face = &key.face;
                 let at = face.row_position;
                 let half = board.row_half_extents(face);
-                let center = [left + (at.x - low.x) * 1e3, -at.y * 1e3];
+                let own_center = [left + (at.x - low.x) * 1e3, -at.y * 1e3];
                 let known = keys.iter().find(|known| known.character == character);
                 // A second key of the same character counts as the first one.
-                let center = known.map_or(center, |known| known.center);
+                let center = known.map_or(own_center, |known| known.center);
                 if known.is_none() {
                     keys.push(Key {
                         character,
@@ -84,6 +93,9 @@ impl TextKeys {
                     target: face.target,
                     character,
                     center,
+                    own_center,
+                    width: half.min_element() * 2e3,
+                    swiped_board: board.swipe.then_some(board_index),
                     target_from_surface: target.map_or(Pose::IDENTITY, |(_, target)| {
                         target.surface_from_target.inverse()
                     }),
@@ -136,6 +148,35 @@ impl TextKeys {
         let at = place.target_from_surface * press.point;
         let [x, y] = place.center;
         Some((place.character, [x + at.x * 1e3, y - at.y * 1e3]))
+    }
+
+    /// Returns the board of a key that types a character, if fingers swipe over it, and the smaller extent of the key in millimetres.
+    pub(super) fn swiped_board(&self, target: TargetId) -> Option<(usize, f32)> {
+        let place = self.places.iter().find(|place| place.target == target)?;
+        Some((place.swiped_board?, place.width))
+    }
+
+    /// Returns the position of a finger over a board in the plane of the decoder, and its height over the front of the nearest key, in
+    /// millimetres; `None` if that is not known.
+    pub(super) fn follow(
+        &self,
+        board: usize,
+        finger: Finger,
+        (pose, scene): (&HandPose, &Scene),
+    ) -> Option<(Millimetres, f32)> {
+        let surface = scene.surfaces().get(board)?;
+        let world_from_surface = surface.world_from_surface(pose)?;
+        let center = world_from_surface.inverse() * trusted_fingertip(pose, finger)?;
+        let places = self.places.iter();
+        let places = places.filter(|place| place.swiped_board == Some(board));
+        let pads = places.map(|place| {
+            let pad = place.target_from_surface * center - Vec3::Z * pose.tip_radius;
+            (place.own_center, pad)
+        });
+        let nearest =
+            |a: &(_, Vec3), b: &(_, Vec3)| a.1.length_squared().total_cmp(&b.1.length_squared());
+        let ([x, y], pad) = pads.min_by(nearest)?;
+        Some(([x + pad.x * 1e3, y - pad.y * 1e3], pad.z * 1e3))
     }
 
     /// Returns the center of the key of a character, in whatever case; `None` if no key types it.

@@ -2,6 +2,7 @@
 
 mod burst;
 mod keys;
+mod stroke;
 mod text_filter;
 
 use std::path::Path;
@@ -86,6 +87,11 @@ impl Language {
             touch,
             Options::default(),
         );
+        let decoder = if layout.boards.iter().any(|board| board.swipe) {
+            decoder.with_swipes()
+        } else {
+            decoder
+        };
         let corrector = Corrector::new(decoder, decoder_mode(mode), Restored::default());
         Some(Box::new(TextFilter::new(corrector, keys, mode)))
     }

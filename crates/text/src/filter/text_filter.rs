@@ -9,6 +9,7 @@ use arrayvec::ArrayVec;
 use super::burst::{self, MAX_EDITS};
 use super::decoder_mode;
 use super::keys::{TextKeys, lower};
+use super::stroke::{Progress, Stroke};
 use ademan_core::command::TextMode;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, Events, KeyCode, OutputEvent};
@@ -41,6 +42,8 @@ pub(super) struct TextFilter {
     keys: TextKeys,
     state: TextState,
     evidence: ArrayVec<Evidence, 10>,
+    /// The last letter that was pressed, until its finger is lifted.
+    stroke: Option<Stroke>,
     /// The candidate that the next step takes.
     choice: Option<u8>,
     /// The time of the last key.
@@ -68,6 +71,7 @@ impl TextFilter {
                 candidates: ArrayVec::new(),
             },
             evidence: ArrayVec::new(),
+            stroke: None,
             choice: None,
             last_key: Timestamp::default(),
             backspace_since: None,
@@ -81,10 +85,12 @@ impl TextFilter {
     fn remember_presses(&mut self, input: &FilterInput) {
         self.evidence
             .retain(|press| input.time.since(press.time) < EVIDENCE_TIME);
-        for press in input.presses {
+        let is_swiping = self.is_swiping(input);
+        for press in input.presses.iter().filter(|_| !is_swiping) {
             let Some((character, position)) = self.keys.locate(press) else {
                 continue;
             };
+            self.stroke = Stroke::new(press, (character, position), &self.keys);
             if self.evidence.is_full() {
                 self.evidence.remove(0);
             }
@@ -93,6 +99,44 @@ impl TextFilter {
                 position,
                 time: press.time,
             });
+        }
+    }
+
+    /// Returns whether a finger of the hand swipes, so that its hand presses no keys.
+    fn is_swiping(&self, input: &FilterInput) -> bool {
+        let stroke = self.stroke.as_ref();
+        stroke.is_some_and(|stroke| stroke.is_swipe && stroke.side == input.side)
+    }
+
+    /// Follows the finger of a stroke. Returns whether it was lifted.
+    fn follow_stroke(&mut self, input: &FilterInput) -> bool {
+        let stroke = self.stroke.as_mut();
+        let Some(stroke) = stroke.filter(|stroke| stroke.side == input.side) else {
+            return false;
+        };
+        let progress = stroke.follow(input, &self.keys);
+        if progress == Progress::Lost {
+            self.stroke = None;
+        }
+        progress == Progress::Lifted
+    }
+
+    /// Replaces the letter of a swipe by its word.
+    fn end_stroke(&mut self, time: Timestamp, step: &mut Step) {
+        let Some(stroke) = self.stroke.take() else {
+            return;
+        };
+        let Some(path) = stroke.path() else { return };
+        self.is_changed = true;
+        self.last_key = time;
+        let edits = burst::copy(self.corrector.swipe(path));
+        self.is_spaced = match edits {
+            Ok(edits) if edits.is_empty() => return,
+            Ok(edits) => step.append(&edits, &self.keys, time),
+            Err(burst::TooMany) => false,
+        };
+        if !self.is_spaced {
+            self.corrector.reset();
         }
     }
 
@@ -113,6 +157,10 @@ impl TextFilter {
     fn type_character(&mut self, character: char, event: OutputEvent, step: &mut Step) {
         if self.is_repeating(event.time) {
             self.leave();
+        }
+        let stroke = self.stroke.as_mut();
+        if !stroke.is_some_and(|stroke| stroke.note_typed(character)) {
+            self.stroke = None;
         }
         let Some(position) = self.position(character) else {
             self.leave();
@@ -185,6 +233,8 @@ impl TextFilter {
             return step.push(event);
         }
         let is_spaced = std::mem::take(&mut self.is_spaced);
+        let types_character = key.us_character(step.is_shifted()).is_some();
+        self.stroke = self.stroke.take().filter(|_| types_character);
         if key.is_modifier() || step.has_shortcut() {
             self.leave();
             return step.push(event);
@@ -236,12 +286,14 @@ impl PressFilter for TextFilter {
             self.choice = None;
             return;
         }
+        let was_swiping = self.is_swiping(input);
         self.remember_presses(input);
+        let is_lifted = self.follow_stroke(input);
         if !self.corrector.shown().is_empty() && input.time.since(self.last_key) > IDLE_TIME {
             self.corrector.reset();
             self.is_changed = true;
         }
-        if !events.is_empty() || self.choice.is_some() {
+        if !events.is_empty() || self.choice.is_some() || is_lifted {
             let mut step = Step::new(input.held, &self.tapped, events.len());
             let given = std::mem::take(events);
             for (index, &event) in given.iter().enumerate() {
@@ -260,6 +312,8 @@ impl PressFilter for TextFilter {
                     _ => self.take_choice(event.time, &mut step),
                 }
                 match event.kind {
+                    EventKind::KeyDown(key) if was_swiping => _ = step.tapped.press(key),
+                    EventKind::Character(_) if was_swiping => {}
                     EventKind::KeyDown(_) if replaces_letter(&given[index..]) => {
                         self.leave();
                         step.push(event);
@@ -287,6 +341,9 @@ impl PressFilter for TextFilter {
                 }
             }
             step.waiting = 0;
+            if is_lifted {
+                self.end_stroke(input.time, &mut step);
+            }
             self.take_choice(input.time, &mut step);
             self.tapped = step.tapped;
             *events = step.events;
@@ -299,6 +356,7 @@ impl PressFilter for TextFilter {
     fn reset(&mut self) {
         self.corrector.reset();
         self.evidence.clear();
+        self.stroke = None;
         self.choice = None;
         self.is_spaced = false;
         self.backspace_since = None;

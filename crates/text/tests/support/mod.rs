@@ -23,3 +23,4 @@ pub mod session;
 pub mod simulated;
 pub mod baselines;
 pub mod statistics;
+pub mod swipes;

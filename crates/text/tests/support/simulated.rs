@@ -83,7 +83,7 @@ pub fn keyboard() -> Keyboard {
     Keyboard::new(keys)
 }
 
-fn normal(random: &mut Rng) -> f32 {
+pub fn normal(random: &mut Rng) -> f32 {
     let radius = (-2.0 * (1.0 - random.f32()).ln()).sqrt();
     radius * (std::f32::consts::TAU * random.f32()).cos()
 }

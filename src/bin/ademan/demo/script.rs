@@ -29,6 +29,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "mixer"
     "phone-pad"
     "piano"
+    "qwerty-swipe"
     "qwerty-words"
     "rate"
     "radial"

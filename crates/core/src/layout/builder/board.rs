@@ -39,6 +39,8 @@ pub(in crate::layout) struct BoardSettings {
     pub contact: ContactSchema,
     /// The moment and the place of a press.
     pub press: PressSchema,
+    /// See [`Board::swipe`].
+    pub swipe: bool,
     /// The largest share of a key in the gaps around it, in metres.
     pub max_share: f32,
 }
@@ -131,6 +133,7 @@ impl Default for BoardDraft<'_> {
             release_at: ReleaseAt::default(),
             contact: ContactSchema::default(),
             press: PressSchema::Plane,
+            swipe: false,
             max_share: 0.0,
         };
         Self {
@@ -181,6 +184,7 @@ impl<'a> LayoutBuilder<'a> {
             controls: draft.first_control..self.controls.len(),
             pitch: metres(pitch_mm) * draft.settings.scale,
             shape: draft.settings.shape,
+            swipe: draft.settings.swipe,
             auto_recenter,
         };
         let is_empty = board.keys.is_empty() && board.controls.is_empty();

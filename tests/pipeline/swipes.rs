@@ -1,0 +1,77 @@
+//! Swiped words in the whole pipeline: a simulated hand moves over a shipped board, under the oracle.
+
+use ademan::capture::Hc11Format;
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::text::{TextModeSetup, TextSetup};
+
+use super::text::{Typed, play};
+
+fn setup(layout: &str, mode: Option<TextModeSetup>) -> LoadedSetup {
+    let setup = Setup {
+        layout: layout.into(),
+        text: mode.map(|mode| TextSetup {
+            mode,
+            ..TextSetup::default()
+        }),
+        ..Setup::default()
+    };
+    setup.load_files().expect("the shipped layout")
+}
+
+fn performs(layout: &str, mode: Option<TextModeSetup>, script: &str) -> Typed {
+    let setup = setup(layout, mode);
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    play(&setup, hand.expect("a script"), |_, _, _| {})
+}
+
+fn types(layout: &str, mode: TextModeSetup, text: &str, noise: f64, seed: u64) -> Typed {
+    let setup = setup(layout, Some(mode));
+    let hand = setup.typist(text, &Hc11Format::default(), noise, seed);
+    play(&setup, hand.expect("a text"), |_, _, _| {})
+}
+
+const QUICK: &str = "press Q; slide 114 0; slide 19 0; slide -80.75 -38; slide 85.5 19; lift";
+
+#[test]
+fn a_swiped_word_is_typed_when_the_finger_is_lifted() {
+    for mode in [TextModeSetup::Suggest, TextModeSetup::Auto] {
+        let typed = performs("qwerty-swipe", Some(mode), QUICK);
+        assert_eq!(typed.text, "quick ");
+    }
+    let typed = performs(
+        "qwerty-swipe",
+        Some(TextModeSetup::Auto),
+        &format!("{QUICK}; tap Backspace"),
+    );
+    assert_eq!(typed.text, "");
+}
+
+#[test]
+fn a_space_behind_a_swiped_word_is_not_doubled() {
+    let script = format!("{QUICK}; tap Space; tap F; tap O; tap X; tap Space");
+    let typed = performs("qwerty-swipe", Some(TextModeSetup::Auto), &script);
+    assert_eq!(typed.text, "quick fox ");
+}
+
+#[test]
+fn only_the_first_key_is_pressed_without_swipes() {
+    for (layout, mode) in [
+        ("qwerty-swipe", Some(TextModeSetup::Literal)),
+        ("qwerty-words", Some(TextModeSetup::Auto)),
+    ] {
+        assert_eq!(performs(layout, mode, QUICK).text, "q", "{layout}");
+    }
+}
+
+#[test]
+fn taps_on_a_board_with_swipes_are_the_same_events() {
+    let text = "teh quick brown fox jumps over the lazy dog and all is well too ";
+    for mode in [TextModeSetup::Literal, TextModeSetup::Auto] {
+        for (noise, seed) in [(0.0, 0), (2.0, 1), (2.0, 2)] {
+            let with = types("qwerty-swipe", mode, text, noise, seed);
+            let without = types("qwerty-words", mode, text, noise, seed);
+            assert!(with.text.len() > 40, "{with:?}");
+            assert_eq!(with, without, "{mode:?} {noise}");
+        }
+    }
+}
