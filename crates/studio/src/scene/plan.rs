@@ -33,8 +33,8 @@ const CROSS: f32 = 5.0;
 /// Height of the letters beside a handle and at an overlap, in points.
 const LETTERS: f32 = 9.0;
 
-/// Distance of the letters from a handle, in points.
-const LETTERS_DISTANCE: f32 = 18.0;
+/// Distance of the middle of the letters from a handle, in points.
+const LETTERS_DISTANCE: f32 = 50.0;
 
 /// Everything that the picture of a plan shows.
 pub struct PlanScene<'a> {
@@ -228,9 +228,9 @@ impl Marks<'_> {
                     let curve = handles::bend_curve(board, view, radius);
                     self.add_lines(&curve, false, BEND, ring.with_opacity(0.7));
                     if let Some(radius) = board.radius_mm {
-                        let below = self.to_screen(at) + Vec2::Y * LETTERS_DISTANCE;
+                        let beside = self.to_screen(at) + Vec2::X * LETTERS_DISTANCE;
                         let color = self.canvas.colors.label;
-                        self.add_letters(below, color, format!("R {radius:.0} mm"));
+                        self.add_letters(beside, color, format!("R {radius:.0} mm"));
                     }
                 }
             }

@@ -122,8 +122,18 @@ impl PlanGesture {
                 others,
                 on_grid,
             } => {
+                let offset = point - *from;
+                if offset == Vec2::ZERO {
+                    // A press alone moves nothing to the grid.
+                    return PlanChange::default();
+                }
+                // What is hardly moved is not attracted farther than that.
+                let snap = SnapSettings {
+                    reach_mm: snap.reach_mm.min(offset.length()),
+                    ..snap
+                };
                 let others = others.iter().copied();
-                let snapped = snap_move(*bounds, point - *from, *on_grid, others, snap);
+                let snapped = snap_move(*bounds, offset, *on_grid, others, snap);
                 PlanChange {
                     edit: moved(view, parts, snapped.offset),
                     guides: snapped.guides,

@@ -16,7 +16,7 @@ const HIT_RADIUS: f32 = 9.0;
 /// Distance of the handle of a bend from the outermost key, in millimetres.
 const BEND_MARGIN_MM: f32 = 12.0;
 
-/// The smallest part of a direction that a view must show for a handle that changes it.
+/// The smallest part of a direction, or of the plane of a bend, that a view must show for a handle that changes it.
 const LEAST_SHOWN: f32 = 0.4;
 
 /// The number of radii that are tried before the best one is refined.
@@ -61,8 +61,10 @@ fn position(board: &PlanBoard, view: PlanView, scale: f32, handle: PlanHandle) -
             Some(beyond(board, view, view.flatten(away), scale))
         }
         PlanHandle::Bend => {
-            let drop = drop_direction(board.shape)?;
-            let shown = view.flatten(board.pose.rotation * drop).length() / 1e3;
+            let (along, drop) = bend_directions(board.shape)?;
+            let [along, drop] =
+                [along, drop].map(|it| view.flatten(board.pose.rotation * it) / 1e3);
+            let shown = along.perp_dot(drop).abs();
             let radius = drawn_radius_mm(board.shape)?;
             (shown >= LEAST_SHOWN).then(|| bend_end(board, view, radius))
         }
@@ -107,12 +109,13 @@ pub fn tilt_deg(board: &PlanBoard, view: PlanView, point: Vec2) -> Option<f32> {
     Some(tilt.clamp(-90.0, 90.0))
 }
 
-/// Returns the direction in the frame of a board to which the ends of its rows or columns bend.
-const fn drop_direction(shape: BoardShape) -> Option<Vec3> {
+/// Returns the directions in the frame of a board along its bent rows or columns, and to which their ends bend.
+const fn bend_directions(shape: BoardShape) -> Option<(Vec3, Vec3)> {
     match shape {
         BoardShape::Flat => None,
-        BoardShape::Arc(_) => Some(Vec3::NEG_Y),
-        BoardShape::CurvedRows(_) | BoardShape::CurvedColumns(_) => Some(Vec3::Z),
+        BoardShape::Arc(_) => Some((Vec3::X, Vec3::NEG_Y)),
+        BoardShape::CurvedRows(_) => Some((Vec3::X, Vec3::Z)),
+        BoardShape::CurvedColumns(_) => Some((Vec3::Y, Vec3::Z)),
     }
 }
 

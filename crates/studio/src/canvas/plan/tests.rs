@@ -141,6 +141,23 @@ fn a_moved_board_has_round_numbers_and_snaps_to_edges_of_others() {
 }
 
 #[test]
+fn a_press_without_a_motion_moves_nothing_to_the_grid_or_an_edge() {
+    let mut editor = editor(TWO_BOARDS);
+    let snap = SnapSettings {
+        grid_mm: 1.0,
+        reach_mm: 500.0,
+    };
+    for view in PlanView::ALL {
+        for board in [Part::Board(0), Part::Board(1)] {
+            let from = center(&plan(&editor), board, view);
+            drag(&mut editor, view, from, &[from], snap);
+        }
+    }
+    assert_eq!(editor.text(), TWO_BOARDS);
+    assert!(!editor.can_undo());
+}
+
+#[test]
 fn boards_with_different_bearings_move_together() {
     let mut editor = editor(TWO_BOARDS);
     editor.select([Part::Board(0), Part::Board(1)]);
@@ -309,6 +326,8 @@ fn a_handle_bends_a_curved_board_to_the_mouse() {
         assert_eq!(editor.text(), text);
     }
     let flat = plan(&editor(TWO_BOARDS));
+    let edge = position_of(PlanHandle::Bend, &flat, Part::Board(1), PlanView::Side);
+    assert_eq!(edge, None, "a flat board is seen along its plane");
     assert_eq!(
         position_of(PlanHandle::Bend, &flat, Part::Board(0), PlanView::Above),
         None
