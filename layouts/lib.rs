@@ -40,6 +40,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "panels/piano"
     "panels/radial"
     "panels/scroll-rings"
+    "panels/steering-wheel"
     "panels/switches"
     "panels/touch-pad"
     "panels/workshop"

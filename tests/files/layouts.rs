@@ -69,6 +69,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "piano",
             "radial",
             "scroll-rings",
+            "steering-wheel",
             "switches",
             "touch-pad",
             "workshop",
@@ -422,6 +423,10 @@ fn controls_gestures_and_chords_are_listed_below_the_boards() {
         (
             "scroll-rings",
             "Page    scroll ring, 24 detents a turn, wheel -24 up",
+        ),
+        (
+            "steering-wheel",
+            "valve, 2.5 turns, springs back, axis Wheel",
         ),
         (
             "radial",

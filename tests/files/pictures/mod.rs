@@ -146,6 +146,7 @@ fn each_kind_of_control_has_a_shape_of_its_own() {
         ("scroll-rings", "Page", "Page"),
         ("radial", "Edit", "Copy"),
         ("workshop", "Lathe", "Lathe"),
+        ("steering-wheel", "Wheel", "2.5 turns"),
         ("media", "Volume", "Volume"),
         ("media", "Seek", "Seek"),
         ("workshop", "Gear", "Gear"),

@@ -36,6 +36,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "ray"
     "scroll-rings"
     "space"
+    "steering-wheel"
     "switches"
     "touch-pad"
     "webcam-mouse"
