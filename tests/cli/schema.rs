@@ -39,10 +39,11 @@ fn write_format(folder: &Path, format: &str, places: &[&str]) -> usize {
         }
     }
     files.retain(|file| file.extension().is_some_and(|ending| ending == "ron"));
-    for file in &files {
+    for (index, file) in files.iter().enumerate() {
         let json = run(["schema", format, text(file)]).done().out;
-        let name = file.file_stem().expect("a name").to_owned();
-        fs::write(folder.join(name).with_extension("json"), json).expect("a file");
+        // Files in two folders may have one name.
+        let name = file.file_stem().expect("a name").to_string_lossy();
+        fs::write(folder.join(format!("{index}-{name}.json")), json).expect("a file");
     }
     files.len()
 }

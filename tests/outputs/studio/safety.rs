@@ -50,8 +50,13 @@ impl Session {
 
     /// Returns the number of events of this kind in the transcript.
     fn count(&self, kind: &str) -> usize {
-        let events = fs::read_to_string(self.folder.path().join("ademan/transcripts/events"));
-        events.unwrap_or_default().matches(kind).count()
+        self.transcript("events").matches(kind).count()
+    }
+
+    /// Returns the transcript of this name, which is empty if there is none.
+    pub(super) fn transcript(&self, name: &str) -> String {
+        let file = self.folder.path().join("ademan/transcripts").join(name);
+        fs::read_to_string(file).unwrap_or_default()
     }
 
     /// Waits until another key is pressed and, later, another one is released, as the transcript has it.

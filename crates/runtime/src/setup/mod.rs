@@ -17,6 +17,7 @@ mod without_devices;
 
 pub use first::OWN_SETUP;
 pub use loaded::{GloveAndArm, LoadedSetup, Profile};
+pub use outputs::continued_outputs;
 pub use reach::{HandReach, ReachReport, TargetOutOfReach};
 pub use recorded::ReplaySettings;
 pub use schema::{setup_field_tables, setup_json_schema};

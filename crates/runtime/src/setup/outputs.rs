@@ -28,6 +28,25 @@ pub(super) fn with_new_transcripts(outputs: &str) -> Result<String, SetupError> 
     Ok(outputs?.join(","))
 }
 
+/// Returns the outputs of a session that follows one with the outputs `before` in the same program: a transcript that the first one has
+/// written gets the next free number, as `today.2.txt` after `today.txt`. A file that was not written by it stays as it is, and cannot be
+/// opened.
+pub fn continued_outputs(outputs: &str, before: &str) -> String {
+    let prefix = format!("{}:", transcript::BACKEND.name);
+    let is_written = |output: &str| before.split(',').any(|other| other.trim() == output);
+    let continued = |output: &str| {
+        let output = output.trim();
+        let path = output.strip_prefix(&prefix).map(Path::new);
+        let path = path.filter(|_| is_written(output));
+        let next = path.and_then(|path| free_name(path.parent()?, path.file_name()?.to_str()?));
+        next.map_or(output.to_owned(), |next| {
+            format!("{prefix}{}", next.to_string_lossy())
+        })
+    };
+    let outputs: Vec<_> = outputs.split(',').map(continued).collect();
+    outputs.join(",")
+}
+
 fn new_file(name: &str) -> Result<PathBuf, SetupError> {
     if !is_plain(name) {
         let message = "`output`: a setup names a transcript by letters, digits, `-`, `_` and `.`, without a folder, such as \
@@ -69,6 +88,21 @@ fn free_name(folder: &Path, name: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_transcript_that_the_session_before_wrote_gets_a_number() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| format!("transcript:{}", folder.path().join(name).display());
+        let (own, other) = (file("own.txt"), file("other.txt"));
+        let before = format!("desktop, {own}");
+        assert_eq!(continued_outputs(&own, &before), own, "nothing is written");
+        for name in ["own.txt", "other.txt"] {
+            std::fs::write(folder.path().join(name), "").expect("a write");
+        }
+        let outputs = format!("none,{own},{other},transcript");
+        let expected = format!("none,{},{other},transcript", file("own.2.txt"));
+        assert_eq!(continued_outputs(&outputs, &before), expected);
+    }
 
     #[test]
     fn the_name_of_a_transcript_is_plain_and_has_no_folder() {

@@ -7,7 +7,7 @@ use ademan::command::Command;
 use ademan::message::escape;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{LoadedSetup, Setup, continued_outputs};
 use ademan::studio::first_start::Answers;
 use ademan::studio::setup_change::SetupChange;
 use ademan::studio::simulated::HandControl;
@@ -75,7 +75,7 @@ impl Sessions {
         let mut setup = change.apply(before.clone())?;
         setup.use_token_roles()?;
         let needs_resume = change.needs_resume(&setup);
-        let next = Next::load(setup)?;
+        let next = Next::load(setup, &before.output)?;
         next.check_devices(&before)?;
         self.root.check(output::has_effect(&next.base.output))?;
         self.end_present();
@@ -83,7 +83,8 @@ impl Sessions {
             Ok(app) => return Ok(app),
             Err(failure) => failure,
         };
-        let app = self.begin(Next::load(before)?, is_paused)?;
+        let written = before.output.clone();
+        let app = self.begin(Next::load(before, &written)?, is_paused)?;
         Ok(app.with_refusal(failure.to_string()))
     }
 
@@ -132,9 +133,14 @@ struct Next {
 }
 
 impl Next {
-    fn load(base: Setup) -> Result<Self, Failure> {
+    /// Loads the files of a setup. `written` are the outputs of the session before, whose transcripts exist.
+    fn load(base: Setup, written: &str) -> Result<Self, Failure> {
         let mut options = live_options();
-        let (loaded, hand) = source::load(base.clone(), &mut options)?;
+        let setup = Setup {
+            output: continued_outputs(&base.output, written),
+            ..base.clone()
+        };
+        let (loaded, hand) = source::load(setup, &mut options)?;
         Ok(Self {
             base,
             loaded,
@@ -192,7 +198,7 @@ mod tests {
             layout: "numpad".into(),
             ..Setup::default()
         };
-        let next = Next::load(setup).expect("a setup that comes with the program");
+        let next = Next::load(setup, "").expect("a setup that comes with the program");
         sessions.begin(next, false).expect("a session");
         sessions
     }
@@ -243,6 +249,21 @@ mod tests {
         sessions.change(&output, false).expect("the session before");
         assert_eq!(*sessions.setup.borrow(), before);
         assert!(is_running(&sessions));
+    }
+
+    #[test]
+    fn a_transcript_goes_on_in_a_file_beside_it() {
+        let sessions = sessions();
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("events");
+        let output = SetupChange::Output(format!("transcript:{}", file.display()));
+        sessions.change(&output, false).expect("a transcript");
+        let app = sessions.change(&other("typist:8462"), false);
+        app.expect("another session");
+        assert_eq!(sessions.setup.borrow().source, "typist:8462".parse().ok());
+        for name in ["events", "events.2"] {
+            assert!(folder.path().join(name).is_file(), "{name}");
+        }
     }
 
     #[test]

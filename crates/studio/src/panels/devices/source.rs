@@ -1,7 +1,5 @@
 //! The source: the simulated hand, a serial port of this machine, a recording, or any source as it is written after `--source`.
 
-use std::mem;
-
 use eframe::egui;
 
 use super::super::first_start::{name_of, words_of};
@@ -78,8 +76,11 @@ pub(super) fn show(
 
 /// Shows rows of a grid for a recording and for any source. A URI with a fault is reported in the window.
 pub(super) fn show_fields(ui: &mut egui::Ui, window: &mut DevicesWindow) -> Option<SetupChange> {
-    if mem::take(&mut window.is_focus_due) {
-        ui.memory_mut(|memory| memory.request_focus(file_field::id("devices-uri-hint")));
+    let id = file_field::id("devices-uri-hint");
+    if window.is_focus_due && !ui.is_sizing_pass() {
+        // A picture that only measures the window drops the focus again.
+        window.is_focus_due = !ui.memory(|memory| memory.has_focus(id));
+        ui.memory_mut(|memory| memory.request_focus(id));
     }
     let kinds: Vec<&str> = schemes().map(|scheme| scheme.syntax).collect();
     let label = ui
