@@ -46,11 +46,14 @@ impl Idle {
         })
     }
 
-    /// Returns the process id of the watchdog.
+    /// Returns the process id of the watchdog. One that replaces another takes a moment to start.
     fn watchdog(&self) -> u32 {
-        let children = self.program.children();
-        let watchdog = children.into_iter().find(|child| is_alive(*child));
-        watchdog.expect("a watchdog")
+        let find = || {
+            let mut children = self.program.children().into_iter();
+            children.find(|child| is_alive(*child))
+        };
+        assert!(wait_for(|| find().is_some()), "no watchdog");
+        find().expect("a watchdog")
     }
 
     /// Waits until the program has ended because the server is gone.
