@@ -46,7 +46,9 @@ fn code() -> String {
             let text = std::fs::read_to_string(&path).expect("a source");
             let text = text.split("#[cfg(test)]\nmod tests {").next();
             let lines = text.unwrap_or_default().lines().map(str::trim);
-            code.extend(lines.filter(|line| !line.starts_with("//")));
+            let lines = lines.filter(|line| !line.starts_with("//"));
+            // A quotation mark alone begins no literal.
+            code.extend(lines.map(|line| line.replace("'\"'", "")));
         }
     }
     code

@@ -96,7 +96,7 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let dragged = dragged.copied().find(|(own, _)| *own == index);
     let mut shape = draft.or(dragged).map_or(old, |(_, shape)| shape);
     let mut is_active = false;
-    egui::Grid::new("editor-geometry")
+    egui::Grid::new("editor geometry")
         .num_columns(4)
         .show(ui, |ui| {
             let mut number =
@@ -210,10 +210,10 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
         .into_iter()
         .partition(|field| is_written(panel, field));
     ui.add_space(6.0);
-    field_rows(ui, panel, parts, &written, "editor-written");
+    field_rows(ui, panel, parts, &written, "editor written");
     if !unwritten.is_empty() {
         ui.collapsing(text("editor-optional"), |ui| {
-            field_rows(ui, panel, parts, &unwritten, "editor-unwritten");
+            field_rows(ui, panel, parts, &unwritten, "editor unwritten");
         });
     }
 }

@@ -397,15 +397,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
     shortcuts::handle(ui, panel);
     palette::show(ui, panel);
     panel.update_items();
-    egui::Panel::top("editor-bar").show(ui, |ui| bar::show(ui, panel));
+    egui::Panel::top("editor bar").show(ui, |ui| bar::show(ui, panel));
     outside::show(ui, panel);
     open::show(ui, panel);
-    egui::Panel::bottom("editor-problems")
+    egui::Panel::bottom("editor problems")
         .resizable(true)
         .default_size(96.0)
         .min_size(48.0)
         .show(ui, |ui| problems::show(ui, panel));
-    egui::Panel::right("editor-form")
+    egui::Panel::right("editor form")
         .default_size(320.0)
         .min_size(240.0)
         .show(ui, |ui| {

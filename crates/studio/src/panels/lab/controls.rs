@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut LabState, editor: &EditorPanel
     ui.add_space(6.0);
     let is_running = state.run.is_some();
     ui.add_enabled_ui(!is_running, |ui| {
-        egui::Grid::new("lab-settings")
+        egui::Grid::new("lab settings")
             .num_columns(2)
             .spacing([8.0, 6.0])
             .show(ui, |ui| show_settings(ui, state));

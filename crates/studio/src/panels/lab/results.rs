@@ -49,7 +49,7 @@ fn conditions(shown: &Shown) -> String {
 
 fn show_figures(ui: &mut egui::Ui, scored: &Scored) {
     let summary = &scored.summary;
-    let grid = egui::Grid::new("lab-figures").num_columns(2).striped(true);
+    let grid = egui::Grid::new("lab figures").num_columns(2).striped(true);
     grid.show(ui, |ui| {
         if summary.characters == 0 {
             for (name, interval, factor, digits) in task_rows(summary) {
@@ -128,7 +128,7 @@ fn show_comparison(ui: &mut egui::Ui, comparison: &Comparison) {
     ];
     ui.strong(text_with("lab-minus", &values));
     ui.label(RichText::new(comparison.verdict()).strong());
-    let grid = egui::Grid::new("lab-comparison")
+    let grid = egui::Grid::new("lab comparison")
         .num_columns(2)
         .striped(true);
     grid.show(ui, |ui| {

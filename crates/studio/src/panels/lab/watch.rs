@@ -50,7 +50,7 @@ pub(in super::super) fn show(
             ui.label(words);
         }
     });
-    egui::Grid::new("lab-watch").num_columns(2).show(ui, |ui| {
+    egui::Grid::new("lab watch").num_columns(2).show(ui, |ui| {
         ui.label(text("lab-watch-presented"));
         ui.monospace(&watched.presented);
         ui.end_row();
