@@ -49,11 +49,7 @@ impl Person {
     }
 
     fn click_field(&mut self, role: Role, name: &str) {
-        let area = self
-            .window
-            .harness
-            .get_by_role_and_label(role, name)
-            .rect();
+        let area = self.window.harness.get_by_role_and_label(role, name).rect();
         self.click_at(area.center());
     }
 
@@ -67,8 +63,11 @@ impl Person {
     /// Chooses another value in the list that shows one.
     fn choose(&mut self, shown: &str, other: &str) {
         let list = self.window.harness.query_all_by_role(Role::ComboBox);
-        let list = list.filter(|it| it.value().as_deref() == Some(shown));
-        let area = list.last().expect("a list").rect();
+        let list: Vec<_> = list
+            .filter(|it| it.value().as_deref() == Some(shown))
+            .map(|it| it.rect())
+            .collect();
+        let area = list.last().expect("a list");
         self.click_at(area.center());
         self.click(other);
     }
@@ -197,7 +196,20 @@ fn types_on(layout: &str) {
     let (hand, control) = simulate(&setup, tour).expect("a hand");
     let mut window = opening.open_with(Box::new(hand), |app| app.with_hand(control));
     let expected = [
-        "1", "2", "3", "4", "5", "6", "7", "8", "9", "Minus", "0", "Period", "Space", "Backspace",
+        "1",
+        "2",
+        "3",
+        "4",
+        "5",
+        "6",
+        "7",
+        "8",
+        "9",
+        "Minus",
+        "0",
+        "Period",
+        "Space",
+        "Backspace",
         "Enter",
     ];
     window.wait_for("a press of each key", |model| {
