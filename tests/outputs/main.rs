@@ -16,6 +16,8 @@ mod sound;
 #[cfg(all(target_os = "linux", feature = "tray"))]
 mod tray;
 #[cfg(target_os = "linux")]
+mod prepared_run;
+#[cfg(target_os = "linux")]
 mod views;
 #[cfg(target_os = "linux")]
 mod vm;

@@ -389,7 +389,7 @@ fn check_detection(rig: &Rig, name: &str, hold: Duration, what: &str) {
     );
     assert_eq!(rig.count(name), 1, "{what}");
     let seconds = rig.on[name][0].seconds() - 1.0 - hold.as_secs_f64();
-    // The trigger may see the shape before its end, sensors are late, and noise may begin the hold time anew.
+    // The trigger may see the shape before its end, sensors are late, and noise may restart the hold time.
     assert!(
         (0.0..=MOVE + 0.3).contains(&seconds),
         "{what}: {seconds} s late"
@@ -440,8 +440,8 @@ fn moved(arm: &ArmModel, hertz: f64, draw: &mut Draw, way: impl Fn(f64) -> DVec3
     rig
 }
 
-/// Shows the positions of a hand to a pipeline, as a noisy camera sees them. `bends` are those of its fingers, and `way` is the way of
-/// its palm, at a time in seconds.
+/// Shows the positions of a hand to a pipeline, as a noisy camera sees them. `bends` returns the bends of the fingers and `way` the
+/// position of the palm, at a time in seconds.
 fn show(
     rig: &mut Rig,
     arm: &ArmModel,

@@ -7,8 +7,9 @@
 mod support;
 
 use ademan_text::{Keyboard, Model, Prior};
+use support::arguments::{Sample, argument};
 use support::baselines::{Flat, Spelling};
-use support::phrases::{phrases, unknown_phrases, words};
+use support::phrases::{unknown_phrases, words};
 use support::session::{Errors, Phrase, correct, decode, nearest, normal, read};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 use support::statistics::{ByPhrase, Kinds};
@@ -39,29 +40,16 @@ struct Measured {
 }
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().collect();
-    let number = |name: &str, default: usize| {
-        let index = arguments.iter().position(|argument| argument == name);
-        let value = index.and_then(|index| arguments.get(index + 1));
-        value.map_or(default, |value| value.parse().expect("a number"))
-    };
-    let is_tuning = arguments.iter().any(|argument| argument == "--tuning");
-    let Some(mut phrases) = phrases(!is_tuning) else {
+    let Some(sample) = Sample::from_arguments(500, 20) else {
         return;
     };
-    phrases.truncate(number("--phrases", 500));
-    let people = number("--people", 20) as u64;
-    let first = if is_tuning { 1_000 } else { 0 };
     let bench = Bench {
         model: Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model"),
         keyboard: keyboard(),
-        phrases,
-        seeds: first..first + people,
-        is_tuning,
-        shown: arguments
-            .iter()
-            .position(|argument| argument == "--show")
-            .and_then(|index| arguments.get(index + 1).cloned()),
+        phrases: sample.phrases,
+        seeds: sample.seeds,
+        is_tuning: sample.is_tuning,
+        shown: argument("--show"),
     };
     bench.vocabulary();
     let measured: Vec<Measured> = TIERS.iter().map(|&tier| bench.measure(tier)).collect();

@@ -6,20 +6,16 @@ mod bus;
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
-use std::path::PathBuf;
 use std::process::Command;
-use std::time::Duration;
 
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
 use self::bus::{Bus, Desktop};
+use crate::prepared_run::PreparedRun;
 use crate::support::binary::ademan;
-use crate::support::glove::Glove;
-use crate::support::press::Press;
 use crate::support::process::signal;
 use crate::support::program::Program;
-use crate::support::x11::{wait_at_most, wait_for};
+use crate::support::x11::wait_for;
 use crate::views::{Views, request};
 
 const SETUP: &str = "Setup(
@@ -32,58 +28,30 @@ const SETUP: &str = "Setup(
 /// A run without an effect on other programs, whose wearer keeps the hand clear of all keys.
 struct Run {
     program: Program,
-    glove: Glove,
-    press: Press,
-    control: PathBuf,
-    _folder: TempDir,
+    prepared: PreparedRun,
 }
 
 impl Run {
     /// Starts a run on the bus at this address and waits until it is armed.
     fn start(address: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let [setup, port, control] =
-            ["setup.ron", "glove", "control"].map(|it| folder.path().join(it));
-        fs::write(&setup, SETUP).expect("a new file");
-        let press = Press::for_text("H");
-        let glove = Glove::plug_in(&port, press.clear());
-        let source = format!("serial:{}", port.display());
-        let paths = [&setup, &control].map(|path| path.to_str().expect("UTF-8"));
-        let mut command = ademan([
-            "run",
-            paths[0],
-            "--output",
-            "none",
-            "--source",
-            &source,
-            "--control",
-            paths[1],
-        ]);
+        let prepared = PreparedRun::new(SETUP);
+        let mut command = ademan(prepared.arguments("none"));
         command.env("DBUS_SESSION_BUS_ADDRESS", address);
         let program = Program::from_command(command);
         program.wait_for_line("armed", 1);
-        Self {
-            program,
-            glove,
-            press,
-            control,
-            _folder: folder,
-        }
+        Self { program, prepared }
     }
 
     fn state(&self) -> Value {
-        request(&self.control, r#"{"command":"state"}"#)
+        request(&self.prepared.control, r#"{"command":"state"}"#)
     }
 
     /// Checks that a press arrives, and lifts the hand.
     fn assert_types(&self) {
-        let views = Views::start(&self.control);
-        let is_pressed = || {
-            self.glove.play(&self.press.approach);
-            wait_at_most(Duration::from_secs(5), || views.has_pressed_key())
-        };
-        assert!(wait_for(is_pressed), "{:#?}", self.program.stderr_lines());
-        self.glove.play(&self.press.lift);
+        let views = Views::start(&self.prepared.control);
+        let is_pressed = self.prepared.wait_for_press(&views);
+        assert!(is_pressed, "{:#?}", self.program.stderr_lines());
+        self.prepared.glove.play(&self.prepared.press.lift);
         assert!(wait_for(|| !views.has_pressed_key()));
     }
 
@@ -145,7 +113,7 @@ fn the_tray_shows_the_state_and_its_menu_controls_the_run() {
     desktop.wait_for("entries", |line| line["entries"] == other);
     assert_eq!(run.state()["profile"], "num_pad");
 
-    run.glove.stop_sending();
+    run.prepared.glove.stop_sending();
     desktop.wait_for(
         "status",
         icon("dialog-warning", "NeedsAttention", "Ademán: no readings"),
@@ -216,11 +184,11 @@ fn a_pause_a_loss_and_their_ends_are_shown_in_one_notification() {
     };
     let run = Run::start(&bus.address());
     let is = |summary: &'static str| move |line: &Value| line["summary"] == summary;
-    request(&run.control, r#"{"command":"pause"}"#);
+    request(&run.prepared.control, r#"{"command":"pause"}"#);
     desktop.wait_for("summary", is("Ademán is paused"));
-    request(&run.control, r#"{"command":"resume"}"#);
+    request(&run.prepared.control, r#"{"command":"resume"}"#);
     desktop.wait_for("summary", is("Ademán is armed"));
-    run.glove.stop_sending();
+    run.prepared.glove.stop_sending();
     desktop.wait_for("summary", is("Ademán: no readings"));
     let shown = desktop.lines("summary");
     println!("{shown:#?}");
@@ -252,8 +220,8 @@ fn a_desktop_that_hangs_and_a_bus_that_ends_do_not_disturb_the_run() {
         icon("input-keyboard", "Active", "Ademán is armed"),
     );
     signal("STOP", desktop.id());
-    request(&run.control, r#"{"command":"pause"}"#);
-    request(&run.control, r#"{"command":"resume"}"#);
+    request(&run.prepared.control, r#"{"command":"pause"}"#);
+    request(&run.prepared.control, r#"{"command":"resume"}"#);
     run.program.wait_for_line("armed: ", 2);
     run.assert_types();
     bus.kill();
@@ -277,7 +245,7 @@ fn a_desktop_that_starts_later_shows_the_icon_and_what_is_missing_is_said_once()
         "no icon in the tray: no program of this desktop shows icons",
         1,
     );
-    request(&run.control, r#"{"command":"pause"}"#);
+    request(&run.prepared.control, r#"{"command":"pause"}"#);
     run.program.wait_for_line("no notification is shown: ", 1);
     let Some(desktop) = Desktop::start(&bus) else {
         return;

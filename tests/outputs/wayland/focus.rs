@@ -1,27 +1,16 @@
 //! Profiles that follow the application with the focus, with two terminals on sway.
 
-use std::fs;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
 use super::compositor::Compositor;
-use crate::support::glove::Glove;
-use crate::support::press::Press;
+use crate::prepared_run::{FOCUS_SETUP, PROFILE_STAYS, PreparedRun};
 use crate::support::process::Process;
 use crate::support::program::Program;
-use crate::support::x11::{wait_at_most, wait_for};
+use crate::support::x11::wait_for;
 use crate::views::{Views, request};
-
-const SETUP: &str = "Setup(
-    stall_timeout_ms: 5000,
-    profiles: [(name: \"code\", layout: \"numpad\"), (name: \"sofa\", layout: \"arrows\")],
-    profiles_by_application: [(application: \"coder\", profile: \"code\")],
-)";
-
-/// The message after which the profile does not follow the focus.
-const STAYS: &str = "the active profile stays, as `profiles_by_application` has no effect: ";
 
 /// Opens a terminal with this `app_id`, which has the focus. Returns `None` with a message if foot is not installed.
 fn open(compositor: &Compositor, id: &str) -> Option<Process> {
@@ -59,33 +48,15 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     let Some(_plain) = open(&compositor, "plain") else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let [setup, port, control] = ["setup.ron", "glove", "control"].map(|it| folder.path().join(it));
-    fs::write(&setup, SETUP).expect("a new file");
-    let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
-    let paths = [&setup, &control].map(|path| path.to_str().expect("UTF-8"));
-    let run = [
-        "run",
-        paths[0],
-        "--output",
-        "none",
-        "--source",
-        &source,
-        "--control",
-        paths[1],
-    ];
-    let mut command = compositor.ademan(run);
+    let run = PreparedRun::new(FOCUS_SETUP);
+    let control = &run.control;
+    let mut command = compositor.ademan(run.arguments("none"));
     command.env("SWAYSOCK", compositor.ipc_socket());
     let mut program = Program::from_command(command);
     program.wait_for_line("armed", 1);
-    let views = Views::start(&control);
-    let is_held = || {
-        glove.play(&press.approach);
-        wait_at_most(Duration::from_secs(5), || views.has_pressed_key())
-    };
-    assert!(wait_for(is_held), "{:?}", program.stderr_lines());
+    let views = Views::start(control);
+    let is_held = run.wait_for_press(&views);
+    assert!(is_held, "{:?}", program.stderr_lines());
 
     let Some(_coder) = open(&compositor, "coder") else {
         return;
@@ -97,13 +68,13 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
         "{:?}",
         views.all()
     );
-    let state = request(&control, r#"{"command":"state"}"#);
+    let state = request(control, r#"{"command":"state"}"#);
     assert_eq!(
         (&state["profile"], &state["application"]),
         (&"code".into(), &"coder".into())
     );
 
-    request(&control, r#"{"command":"profile","name":"sofa"}"#);
+    request(control, r#"{"command":"profile","name":"sofa"}"#);
     views.wait_for_profile("sofa");
     let Some(_second) = open(&compositor, "coder") else {
         return;
@@ -115,8 +86,8 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     assert_eq!(views.profiles(), ["main", "code", "sofa", "main"]);
 
     compositor.kill();
-    program.wait_for_line(STAYS, 1);
-    focus_is_unknown(&control, "main");
+    program.wait_for_line(PROFILE_STAYS, 1);
+    focus_is_unknown(control, "main");
     program.signal(&["TERM"]);
     assert_eq!(program.wait_for_exit().code(), Some(0));
     println!(
@@ -125,7 +96,7 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
         program.stderr_lines().join("\n")
     );
     assert_eq!(
-        program.count_lines(STAYS),
+        program.count_lines(PROFILE_STAYS),
         1,
         "{:#?}",
         program.stderr_lines()

@@ -1,6 +1,5 @@
 //! Profiles that follow the application with the focus, with a window manager and terminals of several classes.
 
-use std::fs;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 use std::thread;
@@ -15,23 +14,12 @@ use x11rb::rust_connection::RustConnection;
 
 use super::ends::held_keys;
 use super::hold;
-use crate::support::glove::Glove;
+use crate::prepared_run::{FOCUS_SETUP, PROFILE_STAYS, PreparedRun};
 use crate::support::key_log::KeyLog;
-use crate::support::press::Press;
 use crate::support::process::Process;
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
 use crate::views::{Views, request};
-
-/// A setup with a rule; the name of the application is in another case than on the server.
-const SETUP: &str = "Setup(
-    stall_timeout_ms: 5000,
-    profiles: [(name: \"code\", layout: \"numpad\"), (name: \"sofa\", layout: \"arrows\")],
-    profiles_by_application: [(application: \"coder\", profile: \"code\")],
-)";
-
-/// The message after which the profile does not follow the focus.
-const STAYS: &str = "the active profile stays, as `profiles_by_application` has no effect: ";
 
 /// A window manager, and a client that activates windows as a taskbar does.
 struct Manager {
@@ -142,31 +130,14 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     let Some(manager) = Manager::start(&server) else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let [setup, port, control] = ["setup.ron", "glove", "control"].map(|it| folder.path().join(it));
-    fs::write(&setup, SETUP).expect("a new file");
+    let run = PreparedRun::new(FOCUS_SETUP);
+    let control = &run.control;
     let (_plain, plain) = manager.open(&server, "Plain");
-    let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
-    let paths = [&setup, &control].map(|path| path.to_str().expect("UTF-8"));
     let log = KeyLog::start(&server);
-    let mut program = Program::start(
-        &server,
-        [
-            "run",
-            paths[0],
-            "--output",
-            "desktop",
-            "--source",
-            &source,
-            "--control",
-            paths[1],
-        ],
-    );
+    let mut program = Program::start(&server, run.arguments("desktop"));
     program.wait_for_line("armed", 1);
-    let views = Views::start(&control);
-    hold(&server, &program, &glove, &press, &held_keys());
+    let views = Views::start(control);
+    hold(&server, &program, &run.glove, &run.press, &held_keys());
     assert!(wait_for(|| views.has_pressed_key()), "{:?}", views.all());
     let before = log.len();
 
@@ -184,13 +155,13 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
         0,
         "the finger has not been lifted"
     );
-    let state = request(&control, r#"{"command":"state"}"#);
+    let state = request(control, r#"{"command":"state"}"#);
     assert_eq!(
         (&state["profile"], &state["application"]),
         (&"code".into(), &"coder".into())
     );
 
-    request(&control, r#"{"command":"profile","name":"sofa"}"#);
+    request(control, r#"{"command":"profile","name":"sofa"}"#);
     views.wait_for_profile("sofa");
     let (_second, _) = manager.open(&server, "Coder");
     // Time for a change that must not come.
@@ -198,7 +169,7 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     manager.activate(plain);
     views.wait_for_profile("main");
     assert_eq!(views.profiles(), ["main", "code", "sofa", "main"]);
-    let state = request(&control, r#"{"command":"state"}"#);
+    let state = request(control, r#"{"command":"state"}"#);
     assert_eq!(state.get("application"), None, "no rule holds");
 
     program.signal(&["TERM"]);
@@ -216,24 +187,15 @@ fn without_a_window_manager_the_profile_stays_and_the_reason_is_said_once() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let [setup, port] = ["setup.ron", "glove"].map(|it| folder.path().join(it));
-    fs::write(&setup, SETUP).expect("a new file");
-    let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
-    let setup = setup.to_str().expect("UTF-8");
-    let mut program = Program::start(
-        &server,
-        ["run", setup, "--output", "desktop", "--source", &source],
-    );
-    program.wait_for_line(&format!("{STAYS}no window manager tells"), 1);
+    let run = PreparedRun::new(FOCUS_SETUP);
+    let mut program = Program::start(&server, run.arguments("desktop"));
+    program.wait_for_line(&format!("{PROFILE_STAYS}no window manager tells"), 1);
     program.wait_for_line("armed", 1);
-    hold(&server, &program, &glove, &press, &held_keys());
+    hold(&server, &program, &run.glove, &run.press, &held_keys());
     program.signal(&["TERM"]);
     assert_eq!(program.wait_for_exit().code(), Some(0));
     assert_eq!(
-        program.count_lines(STAYS),
+        program.count_lines(PROFILE_STAYS),
         1,
         "{:#?}",
         program.stderr_lines()
@@ -248,39 +210,22 @@ fn a_run_goes_on_with_its_profile_when_the_desktop_ends() {
     let Some(manager) = Manager::start(&server) else {
         return;
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let [setup, port, control] = ["setup.ron", "glove", "control"].map(|it| folder.path().join(it));
-    fs::write(&setup, SETUP).expect("a new file");
+    let run = PreparedRun::new(FOCUS_SETUP);
+    let control = &run.control;
     let (_coder, _) = manager.open(&server, "Coder");
-    let press = Press::for_text("H");
-    let glove = Glove::plug_in(&port, press.clear());
-    let source = format!("serial:{}", port.display());
-    let paths = [&setup, &control].map(|path| path.to_str().expect("UTF-8"));
-    let mut program = Program::start(
-        &server,
-        [
-            "run",
-            paths[0],
-            "--output",
-            "none",
-            "--source",
-            &source,
-            "--control",
-            paths[1],
-        ],
-    );
+    let mut program = Program::start(&server, run.arguments("none"));
     program.wait_for_line("armed", 1);
-    Views::start(&control).wait_for_profile("code");
+    Views::start(control).wait_for_profile("code");
     server.kill();
-    program.wait_for_line(STAYS, 1);
-    glove.play(&press.approach);
-    let state = request(&control, r#"{"command":"state"}"#);
+    program.wait_for_line(PROFILE_STAYS, 1);
+    run.glove.play(&run.press.approach);
+    let state = request(control, r#"{"command":"state"}"#);
     assert_eq!(state["profile"], "code");
     assert_eq!(state.get("application"), None, "no rule is known to hold");
     program.signal(&["TERM"]);
     assert_eq!(program.wait_for_exit().code(), Some(0));
     assert_eq!(
-        program.count_lines(STAYS),
+        program.count_lines(PROFILE_STAYS),
         1,
         "{:#?}",
         program.stderr_lines()

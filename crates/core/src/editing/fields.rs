@@ -35,8 +35,6 @@ pub enum FieldType {
         min: f64,
         /// Largest value.
         max: f64,
-        /// Value if the field is not written; `None` if that depends on other fields.
-        default: Option<f64>,
     },
     /// `true` or `false`; the default is `false`.
     Bool,
@@ -164,10 +162,9 @@ fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
         .split_once('(')
         .map_or(row.name.as_str(), |(_, name)| name);
     let name = format!("{path}{}", name.trim_end_matches(')'));
-    let default = row.default.parse().ok();
     let (field_type, unit) = match row.shapes.first()? {
         Shape::Bool => (FieldType::Bool, ""),
-        &Shape::Number { min, max, unit, .. } => (FieldType::Number { min, max, default }, unit),
+        &Shape::Number { min, max, unit, .. } => (FieldType::Number { min, max }, unit),
         Shape::Text { .. } => (FieldType::Text, ""),
         Shape::Words(words) => {
             let words = words.iter().map(|(word, _)| word.as_str());
@@ -273,9 +270,11 @@ mod tests {
         let number = FieldType::Number {
             min: 1.0,
             max: 500.0,
-            default: Some(19.0),
         };
-        assert_eq!((pitch.field_type, pitch.unit), (number, " mm"));
+        assert_eq!(
+            (pitch.field_type, pitch.unit, pitch.default),
+            (number, " mm", "19")
+        );
         assert_eq!(
             field("hand").unwrap().field_type,
             FieldType::Choice(&["\"left\"", "\"right\""])

@@ -44,9 +44,9 @@ pub struct LayoutInstance {
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
     layout: Option<Arc<Layout>>,
-    /// Whether something is anchored at the start.
+    /// Something is anchored at the start.
     starts_at_hand: bool,
-    /// Whether something is anchored at the other hand.
+    /// Something is anchored at the other hand.
     follows_other_hand: bool,
     /// The text decoder.
     filter: Option<Box<dyn PressFilter>>,

@@ -26,7 +26,7 @@ pub struct SessionHandle {
     trial: Option<LayoutTrial>,
     /// Receives a signal once the outputs are open, and is disconnected if the session ends before.
     started: Receiver<()>,
-    /// What has become of the start.
+    /// The outcome of the start: `true` once the session runs.
     has_started: OnceLock<bool>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
 }

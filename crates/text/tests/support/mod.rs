@@ -18,6 +18,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+pub mod arguments;
 pub mod phrases;
 pub mod session;
 pub mod simulated;

@@ -378,3 +378,15 @@ impl KeyArbiter {
         has_room
     }
 }
+
+/// Returns events as text, for tests of the parts: `+A` for a key that goes down, `-A` for one that comes up, and characters.
+#[cfg(test)]
+fn words(events: &Events) -> String {
+    let words = events.iter().map(|event| match event.kind {
+        EventKind::KeyDown(code) => format!("+{code}"),
+        EventKind::KeyUp(code) => format!("-{code}"),
+        EventKind::Character(character) => character.to_string(),
+        kind => panic!("{kind:?}"),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}

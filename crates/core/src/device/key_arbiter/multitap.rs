@@ -57,7 +57,7 @@ pub(super) struct Cycle {
     performer: Performer,
 }
 
-/// Returns whether both are presses of the same control, by whichever finger.
+/// Returns `true` if both press the same control, with the same finger or another one.
 fn is_same_control(source: PressSource, other: PressSource) -> bool {
     match (source, other) {
         (PressSource::Touch(.., target), PressSource::Touch(.., other)) => target == other,
@@ -206,6 +206,7 @@ fn is_shift(code: KeyCode) -> bool {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
+    use crate::device::key_arbiter::words;
     use crate::device::{OutputEvent, TextId};
     use crate::hand::{Finger, Side};
 
@@ -241,16 +242,6 @@ mod tests {
 
     fn tap_index(arbiter: &mut KeyArbiter, ms: u64) -> String {
         tap(arbiter, finger(Finger::Index, 0), ABC, ms)
-    }
-
-    fn words(events: &Events) -> String {
-        let words = events.iter().map(|event| match event.kind {
-            EventKind::KeyDown(code) => format!("+{code}"),
-            EventKind::KeyUp(code) => format!("-{code}"),
-            EventKind::Character(character) => character.to_string(),
-            kind => panic!("{kind:?}"),
-        });
-        words.collect::<Vec<_>>().join(" ")
     }
 
     #[test]

@@ -213,6 +213,7 @@ impl KeyArbiter {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
+    use crate::device::key_arbiter::words;
     use crate::device::{EventKind, KeyAction, Latch, PressSource};
     use crate::hand::Finger;
 
@@ -275,16 +276,6 @@ mod tests {
         let steps = steps.filter(|(_, words)| !words.is_empty());
         let steps: Vec<String> = steps.map(|(ms, words)| format!("{ms}: {words}")).collect();
         steps.join(", ")
-    }
-
-    fn words(events: &Events) -> String {
-        let words = events.iter().map(|event| match event.kind {
-            EventKind::KeyDown(code) => format!("+{code}"),
-            EventKind::KeyUp(code) => format!("-{code}"),
-            EventKind::Character(character) => character.to_string(),
-            kind => panic!("{kind:?}"),
-        });
-        words.collect::<Vec<_>>().join(" ")
     }
 
     #[test]

@@ -23,7 +23,7 @@ use ademan_core::hand::Side;
 use ademan_core::pipeline::{Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
 
-/// What the desktop shows of a session.
+/// The state of a session on the desktop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     not(all(feature = "tray", target_os = "linux")),
@@ -49,7 +49,7 @@ impl TrayState {
     };
 }
 
-/// What a session shows on the desktop.
+/// The parts of the desktop in which a session shows its state.
 pub(super) struct TraySettings {
     /// An icon with a menu.
     pub has_icon: bool,

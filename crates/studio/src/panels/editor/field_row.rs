@@ -26,8 +26,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     let label = ui.label(display_name(field.name));
     let label = label.on_hover_text(format!("{}: {}", field.name, field.help));
     match field.field_type {
-        FieldType::Number { min, max, default } => {
+        FieldType::Number { min, max } => {
             let value = written.as_deref().and_then(|value| value.parse().ok());
+            let default = field.default.parse().ok();
             let old: f64 = value.or(default).unwrap_or(min);
             let mut value = old;
             let drag = DragValue::new(&mut value).range(min..=max);

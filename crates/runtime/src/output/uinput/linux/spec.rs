@@ -169,7 +169,7 @@ fn gamepad(required: &Capabilities) -> Option<DeviceSpec> {
     Some(gamepad)
 }
 
-/// Returns the kernel's axis with its range. Sticks and triggers are those of the driver `xpad`, which games know; the others
+/// Returns the kernel's axis with its range. Sticks and triggers follow the driver `xpad`, which games know; the others
 /// have the kernel's codes for wheels and pedals, which udev's `input_id` takes for a joystick too.
 pub fn axis_range(axis: Axis) -> AxisRange {
     let stick = |code| (code, -STICK_MAX - 1, STICK_MAX);

@@ -12,7 +12,7 @@ use super::words::{Condition, condition, heading, sentence};
 const SERVICE: &str = "org.freedesktop.Notifications";
 const PATH: &str = "/org/freedesktop/Notifications";
 
-/// The shortest time between two notifications. Of the states meanwhile the last one is shown.
+/// The shortest time between two notifications. Only the last state in that time is shown.
 const MIN_PERIOD: Duration = Duration::from_secs(2);
 
 /// Levels of the hint `urgency`.
@@ -94,7 +94,7 @@ impl Notifications {
 /// Chooses the states that are shown, and their times.
 #[derive(Default)]
 struct Pace {
-    /// The last state that a person has to know of; at first that of a run that is armed, which nobody has to be told.
+    /// The last state that a person has to know; at the start an armed run, which needs no notification.
     state: Option<TrayState>,
     shown: Option<TrayState>,
     last_taken: Option<Instant>,

@@ -4,7 +4,7 @@ use super::super::TrayState;
 use ademan_core::hand::Side;
 use ademan_core::pipeline::PipelineState;
 
-/// What a person has to know of a state.
+/// A state as far as a person has to know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     /// The output waits for a hand that is clear of every key, or for the first reading.
