@@ -42,9 +42,10 @@ struct Hands {
 }
 
 fn main() {
-    let rounds = match interleaved::is_measuring() {
-        true => ROUNDS,
-        false => 1,
+    let rounds = if interleaved::is_measuring() {
+        ROUNDS
+    } else {
+        1
     };
     let hands = Hands::new();
     let cores = thread::available_parallelism().map_or(1, |cores| cores.get());

@@ -30,9 +30,10 @@ const KEYS: [usize; 4] = [64, 100, 1_000, 10_000];
 const ROUNDS: usize = 100;
 
 fn main() {
-    let rounds = match interleaved::is_measuring() {
-        true => ROUNDS,
-        false => 1,
+    let rounds = if interleaved::is_measuring() {
+        ROUNDS
+    } else {
+        1
     };
     println!(
         "| motion | board | keys | entries | ours | ray | shapes | ray / ours | shapes / ours | growth |\n\

@@ -33,9 +33,10 @@ fn main() {
         return read_only(port);
     }
     let is_test = !std::env::args().any(|argument| argument == "--bench");
-    let (starts, feed) = match is_test {
-        true => (1, Duration::from_millis(300)),
-        false => (21, Duration::from_secs(5)),
+    let (starts, feed) = if is_test {
+        (1, Duration::from_millis(300))
+    } else {
+        (21, Duration::from_secs(5))
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");

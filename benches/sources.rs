@@ -135,9 +135,10 @@ fn pass(stream: &Stream) -> Vec<Duration> {
     let shows_both = uri.format.protocol.sample.shows_both_arms();
     let (time, mut steps) = (Cell::new(Timestamp(0)), 0);
     let mut step = |packet: Packet| {
-        let sides: &[Option<Side>] = match shows_both {
-            true => &[Some(Side::Left), Some(Side::Right)],
-            false => &[packet.side],
+        let sides: &[Option<Side>] = if shows_both {
+            &[Some(Side::Left), Some(Side::Right)]
+        } else {
+            &[packet.side]
         };
         for &side in sides {
             events.clear();

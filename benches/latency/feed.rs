@@ -111,9 +111,10 @@ fn measure(
         }
     }
     programs.sort_by_key(|program| PROGRAMS.iter().position(|it| it.name == program.name));
-    let output_name = match is_loaded {
-        true => format!("{}, load", output.name),
-        false => output.name.to_owned(),
+    let output_name = if is_loaded {
+        format!("{}, load", output.name)
+    } else {
+        output.name.to_owned()
     };
     let mut of_null = None;
     for mut program in programs {

@@ -130,9 +130,10 @@ impl Own {
 impl Writer for Own {
     fn write(&mut self) {
         self.is_pressed = !self.is_pressed;
-        let kind = match self.is_pressed {
-            true => EventKind::KeyDown(self.key),
-            false => EventKind::KeyUp(self.key),
+        let kind = if self.is_pressed {
+            EventKind::KeyDown(self.key)
+        } else {
+            EventKind::KeyUp(self.key)
         };
         let time = Timestamp(0);
         let sent = self.sink.send(&[OutputEvent { time, kind }]);

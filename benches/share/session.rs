@@ -81,9 +81,10 @@ impl Sink for Clock {
 
 pub fn main() {
     let is_bench = std::env::args().any(|argument| argument == "--bench");
-    let (parts, length) = match is_bench {
-        true => (8, Duration::from_secs(4)),
-        false => (2, Duration::from_millis(300)),
+    let (parts, length) = if is_bench {
+        (8, Duration::from_secs(4))
+    } else {
+        (2, Duration::from_millis(300))
     };
     let start = Instant::now();
     let (sent_at, has_clients, times) = (

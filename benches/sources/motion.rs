@@ -46,9 +46,10 @@ fn skeleton() -> Skeleton {
             name: Some(name),
             parent: joint.checked_sub(1),
             offset: DVec3::new(0.0, 1.5, 0.0),
-            channels: match is_root {
-                true => positions.into_iter().chain(rotations).collect(),
-                false => rotations.to_vec(),
+            channels: if is_root {
+                positions.into_iter().chain(rotations).collect()
+            } else {
+                rotations.to_vec()
             },
         });
     }

@@ -193,9 +193,10 @@ fn marker_line(
             let direction = (*at - *camera)
                 .to_array()
                 .map(|axis| (axis * 1e6).round() / 1e6);
-            match index < labelling_cameras {
-                true => json!({ "label": label, "direction": direction }),
-                false => json!({ "direction": direction }),
+            if index < labelling_cameras {
+                json!({ "label": label, "direction": direction })
+            } else {
+                json!({ "direction": direction })
             }
         });
         json!({ "position": camera.to_array(), "markers": markers.collect::<Vec<_>>() })

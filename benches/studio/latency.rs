@@ -50,9 +50,10 @@ pub fn print(server: &XServer, is_test: bool) {
 
 /// Runs the session and prints the table. A test has two short parts.
 pub fn measure(is_test: bool) {
-    let (count, length) = match is_test {
-        true => (2, Duration::from_millis(500)),
-        false => (60, Duration::from_secs(2)),
+    let (count, length) = if is_test {
+        (2, Duration::from_millis(500))
+    } else {
+        (60, Duration::from_secs(2))
     };
     let glove = Arc::new(Glove::start());
     let clock = Clock {

@@ -272,9 +272,10 @@ fn zsh_completes_names_files_and_sources() {
             return;
         };
         let completed = output.trim().rsplit([' ', ':']).next().unwrap_or_default();
-        let completed = match output.trim().ends_with(':') {
-            true => output.trim().rsplit(' ').next().unwrap_or_default(),
-            false => completed,
+        let completed = if output.trim().ends_with(':') {
+            output.trim().rsplit(' ').next().unwrap_or_default()
+        } else {
+            completed
         };
         check("zsh", line, &[completed.to_owned()], offered, &[]);
     }

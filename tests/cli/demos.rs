@@ -42,9 +42,10 @@ fn every_shipped_layout_has_a_demo() {
         demos.into_iter().map(|demo| demo.join().unwrap()).collect()
     });
     for (layout, printed) in layouts.iter().zip(printed) {
-        let expected = match has_script(layout) {
-            true => "played ",
-            false => "0.00 % character error rate",
+        let expected = if has_script(layout) {
+            "played "
+        } else {
+            "0.00 % character error rate"
         };
         assert!(printed.contains(expected), "{layout}: {printed}");
         assert!(!printed.contains("played     0 events"), "{layout}");

@@ -229,15 +229,14 @@ fn doctor_finds_the_panic_keys_that_a_run_refuses() {
     let checked = run(["doctor", &setup]);
     let line = checked.out.lines().find(|line| line.contains("panic keys"));
     let line = line.unwrap_or_else(|| panic!("{}", checked.out));
-    match started.err.contains("panic_keys: ") {
-        true => {
-            assert!(
-                line.starts_with("missing ") && line.contains(" needed "),
-                "{line}"
-            );
-            assert_eq!(checked.code, Some(1), "{}", checked.out);
-        }
-        false => assert!(line.starts_with("ok "), "{line}"),
+    if started.err.contains("panic_keys: ") {
+        assert!(
+            line.starts_with("missing ") && line.contains(" needed "),
+            "{line}"
+        );
+        assert_eq!(checked.code, Some(1), "{}", checked.out);
+    } else {
+        assert!(line.starts_with("ok "), "{line}")
     }
 }
 

@@ -25,9 +25,10 @@ fn every_manual_page_has_an_example_of_its_command() {
             .split_once(".SH EXAMPLES\n")
             .unwrap_or_else(|| panic!("{name} has no examples: {page}"));
         let command = name.trim_end_matches(".1").replacen('-', " ", 1);
-        let command = match command.starts_with("ademan ctl-") {
-            true => command.replacen("ctl-", "ctl ", 1),
-            false => command,
+        let command = if command.starts_with("ademan ctl-") {
+            command.replacen("ctl-", "ctl ", 1)
+        } else {
+            command
         };
         let words: Vec<&str> = command.split(' ').collect();
         let examples = examples.replace(r"\-", "-");

@@ -399,9 +399,10 @@ mod on_a_terminal {
         let text = screen.text();
         let hot = |cell: &vt100::Cell| [Color::Idx(1), Color::Idx(3)].contains(&cell.bgcolor());
         let colored = screen.text_where(hot);
-        match text.contains("worst keys none") {
-            true => assert_eq!(colored.trim(), "", "{text}"),
-            false => assert_ne!(colored.trim(), "", "{text}"),
+        if text.contains("worst keys none") {
+            assert_eq!(colored.trim(), "", "{text}")
+        } else {
+            assert_ne!(colored.trim(), "", "{text}")
         }
     }
 

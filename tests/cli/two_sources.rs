@@ -16,12 +16,13 @@ const ARM_INDICES: [usize; 4] = [4, 17, 25, 41];
 /// Returns a line with only the angles of the arm, or only the angles of the fingers; the others are 0.
 fn part_of(line: &str, is_arm: bool) -> String {
     let values = line.split_ascii_whitespace().enumerate();
-    let values = values.map(
-        |(index, value)| match ARM_INDICES.contains(&index) == is_arm {
-            true => value,
-            false => "0",
-        },
-    );
+    let values = values.map(|(index, value)| {
+        if ARM_INDICES.contains(&index) == is_arm {
+            value
+        } else {
+            "0"
+        }
+    });
     values.collect::<Vec<_>>().join(" ") + "\n"
 }
 

@@ -53,9 +53,10 @@ fn run(name: &str, seeds: Vec<Vec<u8>>, parse: impl Fn(&[u8]) -> bool) {
     while bytes < BYTES * times() {
         let input = inputs.next();
         bytes += input.len() as u64;
-        match run_on(name, &input, &parse) {
-            true => accepted += 1,
-            false => refused += 1,
+        if run_on(name, &input, &parse) {
+            accepted += 1
+        } else {
+            refused += 1
         }
     }
     let seconds = start.elapsed().as_secs_f64();

@@ -364,9 +364,10 @@ impl FuzzRun<'_> {
     fn read_next(&mut self, step: i64) {
         let movements = &self.setup.movements;
         let length = movements.len();
-        self.index = match self.moves_backwards {
-            true => (self.index + length - 1) % length,
-            false => (self.index + 1) % length,
+        self.index = if self.moves_backwards {
+            (self.index + length - 1) % length
+        } else {
+            (self.index + 1) % length
         };
         let mut channels = movements[self.index].clone();
         if let Some((channel, count)) = self.fault {

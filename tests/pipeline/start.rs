@@ -166,9 +166,10 @@ pub(crate) fn hand(tip: DVec3, bend: f64) -> JointPositions {
     for &finger in Finger::ALL {
         let side = 0.024 * (finger.index() as f64 - 1.0);
         let is_thumb = finger == Finger::Thumb;
-        let turns = match is_thumb || finger == Finger::Index {
-            true => [0.0; 3],
-            false => [0.0, bend, bend],
+        let turns = if is_thumb || finger == Finger::Index {
+            [0.0; 3]
+        } else {
+            [0.0, bend, bend]
         };
         let mut position = tip + DVec3::new(side, 0.0, if is_thumb { 0.12 } else { 0.09 });
         let mut angle = 0.0_f64;

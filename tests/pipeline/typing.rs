@@ -130,9 +130,10 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
         .into_iter()
         .filter(|(_, layout)| layout.chords.is_empty());
     for (name, layout) in for_one_finger {
-        let setup = match layout.has_board_for(Side::Left) {
-            true => load_for_two_hands(name),
-            false => load(name),
+        let setup = if layout.has_board_for(Side::Left) {
+            load_for_two_hands(name)
+        } else {
+            load(name)
         };
         // Forwards and backwards, so that each key is reached from two sides.
         let keys = layout.keys.iter().map(|key| key.face.target);

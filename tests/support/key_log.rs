@@ -162,10 +162,13 @@ fn decode(
             _ => Input::Button(event.detail),
         };
         let action = match event.response_type {
-            KEY_PRESS_EVENT | BUTTON_PRESS_EVENT => match pressed.insert(input) {
-                true => Action::Press,
-                false => Action::Repeat,
-            },
+            KEY_PRESS_EVENT | BUTTON_PRESS_EVENT => {
+                if pressed.insert(input) {
+                    Action::Press
+                } else {
+                    Action::Repeat
+                }
+            }
             _ => {
                 pressed.remove(&input);
                 Action::Release

@@ -31,10 +31,7 @@ use rows::{ParryRay, ParryShapeCast, Row, Tracker, pass};
 const TOLERANCE: f32 = 2e-6;
 
 fn main() {
-    let rounds = match interleaved::is_measuring() {
-        true => 200,
-        false => 1,
-    };
+    let rounds = if interleaved::is_measuring() { 200 } else { 1 };
     print_forward_kinematics(rounds);
     print_contact(rounds);
 }

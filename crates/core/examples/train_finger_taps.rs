@@ -253,9 +253,10 @@ fn cholesky(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         for column in 0..=row {
             let product = dot(&matrix[row][..column], &matrix[column][..column]);
             let rest = matrix[row][column] - product;
-            matrix[row][column] = match row == column {
-                true => rest.sqrt(),
-                false => rest / matrix[column][column],
+            matrix[row][column] = if row == column {
+                rest.sqrt()
+            } else {
+                rest / matrix[column][column]
             };
         }
     }

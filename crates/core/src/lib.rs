@@ -25,8 +25,6 @@
 //! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians, times in
 //! microseconds.
 
-#![warn(clippy::match_bool)]
-
 pub mod time;
 pub mod message;
 pub mod names;

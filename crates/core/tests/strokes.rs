@@ -295,9 +295,10 @@ fn detection(is_struck: bool, scale: f32, noise: f32) -> (f32, f32) {
         for step in 0..52 {
             let ms = step as f32 * 5.0;
             let pads = Finger::ALL.iter().map(|&finger| {
-                let share = match finger.index() == master {
-                    true => height(ms),
-                    false => scale * SHARES[master][finger.index()] * height(ms - 15.0),
+                let share = if finger.index() == master {
+                    height(ms)
+                } else {
+                    scale * SHARES[master][finger.index()] * height(ms - 15.0)
                 };
                 let mut shake = || noise * ((0..12).map(|_| random.f32()).sum::<f32>() - 6.0);
                 let shake = Vec3::new(shake(), shake(), shake());

@@ -24,9 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (layout, source, count) = (next("qwerty-flat"), next("ideal"), next("40"));
     let seed: u64 = next("0").parse()?;
     let tiers = next("T0,T1,T2,T3,T4,Toff,own");
-    let document = match layout.ends_with(".ron") {
-        true => Document::new(layout.clone(), std::fs::read_to_string(&layout)?),
-        false => Document::shipped(&layout)?,
+    let document = if layout.ends_with(".ron") {
+        Document::new(layout.clone(), std::fs::read_to_string(&layout)?)
+    } else {
+        Document::shipped(&layout)?
     };
     let source: SourceKind = source.parse()?;
     println!("{layout}, source {source}, {count} people, {PHRASES} phrases each, seed {seed}");

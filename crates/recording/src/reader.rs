@@ -268,9 +268,10 @@ impl<R: Read> Recording<R> {
 
 impl MessageChannel {
     fn decode_reading(self, data: &[u8]) -> Result<Option<RecordedEvent>, String> {
-        let reading: Result<Reading, String> = match self.is_json {
-            true => json::decode_reading(data).map_err(|error| error.to_string()),
-            false => message::decode_reading(data).map_err(|error| error.to_string()),
+        let reading: Result<Reading, String> = if self.is_json {
+            json::decode_reading(data).map_err(|error| error.to_string())
+        } else {
+            message::decode_reading(data).map_err(|error| error.to_string())
         };
         let reading = reading.map_err(|error| format!("a reading cannot be decoded: {error}"))?;
         if let Sample::Channels(channels) = &reading.sample
@@ -283,10 +284,10 @@ impl MessageChannel {
 
     /// Returns a command that no reading repeats.
     fn decode_command(self, data: &[u8]) -> Result<Option<RecordedEvent>, String> {
-        let command = match self.is_json {
-            true => json::decode_external_command(data),
-            // As one of a later version, it is not known.
-            false => message::decode_external_command(data).unwrap_or(None),
+        let command = if self.is_json {
+            json::decode_external_command(data)
+        } else {
+            message::decode_external_command(data).unwrap_or(None)
         };
         Ok(command.map(RecordedEvent::Command))
     }

@@ -100,11 +100,12 @@ impl RecordedSetup {
             return Err(format!("there are more than {MAX_TEXTS} setup texts"));
         }
         let size: usize = self.entries.iter().map(SetupText::size).sum();
-        match size > MAX_SETUP_BYTES {
-            false => Ok(()),
-            true => Err(format!(
+        if size <= MAX_SETUP_BYTES {
+            Ok(())
+        } else {
+            Err(format!(
                 "the setup texts have {size} bytes, more than the limit of {MAX_SETUP_BYTES}"
-            )),
+            ))
         }
     }
 }
@@ -112,11 +113,12 @@ impl RecordedSetup {
 /// Checks the size of a text. The error calls it `subject`.
 fn check_text(subject: &str, entry: &SetupText) -> Result<(), String> {
     let size = entry.size();
-    match size > MAX_TEXT_BYTES {
-        false => Ok(()),
-        true => Err(format!(
+    if size <= MAX_TEXT_BYTES {
+        Ok(())
+    } else {
+        Err(format!(
             "{subject} has {size} bytes, more than the limit of {MAX_TEXT_BYTES}"
-        )),
+        ))
     }
 }
 

@@ -64,9 +64,10 @@ impl fmt::Display for Advice {
             .map(|line| format!("`{line}`"))
             .collect();
         steps.extend((!self.next_step.is_empty()).then(|| self.next_step.clone()));
-        match steps.is_empty() {
-            true => write!(f, "{}", self.reason),
-            false => write!(f, "{}; {}", self.reason, steps.join(", ")),
+        if steps.is_empty() {
+            write!(f, "{}", self.reason)
+        } else {
+            write!(f, "{}; {}", self.reason, steps.join(", "))
         }
     }
 }
@@ -240,9 +241,10 @@ pub fn no_priority(nice: i32) -> Advice {
 
 /// Returns the advice for a watchdog in the control group of the program.
 pub fn watchdog_without_scope(is_session_running: bool) -> Advice {
-    let reason = match is_session_running {
-        true => "the watchdog of the running session is in the control group of the program",
-        false => "no user manager of systemd: a watchdog stays in the control group of the program",
+    let reason = if is_session_running {
+        "the watchdog of the running session is in the control group of the program"
+    } else {
+        "no user manager of systemd: a watchdog stays in the control group of the program"
     };
     Advice::new(
         reason,

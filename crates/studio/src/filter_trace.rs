@@ -144,9 +144,10 @@ fn peak_offset(scores: &[f64], best: usize) -> f64 {
     }
     let (before, peak, after) = (scores[best - 1], scores[best], scores[best + 1]);
     let curvature = before - 2.0 * peak + after;
-    match curvature < 0.0 {
-        true => (0.5 * (before - after) / curvature).clamp(-0.5, 0.5),
-        false => 0.0,
+    if curvature < 0.0 {
+        (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
+    } else {
+        0.0
     }
 }
 

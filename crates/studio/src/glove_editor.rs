@@ -139,23 +139,32 @@ impl GloveEditor {
         let full_scale = f64::from(self.now.map.full_scale());
         let rows = self.now.map.rows().iter();
         let calibrations: Vec<_> = rows
-            .map(|row| match row.channel == channel {
-                true => AffineMap {
-                    gain: -row.calibration.gain,
-                    offset: row.calibration.apply(full_scale),
-                },
-                false => row.calibration,
+            .map(|row| {
+                if row.channel == channel {
+                    AffineMap {
+                        gain: -row.calibration.gain,
+                        offset: row.calibration.apply(full_scale),
+                    }
+                } else {
+                    row.calibration
+                }
             })
             .collect();
         let curvatures = self.now.map.curvatures().iter();
-        let curvatures = curvatures.map(|&(own, counts)| match own == channel {
-            true => (own, -counts),
-            false => (own, counts),
+        let curvatures = curvatures.map(|&(own, counts)| {
+            if own == channel {
+                (own, -counts)
+            } else {
+                (own, counts)
+            }
         });
         let ranges = self.now.map.ranges().iter();
-        let ranges = ranges.map(|&(own, (low, high))| match own == channel {
-            true => (own, (full_scale - high, full_scale - low)),
-            false => (own, (low, high)),
+        let ranges = ranges.map(|&(own, (low, high))| {
+            if own == channel {
+                (own, (full_scale - high, full_scale - low))
+            } else {
+                (own, (low, high))
+            }
         });
         let map = self.now.map.clone().with_calibrations(&calibrations);
         let map = map
@@ -218,9 +227,10 @@ impl GloveEditor {
 
     /// Returns the text of the file with the present calibration. Everything else in it is as it was opened.
     pub fn text(&self) -> Result<String, DocumentError> {
-        let rest = match self.now.rest == self.glove.rest_pose {
-            true => JointAngles::default(),
-            false => self.now.rest,
+        let rest = if self.now.rest == self.glove.rest_pose {
+            JointAngles::default()
+        } else {
+            self.now.rest
         };
         write_calibration(&self.document, &self.now.map, &rest)
     }

@@ -47,9 +47,10 @@ fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option
             is_hollow,
         } => {
             let corners = view.map(&circle(*center, *radius))?;
-            match is_hollow {
-                true => add_lines(picture, &corners, true, view.width(0.4), color),
-                false => picture.below.add_flat_polygon(&corners, color),
+            if *is_hollow {
+                add_lines(picture, &corners, true, view.width(0.4), color);
+            } else {
+                picture.below.add_flat_polygon(&corners, color);
             }
         }
         MarkShape::Box {

@@ -162,9 +162,12 @@ impl StudioModel {
 
     fn remember(&mut self, snapshot: &Snapshot) {
         if let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) {
-            let degrees = |dof: Dof| match angles.is_known(dof) {
-                true => angles.get(dof).to_degrees() as f32,
-                false => f32::NAN,
+            let degrees = |dof: Dof| {
+                if angles.is_known(dof) {
+                    angles.get(dof).to_degrees() as f32
+                } else {
+                    f32::NAN
+                }
             };
             self.history.push(Moment {
                 time: pose.time,

@@ -174,10 +174,7 @@ impl Default for SoundSettings {
 impl SoundSettings {
     /// Returns the volume, or 0 while clicks are off.
     pub fn level(self) -> f32 {
-        match self.is_on {
-            true => self.volume,
-            false => 0.0,
-        }
+        if self.is_on { self.volume } else { 0.0 }
     }
 }
 
@@ -244,9 +241,10 @@ impl CameraPlace {
 }
 
 fn in_range(value: f32, (low, high): (f32, f32), default: f32) -> f32 {
-    match value.is_finite() {
-        true => value.clamp(low, high),
-        false => default,
+    if value.is_finite() {
+        value.clamp(low, high)
+    } else {
+        default
     }
 }
 

@@ -22,9 +22,10 @@ impl Typing {
     /// Returns the present effect.
     pub fn new(model: &StudioModel) -> Self {
         let state = &model.view.state;
-        match model.has_ended {
-            true => Self::Ended,
-            false => Self::with_output(&state.output, state.state),
+        if model.has_ended {
+            Self::Ended
+        } else {
+            Self::with_output(&state.output, state.state)
         }
     }
 

@@ -58,9 +58,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ))
     })?;
     let milliseconds = (delay.seconds.abs() * 1e3).round();
-    let (late, early) = match delay.seconds >= 0.0 {
-        true => (arm_source, source),
-        false => (source, arm_source),
+    let (late, early) = if delay.seconds >= 0.0 {
+        (arm_source, source)
+    } else {
+        (source, arm_source)
     };
     let [late, early] = [late, early].map(|uri| escape(&uri.to_string()).into_owned());
     println!(
@@ -123,9 +124,10 @@ impl Record {
     }
 
     fn push(&mut self, reading: &Reading, received_at: Instant) {
-        let time = match self.capture.is_live() {
-            true => Timestamp(received_at.duration_since(self.start).as_micros() as u64),
-            false => reading.time,
+        let time = if self.capture.is_live() {
+            Timestamp(received_at.duration_since(self.start).as_micros() as u64)
+        } else {
+            reading.time
         };
         if let Ok(estimate) = self.estimator.update(reading) {
             self.activity.push(time, estimate);

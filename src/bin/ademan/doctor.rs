@@ -62,22 +62,20 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let tests: Vec<TestResult> = args.test.iter().filter_map(test).collect();
     let is_ok = findings.iter().all(Finding::is_satisfied)
         && tests.iter().all(|(_, outcome)| outcome.is_ok());
-    match args.json {
-        true => {
-            let json = as_json(&findings, &tests, is_ok).to_string();
-            writeln!(io::stdout(), "{}", escape_json(&json))?;
-        }
-        false => {
-            let columns = messages::output_columns().unwrap_or_default();
-            let text = as_text(&findings, &tests, columns);
-            io::stdout().write_all(text.as_bytes())?;
-        }
+    if args.json {
+        let json = as_json(&findings, &tests, is_ok).to_string();
+        writeln!(io::stdout(), "{}", escape_json(&json))?;
+    } else {
+        let columns = messages::output_columns().unwrap_or_default();
+        let text = as_text(&findings, &tests, columns);
+        io::stdout().write_all(text.as_bytes())?;
     }
-    match is_ok {
-        true => Ok(()),
-        false => Err(Failure::job(
+    if is_ok {
+        Ok(())
+    } else {
+        Err(Failure::job(
             "something that the setup needs is missing or does not work",
-        )),
+        ))
     }
 }
 

@@ -115,8 +115,9 @@ fn order(text: &str) -> Result<EulerOrder, String> {
         .to_ascii_uppercase()
         .parse()
         .map_err(|error| format!("{error}"))?;
-    match order.is_proper() {
-        true => Err("a joint of a BVH file turns about three different axes".to_owned()),
-        false => Ok(order),
+    if order.is_proper() {
+        Err("a joint of a BVH file turns about three different axes".to_owned())
+    } else {
+        Ok(order)
     }
 }

@@ -120,13 +120,12 @@ fn looked_at(names: Vec<String>) -> Result<Vec<String>, Failure> {
 fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     let path = new_file::with_extension(file, "ron");
     let original = Layout::load(&link::looked_at(from.to_owned())?)?;
-    let (text, origin) = match is_mirrored {
-        true => {
-            let document = Document::new(original.file.as_str(), original.text.as_str());
-            let origin = format!("a copy of {} for the other hand", original.file);
-            (mirror_layout(&document)?, origin)
-        }
-        false => (original.text, format!("a copy of {}", original.file)),
+    let (text, origin) = if is_mirrored {
+        let document = Document::new(original.file.as_str(), original.text.as_str());
+        let origin = format!("a copy of {} for the other hand", original.file);
+        (mirror_layout(&document)?, origin)
+    } else {
+        (original.text, format!("a copy of {}", original.file))
     };
     let text = new_file::renamed(&text, &original.name, &path);
     let next = "ademan layout check FILE && ademan demo --layout FILE";

@@ -32,9 +32,10 @@ pub fn check(
     for file in files {
         let outcome = check_one(file, &setup)?;
         invalid += usize::from(outcome.is_err());
-        match as_json {
-            true => checked.push(json_of(file, &outcome)),
-            false => print(file, &outcome)?,
+        if as_json {
+            checked.push(json_of(file, &outcome))
+        } else {
+            print(file, &outcome)?
         }
     }
     if as_json {

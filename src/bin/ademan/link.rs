@@ -14,9 +14,10 @@ const FOLDER: &str = "links";
 /// Returns the name of a layout that is only looked at or played without an output: that of a link is the file to which its layout is
 /// written.
 pub fn looked_at(name: String) -> Result<String, Failure> {
-    match is_layout_link(&name) {
-        true => store(&name),
-        false => Ok(name),
+    if is_layout_link(&name) {
+        store(&name)
+    } else {
+        Ok(name)
     }
 }
 

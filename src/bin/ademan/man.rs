@@ -85,8 +85,9 @@ fn write_examples(help: &str, page: &mut impl Write) -> std::io::Result<()> {
 /// Escapes a line for roff, where a dot or an apostrophe at its start begins a request.
 fn escaped(line: &str) -> String {
     let line = line.trim().replace('\\', r"\e").replace('-', r"\-");
-    match line.starts_with(['.', '\'']) {
-        true => format!(r"\&{line}"),
-        false => line,
+    if line.starts_with(['.', '\'']) {
+        format!(r"\&{line}")
+    } else {
+        line
     }
 }

@@ -19,16 +19,18 @@ pub fn run(args: Args) -> Result<(), Failure> {
 }
 
 fn row(backend: &Backend) -> Row {
-    let argument = backend
-        .argument
-        .map(|argument| match backend.is_argument_required {
-            true => format!(":{argument}"),
-            false => format!("[:{argument}]"),
-        });
+    let argument = backend.argument.map(|argument| {
+        if backend.is_argument_required {
+            format!(":{argument}")
+        } else {
+            format!("[:{argument}]")
+        }
+    });
     let name = format!("{}{}", backend.name, argument.unwrap_or_default());
-    let shortest = match backend.is_argument_required {
-        true => &name,
-        false => backend.name,
+    let shortest = if backend.is_argument_required {
+        &name
+    } else {
+        backend.name
     };
     Row {
         example: Some(format!("ademan run my-setup.ron --output {shortest}")),

@@ -70,11 +70,12 @@ pub fn install_hook() {
 }
 
 fn check() -> Result<(), Failure> {
-    match PANICKED.load(Ordering::Relaxed) {
-        false => Ok(()),
-        true => Err(Failure::job(
+    if !PANICKED.load(Ordering::Relaxed) {
+        Ok(())
+    } else {
+        Err(Failure::job(
             "internal error, see above: everything is released; please report this",
-        )),
+        ))
     }
 }
 

@@ -168,9 +168,10 @@ fn summary(person: &Person) -> String {
 }
 
 fn pressing(fingers: FingerSet) -> String {
-    match fingers.is_empty() {
-        true => "presses with the finger that the layout needs".to_owned(),
-        false => format!("presses with {}", names(fingers)),
+    if fingers.is_empty() {
+        "presses with the finger that the layout needs".to_owned()
+    } else {
+        format!("presses with {}", names(fingers))
     }
 }
 
@@ -185,9 +186,10 @@ fn names(fingers: FingerSet) -> String {
 fn show(file: &str) -> Result<(), Failure> {
     let person = load(file)?;
     let mut lines = vec![
-        match person.name.is_empty() {
-            true => escape(file).into_owned(),
-            false => escape(&person.name).into_owned(),
+        if person.name.is_empty() {
+            escape(file).into_owned()
+        } else {
+            escape(&person.name).into_owned()
         },
         format!("  hands     {}", summary(&person)),
     ];

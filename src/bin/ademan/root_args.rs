@@ -15,9 +15,10 @@ pub struct RootArgs {
 impl RootArgs {
     /// Fails if the process runs as root without the option, and may type.
     pub fn check(self, may_type: bool) -> Result<(), Failure> {
-        match may_type && !self.allow_root && doctor::is_running_as_root() {
-            true => Err(Failure::wrong_use(advice::running_as_root().to_string())),
-            false => Ok(()),
+        if may_type && !self.allow_root && doctor::is_running_as_root() {
+            Err(Failure::wrong_use(advice::running_as_root().to_string()))
+        } else {
+            Ok(())
         }
     }
 }

@@ -72,8 +72,9 @@ fn suppressed(suppressed: &Suppressed) -> String {
         .filter(|(count, _)| *count > 0)
         .map(|(count, reason)| format!("{count} {reason}"))
         .collect();
-    match reasons.is_empty() {
-        true => String::new(),
-        false => format!("; suppressed: {}", reasons.join(", ")),
+    if reasons.is_empty() {
+        String::new()
+    } else {
+        format!("; suppressed: {}", reasons.join(", "))
     }
 }

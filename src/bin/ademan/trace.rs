@@ -66,9 +66,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         return Err(Failure::wrong_use("`--euler` is for `angles` and `body`"));
     }
     let traced = TracedSetup::open(&args)?;
-    let signals = match args.stats {
-        true => Some(HandSignals::new(traced.load(without_filters)?.pipeline())),
-        false => None,
+    let signals = if args.stats {
+        Some(HandSignals::new(traced.load(without_filters)?.pipeline()))
+    } else {
+        None
     };
     let as_json = args.json;
     let setup = traced.load(|_| {})?;
@@ -88,9 +89,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     session.commands().send(Command::Stop)?;
     let summary = session.join()?;
-    match printed? {
-        true => Ok(()),
-        false => stats::report(summary),
+    if printed? {
+        Ok(())
+    } else {
+        stats::report(summary)
     }
 }
 
@@ -166,9 +168,10 @@ fn print(session: &SessionHandle, traced: Traced, euler: Option<EulerOrder>) -> 
         let json = String::from_utf8_lossy(json);
         out.write_all(escape_json(&json).as_bytes())?;
         out.write_all(b"\n")?;
-        match session.snapshots().is_empty() {
-            true => out.flush(),
-            false => Ok(()),
+        if session.snapshots().is_empty() {
+            out.flush()
+        } else {
+            Ok(())
         }
     };
     for snapshot in session.snapshots() {
@@ -244,13 +247,11 @@ fn print_stats(
         }
     }
     let mut out = io::stdout().lock();
-    match as_json {
-        true => {
-            let json =
-                serde_json::json!({"hands": signals.to_json(), "sensors": sensors.to_json()});
-            writeln!(out, "{}", escape_json(&json.to_string()))?;
-        }
-        false => write!(out, "{signals}{sensors}")?,
+    if as_json {
+        let json = serde_json::json!({"hands": signals.to_json(), "sensors": sensors.to_json()});
+        writeln!(out, "{}", escape_json(&json.to_string()))?;
+    } else {
+        write!(out, "{signals}{sensors}")?
     }
     Ok(true)
 }

@@ -196,9 +196,10 @@ fn send(state: &State, mut write: impl FnMut(&[u8]) -> bool) {
             *curl += (target - *curl).clamp(-STEP, STEP);
         }
         let fields = curls(present);
-        let line = match state.is_legacy {
-            true => legacy(&fields),
-            false => fields.encode(),
+        let line = if state.is_legacy {
+            legacy(&fields)
+        } else {
+            fields.encode()
         };
         if !state.is_silent.load(Ordering::Relaxed) && !write(line.as_bytes()) {
             return;

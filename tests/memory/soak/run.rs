@@ -209,9 +209,10 @@ impl<'a> SoakRun<'a> {
         let is_to_hand = by[0] > 0.003;
         // A refused move leaves the boards where they are.
         self.command(|pipeline, events| {
-            let _ = match is_to_hand {
-                true => pipeline.recenter(events),
-                false => pipeline.nudge(Vec3::from_array(by), events),
+            let _ = if is_to_hand {
+                pipeline.recenter(events)
+            } else {
+                pipeline.nudge(Vec3::from_array(by), events)
             };
         });
     }
@@ -284,9 +285,10 @@ impl<'a> SoakRun<'a> {
             self.stats.dropped += 1;
             return;
         }
-        let side = match self.now < self.swapped {
-            true => Side::Left,
-            false => Side::Right,
+        let side = if self.now < self.swapped {
+            Side::Left
+        } else {
+            Side::Right
         };
         self.last = (self.now - microseconds_ago).max(self.last + 1);
         let time = self.last.saturating_add_signed(self.clock_offset);

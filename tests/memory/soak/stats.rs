@@ -132,16 +132,15 @@ impl fmt::Display for SoakStats {
             self.suppressed,
             self.other_events
         )?;
-        match self.resident.is_empty() {
-            true => write!(
+        if self.resident.is_empty() {
+            write!(
                 f,
                 "SKIPPED: no /proc/self/statm, so memory was not looked at"
-            ),
-            false => {
-                let kibibytes = self.resident.iter().map(|bytes| bytes / 1024);
-                let kibibytes: Vec<u64> = kibibytes.collect();
-                write!(f, "resident after each quarter, in KiB: {kibibytes:?}")
-            }
+            )
+        } else {
+            let kibibytes = self.resident.iter().map(|bytes| bytes / 1024);
+            let kibibytes: Vec<u64> = kibibytes.collect();
+            write!(f, "resident after each quarter, in KiB: {kibibytes:?}")
         }
     }
 }

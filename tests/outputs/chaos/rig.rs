@@ -87,9 +87,10 @@ impl Rig {
             return Err("the program does not exit".into());
         }
         let is_clear = || self.log.pressed().is_empty();
-        match wait_at_most(BOUND, is_clear) && self.scene.server.pressed_keys().is_empty() {
-            true => Ok(()),
-            false => Err(format!("stuck at the end: {:?}", self.log.pressed())),
+        if wait_at_most(BOUND, is_clear) && self.scene.server.pressed_keys().is_empty() {
+            Ok(())
+        } else {
+            Err(format!("stuck at the end: {:?}", self.log.pressed()))
         }
     }
 
@@ -168,9 +169,10 @@ impl Rig {
     /// Checks that one SIGTERM ends the program.
     fn check_exit(&mut self, course: &Course) -> Result<(), String> {
         let has_exited = || self.scene.subject.exit_status().is_some();
-        match course.episode.has(Attack::TerminateProgram) && !wait_at_most(BOUND, has_exited) {
-            true => Err(format!("SIGTERM does not end the program within {BOUND:?}")),
-            false => Ok(()),
+        if course.episode.has(Attack::TerminateProgram) && !wait_at_most(BOUND, has_exited) {
+            Err(format!("SIGTERM does not end the program within {BOUND:?}"))
+        } else {
+            Ok(())
         }
     }
 
@@ -183,9 +185,10 @@ impl Rig {
         if !course.episode.has(Attack::PauseBySignal) || has(Target::Processes) {
             return Ok(());
         }
-        match self.scene.subject.watchdogs() == self.scene.signalled_watchdogs {
-            true => Ok(()),
-            false => Err("SIGUSR1 ends the watchdog".into()),
+        if self.scene.subject.watchdogs() == self.scene.signalled_watchdogs {
+            Ok(())
+        } else {
+            Err("SIGUSR1 ends the watchdog".into())
         }
     }
 

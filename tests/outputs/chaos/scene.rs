@@ -95,9 +95,10 @@ impl Scene {
     pub fn start_pressing(&self, is_typing: bool) {
         // A program that is starting does not listen yet; the caller repeats this.
         let _ = request(self.socket(), "resume");
-        self.play(match is_typing {
-            true => &self.hand.arm_and_type,
-            false => &self.hand.arm_and_hold,
+        self.play(if is_typing {
+            &self.hand.arm_and_type
+        } else {
+            &self.hand.arm_and_hold
         });
     }
 

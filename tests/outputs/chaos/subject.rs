@@ -122,8 +122,9 @@ pub fn request(socket: &Path, command: &str) -> Result<(), String> {
     let mut client = Client::connect(socket).map_err(|error| error.to_string())?;
     let response = client.request(&format!("{{\"command\":\"{command}\"}}"));
     let response = response.map_err(|error| error.to_string())?;
-    match response.starts_with("{\"ok\":true") {
-        true => Ok(()),
-        false => Err(response),
+    if response.starts_with("{\"ok\":true") {
+        Ok(())
+    } else {
+        Err(response)
     }
 }

@@ -129,9 +129,10 @@ impl Libinput {
         lines.dedup_by_key(|line| {
             let subject = line.trim_start_matches(['-', ' ']).split('+').next();
             let is_motion = line.contains("POINTER_MOTION") || line.contains("POINTER_SCROLL");
-            match is_motion {
-                true => subject.unwrap_or(line).to_owned(),
-                false => line.clone(),
+            if is_motion {
+                subject.unwrap_or(line).to_owned()
+            } else {
+                line.clone()
             }
         });
         lines

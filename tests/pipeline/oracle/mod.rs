@@ -343,9 +343,10 @@ fn i1_no_system_chord_is_down_without_permission() {
         pipeline.state = PipelineState::Running;
         pipeline.step(&presses[..2]).unwrap();
         let completed = pipeline.step(&presses[2..]);
-        let expected = match allow_system_keys {
-            true => Ok(()),
-            false => Err(Violation::SystemChord(chord[2])),
+        let expected = if allow_system_keys {
+            Ok(())
+        } else {
+            Err(Violation::SystemChord(chord[2]))
         };
         assert_eq!(completed, expected);
     }

@@ -224,9 +224,10 @@ impl Rig {
             return;
         }
         let is_tap = |order: &Vec<&str>| order.last() == Some(&"tap");
-        let heights = match step.orders.iter().any(is_tap) {
-            true => &["up", "down", "up"][..],
-            false => &[""],
+        let heights = if step.orders.iter().any(is_tap) {
+            &["up", "down", "up"][..]
+        } else {
+            &[""]
         };
         for height in heights {
             for order in &step.orders {

@@ -189,9 +189,10 @@ impl Transcript {
 
     fn end_ranges(&mut self) {
         for (what, Range { first, last }) in std::mem::take(&mut self.ranges) {
-            self.words.push(match first == last {
-                true => format!("{what}={first}"),
-                false => format!("{what}={first}..{last}"),
+            self.words.push(if first == last {
+                format!("{what}={first}")
+            } else {
+                format!("{what}={first}..{last}")
             });
         }
         for (what, (x, y)) in std::mem::take(&mut self.sums) {

@@ -127,8 +127,9 @@ pub fn difference(expected: &str, found: &str) -> String {
             );
         }
     }
-    match differences.is_empty() {
-        true => "only blank lines differ".to_owned(),
-        false => differences,
+    if differences.is_empty() {
+        "only blank lines differ".to_owned()
+    } else {
+        differences
     }
 }

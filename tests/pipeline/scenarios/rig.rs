@@ -81,9 +81,10 @@ fn setup(text: &str) -> Setup {
 
 fn path_of(layout: &str) -> String {
     let path = folder().join(layout);
-    match path.is_file() {
-        true => path.display().to_string(),
-        false => layout.to_owned(),
+    if path.is_file() {
+        path.display().to_string()
+    } else {
+        layout.to_owned()
     }
 }
 
@@ -405,9 +406,10 @@ impl<'a> Rig<'a> {
             bodies.push(hc11::body(&packet.sample).expect("channels"));
         });
         let waiting = simulated.decoder.pending_bytes();
-        let side = match self.is_swapped {
-            true => simulated.side.opposite(),
-            false => simulated.side,
+        let side = if self.is_swapped {
+            simulated.side.opposite()
+        } else {
+            simulated.side
         };
         for (index, body) in bodies.iter().enumerate() {
             let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;

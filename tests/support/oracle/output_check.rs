@@ -106,9 +106,10 @@ impl OutputCheck {
                 if !totals.pressed.contains(&code) {
                     let _ = totals.pressed.try_push(code);
                 }
-                match self.forbids_system_keys && is_system_chord(&self.pressed) {
-                    true => Err(Violation::SystemChord(code)),
-                    false => Ok(()),
+                if self.forbids_system_keys && is_system_chord(&self.pressed) {
+                    Err(Violation::SystemChord(code))
+                } else {
+                    Ok(())
                 }
             }
             EventKind::KeyUp(code) => {
@@ -116,9 +117,10 @@ impl OutputCheck {
                 self.pressed
                     .remove(index.ok_or(Violation::ReleasedWithoutPress(code))?);
                 let is_late = !totals.pressed.is_empty() && !totals.pressed.contains(&code);
-                match is_sorted && is_late {
-                    true => Err(Violation::LateRelease(code)),
-                    false => Ok(()),
+                if is_sorted && is_late {
+                    Err(Violation::LateRelease(code))
+                } else {
+                    Ok(())
                 }
             }
             EventKind::Axis(axis, value) => {

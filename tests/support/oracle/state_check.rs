@@ -75,17 +75,19 @@ impl StateCheck {
             return Ok(());
         };
         let is_hand = matches!(observation.cause, Cause::Reading(_));
-        match is_hand && observation.paused_by != Some(pause) {
-            true => Err(Violation::PauseEndedByHand(pause)),
-            false => Ok(()),
+        if is_hand && observation.paused_by != Some(pause) {
+            Err(Violation::PauseEndedByHand(pause))
+        } else {
+            Ok(())
         }
     }
 
     fn update_clear_time(&mut self, step: ObservedStep) {
         self.time = self.time.max(step.pose.time);
-        match is_clear(step.touches) {
-            true => self.clear_since = self.clear_since.or(Some(self.time)),
-            false => self.clear_since = None,
+        if is_clear(step.touches) {
+            self.clear_since = self.clear_since.or(Some(self.time))
+        } else {
+            self.clear_since = None
         }
     }
 
@@ -101,9 +103,10 @@ impl StateCheck {
             return Ok(());
         }
         let clear_for = self.clear_since.map(|since| self.time.since(since));
-        match clear_for.is_some_and(|clear_for| clear_for >= self.settings.arm_delay) {
-            true => Ok(()),
-            false => Err(Violation::ArmedTooSoon),
+        if clear_for.is_some_and(|clear_for| clear_for >= self.settings.arm_delay) {
+            Ok(())
+        } else {
+            Err(Violation::ArmedTooSoon)
         }
     }
 }

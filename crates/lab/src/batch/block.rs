@@ -98,13 +98,12 @@ impl LaneSurface {
             let (from, to) = (f32x8::new(previous[2]), f32x8::new(current[2]));
             let (from_pad, to_pad) = (from - radius, to - radius);
             // A comparison with NaN is false: a fingertip that is not known enters nothing.
-            let are_candidates = match self.is_flat {
-                true => from_pad.simd_ge(lowest) & to_pad.simd_le(highest),
-                false => {
-                    let is_low = from_pad.simd_le(highest) | to_pad.simd_le(highest);
-                    let (from_top, to_top) = (from + radius, to + radius);
-                    is_low & (from_top.simd_ge(lowest) | to_top.simd_ge(lowest))
-                }
+            let are_candidates = if self.is_flat {
+                from_pad.simd_ge(lowest) & to_pad.simd_le(highest)
+            } else {
+                let is_low = from_pad.simd_le(highest) | to_pad.simd_le(highest);
+                let (from_top, to_top) = (from + radius, to + radius);
+                is_low & (from_top.simd_ge(lowest) | to_top.simd_ge(lowest))
             };
             *lanes |= are_candidates.to_bitmask();
         }
@@ -206,9 +205,10 @@ impl Block {
         let tracker = &mut self.trackers[lane];
         let is_free = tracker.update_finger(finger, &board.scene, &hand, centers, &mut touches);
         let (active, bit) = (&mut self.active[finger.index()], 1 << lane);
-        match is_free {
-            true => *active &= !bit,
-            false => *active |= bit,
+        if is_free {
+            *active &= !bit
+        } else {
+            *active |= bit
         }
         let of_lane = |touch: &Touch| HandTouch {
             hand: lane,

@@ -51,9 +51,10 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
     let authors = dof.authors.join(", ");
     let mut grid = Grid {
         name: dof.name.clone().unwrap_or_else(|| stem.to_owned()),
-        origin: match authors.is_empty() {
-            true => "imported from a .dof file".to_owned(),
-            false => format!("by {authors}, imported from a .dof file"),
+        origin: if authors.is_empty() {
+            "imported from a .dof file".to_owned()
+        } else {
+            format!("by {authors}, imported from a .dof file")
         },
         is_ortho: matches!(dof.board.as_deref(), Some("ortho" | "colstag")),
         ..Grid::default()

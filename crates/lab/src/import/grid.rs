@@ -61,13 +61,14 @@ fn row(line: &str) -> Vec<String> {
     let words: Vec<&str> = line.split_whitespace().collect();
     // Two halves, `qwert yuiop`, are rows of characters, too.
     let are_halves = words.len() <= 3 && words.iter().all(|word| word.chars().count() >= FEWEST);
-    match are_halves {
-        true => words
+    if are_halves {
+        words
             .concat()
             .chars()
             .map(|character| character.to_string())
-            .collect(),
-        false => words.into_iter().map(str::to_owned).collect(),
+            .collect()
+    } else {
+        words.into_iter().map(str::to_owned).collect()
     }
 }
 

@@ -102,9 +102,10 @@ fn place_thumbs(
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for (index, key) in keys.iter().enumerate() {
         // Both hands share the innermost of an odd number.
-        match index < keys.len() / 2 {
-            true => left.push(key.clone()),
-            false => right.push(key.clone()),
+        if index < keys.len() / 2 {
+            left.push(key.clone())
+        } else {
+            right.push(key.clone())
         }
     }
     let code = |name: &str| Action::Code(name.to_owned());
@@ -121,19 +122,17 @@ fn place_thumbs(
     if !right.contains(&space) && (hands == ImportHands::Two || !left.contains(&space)) {
         right.insert(0, space.clone());
     }
-    let mut added: Vec<&str> = match has_space {
-        true => Vec::new(),
-        false => vec!["Space"],
-    };
+    let mut added: Vec<&str> = if has_space { Vec::new() } else { vec!["Space"] };
     for (name, is_left) in [("ShiftLeft", true), ("Backspace", false), ("Enter", false)] {
         let action = code(name);
         if keys.contains(&action) || on_boards(name, boards) {
             continue;
         }
         added.push(name);
-        match is_left {
-            true => left.insert(0, action),
-            false => right.push(action),
+        if is_left {
+            left.insert(0, action)
+        } else {
+            right.push(action)
         }
     }
     if !added.is_empty() {
@@ -209,9 +208,10 @@ impl BoardText {
             if !is_next || !is_plain {
                 write_run(&mut run, &mut runs);
             }
-            match is_plain {
-                true => run.push(key),
-                false => singles.push_str(&single(key, is_new, names)),
+            if is_plain {
+                run.push(key)
+            } else {
+                singles.push_str(&single(key, is_new, names))
             }
         }
         write_run(&mut run, &mut runs);
@@ -250,27 +250,29 @@ fn single(key: &Placed, is_new: bool, names: &mut BTreeSet<String>) -> String {
         Action::Code(name) => (format!("code: {}", quote(name)), name),
         Action::Text(text) => (format!("action: Text({})", quote(text)), text),
     };
-    let name = match is_new {
-        true => String::new(),
-        false => {
-            let numbered = (2..).map(|number| format!("{wanted} {number}"));
-            let mut free = std::iter::once(wanted.clone()).chain(numbered);
-            let name = free.find(|name| !names.contains(name));
-            let name = name.unwrap_or_default();
-            names.insert(name.clone());
-            match matches!(&key.action, Action::Text(text) if *text == name) {
-                true => String::new(),
-                false => format!(", name: {}", quote(&name)),
-            }
+    let name = if is_new {
+        String::new()
+    } else {
+        let numbered = (2..).map(|number| format!("{wanted} {number}"));
+        let mut free = std::iter::once(wanted.clone()).chain(numbered);
+        let name = free.find(|name| !names.contains(name));
+        let name = name.unwrap_or_default();
+        names.insert(name.clone());
+        if matches!(&key.action, Action::Text(text) if *text == name) {
+            String::new()
+        } else {
+            format!(", name: {}", quote(&name))
         }
     };
-    let latch = match is_shift(&key.action) {
-        true => ", latch: OneShot",
-        false => "",
+    let latch = if is_shift(&key.action) {
+        ", latch: OneShot"
+    } else {
+        ""
     };
-    let size = match key.width == KEY {
-        true => String::new(),
-        false => format!(", size_mm: Box({}, {KEY})", key.width),
+    let size = if key.width == KEY {
+        String::new()
+    } else {
+        format!(", size_mm: Box({}, {KEY})", key.width)
     };
     let [x, y] = key.at;
     format!("                ({field}{name}{latch}, at_mm: ({x}, {y}){size}),\n")
@@ -279,9 +281,10 @@ fn single(key: &Placed, is_new: bool, names: &mut BTreeSet<String>) -> String {
 /// Returns a text without line breaks and control characters, cut to the length of a name.
 fn shortened(text: &str) -> String {
     let text = one_line(text);
-    match text.trim().is_empty() {
-        true => "imported".to_owned(),
-        false => text.trim().chars().take(MAX_NAME).collect(),
+    if text.trim().is_empty() {
+        "imported".to_owned()
+    } else {
+        text.trim().chars().take(MAX_NAME).collect()
     }
 }
 

@@ -223,9 +223,10 @@ impl Moves {
         let Step::Number(index) = step else { return };
         let smallest = self.freedoms[index].step * SMALLEST;
         let own = &mut state.steps[index];
-        let length = match is_good {
-            true => own.abs() * 1.4,
-            false => own.abs() * 0.75,
+        let length = if is_good {
+            own.abs() * 1.4
+        } else {
+            own.abs() * 0.75
         };
         let direction = if is_good { own.signum() } else { -own.signum() };
         *own = direction * length.max(smallest);
@@ -449,9 +450,10 @@ impl Finder<'_> {
     /// Returns the words of key codes that may be exchanged.
     fn slots(&self, sources: &[Range<usize>], phrases: &[String]) -> Vec<Slot> {
         let all: String = phrases.concat().to_lowercase();
-        let characters: Vec<char> = match all.chars().any(char::is_alphabetic) {
-            true => ('a'..='z').collect(),
-            false => ('0'..='9').collect(),
+        let characters: Vec<char> = if all.chars().any(char::is_alphabetic) {
+            ('a'..='z').collect()
+        } else {
+            ('0'..='9').collect()
         };
         let character = |code: KeyCode| {
             let mut all = characters.iter().copied();

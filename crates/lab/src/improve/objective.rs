@@ -112,9 +112,10 @@ impl Objective {
         let errors = 100.0 * ratio(sum(&|it| it.errors() as f64), characters);
         let travel = ratio(sum(&|it| it.joint_travel_deg), count * reference.travel);
         let uncomfortable = ratio(sum(&|it| it.uncomfortable), count * reference.uncomfortable);
-        let effort = match reference.uncomfortable > 0.0 {
-            true => 50.0 * (travel + uncomfortable),
-            false => 100.0 * travel,
+        let effort = if reference.uncomfortable > 0.0 {
+            50.0 * (travel + uncomfortable)
+        } else {
+            100.0 * travel
         };
         self.speed * speed - self.errors * errors - self.effort * effort
     }

@@ -135,15 +135,18 @@ pub fn compare(
             Measure::JointTravel,
             Measure::UncomfortablePoints,
         ],
-        (false, false) if points(before) && points(after) => match works(before) && works(after) {
-            true => &[
-                Measure::Throughput,
-                Measure::MissPoints,
-                Measure::TaskPoints,
-                Measure::TaskSeconds,
-            ],
-            false => &[Measure::Throughput, Measure::MissPoints],
-        },
+        (false, false) if points(before) && points(after) => {
+            if works(before) && works(after) {
+                &[
+                    Measure::Throughput,
+                    Measure::MissPoints,
+                    Measure::TaskPoints,
+                    Measure::TaskSeconds,
+                ]
+            } else {
+                &[Measure::Throughput, Measure::MissPoints]
+            }
+        }
         (false, false) => &[Measure::TaskPoints, Measure::TaskSeconds],
         (has_text, _) => {
             let (typing, other) = if has_text {
@@ -231,9 +234,10 @@ impl Comparison {
 fn words(difference: &Difference) -> String {
     let Interval { value, low, high } = difference.interval;
     let range = |digits: usize| {
-        let (least, most) = match value < 0.0 {
-            true => (-high, -low),
-            false => (low, high),
+        let (least, most) = if value < 0.0 {
+            (-high, -low)
+        } else {
+            (low, high)
         };
         format!("{least:.digits$} to {most:.digits$}")
     };

@@ -96,9 +96,10 @@ impl PointingResult {
         let difficulty = (amplitude.max(0.0) / width + 1.0).log2();
         let efficiency = |movement: &Movement| {
             let straight = distance(movement.clicks[0], movement.clicks[1]);
-            match movement.way > 0.0 {
-                true => (straight / movement.way).min(1.0),
-                false => 0.0,
+            if movement.way > 0.0 {
+                (straight / movement.way).min(1.0)
+            } else {
+                0.0
             }
         };
         Self {
@@ -106,9 +107,10 @@ impl PointingResult {
             misses: movements.iter().filter(|movement| !movement.is_hit).count(),
             movement_s,
             path_efficiency: mean(&efficiency),
-            throughput: match movement_s > 0.0 {
-                true => difficulty / movement_s,
-                false => 0.0,
+            throughput: if movement_s > 0.0 {
+                difficulty / movement_s
+            } else {
+                0.0
             },
         }
     }

@@ -180,9 +180,10 @@ impl LabResult {
 
     /// Checks that the phrases have their hash.
     pub(crate) fn check_corpus(&self) -> Result<(), ReadError> {
-        match Self::hash_of(&self.corpus()) == self.corpus_hash {
-            true => Ok(()),
-            false => Err(ReadError::OtherCorpus(self.corpus_hash.clone())),
+        if Self::hash_of(&self.corpus()) == self.corpus_hash {
+            Ok(())
+        } else {
+            Err(ReadError::OtherCorpus(self.corpus_hash.clone()))
         }
     }
 }

@@ -224,13 +224,12 @@ fn one(
             station.type_phrase(phrase, &strokes, seed, &mut observed);
         }
     }
-    let (tasks, pointing) = match strokes.can_type() {
-        true => (Vec::new(), None),
-        false => {
-            let pointing = station.point(conditions.seed_of(person, 1));
-            let seed = conditions.seed_of(person, 0);
-            (task_scores(&station, seed, pointing.is_some()), pointing)
-        }
+    let (tasks, pointing) = if strokes.can_type() {
+        (Vec::new(), None)
+    } else {
+        let pointing = station.point(conditions.seed_of(person, 1));
+        let seed = conditions.seed_of(person, 0);
+        (task_scores(&station, seed, pointing.is_some()), pointing)
     };
     let names = station.layout().target_names();
     let unreached = strokes.unreached.iter();

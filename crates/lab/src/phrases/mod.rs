@@ -49,12 +49,13 @@ impl Corpus {
     pub fn from_text(name: &str, text: &str) -> Result<Self, NoPhrase> {
         let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let phrases: Vec<String> = lines.flat_map(cut).collect();
-        match phrases.is_empty() {
-            true => Err(NoPhrase),
-            false => Ok(Self {
+        if phrases.is_empty() {
+            Err(NoPhrase)
+        } else {
+            Ok(Self {
                 name: name.to_owned(),
                 phrases,
-            }),
+            })
         }
     }
 

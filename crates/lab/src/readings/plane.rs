@@ -55,9 +55,10 @@ impl PlaneCrossing {
                 // Of two frames, if the nearest target has changed; they differ by less than a key then.
                 let is_same = last.is_some_and(|(now, _)| before_id(passed) == Some(now));
                 let part = before.z / (before.z - pad.z);
-                let at = match is_same {
-                    true => before.truncate().lerp(pad.truncate(), part),
-                    false => pad.truncate(),
+                let at = if is_same {
+                    before.truncate().lerp(pad.truncate(), part)
+                } else {
+                    pad.truncate()
                 };
                 if is_inside(target, at)
                     && let Some(touch) = keys.touch(id, at)

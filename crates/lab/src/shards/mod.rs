@@ -126,9 +126,10 @@ impl Plan {
             run.check_corpus()?;
         }
         let is_possible = (1..=MAX_SHARDS.min(plan.people)).contains(&plan.shards);
-        match is_possible && !plan.runs.is_empty() {
-            true => Ok(plan),
-            false => Err(ShardError::Empty),
+        if is_possible && !plan.runs.is_empty() {
+            Ok(plan)
+        } else {
+            Err(ShardError::Empty)
         }
     }
 
@@ -200,9 +201,10 @@ impl ShardScores {
         let is_whole = scores.shard == shard
             && scores.scores.len() == plan.runs.len()
             && scores.scores.iter().all(is_complete);
-        match is_whole {
-            true => Ok(scores),
-            false => Err(ShardError::OtherPeople(shard)),
+        if is_whole {
+            Ok(scores)
+        } else {
+            Err(ShardError::OtherPeople(shard))
         }
     }
 }

@@ -133,9 +133,10 @@ impl LayoutFollower {
         let state = lock(&self.feed.0.state);
         self.seen = self.feed.0.version.load(Ordering::Acquire);
         self.has_lifted = false;
-        Some(match state.is_changing {
-            true => LayoutNews::Changing,
-            false => LayoutNews::Active(state.layout.clone()),
+        Some(if state.is_changing {
+            LayoutNews::Changing
+        } else {
+            LayoutNews::Active(state.layout.clone())
         })
     }
 

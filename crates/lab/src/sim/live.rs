@@ -65,9 +65,10 @@ impl LiveTask {
             step.actions.iter().any(|it| it.target().is_some()) && actions.all(can_do)
         });
         let actions = first.map_or(Vec::new(), |step| step.actions.clone());
-        let actions = match actions.is_empty() {
-            true => vec![HandAction::Lift],
-            false => actions,
+        let actions = if actions.is_empty() {
+            vec![HandAction::Lift]
+        } else {
+            actions
         };
         for (index, hand) in hands.iter_mut().enumerate() {
             let is_own = |action: &&HandAction| hand_for(action, scene, &sides, 0) == index;
@@ -138,9 +139,10 @@ impl LiveTask {
 
     /// Goes on with another layout. `hands` may be anywhere, but press nothing that they need.
     pub(super) fn set_layout(self, layout: Arc<Layout>, hands: &mut [SensedHand]) -> Self {
-        let next = match self.has_returned || self.is_step_done(hands) {
-            true => self.next,
-            false => rewound(&self.steps, self.next.saturating_sub(1), hands),
+        let next = if self.has_returned || self.is_step_done(hands) {
+            self.next
+        } else {
+            rewound(&self.steps, self.next.saturating_sub(1), hands)
         };
         let resolved = self.task.resolve(&layout);
         let next = if resolved.is_same(&self.resolved) {
@@ -279,12 +281,13 @@ pub(super) fn rewound(steps: &[TaskStep], index: usize, hands: &[SensedHand]) ->
     let ends =
         |step: &&TaskStep| matches!(action(step), Some(HandAction::Lift | HandAction::Tap(_)));
     let drags_on = rest.iter().take_while(|step| !ends(step)).any(drags);
-    match is_down && drags_on {
-        true => (0..=index.min(steps.len().saturating_sub(1)))
+    if is_down && drags_on {
+        (0..=index.min(steps.len().saturating_sub(1)))
             .rev()
             .find(|&step| presses(&steps[step]))
-            .unwrap_or(index),
-        false => index,
+            .unwrap_or(index)
+    } else {
+        index
     }
 }
 

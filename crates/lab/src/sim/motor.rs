@@ -51,9 +51,10 @@ impl Motor {
 
     /// Returns the time of a movement that usually takes `time`.
     pub(super) fn paced(&self, time: Duration) -> Duration {
-        match self.motion.speed == 1.0 {
-            true => time,
-            false => time.div_f64(self.motion.speed),
+        if self.motion.speed == 1.0 {
+            time
+        } else {
+            time.div_f64(self.motion.speed)
         }
     }
 

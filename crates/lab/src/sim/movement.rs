@@ -129,9 +129,10 @@ impl ActiveMovement {
             return 0.0;
         };
         let tip = path.at(self.start_tip, t);
-        match self.movement.is_pinched {
-            true => hand.reach_pinched(tip, values, &self.locked),
-            false => hand.reach_with(self.movement.effector, tip, values, &self.locked),
+        if self.movement.is_pinched {
+            hand.reach_pinched(tip, values, &self.locked)
+        } else {
+            hand.reach_with(self.movement.effector, tip, values, &self.locked)
         }
     }
 }

@@ -23,9 +23,10 @@ impl Noise {
 
     /// Returns the next value of the noise.
     pub(super) fn value(&mut self) -> f64 {
-        match self.deviation > 0.0 {
-            true => self.deviation * gaussian(&mut self.random),
-            false => 0.0,
+        if self.deviation > 0.0 {
+            self.deviation * gaussian(&mut self.random)
+        } else {
+            0.0
         }
     }
 

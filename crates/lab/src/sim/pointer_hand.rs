@@ -127,9 +127,10 @@ impl PointerHand {
             (false, false) => point,
         };
         // Down only where it points, so that it presses nothing on its way.
-        let wanted = match may_press && (is_there || !is_up) {
-            true => -(pointed.travel + BOTTOM_M),
-            false => HOVER_M,
+        let wanted = if may_press && (is_there || !is_up) {
+            -(pointed.travel + BOTTOM_M)
+        } else {
+            HOVER_M
         };
         let height = height + (wanted - height).clamp(-towards, towards);
         if may_press && height <= -pointed.travel {

@@ -93,9 +93,10 @@ impl TypingHand {
         };
         let point = TargetPoint { target, offset };
         let tip = reach_target.tip_position(point, reach_target.bottom_height);
-        let limb = match moves_with_wrist(surface) {
-            true => Limb::Hand,
-            false => Limb::Arm,
+        let limb = if moves_with_wrist(surface) {
+            Limb::Hand
+        } else {
+            Limb::Arm
         };
         let mut shortest: Option<Miss> = None;
         let fingers = Finger::ALL

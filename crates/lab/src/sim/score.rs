@@ -51,15 +51,16 @@ impl EditCounts {
             let mut diagonal = row[0];
             row[0] = insert(row[0]);
             for (index, &wanted) in presented.iter().enumerate() {
-                let paired = match wanted == typed {
-                    true => Self {
+                let paired = if wanted == typed {
+                    Self {
                         correct: diagonal.correct + 1,
                         ..diagonal
-                    },
-                    false => Self {
+                    }
+                } else {
+                    Self {
                         substitutions: diagonal.substitutions + 1,
                         ..diagonal
-                    },
+                    }
                 };
                 diagonal = row[index + 1];
                 let others = [insert(diagonal), delete(row[index])];
@@ -76,9 +77,10 @@ impl EditCounts {
 
     fn better(self, other: Self) -> Self {
         let rank = |counts: &Self| (counts.errors(), usize::MAX - counts.correct);
-        match rank(&other) < rank(&self) {
-            true => other,
-            false => self,
+        if rank(&other) < rank(&self) {
+            other
+        } else {
+            self
         }
     }
 }

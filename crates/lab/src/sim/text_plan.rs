@@ -133,9 +133,10 @@ impl<'a> Planner<'a> {
 
     /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`.
     fn strokes(&self, code: KeyCode, is_shifted: bool) -> Option<Vec<Stroke<'a>>> {
-        let mut strokes = match is_shifted {
-            true => vec![self.find(0, is_one_shot_shift)?],
-            false => Vec::new(),
+        let mut strokes = if is_shifted {
+            vec![self.find(0, is_one_shot_shift)?]
+        } else {
+            Vec::new()
         };
         let is_key = |action| action == KeyAction::Key(code);
         let (path, stroke) = self
@@ -159,9 +160,10 @@ impl<'a> Planner<'a> {
         let Some((key, is_shifted)) = KeyCode::for_us_character(character).last() else {
             return PlanError::NotOnUsKeymap(character);
         };
-        match is_shifted && self.strokes(key, false).is_some() {
-            true => PlanError::NoShift(character),
-            false => PlanError::NoKey { character, key },
+        if is_shifted && self.strokes(key, false).is_some() {
+            PlanError::NoShift(character)
+        } else {
+            PlanError::NoKey { character, key }
         }
     }
 }

@@ -411,9 +411,10 @@ impl TypingHand {
         };
         let ends = (map.apply(variable.range.0), map.apply(variable.range.1));
         let (low, high) = (ends.0.min(ends.1), ends.0.max(ends.1));
-        match (low..=high).contains(&radians) {
-            true => Ok(map.apply_inverse(radians)),
-            false => Err((low, high)),
+        if (low..=high).contains(&radians) {
+            Ok(map.apply_inverse(radians))
+        } else {
+            Err((low, high))
         }
     }
 

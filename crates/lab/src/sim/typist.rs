@@ -377,9 +377,10 @@ impl Planned {
         let is_last = self.permitted >= self.hand_of_action.len();
         let mut is_finished = true;
         for (index, hand) in hands.iter_mut().enumerate() {
-            let permitted = match is_last {
-                true => usize::MAX,
-                false => self.own_actions(index, self.permitted),
+            let permitted = if is_last {
+                usize::MAX
+            } else {
+                self.own_actions(index, self.permitted)
             };
             is_finished &= hand.hand.advance(permitted) == Progress::Finished;
         }

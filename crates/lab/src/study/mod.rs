@@ -218,9 +218,10 @@ fn add_values(layout: &Layout, count: usize, draw: &mut Draw, tasks: &mut Vec<Ta
 /// Checks that a name is a pseudonym.
 pub fn check_pseudonym(name: &str) -> Result<(), StudyError> {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-    match (1..=MAX_PSEUDONYM).contains(&name.len()) && name.chars().all(is_plain) {
-        true => Ok(()),
-        false => Err(StudyError::NoPseudonym(name.to_owned())),
+    if (1..=MAX_PSEUDONYM).contains(&name.len()) && name.chars().all(is_plain) {
+        Ok(())
+    } else {
+        Err(StudyError::NoPseudonym(name.to_owned()))
     }
 }
 

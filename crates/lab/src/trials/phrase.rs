@@ -312,9 +312,10 @@ impl Station {
         let interval = session.draw.log_normal(median, self.person.interval_cv);
         let wanted = session.bottom + interval.max(APART);
         let is_shallow = session.draw.happens(self.person.missed);
-        let kind = match is_shallow {
-            true => StrokeKind::Shallow,
-            false => StrokeKind::Meant,
+        let kind = if is_shallow {
+            StrokeKind::Shallow
+        } else {
+            StrokeKind::Meant
         };
         let scene = session.pipeline.layout().scene();
         let hand = &mut self.hands[step.hand];
@@ -326,17 +327,19 @@ impl Station {
             now,
             is_shallow,
         };
-        let plan = match step.is_bent {
-            true => hand.chord(scene, &step.targets, wanted, now, is_shallow),
-            false => hand.tap(scene, tap),
+        let plan = if step.is_bent {
+            hand.chord(scene, &step.targets, wanted, now, is_shallow)
+        } else {
+            hand.tap(scene, tap)
         };
         let Some(plan) = plan else { return };
         let size = self.layout.scene.target(step.targets[0]);
         let width = size.map_or(0.017, |(_, target)| width(target));
         let person = &self.person;
-        observed.predicted_seconds += match step.is_bent {
-            true => person.fitts_a_ms * 1e-3,
-            false => person.movement_time(plan.distance, width),
+        observed.predicted_seconds += if step.is_bent {
+            person.fitts_a_ms * 1e-3
+        } else {
+            person.movement_time(plan.distance, width)
         };
         let is_followed = !step.is_bent && session.draw.happens(self.person.spurious);
         let reach = (SPURIOUS * width) as f32;

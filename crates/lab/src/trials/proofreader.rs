@@ -58,9 +58,10 @@ impl Proofreader {
 
     /// Returns the time after the last stroke in which a last error is seen, in seconds; 0 for a person who does not correct.
     pub(super) fn last_look(&self) -> f64 {
-        match self.probability > 0.0 {
-            true => self.notice + 2.0 * STILL,
-            false => 0.0,
+        if self.probability > 0.0 {
+            self.notice + 2.0 * STILL
+        } else {
+            0.0
         }
     }
 

@@ -126,13 +126,15 @@ impl Station {
         let Some(played) = played else { return result };
         let is_own = |pressed: &TargetId| Some(*pressed) == target;
         let is_board = target.is_some_and(|target| self.layout.face(target).is_some());
-        result.is_done = match is_board {
-            true => played.pressed.iter().any(is_own),
-            false => played.has_events,
+        result.is_done = if is_board {
+            played.pressed.iter().any(is_own)
+        } else {
+            played.has_events
         };
-        result.wrong = match is_board {
-            true => played.pressed.iter().filter(|it| !is_own(it)).count(),
-            false => 0,
+        result.wrong = if is_board {
+            played.pressed.iter().filter(|it| !is_own(it)).count()
+        } else {
+            0
         };
         result.seconds = played.seconds;
         result

@@ -266,9 +266,10 @@ fn side_of(pictures: &[JointPositions]) -> Side {
             .map(|angles| knuckles.map(|dof| angles.get(dof)).iter().sum::<f64>())
             .sum()
     };
-    match bend(Side::Right) >= bend(Side::Left) {
-        true => Side::Right,
-        false => Side::Left,
+    if bend(Side::Right) >= bend(Side::Left) {
+        Side::Right
+    } else {
+        Side::Left
     }
 }
 

@@ -92,9 +92,10 @@ fn total_cost(cameras: &[Camera], groups: &[PointGroup]) -> f64 {
         for mark in &group.marks {
             // A point behind its camera is as wrong as can be.
             let length = error(cameras, group, mark).map_or(1e6, DVec2::length);
-            cost += match length <= ROBUST_PX {
-                true => length * length,
-                false => ROBUST_PX * (2.0 * length - ROBUST_PX),
+            cost += if length <= ROBUST_PX {
+                length * length
+            } else {
+                ROBUST_PX * (2.0 * length - ROBUST_PX)
             };
         }
         if let Some(error) = length_error(group) {

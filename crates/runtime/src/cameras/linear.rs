@@ -120,9 +120,10 @@ pub fn camera_from_points(
         .iter()
         .filter(|point| camera.in_camera(**point).z > 0.0)
         .count();
-    match in_front == found && camera.focal.is_finite() {
-        true => Ok(camera),
-        false => Err(LinearError::Inconsistent),
+    if in_front == found && camera.focal.is_finite() {
+        Ok(camera)
+    } else {
+        Err(LinearError::Inconsistent)
     }
 }
 
@@ -205,9 +206,10 @@ pub fn camera_from_pair(
     if is_flat(directions) {
         let apart = |(first, second): &(DVec2, DVec2)| first.distance(*second);
         let apart = directions.iter().map(apart).fold(0.0, f64::max);
-        return Err(match apart < MIN_APART {
-            true => LinearError::SamePlace,
-            false => LinearError::Flat,
+        return Err(if apart < MIN_APART {
+            LinearError::SamePlace
+        } else {
+            LinearError::Flat
         });
     }
     let mut rows = DMatrix::<f64>::zeros(found, 9);

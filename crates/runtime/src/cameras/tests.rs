@@ -172,10 +172,10 @@ fn cameras_without_common_frames_are_named_and_a_wand_in_a_plane_is_refused() {
     let mut frames = wand_frames(&exact, 60, 0.1, 4);
     // The third camera sees the wand with another one five times.
     for (index, frame) in frames.iter_mut().enumerate() {
-        match index < 40 {
-            true => frame[2].clear(),
-            false if index < 55 => frame[..2].iter_mut().for_each(BTreeMap::clear),
-            false => frame[0].clear(),
+        match index {
+            0..40 => frame[2].clear(),
+            40..55 => frame[..2].iter_mut().for_each(BTreeMap::clear),
+            _ => frame[0].clear(),
         }
     }
     let error = from_wand(&unknown(&exact), &frames, ["a", "b"], 0.5, false).unwrap_err();

@@ -17,12 +17,13 @@ impl PacketClock {
     /// Creates a clock that starts now.
     pub fn new(is_live: bool) -> Self {
         let last = Timestamp::default();
-        match is_live {
-            true => Self::Live {
+        if is_live {
+            Self::Live {
                 opened: Instant::now(),
                 last,
-            },
-            false => Self::Nominal { packets: 0, last },
+            }
+        } else {
+            Self::Nominal { packets: 0, last }
         }
     }
 

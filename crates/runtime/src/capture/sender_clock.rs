@@ -191,9 +191,12 @@ mod tests {
         let jitter = |time: u64| (time * 7919) % (180 * MS);
         // 500 parts per million, twice as much as any clock of a computer.
         for loses in [true, false] {
-            let stated = |time: u64| match loses {
-                true => time - time / 2000,
-                false => time + time / 2000,
+            let stated = |time: u64| {
+                if loses {
+                    time - time / 2000
+                } else {
+                    time + time / 2000
+                }
             };
             assert_eq!(sender.send(0..600_000, stated, jitter), 0, "{loses}");
             sender.clock.reset();

@@ -52,9 +52,10 @@ impl SidedSource {
     /// Returns the pending reading for the next side.
     fn next_side(&mut self) -> Option<Reading> {
         let side = self.remaining.pop_at(0)?;
-        let mut reading = match self.remaining.is_empty() {
-            true => self.pending.take()?,
-            false => self.pending.clone()?,
+        let mut reading = if self.remaining.is_empty() {
+            self.pending.take()?
+        } else {
+            self.pending.clone()?
         };
         reading.side = Some(side);
         Some(reading)
@@ -98,9 +99,10 @@ impl Source for SidedSource {
     }
 
     fn wait(&self) -> Option<SourceWait<'_>> {
-        match self.remaining.is_empty() {
-            true => self.source.wait(),
-            false => None,
+        if self.remaining.is_empty() {
+            self.source.wait()
+        } else {
+            None
         }
     }
 

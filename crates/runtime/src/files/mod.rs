@@ -105,9 +105,10 @@ pub fn open_secret(path: &Path) -> Result<File, FileError> {
     let file = open_regular(path)?;
     let metadata = file.metadata()?;
     system::check_owner(&metadata)?;
-    match system::is_private_file(&metadata) {
-        true => Ok(file),
-        false => Err(FileError::Exposed(path.into())),
+    if system::is_private_file(&metadata) {
+        Ok(file)
+    } else {
+        Err(FileError::Exposed(path.into()))
     }
 }
 
@@ -201,9 +202,10 @@ pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
 
 /// Checks that a path is a folder that only this user can access.
 pub fn check_private_folder(path: &Path) -> Result<(), FileError> {
-    match system::is_private_folder(&fs::symlink_metadata(path)?) {
-        true => Ok(()),
-        false => Err(FileError::OpenFolder(path.into())),
+    if system::is_private_folder(&fs::symlink_metadata(path)?) {
+        Ok(())
+    } else {
+        Err(FileError::OpenFolder(path.into()))
     }
 }
 
@@ -227,9 +229,10 @@ fn check_own(metadata: &Metadata) -> Result<(), FileError> {
 }
 
 fn check_no_link(metadata: &Metadata) -> Result<(), FileError> {
-    match metadata.is_symlink() {
-        true => Err(FileError::IsLink),
-        false => Ok(()),
+    if metadata.is_symlink() {
+        Err(FileError::IsLink)
+    } else {
+        Ok(())
     }
 }
 
@@ -237,9 +240,10 @@ fn check_regular(kind: FileType) -> Result<(), FileError> {
     if kind.is_file() {
         return Ok(());
     }
-    Err(match kind.is_dir() {
-        true => FileError::IsDirectory,
-        false => FileError::NotRegular(system::name_of(kind)),
+    Err(if kind.is_dir() {
+        FileError::IsDirectory
+    } else {
+        FileError::NotRegular(system::name_of(kind))
     })
 }
 

@@ -153,9 +153,10 @@ fn in_config_folder(name: &str) -> Option<PathBuf> {
     if !is_bare(name) {
         return None;
     }
-    let file = match name.ends_with(EXTENSION) {
-        true => name.to_owned(),
-        false => format!("{name}{EXTENSION}"),
+    let file = if name.ends_with(EXTENSION) {
+        name.to_owned()
+    } else {
+        format!("{name}{EXTENSION}")
     };
     FOLDERS
         .iter()

@@ -104,9 +104,10 @@ fn copy_attribute(path: &Path, name: &[u8], new: &File) -> io::Result<()> {
 
 /// Checks that a file belongs to the user of this process.
 pub fn check_owner(metadata: &Metadata) -> Result<(), FileError> {
-    match metadata.uid() == geteuid().as_raw() {
-        true => Ok(()),
-        false => Err(FileError::OtherOwner),
+    if metadata.uid() == geteuid().as_raw() {
+        Ok(())
+    } else {
+        Err(FileError::OtherOwner)
     }
 }
 
@@ -115,17 +116,19 @@ pub fn check_writers(metadata: &Metadata) -> Result<(), FileError> {
     if metadata.uid() != 0 {
         check_owner(metadata)?;
     }
-    match is_writable_by_others(metadata) {
-        true => Err(FileError::OthersMayWrite),
-        false => Ok(()),
+    if is_writable_by_others(metadata) {
+        Err(FileError::OthersMayWrite)
+    } else {
+        Ok(())
     }
 }
 
 /// Checks that only the user of this process and root can replace their files in a folder.
 pub fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
-    match is_writable_by_others(metadata) && metadata.mode() & STICKY == 0 {
-        true => Err(FileError::OthersMayReplace),
-        false => Ok(()),
+    if is_writable_by_others(metadata) && metadata.mode() & STICKY == 0 {
+        Err(FileError::OthersMayReplace)
+    } else {
+        Ok(())
     }
 }
 

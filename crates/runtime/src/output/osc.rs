@@ -243,12 +243,13 @@ impl Sink for Osc {
             }
             thread::sleep(RETRY_DELAY);
         }
-        match self.send_due() {
-            true => Ok(()),
-            false => Err(OutputError::send(
+        if self.send_due() {
+            Ok(())
+        } else {
+            Err(OutputError::send(
                 BACKEND.name,
                 "the last releases cannot be sent",
-            )),
+            ))
         }
     }
 

@@ -212,9 +212,10 @@ mod tests {
         fn write(&self, text: &str) -> Result<(), OutputError> {
             let line = format!("{} {text}", self.name);
             self.log.lock().unwrap().push(line);
-            match self.fails {
-                true => Err(OutputError::send(self.name, "gone")),
-                false => Ok(()),
+            if self.fails {
+                Err(OutputError::send(self.name, "gone"))
+            } else {
+                Ok(())
             }
         }
     }

@@ -122,9 +122,10 @@ impl Recorder {
     fn add(&mut self, add: impl FnOnce(&mut Container<File>)) -> Result<(), RecordError> {
         self.change(|container| {
             add(container);
-            match container.is_chunk_due() {
-                true => container.end_chunk(),
-                false => Ok(()),
+            if container.is_chunk_due() {
+                container.end_chunk()
+            } else {
+                Ok(())
             }
         })
     }

@@ -191,9 +191,10 @@ impl Session {
         }
         let layout = Arc::new(setup.layout.clone());
         let rule = ActiveRule::new(&setup.setup.profiles_by_application);
-        let focus = match options.follow_focus {
-            true => focus::watch(rule.clone(), &command_sender, notices.sender())?,
-            false => None,
+        let focus = if options.follow_focus {
+            focus::watch(rule.clone(), &command_sender, notices.sender())?
+        } else {
+            None
         };
         let share = ShareHub::start(&options.share, setup.arm.side(), layout)?;
         let notifier = control.as_ref().map(ControlServer::notifier);
@@ -406,13 +407,13 @@ fn publish(snapshots: &mut Option<Sender<Snapshot>>, step: &StepView, is_lossles
     let Some(sender) = snapshots else {
         return;
     };
-    let is_disconnected = match is_lossless {
-        true => sender.send(step.to_snapshot()).is_err(),
-        false if sender.is_full() => false,
-        false => {
-            let sent = sender.try_send(step.to_snapshot());
-            sent.is_err_and(|error| error.is_disconnected())
-        }
+    let is_disconnected = if is_lossless {
+        sender.send(step.to_snapshot()).is_err()
+    } else if sender.is_full() {
+        false
+    } else {
+        let sent = sender.try_send(step.to_snapshot());
+        sent.is_err_and(|error| error.is_disconnected())
     };
     if is_disconnected {
         *snapshots = None;

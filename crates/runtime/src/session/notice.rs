@@ -261,13 +261,12 @@ fn write_unreached(
     }
     write!(f, " is {:.0} mm away", way.length() * 1e3)?;
     write_directions(f, *way * 1e3)?;
-    f.write_str(match is_on_board {
-        true => "; `ademan ctl recenter` brings the boards below the hand, `ademan calibrate` corrects a glove, and a layout with \
-                 `anchor: start`, such as `webcam-qwerty`, is placed where the hand is",
-        false => {
-            "; `ademan calibrate` corrects a glove, and a layout with `anchor: start`, such as `webcam-mouse`, is placed where the \
-             hand is"
-        }
+    f.write_str(if *is_on_board {
+        "; `ademan ctl recenter` brings the boards below the hand, `ademan calibrate` corrects a glove, and a layout with \
+         `anchor: start`, such as `webcam-qwerty`, is placed where the hand is"
+    } else {
+        "; `ademan calibrate` corrects a glove, and a layout with `anchor: start`, such as `webcam-mouse`, is placed where the \
+         hand is"
     })
 }
 
@@ -314,13 +313,14 @@ fn finger_names(fingers: FingerSet) -> String {
 }
 
 fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Result {
-    match fingers.is_empty() {
-        true => f.write_str("the sensors of all fingers work again"),
-        false => write!(
+    if fingers.is_empty() {
+        f.write_str("the sensors of all fingers work again")
+    } else {
+        write!(
             f,
             "ignored and released: {}; the source does not see them, or a sensor has been at an end of its range for 1 s: check its wire",
             finger_names(fingers)
-        ),
+        )
     }
 }
 

@@ -14,9 +14,10 @@ impl Session {
         let Some(uri) = self.opened_uri().cloned() else {
             return Ok(None);
         };
-        let source = match self.options.wait_for_source {
-            true => self.wait_for(&uri)?,
-            false => Some(self.open_uri(&uri)?),
+        let source = if self.options.wait_for_source {
+            self.wait_for(&uri)?
+        } else {
+            Some(self.open_uri(&uri)?)
         };
         Ok(source.map(|source| self.paced(source)))
     }

@@ -118,9 +118,10 @@ impl StatusLog {
             let reported = &mut self.lost_hands[side.index()];
             if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
                 *reported = is_lost;
-                report(match is_lost {
-                    true => Notice::HandLost(side),
-                    false => Notice::HandFound(side),
+                report(if is_lost {
+                    Notice::HandLost(side)
+                } else {
+                    Notice::HandFound(side)
                 });
             }
         }
@@ -135,9 +136,10 @@ impl StatusLog {
         self.report_bent(step, hints.bent, now, report);
         self.report_place(step, hints, now, report);
         let is_end = step.state == PipelineState::Stopped;
-        while let Some(held_back) = match is_end {
-            true => self.limits.take_any(now),
-            false => self.limits.take_due(now),
+        while let Some(held_back) = if is_end {
+            self.limits.take_any(now)
+        } else {
+            self.limits.take_due(now)
         } {
             report(Notice::HeldBack(Box::new(held_back)));
         }

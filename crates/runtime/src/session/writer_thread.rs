@@ -117,17 +117,14 @@ impl<T: Send + 'static> WriterThread<T> {
 
     /// Queues the part of a step.
     pub fn push(&mut self, step: T) {
-        let is_full = match self.is_lossless {
-            true => {
-                let sent = self.queue.send(step);
-                self.missed += u64::from(sent.is_err());
-                false
-            }
-            false => {
-                let sent = self.queue.try_send(step);
-                self.missed += u64::from(sent.is_err());
-                matches!(sent, Err(TrySendError::Full(_)))
-            }
+        let is_full = if self.is_lossless {
+            let sent = self.queue.send(step);
+            self.missed += u64::from(sent.is_err());
+            false
+        } else {
+            let sent = self.queue.try_send(step);
+            self.missed += u64::from(sent.is_err());
+            matches!(sent, Err(TrySendError::Full(_)))
         };
         // A writer that has ended reports its error itself.
         if is_full && self.missed == 1 {

@@ -179,11 +179,12 @@ fn checked(field: &str, settings: OneEuroSettings) -> Result<OneEuroSettings, Se
     let is_valid = is_cutoff(settings.min_cutoff_hz)
         && is_cutoff(settings.derivative_cutoff_hz)
         && (0.0..=1e4).contains(&settings.beta);
-    match is_valid {
-        true => Ok(settings),
-        false => Err(SetupError::Value(format!(
+    if is_valid {
+        Ok(settings)
+    } else {
+        Err(SetupError::Value(format!(
             "`{field}`: cutoffs are 0.001 to 10000 Hz, `beta` is 0 to 10000"
-        ))),
+        )))
     }
 }
 

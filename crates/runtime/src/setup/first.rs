@@ -32,9 +32,10 @@ impl Setup {
             other => other,
         });
         let protocol = source.as_ref().and_then(SourceUri::protocol);
-        let gloves = match protocol == Some(&lucidgloves::PROTOCOL) {
-            true => DEFAULT_LUCIDGLOVES,
-            false => DEFAULT_GLOVES,
+        let gloves = if protocol == Some(&lucidgloves::PROTOCOL) {
+            DEFAULT_LUCIDGLOVES
+        } else {
+            DEFAULT_GLOVES
         };
         let needs_glove = source.as_ref().is_none_or(SourceUri::needs_glove);
         let is_other_hand = side == Side::Left && needs_glove;

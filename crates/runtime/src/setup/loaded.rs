@@ -438,9 +438,10 @@ impl LoadedSetup {
         source: Option<&SourceUri>,
         rest_pose: &JointAngles,
     ) -> EstimatorSettings {
-        let rest_pose = match rest_pose.is_empty() {
-            true => half_bent_fingers(),
-            false => *rest_pose,
+        let rest_pose = if rest_pose.is_empty() {
+            half_bent_fingers()
+        } else {
+            *rest_pose
         };
         EstimatorSettings {
             position_smoothing: self.setup.position_filter(source),

@@ -410,9 +410,10 @@ fn glove_name<'a>(
     side: Side,
 ) -> Option<&'a str> {
     let protocol = source.and_then(SourceUri::protocol);
-    let defaults = match protocol == Some(&lucidgloves::PROTOCOL) {
-        true => DEFAULT_LUCIDGLOVES,
-        false => DEFAULT_GLOVES,
+    let defaults = if protocol == Some(&lucidgloves::PROTOCOL) {
+        DEFAULT_LUCIDGLOVES
+    } else {
+        DEFAULT_GLOVES
     };
     let needs_glove = source.is_none_or(SourceUri::needs_glove);
     let default = needs_glove.then(|| of_side(defaults, side));
@@ -421,9 +422,10 @@ fn glove_name<'a>(
 
 /// Returns the name of the glove that a simulated hand wears for a layout, if nothing names one.
 pub fn simulated_glove(layout: &Layout, side: Side) -> &'static str {
-    let gloves = match layout.uses_inputs() {
-        true => DEFAULT_LUCIDGLOVES,
-        false => DEFAULT_GLOVES,
+    let gloves = if layout.uses_inputs() {
+        DEFAULT_LUCIDGLOVES
+    } else {
+        DEFAULT_GLOVES
     };
     of_side(gloves, side)
 }

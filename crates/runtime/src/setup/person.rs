@@ -14,13 +14,14 @@ impl Setup {
         side: Side,
     ) -> Result<(), SetupError> {
         if let Some(own) = person.side.filter(|own| *own != side) {
-            let message = match has_glove {
-                true => format!(
+            let message = if has_glove {
+                format!(
                     "`person` types with the {own} hand, but the glove is for the {side} hand; choose a glove for the {own} hand, or set `side: \"{side}\"` in the file of the person"
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "`person` types with the {own} hand, but the source shows the {side} hand; add the option `hand={own}` to the source, or set `side: \"{side}\"` in the file of the person"
-                ),
+                )
             };
             return Err(SetupError::Value(message));
         }

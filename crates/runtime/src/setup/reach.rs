@@ -231,9 +231,10 @@ fn on_boards_out_of_reach<'a, 'b>(
     });
     keys.chain(controls)
         .filter_map(move |(face, half_length): (&'a Face, f32)| {
-            let positions: &[f32] = match half_length > 0.0 {
-                true => &[-half_length, half_length],
-                false => &[0.0],
+            let positions: &[f32] = if half_length > 0.0 {
+                &[-half_length, half_length]
+            } else {
+                &[0.0]
             };
             let misses = positions
                 .iter()
@@ -255,16 +256,18 @@ fn miss(hands: &Hands, scene: &Scene, target: TargetId, position: Vec2) -> Optio
 }
 
 fn nearer(one: Miss, other: Miss) -> Miss {
-    match other.distance < one.distance {
-        true => other,
-        false => one,
+    if other.distance < one.distance {
+        other
+    } else {
+        one
     }
 }
 
 fn farther(one: Miss, other: Miss) -> Miss {
-    match other.distance > one.distance {
-        true => other,
-        false => one,
+    if other.distance > one.distance {
+        other
+    } else {
+        one
     }
 }
 
@@ -354,9 +357,10 @@ impl fmt::Display for ReachReport<'_> {
                 _ => ", ",
             };
             write!(f, "{separator}`{}`", escape(name))?;
-            match metres.is_finite() {
-                true => write!(f, " ({:.0} mm)", metres * 1e3)?,
-                false => write!(f, " (no position)")?,
+            if metres.is_finite() {
+                write!(f, " ({:.0} mm)", metres * 1e3)?
+            } else {
+                write!(f, " (no position)")?
             }
         }
         if count > MAX_NAMES {

@@ -194,9 +194,10 @@ impl LoadedSetup {
 
     /// Returns what a script moves: a camera that sees the person for a layout of head or feet, else a glove.
     fn scripted_kind(&self) -> SampleKind {
-        match self.layout.uses_body() {
-            true => SampleKind::Body,
-            false => SampleKind::Channels,
+        if self.layout.uses_body() {
+            SampleKind::Body
+        } else {
+            SampleKind::Channels
         }
     }
 

@@ -307,9 +307,10 @@ impl LoadedSetup {
                 format: Some(format),
             } => {
                 let stream = Box::new(self.encoded_typist(text, format, 0.0, 0)?);
-                match format.protocol.has_both_hands {
-                    true => Box::new(SidedSource::new(stream, sides)),
-                    false => stream,
+                if format.protocol.has_both_hands {
+                    Box::new(SidedSource::new(stream, sides))
+                } else {
+                    stream
                 }
             }
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
@@ -318,12 +319,12 @@ impl LoadedSetup {
                 opened.set_max_age(self.pipeline.stall_timeout);
                 let sides: ArrayVec<Side, { Side::COUNT }> = sides.into_iter().collect();
                 let has_two_gloves = source.needs_glove() && sides.len() > 1;
-                match source.has_both_hands() {
-                    true => Box::new(SidedSource::new(opened, sides)),
-                    false if has_two_gloves => {
-                        Box::new(SidedSource::with_two_gloves(opened, sides))
-                    }
-                    false => opened,
+                if source.has_both_hands() {
+                    Box::new(SidedSource::new(opened, sides))
+                } else if has_two_gloves {
+                    Box::new(SidedSource::with_two_gloves(opened, sides))
+                } else {
+                    opened
                 }
             }
         })

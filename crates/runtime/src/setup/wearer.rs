@@ -223,9 +223,10 @@ impl<'a> Samples<'a> {
         let (mut reached, mut unreached) = (self.position(within), self.position(beyond));
         for _ in 0..BISECTIONS {
             let middle = (reached + unreached) / 2.0;
-            match self.is_inside(middle) && self.is_reached(middle) {
-                true => reached = middle,
-                false => unreached = middle,
+            if self.is_inside(middle) && self.is_reached(middle) {
+                reached = middle
+            } else {
+                unreached = middle
             }
         }
         reached

@@ -99,9 +99,10 @@ impl Broadcast {
             return NO_DEADLINE;
         }
         let is_behind = !self.rounds.is_empty() || self.clients.iter().any(Client::is_behind);
-        let write_in = match is_behind {
-            true => self.write_interval().max(Duration::from_millis(1)),
-            false => RECEIVE_INTERVAL,
+        let write_in = if is_behind {
+            self.write_interval().max(Duration::from_millis(1))
+        } else {
+            RECEIVE_INTERVAL
         };
         write_in.min(RECEIVE_INTERVAL)
     }

@@ -119,9 +119,10 @@ impl Client {
     pub fn flush(&mut self) -> Result<(), Disconnected> {
         self.outbox.flush(&mut *self.stream)?;
         let is_over = matches!(self.conversation, Conversation::Closing);
-        match is_over && self.outbox.is_empty() {
-            true => Err(Disconnected),
-            false => Ok(()),
+        if is_over && self.outbox.is_empty() {
+            Err(Disconnected)
+        } else {
+            Ok(())
         }
     }
 
@@ -202,9 +203,10 @@ impl Client {
 
     fn push_object(&mut self, object: &serde_json::Value) {
         let line = format!("{object}\n");
-        let bytes: Arc<[u8]> = match self.conversation.is_framed() {
-            true => text_frame(line.as_bytes()),
-            false => line.into_bytes().into(),
+        let bytes: Arc<[u8]> = if self.conversation.is_framed() {
+            text_frame(line.as_bytes())
+        } else {
+            line.into_bytes().into()
         };
         self.outbox.push(bytes);
     }

@@ -42,9 +42,10 @@ impl Conversation {
 
     /// Returns the bytes of a line for this client.
     pub fn bytes_of(&self, line: &Line) -> Option<Arc<[u8]>> {
-        match self.is_framed() {
-            true => line.frame.clone(),
-            false => Some(line.bytes.clone()),
+        if self.is_framed() {
+            line.frame.clone()
+        } else {
+            Some(line.bytes.clone())
         }
     }
 

@@ -109,9 +109,10 @@ impl Outbox {
                 Ok(bytes) => self.advance(bytes),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    return match self.progress_at.elapsed() > READ_TIMEOUT {
-                        true => Err(Disconnected),
-                        false => Ok(()),
+                    return if self.progress_at.elapsed() > READ_TIMEOUT {
+                        Err(Disconnected)
+                    } else {
+                        Ok(())
                     };
                 }
                 Err(_) => return Err(Disconnected),

@@ -82,9 +82,10 @@ impl Subscription {
     /// Returns the kinds that are wanted of a step, before [`wants`](Self::wants) is asked about its lines.
     pub fn start_step(&mut self, step: &SharedStep) -> KindSet {
         self.is_due = self.becomes_due(step);
-        match self.is_due {
-            true => self.kinds,
-            false => self.kinds.without_continuous(),
+        if self.is_due {
+            self.kinds
+        } else {
+            self.kinds.without_continuous()
         }
     }
 

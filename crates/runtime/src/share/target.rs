@@ -157,13 +157,10 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
 
 /// Returns the reason why a format is not shared with other machines.
 fn local_only(format: ShareFormat) -> String {
-    let remedy = match format.is_datagram() {
-        true => {
-            "share `text-line+tls` with another machine, and let an `ademan share` there send to its programs"
-        }
-        false => {
-            "use an SSH tunnel for another machine (`ssh -L`), or share `json`, `text-line`, `angles` or `pose` with `+tls`"
-        }
+    let remedy = if format.is_datagram() {
+        "share `text-line+tls` with another machine, and let an `ademan share` there send to its programs"
+    } else {
+        "use an SSH tunnel for another machine (`ssh -L`), or share `json`, `text-line`, `angles` or `pose` with `+tls`"
     };
     format!("`{format}` is for programs on this machine only, at 127.0.0.1 or [::1]; {remedy}")
 }

@@ -14,8 +14,9 @@ use ademan_core::document::{Document, DocumentError};
 pub fn open_script(path_or_text: &str, names: &TargetNames) -> Result<Script, DocumentError> {
     let is_text = path_or_text.is_empty() || Script::is_script(path_or_text);
     let is_path = path_or_text.contains(is_separator) || path_or_text.ends_with(".txt");
-    match is_text && !(is_path && Path::new(path_or_text).is_file()) {
-        true => Script::from_text(path_or_text, names),
-        false => Script::parse(Document::from_path(path_or_text)?, names),
+    if is_text && !(is_path && Path::new(path_or_text).is_file()) {
+        Script::from_text(path_or_text, names)
+    } else {
+        Script::parse(Document::from_path(path_or_text)?, names)
     }
 }

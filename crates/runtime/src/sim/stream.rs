@@ -68,12 +68,13 @@ impl SimulatedStream {
             })
         };
         let has_two_hands = typist.hand_count() > 1;
-        let streams: Result<Vec<Stream>, String> = match format.protocol.has_both_hands {
-            true => stream(None, format.clone()).map(|stream| vec![stream]),
-            false => typist
+        let streams: Result<Vec<Stream>, String> = if format.protocol.has_both_hands {
+            stream(None, format.clone()).map(|stream| vec![stream])
+        } else {
+            typist
                 .sides()
                 .map(|side| stream(has_two_hands.then_some(side), format.clone().for_hand(side)))
-                .collect(),
+                .collect()
         };
         Ok(Self {
             streams: streams?,

@@ -62,9 +62,10 @@ pub fn samples(click: Click) -> Vec<i16> {
 impl Strike {
     /// Returns the swing at a time after a strike, −1..=1. It starts at 0, since a jump would crackle.
     fn swing(&self, ms: f32) -> f32 {
-        match ms < 0.0 {
-            true => 0.0,
-            false => (TAU * self.frequency_hz * ms * 1e-3).sin() * (-ms / self.decay_ms).exp(),
+        if ms < 0.0 {
+            0.0
+        } else {
+            (TAU * self.frequency_hz * ms * 1e-3).sin() * (-ms / self.decay_ms).exp()
         }
     }
 }

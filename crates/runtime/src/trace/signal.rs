@@ -163,9 +163,12 @@ impl SignalStats {
     }
 
     fn lag(&self) -> Option<Duration> {
-        let correlation = |shift: usize| match self.squares[shift] > 0.0 {
-            true => self.products[shift] / self.squares[shift].sqrt(),
-            false => 0.0,
+        let correlation = |shift: usize| {
+            if self.squares[shift] > 0.0 {
+                self.products[shift] / self.squares[shift].sqrt()
+            } else {
+                0.0
+            }
         };
         let best = (0..MAX_SHIFT)
             .max_by(|&one, &other| correlation(one).total_cmp(&correlation(other)))?;

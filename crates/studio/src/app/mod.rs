@@ -344,12 +344,11 @@ impl StudioApp {
     fn save_settings(&mut self, context: &egui::Context, is_end: bool) {
         let settings = self.panels.settings();
         settings.window = place_of_window(context).or(settings.window);
-        let saved = match is_end {
-            true => self.settings_file.save(settings),
-            false => {
-                let now = context.input(|input| input.time);
-                self.settings_file.save_at(now, settings)
-            }
+        let saved = if is_end {
+            self.settings_file.save(settings)
+        } else {
+            let now = context.input(|input| input.time);
+            self.settings_file.save_at(now, settings)
         };
         if let Err(error) = saved {
             self.panels.message = Some(error.to_string());

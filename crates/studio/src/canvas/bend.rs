@@ -34,9 +34,10 @@ pub fn radius_for_drop(half_width: f32, drop: f32) -> f32 {
     let (mut small, mut large) = ((half_width / MAX_ANGLE).clamp(RADII.0, RADII.1), RADII.1);
     for _ in 0..40 {
         let middle = (small + large) / 2.0;
-        match drop_of(middle) > drop {
-            true => small = middle,
-            false => large = middle,
+        if drop_of(middle) > drop {
+            small = middle
+        } else {
+            large = middle
         }
     }
     (small + large) / 2.0

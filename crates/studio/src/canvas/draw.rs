@@ -94,13 +94,8 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
     }
     // What is dragged is above everything, and what is selected above the rest.
     let is_dragged = |index: usize| scene.preview.shapes.iter().any(|(own, _)| *own == index);
-    let layer = |index: usize| match scene.selected.contains(index) {
-        true if is_dragged(index) => 2,
-        true => 1,
-        false => 0,
-    };
     let mut order: Vec<usize> = (0..shapes.len()).collect();
-    order.sort_by_key(|&index| layer(index));
+    order.sort_by_key(|&index| (scene.selected.contains(index), is_dragged(index)));
     for index in order {
         let (item, shape) = (&scene.items[index], &shapes[index]);
         if shape.bounds().touches(visible) {
@@ -226,9 +221,10 @@ impl Pen<'_> {
         let inner = self.outline(shape, edge);
         self.picture.below.add_flat_polygon(&outer, side);
         self.picture.below.add_flat_polygon(&inner, front);
-        match item.marks.is_empty() {
-            true => self.add_label(item, shape, look),
-            false => self.add_marks(item, shape, look),
+        if item.marks.is_empty() {
+            self.add_label(item, shape, look)
+        } else {
+            self.add_marks(item, shape, look)
         }
     }
 

@@ -24,9 +24,10 @@ pub fn free_offset(shapes: &[ItemShape], others: &[ItemShape], grid_mm: f32) -> 
         return Vec2::ZERO;
     };
     let step = grid_mm.max(0.01) * (MIN_STEP_MM / grid_mm.max(0.01)).ceil();
-    let moved: Vec<Bounds> = match shapes.len().saturating_mul(others.len()) > MAX_PAIRS {
-        true => vec![own],
-        false => shapes.iter().map(ItemShape::bounds).collect(),
+    let moved: Vec<Bounds> = if shapes.len().saturating_mul(others.len()) > MAX_PAIRS {
+        vec![own]
+    } else {
+        shapes.iter().map(ItemShape::bounds).collect()
     };
     let mut blocked = Blocked::new();
     for other in others.iter().map(ItemShape::bounds) {

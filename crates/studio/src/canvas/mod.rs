@@ -130,16 +130,15 @@ impl ItemShape {
 
     /// Returns the rectangle around the outline.
     pub fn bounds(&self) -> Bounds {
-        let half = match self.is_disc {
-            true => self.half,
-            false => {
-                let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
-                let (sin, cos) = (sin.abs(), cos.abs());
-                Vec2::new(
-                    self.half.x * cos + self.half.y * sin,
-                    self.half.x * sin + self.half.y * cos,
-                )
-            }
+        let half = if self.is_disc {
+            self.half
+        } else {
+            let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
+            let (sin, cos) = (sin.abs(), cos.abs());
+            Vec2::new(
+                self.half.x * cos + self.half.y * sin,
+                self.half.x * sin + self.half.y * cos,
+            )
         };
         Bounds {
             min: self.center - half,
@@ -149,9 +148,10 @@ impl ItemShape {
 
     /// Returns `true` if a point is on the item.
     pub fn contains(&self, point: Vec2) -> bool {
-        match self.is_disc {
-            true => (point - self.center).length() <= self.half.x,
-            false => self.local(point).abs().cmple(self.half).all(),
+        if self.is_disc {
+            (point - self.center).length() <= self.half.x
+        } else {
+            self.local(point).abs().cmple(self.half).all()
         }
     }
 }

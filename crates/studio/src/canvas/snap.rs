@@ -79,9 +79,10 @@ pub fn on_grid(value: f32, grid_mm: f32) -> f32 {
 }
 
 fn grid_shift(value: f32, grid_mm: f32) -> f32 {
-    match grid_mm > 0.0 {
-        true => (value / grid_mm).round() * grid_mm - value,
-        false => 0.0,
+    if grid_mm > 0.0 {
+        (value / grid_mm).round() * grid_mm - value
+    } else {
+        0.0
     }
 }
 

@@ -263,9 +263,10 @@ impl LayoutEditor {
         if self.file.conflict.is_some() {
             return Err(SaveError::Conflict(self.file.name.clone()));
         }
-        match path.exists() {
-            true => self.write(&path, files::replace_text),
-            false => self.write(&path, files::replace_private_text),
+        if path.exists() {
+            self.write(&path, files::replace_text)
+        } else {
+            self.write(&path, files::replace_private_text)
         }
     }
 

@@ -213,9 +213,10 @@ impl LayoutEditor {
         let Some(tree) = &self.tree else {
             return Vec::new();
         };
-        let placed: BTreeSet<Part> = match self.is_read {
-            true => self.layout_targets.iter().copied().collect(),
-            false => BTreeSet::new(),
+        let placed: BTreeSet<Part> = if self.is_read {
+            self.layout_targets.iter().copied().collect()
+        } else {
+            BTreeSet::new()
         };
         let mut missing = editing::targets(&self.text, tree);
         missing.retain(|part| part.board() == Some(board) && !placed.contains(part));

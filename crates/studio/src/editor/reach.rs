@@ -83,15 +83,14 @@ fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Proble
     let warning = |found: &TargetOutOfReach| {
         let (target, metres) = (found.target, found.metres());
         let name = names.get(target);
-        let message = match metres.is_finite() {
-            true => format!(
+        let message = if metres.is_finite() {
+            format!(
                 "`{name}` is {:.0} mm out of reach of the hand; move it or its board {}",
                 metres * 1e3,
                 found.step()
-            ),
-            false => {
-                format!("`{name}` is out of reach: its board has no position without a second hand")
-            }
+            )
+        } else {
+            format!("`{name}` is out of reach: its board has no position without a second hand")
         };
         problem(message, editor, Some(target))
     };

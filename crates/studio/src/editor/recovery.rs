@@ -82,13 +82,14 @@ impl LayoutEditor {
         let Some(recovery) = &self.recovery else {
             return;
         };
-        recovery.send(match self.is_modified() {
-            true => Job::Write(format!(
+        recovery.send(if self.is_modified() {
+            Job::Write(format!(
                 "{HEAD}{}\n{}",
                 self.name().escape_debug(),
                 self.text
-            )),
-            false => Job::Remove,
+            ))
+        } else {
+            Job::Remove
         });
     }
 }
@@ -102,9 +103,10 @@ impl Recovery {
         let stem = stem(name);
         let lock = files::open_private(&folder.join(format!("{stem}.lock")))?;
         let lock = LockedFile::try_lock(lock).ok();
-        let own = match lock.is_some() {
-            true => String::new(),
-            false => format!(".{}", std::process::id()),
+        let own = if lock.is_some() {
+            String::new()
+        } else {
+            format!(".{}", std::process::id())
         };
         let path = folder.join(format!("{stem}{own}.ron"));
         let found = read(&path);

@@ -58,10 +58,12 @@ impl EditorTrial {
             None => None,
         };
         self.outcome = None;
-        let text = match self.is_on {
-            true if !editor.is_valid() => return refusal,
-            true => editor.text(),
-            false => editor.saved_text(),
+        let text = if !self.is_on {
+            editor.saved_text()
+        } else if editor.is_valid() {
+            editor.text()
+        } else {
+            return refusal;
         };
         // A file with faults is opened while the session has another layout.
         if !self.is_on && Layout::parse(text, editor.name()).is_err() {

@@ -107,9 +107,10 @@ impl Aim {
             ..last
         };
         self.send(PointerMove::To(side, moved));
-        self.grip = match mouse.is_down {
-            true => Grip::Pressing(side, hit, moved),
-            false => Grip::None,
+        self.grip = if mouse.is_down {
+            Grip::Pressing(side, hit, moved)
+        } else {
+            Grip::None
         };
     }
 

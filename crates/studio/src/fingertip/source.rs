@@ -38,9 +38,12 @@ impl PointerSource {
         let is_opened = setup.layout.scene.starts_at_hand();
         let other = setup.other_hand.as_ref().map(|hand| &hand.arm);
         let arms = std::iter::once(&setup.arm).chain(other);
-        let hand = |arm| match is_opened {
-            true => PointerHand::new(arm).opened(),
-            false => PointerHand::new(arm),
+        let hand = |arm| {
+            if is_opened {
+                PointerHand::new(arm).opened()
+            } else {
+                PointerHand::new(arm)
+            }
         };
         Self {
             hands: arms.map(hand).collect(),

@@ -171,9 +171,10 @@ fn reason(error: &ScoreError) -> String {
 fn check(scores: &[PersonScore]) -> Result<(), String> {
     let does_nothing =
         |it: &PersonScore| it.characters == 0 && it.tasks.is_empty() && it.pointing.is_none();
-    match scores.iter().all(does_nothing) {
-        true => Err("nobody can use this layout: it has no control within reach".into()),
-        false => Ok(()),
+    if scores.iter().all(does_nothing) {
+        Err("nobody can use this layout: it has no control within reach".into())
+    } else {
+        Ok(())
     }
 }
 

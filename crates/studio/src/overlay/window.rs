@@ -162,18 +162,20 @@ impl Overlay {
         }
         panels::paint(&painter, boards, &picture, Color([0; 4]));
         self.show_state(&painter, area, opacity);
-        match self.is_being_placed {
-            true => self.show_placing(ui, area),
-            false => self.show_candidates(&painter, area, opacity),
+        if self.is_being_placed {
+            self.show_placing(ui, area)
+        } else {
+            self.show_candidates(&painter, area, opacity)
         }
     }
 
     /// Shows the state of the session at the lower edge, as a word on a color.
     fn show_state(&self, painter: &egui::Painter, area: Rect, opacity: f32) {
         let state = &self.view.state;
-        let typing = match self.has_ended {
-            true => Typing::Ended,
-            false => Typing::with_output(&state.output, state.state),
+        let typing = if self.has_ended {
+            Typing::Ended
+        } else {
+            Typing::with_output(&state.output, state.state)
         };
         let color = match typing {
             Typing::Into(_) => Color32::from_rgb(0x12, 0x6b, 0x3f),

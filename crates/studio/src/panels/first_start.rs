@@ -199,9 +199,10 @@ fn show_buttons(ui: &mut egui::Ui, first: &mut FirstStart) -> Option<Answers> {
     ui.spacing_mut().button_padding = egui::vec2(14.0, 7.0);
     let page = first.page();
     let is_last = page == Page::Start;
-    let next = ui.button(large(match is_last {
-        true => text("first-begin"),
-        false => text("tour-next"),
+    let next = ui.button(large(if is_last {
+        text("first-begin")
+    } else {
+        text("tour-next")
     }));
     if ui.memory(|memory| memory.focused().is_none()) {
         next.request_focus();

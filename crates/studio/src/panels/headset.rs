@@ -93,9 +93,10 @@ fn show_link(ui: &mut egui::Ui, window: &mut HeadsetWindow) {
         ui.add(egui::Label::new(egui::RichText::new(&window.link.url).monospace()).wrap());
         ui.label(text("headset-certificate"));
     }
-    let name = match window.shows_link {
-        true => text("headset-hide"),
-        false => text("headset-show"),
+    let name = if window.shows_link {
+        text("headset-hide")
+    } else {
+        text("headset-show")
     };
     if ui.button(name).clicked() {
         window.shows_link = !window.shows_link;

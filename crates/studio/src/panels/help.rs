@@ -85,9 +85,10 @@ fn show_buttons(ui: &mut egui::Ui, tour: &mut Tour, index: usize) {
     let values = [("step", (index + 1).into()), ("count", STEPS.len().into())];
     ui.label(text_with("tour-step", &values));
     let is_last = index + 1 == STEPS.len();
-    let next = ui.button(match is_last {
-        true => text("tour-done"),
-        false => text("tour-next"),
+    let next = ui.button(if is_last {
+        text("tour-done")
+    } else {
+        text("tour-next")
     });
     if ui.memory(|memory| memory.focused().is_none()) {
         next.request_focus();

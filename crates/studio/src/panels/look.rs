@@ -40,9 +40,10 @@ fn set_theme(context: &egui::Context, theme: Theme) {
 
 pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     let is_dark = theme == egui::Theme::Dark;
-    let mut visuals = match is_dark {
-        true => Visuals::dark(),
-        false => Visuals::light(),
+    let mut visuals = if is_dark {
+        Visuals::dark()
+    } else {
+        Visuals::light()
     };
     if settings.has_high_contrast {
         increase_contrast(&mut visuals);
@@ -53,9 +54,10 @@ pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
 }
 
 fn increase_contrast(visuals: &mut Visuals) {
-    let (paper, ink) = match visuals.dark_mode {
-        true => (Color32::BLACK, Color32::WHITE),
-        false => (Color32::WHITE, Color32::BLACK),
+    let (paper, ink) = if visuals.dark_mode {
+        (Color32::BLACK, Color32::WHITE)
+    } else {
+        (Color32::WHITE, Color32::BLACK)
     };
     visuals.override_text_color = Some(ink);
     visuals.weak_text_color = Some(ink);
@@ -79,9 +81,10 @@ fn increase_contrast(visuals: &mut Visuals) {
 }
 
 fn focus_color(is_dark: bool) -> Color32 {
-    match is_dark {
-        true => Color32::from_rgb(0x7f, 0xbf, 0xff),
-        false => Color32::from_rgb(0x00, 0x50, 0xb0),
+    if is_dark {
+        Color32::from_rgb(0x7f, 0xbf, 0xff)
+    } else {
+        Color32::from_rgb(0x00, 0x50, 0xb0)
     }
 }
 

@@ -139,9 +139,10 @@ fn add_key(
         return;
     };
     let colors = canvas.colors;
-    let (face, side, label) = match is_lit {
-        true => (colors.lit, colors.lit_side, colors.lit_label),
-        false => (colors.key, colors.key_side, colors.label),
+    let (face, side, label) = if is_lit {
+        (colors.lit, colors.lit_side, colors.lit_label)
+    } else {
+        (colors.key, colors.key_side, colors.label)
     };
     let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.to_eye(center)) <= 0.0;
     if 2.0 * half_extents(target).min_element() * projected.scale < MIN_DETAIL_PT {

@@ -116,10 +116,10 @@ pub fn draw(
     add_spaces(&mut canvas, model);
     for pose in model.poses.iter().flatten() {
         add_rings(&mut canvas, model, pose);
-        match add_limbs(&mut canvas, model, pose) {
-            true if options.bones => add_bones(&mut canvas, pose),
-            true => {}
-            false => add_hand(&mut canvas, pose, options),
+        if !add_limbs(&mut canvas, model, pose) {
+            add_hand(&mut canvas, pose, options);
+        } else if options.bones {
+            add_bones(&mut canvas, pose);
         }
     }
     add_shapes(&mut canvas, model);
@@ -157,9 +157,12 @@ pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
     }
     points.extend(spaces::points(model));
     // An arm alone is shown with its elbow.
-    let is_near = |joint: Joint| match points.is_empty() {
-        true => joint != Joint::Shoulder,
-        false => !matches!(joint, Joint::Shoulder | Joint::Elbow),
+    let is_near = |joint: Joint| {
+        if points.is_empty() {
+            joint != Joint::Shoulder
+        } else {
+            !matches!(joint, Joint::Shoulder | Joint::Elbow)
+        }
     };
     let known = model.poses.iter().flatten().flat_map(HandPose::known);
     let near: Vec<Vec3> = known

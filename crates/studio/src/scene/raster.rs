@@ -131,9 +131,10 @@ impl Buffer {
         let (old, old_color) = (self.nearness[index], self.colors[index]);
         let is_front = corners.iter().filter(|corner| corner.is_front).count() >= 2;
         let is_other = self.limbs[index] != limb && old > 0.0 && is_front;
-        let gap = match is_other {
-            true => (1.0 / old - 1.0 / nearness).abs() / SEAM,
-            false => 1.0,
+        let gap = if is_other {
+            (1.0 / old - 1.0 / nearness).abs() / SEAM
+        } else {
+            1.0
         };
         let opacity = mean(|corner| corner.opacity).clamp(0.0, 1.0);
         if nearness <= old && gap >= 1.0 || opacity < MIN_OPACITY {
@@ -153,12 +154,11 @@ impl Buffer {
             return;
         }
         // What is behind the surface of a limb is not the limb itself.
-        self.colors[index] = match is_other {
-            true => {
-                let mixed = old_color.mix(own, share * opacity);
-                mixed.with_opacity(opacity + old_opacity * (1.0 - opacity))
-            }
-            false => own.with_opacity(opacity),
+        self.colors[index] = if is_other {
+            let mixed = old_color.mix(own, share * opacity);
+            mixed.with_opacity(opacity + old_opacity * (1.0 - opacity))
+        } else {
+            own.with_opacity(opacity)
         };
         self.nearness[index] = nearness;
         self.limbs[index] = limb;

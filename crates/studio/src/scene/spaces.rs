@@ -91,9 +91,10 @@ pub(super) fn add_spaces(canvas: &mut Canvas, model: &StudioModel) {
 }
 
 pub(super) fn add_volume(canvas: &mut Canvas, frame: &Pose, volume: &Volume, is_selected: bool) {
-    let color = match is_selected {
-        true => canvas.colors.lit.with_opacity(SELECTED_OPACITY),
-        false => canvas.colors.ring.with_opacity(VOLUME_OPACITY),
+    let color = if is_selected {
+        canvas.colors.lit.with_opacity(SELECTED_OPACITY)
+    } else {
+        canvas.colors.ring.with_opacity(VOLUME_OPACITY)
     };
     match volume.shape {
         VolumeShape::Ball(radius) => {

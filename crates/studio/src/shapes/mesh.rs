@@ -49,9 +49,10 @@ impl TriangleMesh {
         let mut corners = self.triangles.iter().flatten();
         let is_valid = self.vertices.iter().all(|vertex| vertex.is_finite())
             && corners.all(|&corner| (corner as usize) < count);
-        match is_valid {
-            true => Ok(self),
-            false => Err(ShapeError::Broken),
+        if is_valid {
+            Ok(self)
+        } else {
+            Err(ShapeError::Broken)
         }
     }
 }

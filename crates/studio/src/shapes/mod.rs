@@ -140,15 +140,14 @@ pub fn load(text: &str, path: &str, file: &str) -> Result<TriangleMesh, ShapeErr
     let folder = folder.unwrap_or(Path::new("."));
     let bytes = read_inside(folder, file)?;
     let end = file.rsplit_once('.').map_or("", |(_, end)| end);
-    match end.eq_ignore_ascii_case("obj") {
-        true => obj_file::read(&bytes),
-        false => {
-            let mesh_folder = folder.join(file);
-            let mesh_folder = mesh_folder.parent().unwrap_or(folder);
-            gltf_file::read(&bytes, &mut |buffer| {
-                read_inside(folder, &relative(folder, mesh_folder, buffer))
-            })
-        }
+    if end.eq_ignore_ascii_case("obj") {
+        obj_file::read(&bytes)
+    } else {
+        let mesh_folder = folder.join(file);
+        let mesh_folder = mesh_folder.parent().unwrap_or(folder);
+        gltf_file::read(&bytes, &mut |buffer| {
+            read_inside(folder, &relative(folder, mesh_folder, buffer))
+        })
     }
 }
 
@@ -173,9 +172,10 @@ fn read_inside(folder: &Path, file: &str) -> Result<Vec<u8>, ShapeError> {
     let opened = open_trusted(&path)?;
     let read = opened.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes);
     read.map_err(FileError::from)?;
-    match bytes.len() as u64 > MAX_FILE_BYTES {
-        true => Err(ShapeError::TooLarge),
-        false => Ok(bytes),
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        Err(ShapeError::TooLarge)
+    } else {
+        Ok(bytes)
     }
 }
 

@@ -52,9 +52,10 @@ pub fn build(words: &Words, alphabet: &Alphabet) -> (Vec<u8>, Vec<u8>) {
         let start = (arcs.len() / 4) as u32;
         states.extend((start << 8 | u32::from(quantize(ln(weight)))).to_le_bytes());
         states.extend(shorter.to_le_bytes());
-        let symbols: Vec<Symbol> = match letters.is_empty() {
-            true => (0..=end).collect(),
-            false => context.next.keys().copied().collect(),
+        let symbols: Vec<Symbol> = if letters.is_empty() {
+            (0..=end).collect()
+        } else {
+            context.next.keys().copied().collect()
         };
         for symbol in symbols {
             let probability = probability(&contexts, letters, symbol, f64::from(end) + 1.0);

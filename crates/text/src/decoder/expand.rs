@@ -293,14 +293,16 @@ impl Expansion<'_, '_> {
             let touch = self.touches.of_key(near.key, &partial.token.drift);
             let mut next = *partial;
             let is_same = near.key == self.typed.0;
-            let cost = match is_same {
-                true => spelling.max(self.options.letter),
-                false => spelling + self.options.other,
+            let cost = if is_same {
+                spelling.max(self.options.letter)
+            } else {
+                spelling + self.options.other
             };
             next.token.score += cost + touch;
-            next.token.place = match is_typed && is_same {
-                true => Place::Typed(state),
-                false => Place::Spelled(state),
+            next.token.place = if is_typed && is_same {
+                Place::Typed(state)
+            } else {
+                Place::Spelled(state)
             };
             next.token.drift = self.drift(touch, near.key, &partial.token.drift);
             next.emission = next.emission.with(near.character, From::This, Case::Lower);

@@ -97,8 +97,9 @@ fn kinds(edits: &[Edit], keys: &TextKeys, held: &PressedKeys) -> Option<Kinds> {
 }
 
 fn shift_event(is_down: bool) -> EventKind {
-    match is_down {
-        true => EventKind::KeyDown(KeyCode::SHIFT_LEFT),
-        false => EventKind::KeyUp(KeyCode::SHIFT_LEFT),
+    if is_down {
+        EventKind::KeyDown(KeyCode::SHIFT_LEFT)
+    } else {
+        EventKind::KeyUp(KeyCode::SHIFT_LEFT)
     }
 }

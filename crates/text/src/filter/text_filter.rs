@@ -399,9 +399,10 @@ impl Step {
             events: Events::new(),
         };
         for key in held.release_order() {
-            match tapped.contains(key) {
-                true => step.tapped.press(key),
-                false => step.held.press(key),
+            if tapped.contains(key) {
+                step.tapped.press(key)
+            } else {
+                step.held.press(key)
             };
         }
         step

@@ -49,9 +49,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         csv::write_header(&mut out)?;
     }
     for line in &lines {
-        match args.csv {
-            true => csv::write_line(line, &mut out)?,
-            false => writeln!(out, "{}", line.json())?,
+        if args.csv {
+            csv::write_line(line, &mut out)?
+        } else {
+            writeln!(out, "{}", line.json())?
         }
     }
     Ok(out.flush()?)

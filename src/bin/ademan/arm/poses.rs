@@ -46,12 +46,13 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
     for (number, text) in lines(path)? {
         poses.push(read_line(number, &text)?);
     }
-    match poses.is_empty() {
-        true => Err(Failure::wrong_use(format!(
+    if poses.is_empty() {
+        Err(Failure::wrong_use(format!(
             "{} holds no pose: one per line, landmarks as JSON or CSV, or attributes of `ademan arm attributes`",
             escape_path(path)
-        ))),
-        false => Ok(poses),
+        )))
+    } else {
+        Ok(poses)
     }
 }
 
@@ -59,12 +60,11 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
 pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     let cannot_read =
         |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
-    let mut reader: Box<dyn BufRead> = match path.as_os_str() == "-" {
-        true => Box::new(std::io::stdin().lock()),
-        false => {
-            let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
-            Box::new(BufReader::new(file))
-        }
+    let mut reader: Box<dyn BufRead> = if path.as_os_str() == "-" {
+        Box::new(std::io::stdin().lock())
+    } else {
+        let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
+        Box::new(BufReader::new(file))
     };
     let start = reader
         .fill_buf()
@@ -135,9 +135,12 @@ fn row(value: &Value) -> DVec3 {
 fn csv_rows(text: &str) -> Option<Vec<DVec3>> {
     let fields = text.trim().split([',', ';', '\t']).map(str::trim);
     let numbers: Vec<f64> = fields
-        .map(|field| match field.is_empty() {
-            true => Some(f64::NAN),
-            false => field.parse().ok(),
+        .map(|field| {
+            if field.is_empty() {
+                Some(f64::NAN)
+            } else {
+                field.parse().ok()
+            }
         })
         .collect::<Option<_>>()?;
     // With or without the visibility of each landmark.

@@ -49,9 +49,10 @@ impl Line {
     /// Describes a pose. With `is_signed`, the shoulder rotation is negative past the full rotation.
     pub fn new(time_us: Option<u64>, pose: &HalfPose, is_signed: bool) -> Self {
         let arm = |side| {
-            let attributes = match is_signed {
-                true => ArmAttributes::signed_from_landmarks(pose, side),
-                false => ArmAttributes::from_landmarks(pose, side),
+            let attributes = if is_signed {
+                ArmAttributes::signed_from_landmarks(pose, side)
+            } else {
+                ArmAttributes::from_landmarks(pose, side)
             };
             attributes.map_or_else(|_| ArmValues::partial(pose, side), ArmValues::from)
         };

@@ -130,11 +130,12 @@ mod tests {
         for row in attach {
             let channel = row["channel"].as_str().expect("a text");
             let name = channel.split('.').next().expect("a name");
-            let is_known = match name.len() == channel.len() {
-                true => channel
+            let is_known = if name.len() == channel.len() {
+                channel
                     .parse::<Dof>()
-                    .is_ok_and(|dof| meaning(dof).is_some()),
-                false => name.parse::<Joint>().is_ok(),
+                    .is_ok_and(|dof| meaning(dof).is_some())
+            } else {
+                name.parse::<Joint>().is_ok()
             };
             assert!(is_known, "{channel}");
         }

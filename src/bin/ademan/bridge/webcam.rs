@@ -100,11 +100,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let status = command
         .status()
         .map_err(|error| args.camera.no_python(&error))?;
-    match status.success() {
-        true => Ok(()),
-        false => Err(Failure::job(
+    if status.success() {
+        Ok(())
+    } else {
+        Err(Failure::job(
             "the bridge of the webcam has failed; its message is above",
-        )),
+        ))
     }
 }
 
@@ -159,11 +160,12 @@ impl CameraArgs {
 }
 
 fn require(file: &Path) -> Result<(), Failure> {
-    match file.is_file() {
-        true => Ok(()),
-        false => Err(Failure::wrong_use(format!(
+    if file.is_file() {
+        Ok(())
+    } else {
+        Err(Failure::wrong_use(format!(
             "there is no file {}: name results of MediaPipe with `--results`",
             escape_path(file)
-        ))),
+        )))
     }
 }

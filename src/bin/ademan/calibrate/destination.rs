@@ -62,12 +62,11 @@ impl Destination {
         let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
         written.map_err(|error| self.failure(&error))?;
         println!("wrote {shown}");
-        match existed {
-            true => {
-                let [backup, path] = [&self.backup(), &self.path].map(|path| command_word(path));
-                println!("undo: mv {backup} {path}");
-            }
-            false => println!("undo: remove {shown}"),
+        if existed {
+            let [backup, path] = [&self.backup(), &self.path].map(|path| command_word(path));
+            println!("undo: mv {backup} {path}");
+        } else {
+            println!("undo: remove {shown}")
         }
         Ok(true)
     }

@@ -104,9 +104,12 @@ fn strokes(pose: &HandPose, shows_arm: bool) -> Vec<Stroke> {
     let at = |joint| pose.position(joint);
     let wrist = at(Joint::Wrist);
     let elbow = at(Joint::Elbow);
-    let forearm = elbow.zip(wrist).map(|(elbow, wrist)| match shows_arm {
-        true => elbow,
-        false => wrist + (elbow - wrist) * FOREARM,
+    let forearm = elbow.zip(wrist).map(|(elbow, wrist)| {
+        if shows_arm {
+            elbow
+        } else {
+            wrist + (elbow - wrist) * FOREARM
+        }
     });
     add(forearm, wrist, 0.03);
     if shows_arm {

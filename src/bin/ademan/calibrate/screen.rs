@@ -115,11 +115,12 @@ impl Screen<'_> {
         };
         let (name, text) = (pose.name(), pose.instruction());
         let room = usize::from(width).saturating_sub(name.len() + 4);
-        let (first, second) = match text.len() > room {
-            true => text[..room.min(text.len())]
+        let (first, second) = if text.len() > room {
+            text[..room.min(text.len())]
                 .rfind(' ')
-                .map_or((text, ""), |blank| text.split_at(blank)),
-            false => (text, ""),
+                .map_or((text, ""), |blank| text.split_at(blank))
+        } else {
+            (text, "")
         };
         let bold = Style::new().add_modifier(Modifier::BOLD);
         [
@@ -152,9 +153,10 @@ impl Screen<'_> {
             self.state,
             CaptureState::Holding(_) | CaptureState::Captured
         );
-        match is_held {
-            true => Line::styled(words, self.look.pressed()),
-            false => Line::styled(words, Style::new().add_modifier(Modifier::BOLD)),
+        if is_held {
+            Line::styled(words, self.look.pressed())
+        } else {
+            Line::styled(words, Style::new().add_modifier(Modifier::BOLD))
         }
     }
 

@@ -70,9 +70,10 @@ impl<'a> Session<'a> {
 
     /// Leads through the poses, on the terminal if standard output is one.
     pub fn run(&mut self) -> Result<Outcome, Failure> {
-        match is_on_terminal() {
-            true => self.run_on_terminal(),
-            false => self.run_in_lines(),
+        if is_on_terminal() {
+            self.run_on_terminal()
+        } else {
+            self.run_in_lines()
         }
     }
 

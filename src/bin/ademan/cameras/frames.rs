@@ -115,9 +115,10 @@ impl Film {
         let picture = Picture::read_ppm(&mut self.frames).map_err(|reason| failed(&reason))?;
         let Some(picture) = picture else {
             let status = self.child.wait()?;
-            return match status.success() {
-                true => Ok(None),
-                false => Err(failed("ffmpeg has failed; its message is above")),
+            return if status.success() {
+                Ok(None)
+            } else {
+                Err(failed("ffmpeg has failed; its message is above"))
             };
         };
         self.count += 1;

@@ -138,9 +138,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         reader.finish();
         reader.report.say(&reader.name);
     }
-    match readers.iter().all(|reader| reader.report.marks == 0) {
-        true => Err(nothing_found(args, &readers)),
-        false => Ok(()),
+    if readers.iter().all(|reader| reader.report.marks == 0) {
+        Err(nothing_found(args, &readers))
+    } else {
+        Ok(())
     }
 }
 
@@ -167,12 +168,13 @@ fn check(args: &Args) -> Result<(), Failure> {
     if args.min_px == 0 || args.min_px > args.max_px {
         return refused("`--min-px` is from 1 to `--max-px`".to_owned());
     }
-    match args.cameras.len() <= MAX_CAMERAS {
-        true => Ok(()),
-        false => refused(format!(
+    if args.cameras.len() <= MAX_CAMERAS {
+        Ok(())
+    } else {
+        refused(format!(
             "{} cameras; {MAX_CAMERAS} can be read",
             args.cameras.len()
-        )),
+        ))
     }
 }
 
@@ -218,9 +220,10 @@ fn open(args: &Args) -> Result<Vec<Reader>, Failure> {
 fn camera_name(path: &Path) -> String {
     // A folder may be named as `.` or `../left/`.
     let full = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let name = match full.is_dir() {
-        true => full.file_name(),
-        false => full.file_stem(),
+    let name = if full.is_dir() {
+        full.file_name()
+    } else {
+        full.file_stem()
     };
     name.unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -407,14 +410,15 @@ fn nothing_found(args: &Args, readers: &[Reader]) -> Failure {
     let reports = readers.iter().map(|reader| &reader.report);
     let brightest = reports.map(|it| it.brightest).fold(0.0, f32::max);
     let threshold = args.threshold.unwrap_or_else(|| args.color[0].threshold());
-    Failure::job(match brightest < threshold {
-        true => format!(
+    Failure::job(if brightest < threshold {
+        format!(
             "no mark was found: the largest value of a pixel is {brightest:.2}, below the threshold of {threshold:.2}; lower it with `--threshold`, or \
-             name the `--color` of the marks"
-        ),
-        false => "no mark was found: every shape above the threshold is left out, for the reasons above; change `--threshold`, `--min-px`, \
-             `--max-px` or `--max-elongation`"
-            .to_owned(),
+         name the `--color` of the marks"
+        )
+    } else {
+        "no mark was found: every shape above the threshold is left out, for the reasons above; change `--threshold`, `--min-px`, \
+     `--max-px` or `--max-elongation`"
+    .to_owned()
     })
 }
 

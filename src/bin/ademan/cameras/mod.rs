@@ -254,11 +254,12 @@ fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
             lines.push(line);
         }
     }
-    match lines.is_empty() {
-        true => Err(Failure::wrong_use(
+    if lines.is_empty() {
+        Err(Failure::wrong_use(
             "the files hold no line; one per instant".to_owned(),
-        )),
-        false => Ok(lines),
+        ))
+    } else {
+        Ok(lines)
     }
 }
 

@@ -93,14 +93,15 @@ impl Picture {
     }
 
     fn new([width, height]: [usize; 2], samples: usize, bytes: Vec<u8>) -> Result<Self, String> {
-        match bytes.len() == width * height * samples {
-            true => Ok(Self {
+        if bytes.len() == width * height * samples {
+            Ok(Self {
                 width,
                 height,
                 samples,
                 bytes,
-            }),
-            false => Err("it has fewer pixels than its size says".to_owned()),
+            })
+        } else {
+            Err("it has fewer pixels than its size says".to_owned())
         }
     }
 

@@ -40,9 +40,10 @@ pub const POWERSHELL: Shell = Shell {
     edit: |script| script,
     line: |value, help| {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./\\:=+-".contains(c);
-        let value = match value.chars().all(is_plain) {
-            true => value.to_owned(),
-            false => format!("'{}'", value.replace('\'', "''")),
+        let value = if value.chars().all(is_plain) {
+            value.to_owned()
+        } else {
+            format!("'{}'", value.replace('\'', "''"))
         };
         with_help(&value, '\t', help)
     },

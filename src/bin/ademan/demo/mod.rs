@@ -117,9 +117,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         }
         writeln!(io::stdout())?;
     }
-    match failed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::job(failed.join("\n"))),
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::job(failed.join("\n")))
     }
 }
 
@@ -138,9 +139,10 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     let (setup, line) = (setup::load(args)?, line_format(args)?);
     let (task, hand) = simulated_hand(args, &setup, &line)?;
     // The simulated serial lines carry packets without sticks and buttons.
-    match args.fast || setup.layout.uses_inputs() || setup.layout.uses_body() {
-        true => play_bytes(args, current, setup, &line, task, hand),
-        false => play_on_line(args, current, setup, line, task, hand),
+    if args.fast || setup.layout.uses_inputs() || setup.layout.uses_body() {
+        play_bytes(args, current, setup, &line, task, hand)
+    } else {
+        play_on_line(args, current, setup, line, task, hand)
     }
 }
 
@@ -177,11 +179,17 @@ fn play_on_line(
     let is_printed = args.output == "transcript";
     task.report(&mut io::stdout().lock(), &playback, is_printed)?;
     report(&playback, &summary, &line, hands as u64)?;
-    match task.is_done(&playback) {
-        true => Ok(()),
-        false if playback.is_cancelled && args.repeat => Ok(()),
-        false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
-        false => Err(Failure::job("the typed text differs from the given one")),
+    outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
+}
+
+/// The result of the demo. An interruption is the way to end one that repeats.
+fn outcome(is_done: bool, is_cancelled: bool, repeats: bool) -> Result<(), Failure> {
+    if is_done || (is_cancelled && repeats) {
+        Ok(())
+    } else if is_cancelled {
+        Err(Failure::job("interrupted before the end"))
+    } else {
+        Err(Failure::job("the typed text differs from the given one"))
     }
 }
 
@@ -196,9 +204,10 @@ fn play_bytes(
 ) -> Result<(), Failure> {
     let hand = if args.repeat { hand.repeated() } else { hand };
     let stream = SimulatedStream::new(hand, &byte_format(&setup, line)?).map_err(Failure::job)?;
-    let pace = match args.fast {
-        true => "its bytes, faster than real time",
-        false => "its bytes",
+    let pace = if args.fast {
+        "its bytes, faster than real time"
+    } else {
+        "its bytes"
     };
     announce(&task, &setup, pace)?;
     let options = SessionOptions {
@@ -224,12 +233,7 @@ fn play_bytes(
     let mut out = io::stdout().lock();
     task.report(&mut out, &playback, is_printed)?;
     writeln!(out, "readings   {}", stats::line(&summary.stats))?;
-    match task.is_done(&playback) {
-        true => Ok(()),
-        false if playback.is_cancelled && args.repeat => Ok(()),
-        false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
-        false => Err(Failure::job("the typed text differs from the given one")),
-    }
+    outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
 /// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, or of
@@ -323,9 +327,10 @@ fn simulated_hand(
     };
     let hand = setup.typist(&text, line, args.noise, args.seed)?;
     let has_errors = args.noise > 0.0 || setup.simulated_person.motion != Motion::default();
-    let others = match has_errors {
-        true => "; other seeds give other figures",
-        false => "",
+    let others = if has_errors {
+        "; other seeds give other figures"
+    } else {
+        ""
     };
     let person = args.person.as_deref().or(setup.setup.person.as_deref());
     let person = person.map_or(String::new(), |name| {

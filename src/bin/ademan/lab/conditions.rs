@@ -127,9 +127,10 @@ impl Prepared {
 
     /// Returns a run with half of the phrases. The held-out half has other people, and errors from another seed.
     pub fn half(&self, is_held_out: bool) -> Result<Self, Failure> {
-        let seed = match is_held_out {
-            true => self.seed.wrapping_add(HELD_OUT),
-            false => self.seed,
+        let seed = if is_held_out {
+            self.seed.wrapping_add(HELD_OUT)
+        } else {
+            self.seed
         };
         Self::with(
             self.people.clone(),

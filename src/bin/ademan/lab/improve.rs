@@ -76,12 +76,13 @@ impl Destination {
     fn new(args: &Args) -> Result<Self, Failure> {
         if args.overwrite {
             let path = Path::new(&args.layout);
-            return match path.is_file() {
-                true => Ok(Self::Same(path.to_owned())),
-                false => Err(Failure::wrong_use(format!(
+            return if path.is_file() {
+                Ok(Self::Same(path.to_owned()))
+            } else {
+                Err(Failure::wrong_use(format!(
                     "{} is no file that can be overwritten; use --output FILE",
                     escape(&args.layout)
-                ))),
+                )))
             };
         }
         let path = args.output.clone().unwrap_or_else(|| {
@@ -212,9 +213,10 @@ fn summary(found: &Found) -> String {
     if keys > 0 {
         parts.push(counted(keys as u64, "key"));
     }
-    let changed = match parts.is_empty() {
-        true => "nothing changed".to_owned(),
-        false => format!("{} changed", parts.join(" and ")),
+    let changed = if parts.is_empty() {
+        "nothing changed".to_owned()
+    } else {
+        format!("{} changed", parts.join(" and "))
     };
     let refused = found.refused;
     format!(

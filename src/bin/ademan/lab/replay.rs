@@ -43,9 +43,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     let mut all = Vec::new();
-    let chosen: Vec<Option<&str>> = match args.layouts.is_empty() {
-        true => vec![None],
-        false => args.layouts.iter().map(|it| Some(it.as_str())).collect(),
+    let chosen: Vec<Option<&str>> = if args.layouts.is_empty() {
+        vec![None]
+    } else {
+        args.layouts.iter().map(|it| Some(it.as_str())).collect()
     };
     let mut cut = None;
     for layout in chosen {
@@ -174,10 +175,7 @@ fn listed(
     names: impl Iterator<Item = String>,
 ) -> io::Result<()> {
     let names: Vec<String> = names.take(NAMED).collect();
-    let rest = match count > NAMED {
-        true => ", …",
-        false => "",
-    };
+    let rest = if count > NAMED { ", …" } else { "" };
     let colon = if names.is_empty() { "" } else { ": " };
     writeln!(out, "  {title}{colon}{}{rest}", names.join(", "))
 }

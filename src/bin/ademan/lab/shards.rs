@@ -108,9 +108,10 @@ pub fn plan(args: &PlanArgs) -> Result<(), Failure> {
 /// Does shards of a plan. Those with scores are left as they are.
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let plan = read_plan(&args.folder)?;
-    let chosen = match args.shards.is_empty() {
-        true => (0..plan.shards).collect(),
-        false => args.shards.clone(),
+    let chosen = if args.shards.is_empty() {
+        (0..plan.shards).collect()
+    } else {
+        args.shards.clone()
     };
     if let Some(beyond) = chosen.iter().find(|&&shard| shard >= plan.shards) {
         return Err(Failure::wrong_use(format!(
@@ -179,9 +180,10 @@ pub fn merge(args: &MergeArgs) -> Result<(), Failure> {
         let folder = shell_word(&args.folder.to_string_lossy()).to_string();
         let named: Vec<String> = missing.iter().take(NAMED).map(usize::to_string).collect();
         let more = if missing.len() > NAMED { " …" } else { "" };
-        let instead = match missing.len() == plan.shards {
-            true => "",
-            false => ", or merge what there is with --partial",
+        let instead = if missing.len() == plan.shards {
+            ""
+        } else {
+            ", or merge what there is with --partial"
         };
         return Err(Failure::job(format!(
             "{} of {} have no scores yet: {}{more}; run them: ademan lab run {folder}{instead}",

@@ -196,12 +196,13 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
     for (index, difference) in comparison.differences.iter().enumerate() {
         row(out, difference.measure.name(), &difference.interval, 1.0, 2)?;
         for group in &comparison.groups {
-            let name = match group.is_long {
-                true => format!("  {} people, longer hands", group.people),
-                false => format!(
+            let name = if group.is_long {
+                format!("  {} people, longer hands", group.people)
+            } else {
+                format!(
                     "  {} people, hands up to {:.0} mm",
                     group.people, comparison.median_hand_mm
-                ),
+                )
             };
             if let Some(own) = group.differences.get(index) {
                 row(out, &name, &own.interval, 1.0, 2)?;

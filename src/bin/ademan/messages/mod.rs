@@ -83,9 +83,10 @@ pub fn print_error(message: &str) {
 /// Prints a notice of a session.
 pub fn print_notice(notice: &Notice) {
     let message = notice.to_string();
-    match notice.is_routine() {
-        true => print(&message),
-        false => print_error(&message),
+    if notice.is_routine() {
+        print(&message)
+    } else {
+        print_error(&message)
     }
 }
 

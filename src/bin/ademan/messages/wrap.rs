@@ -14,9 +14,10 @@ pub fn wrapped(text: &str, columns: usize) -> Cow<'_, str> {
     }
     let mut wrapped = String::with_capacity(text.len() + 16);
     for line in text.split_inclusive('\n') {
-        match is_long(line.trim_end_matches('\n')) {
-            true => push_wrapped(line, columns, &mut wrapped),
-            false => wrapped.push_str(line),
+        if is_long(line.trim_end_matches('\n')) {
+            push_wrapped(line, columns, &mut wrapped)
+        } else {
+            wrapped.push_str(line)
         }
     }
     wrapped.into()

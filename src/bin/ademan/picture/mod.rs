@@ -181,9 +181,10 @@ fn cannot_draw(error: impl std::fmt::Display) -> Failure {
 /// Refuses a file that exists before the time to draw is spent.
 fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
     let replaces = overwrite && !path.is_dir();
-    match !is_standard_output(path) && !replaces && fs::symlink_metadata(path).is_ok() {
-        true => Err(exists(path)),
-        false => Ok(()),
+    if !is_standard_output(path) && !replaces && fs::symlink_metadata(path).is_ok() {
+        Err(exists(path))
+    } else {
+        Ok(())
     }
 }
 
@@ -192,9 +193,10 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
         io::stdout().write_all(picture)?;
         return Ok(());
     }
-    let file = match overwrite {
-        true => files::replace(path),
-        false => files::create_new(path),
+    let file = if overwrite {
+        files::replace(path)
+    } else {
+        files::create_new(path)
     };
     let written = file.and_then(|mut file| Ok(file.write_all(picture)?));
     written.map_err(|error| match error {
@@ -211,11 +213,10 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
 
 fn exists(path: &Path) -> Failure {
     let name = escape_path(path);
-    Failure::wrong_use(match path.is_dir() {
-        true => format!("cannot write {name}: it is a folder; name a file in it"),
-        false => {
-            format!("{name} exists and is not overwritten; name another file or add --overwrite")
-        }
+    Failure::wrong_use(if path.is_dir() {
+        format!("cannot write {name}: it is a folder; name a file in it")
+    } else {
+        format!("{name} exists and is not overwritten; name another file or add --overwrite")
     })
 }
 

@@ -285,13 +285,14 @@ impl Progress {
                 ));
             }
         }
-        match changed.is_empty() {
-            true => Ok(()),
-            false => writeln!(
+        if changed.is_empty() {
+            Ok(())
+        } else {
+            writeln!(
                 f,
                 "           chords    {} (correct of all, before → now)",
                 changed.join(", ")
-            ),
+            )
         }
     }
 }

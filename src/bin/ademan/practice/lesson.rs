@@ -116,9 +116,10 @@ fn built_in(
     let (keys, chords) = (layout.key_bindings(), layout.bend_chords());
     let can_type = |text: &&&str| taps_for_text(text, &keys, chords).is_ok();
     let possible: Vec<&&str> = texts.iter().filter(can_type).collect();
-    match possible.is_empty() {
-        true => Ok(("characters", text::choose(TextChoice::Default, layout)?)),
-        false => Ok((name, possible[number % possible.len()].to_string())),
+    if possible.is_empty() {
+        Ok(("characters", text::choose(TextChoice::Default, layout)?))
+    } else {
+        Ok((name, possible[number % possible.len()].to_string()))
     }
 }
 

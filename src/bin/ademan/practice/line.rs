@@ -103,9 +103,10 @@ impl PracticeLine {
 
     /// Returns the score of the part that has been reached, or of the whole text.
     pub fn score(&self, is_whole: bool) -> TypingScore {
-        let presented: String = match is_whole {
-            true => self.text.iter().collect(),
-            false => self.reached(),
+        let presented: String = if is_whole {
+            self.text.iter().collect()
+        } else {
+            self.reached()
         };
         let first = self.first.unwrap_or_default();
         TypingScore::new(&presented, self.field.text(), first, self.last)

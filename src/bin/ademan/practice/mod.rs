@@ -189,9 +189,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         report.progress = history.add(report.session());
     }
     report.print(args.json)?;
-    match report.is_complete || signals::is_stop_requested() {
-        true => Ok(()),
-        false => Err(Failure::job("the source ended before the text was typed")),
+    if report.is_complete || signals::is_stop_requested() {
+        Ok(())
+    } else {
+        Err(Failure::job("the source ended before the text was typed"))
     }
 }
 
@@ -223,12 +224,11 @@ fn practice(
     lesson: &Lesson,
 ) -> Result<Report, Failure> {
     let layout = setup.layout.clone();
-    let hand = match is_simulated {
-        true => {
-            let format = Hc11Format::default();
-            Some(setup.typist(&lesson.text, &format, args.noise, args.seed)?)
-        }
-        false => None,
+    let hand = if is_simulated {
+        let format = Hc11Format::default();
+        Some(setup.typist(&lesson.text, &format, args.noise, args.seed)?)
+    } else {
+        None
     };
     let mut line = PracticeLine::new(&lesson.text).with_chords(lesson.chords.clone());
     run_task(args, setup, hand, &mut line)?;

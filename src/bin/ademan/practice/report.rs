@@ -89,9 +89,10 @@ impl Report {
     /// Prints the result as text or as JSON.
     pub fn print(&self, is_json: bool) -> Result<(), Failure> {
         let mut out = io::stdout().lock();
-        match is_json {
-            true => writeln!(out, "{}", self.json())?,
-            false => self.write(&mut out)?,
+        if is_json {
+            writeln!(out, "{}", self.json())?
+        } else {
+            self.write(&mut out)?
         }
         Ok(())
     }
@@ -153,9 +154,10 @@ impl Report {
         )?;
         writeln!(out, "quality    {}", errors(score.error_rate, score.edits))?;
         let worst: Vec<String> = self.worst().map(in_words).collect();
-        match worst.is_empty() {
-            true => writeln!(out, "worst keys none")?,
-            false => writeln!(out, "worst keys {}", worst.join(", "))?,
+        if worst.is_empty() {
+            writeln!(out, "worst keys none")?
+        } else {
+            writeln!(out, "worst keys {}", worst.join(", "))?
         }
         let chords: Vec<String> = self
             .chord_scores()

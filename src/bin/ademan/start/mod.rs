@@ -86,9 +86,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     signals::end_at_once_on_stop();
     let own = files::in_config_folder(OWN_SETUP);
-    let file = match own.as_deref() == Some(destination.path()) {
-        true => String::new(),
-        false => format!(" {}", destination.as_word()),
+    let file = if own.as_deref() == Some(destination.path()) {
+        String::new()
+    } else {
+        format!(" {}", destination.as_word())
     };
     let is_practiced = !args.no_practice && io::stdout().is_terminal();
     if is_practiced && questions.confirm("try it in a practice line")? {

@@ -29,9 +29,10 @@ impl Questions {
         check: impl Fn(&str) -> Result<T, String>,
     ) -> Result<T, Failure> {
         loop {
-            let answer = match self.is_asking {
-                true => read_answer(&format!("{question} [{proposal}]: "))?,
-                false => String::new(),
+            let answer = if self.is_asking {
+                read_answer(&format!("{question} [{proposal}]: "))?
+            } else {
+                String::new()
             };
             let answer = if answer.is_empty() { proposal } else { &answer };
             match check(answer) {

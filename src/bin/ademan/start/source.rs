@@ -74,9 +74,10 @@ fn choose(mut found: Vec<SourceUri>, questions: &Questions) -> Result<SourceUri,
 
 /// Says what to use without a device on a serial port.
 fn propose_without_device(has_no_port: bool) {
-    match has_no_port {
-        true => println!("no serial port is present"),
-        false => println!("no port has a known device"),
+    if has_no_port {
+        println!("no serial port is present")
+    } else {
+        println!("no port has a known device")
     }
     if camera().is_some() {
         println!("a camera is there, which can follow your hand: ademan webcam");

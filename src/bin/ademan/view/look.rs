@@ -41,20 +41,22 @@ impl Look {
     }
 
     fn colored(self, color: Color) -> Style {
-        match self.has_colors {
-            true => Style::new().fg(color),
-            false => Style::new(),
+        if self.has_colors {
+            Style::new().fg(color)
+        } else {
+            Style::new()
         }
     }
 
     /// The style of a pressed key.
     pub fn pressed(self) -> Style {
-        match self.has_colors {
-            true => Style::new()
+        if self.has_colors {
+            Style::new()
                 .fg(Color::Black)
                 .bg(Color::Green)
-                .add_modifier(Modifier::BOLD),
-            false => Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED),
+                .add_modifier(Modifier::BOLD)
+        } else {
+            Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED)
         }
     }
 
@@ -64,13 +66,13 @@ impl Look {
             return Style::new();
         }
         let is_hot = error_rate >= HOT;
-        match self.has_colors {
-            true => {
-                let color = if is_hot { Color::Red } else { Color::Yellow };
-                Style::new().fg(Color::Black).bg(color)
-            }
-            false if is_hot => Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED),
-            false => Style::new().add_modifier(Modifier::REVERSED),
+        if self.has_colors {
+            let color = if is_hot { Color::Red } else { Color::Yellow };
+            Style::new().fg(Color::Black).bg(color)
+        } else if is_hot {
+            Style::new().add_modifier(Modifier::BOLD | Modifier::REVERSED)
+        } else {
+            Style::new().add_modifier(Modifier::REVERSED)
         }
     }
 
@@ -100,10 +102,10 @@ impl Look {
             Finger::Little => Color::LightRed,
         };
         let style = self.colored(color).add_modifier(Modifier::BOLD);
-        match self.is_unicode {
-            true => style,
-            // Its number could be that of a key.
-            false => style.add_modifier(Modifier::UNDERLINED),
+        if self.is_unicode {
+            style
+        } else {
+            style.add_modifier(Modifier::UNDERLINED)
         }
     }
 

@@ -199,9 +199,10 @@ impl FluentHand {
             let finger = surface.bent_by(target)?;
             _ = first.get_or_insert((target, finger));
             let scatter = self.person.depth_scatter * BEND_PER_MM;
-            let bend = match is_shallow {
-                true => 0.3,
-                false => BENT + scatter * self.draw.normal(),
+            let bend = if is_shallow {
+                0.3
+            } else {
+                BENT + scatter * self.draw.normal()
             };
             let spread = (CHORD_SPREAD * self.draw.normal()).clamp(-2.0, 2.0) * 0.5;
             let mut change = vec![0.0; self.values.len()];
@@ -295,9 +296,10 @@ impl FluentHand {
         let along = Vec2::new(moved.x, -moved.z).normalize_or_zero();
         let stretch = (1.0 + self.person.elongation).sqrt() as f32;
         let part = scatter.dot(along);
-        let stretched = match along == Vec2::ZERO {
-            true => scatter,
-            false => along * part * stretch + (scatter - along * part) / stretch,
+        let stretched = if along == Vec2::ZERO {
+            scatter
+        } else {
+            along * part * stretch + (scatter - along * part) / stretch
         };
         let [x, y] = self.person.offsets[finger.index()];
         stretched + self.drift + Vec2::new(x as f32, y as f32) * 1e-3

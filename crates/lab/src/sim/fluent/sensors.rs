@@ -192,9 +192,10 @@ impl GloveErrors {
             // A play operator: the sensor follows at a distance of half its backlash.
             let half = *backlash / 2.0;
             let pulled = last.clamp(goal - half, goal + half);
-            match self.is_started {
-                true => *last += (pulled - *last) * (seconds / LAG).min(1.0),
-                false => *last = goal,
+            if self.is_started {
+                *last += (pulled - *last) * (seconds / LAG).min(1.0)
+            } else {
+                *last = goal
             }
             shown.set(*dof, *last);
         }

@@ -26,9 +26,10 @@ impl Planner<'_> {
         metres: f64,
         target: Option<TargetId>,
     ) -> Result<(), ActionErrorKind> {
-        match metres > self.state.effector.limb.tolerance() {
-            true => Err(ActionErrorKind::OutOfReach { target, metres }),
-            false => Ok(()),
+        if metres > self.state.effector.limb.tolerance() {
+            Err(ActionErrorKind::OutOfReach { target, metres })
+        } else {
+            Ok(())
         }
     }
 
@@ -176,9 +177,12 @@ impl Planner<'_> {
         }
         let own = self.state.effector.finger;
         let is_center = point.offset == Vec2::ZERO;
-        let is_wrong = |finger: Finger, target: TargetId| match finger == own {
-            true => is_center && target != point.target,
-            false => !self.state.posed.contains(finger),
+        let is_wrong = |finger: Finger, target: TargetId| {
+            if finger == own {
+                is_center && target != point.target
+            } else {
+                !self.state.posed.contains(finger)
+            }
         };
         let mut presses = watch.presses();
         if let Some(wrong) = presses.find(|touch| is_wrong(touch.finger, touch.target)) {
@@ -189,9 +193,10 @@ impl Planner<'_> {
         }
         let mut presses = watch.presses();
         let is_pressed = presses.any(|touch| touch.finger == own && touch.target == point.target);
-        match is_pressed || !is_full || !is_center {
-            true => Ok(()),
-            false => Err(ActionErrorKind::WouldMiss(point.target)),
+        if is_pressed || !is_full || !is_center {
+            Ok(())
+        } else {
+            Err(ActionErrorKind::WouldMiss(point.target))
         }
     }
 

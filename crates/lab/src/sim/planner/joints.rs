@@ -87,9 +87,10 @@ impl Planner<'_> {
     /// Checks that thumb and index finger are together during a pinch.
     pub(super) fn check_pinch(&self) -> Result<(), ActionErrorKind> {
         let gap = self.state.hand.pinch_gap(&self.state.values);
-        match self.state.is_pinched && gap > PINCH_GAP {
-            true => Err(ActionErrorKind::PinchFailed(gap)),
-            false => Ok(()),
+        if self.state.is_pinched && gap > PINCH_GAP {
+            Err(ActionErrorKind::PinchFailed(gap))
+        } else {
+            Ok(())
         }
     }
 

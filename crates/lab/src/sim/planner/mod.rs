@@ -191,10 +191,7 @@ impl<'a> Planner<'a> {
             })
             .collect();
         let is_free = matches!(self.state.tip_state, TipState::Free);
-        let tip = match is_free {
-            true => self.state.home,
-            false => self.tip(),
-        };
+        let tip = if is_free { self.state.home } else { self.tip() };
         self.state.is_pinched = false;
         if !channel_targets.is_empty() || is_free {
             let time = self.travel_time(tip).max(self.turn_time());
@@ -403,9 +400,10 @@ impl<'a> Planner<'a> {
             ActiveMovement::begin(movement.clone(), &mut self.state.hand, &self.state.values);
         self.movements.push(movement);
         // The posture of a pinching thumb depends on all steps before it.
-        let steps = match self.state.is_pinched {
-            true => active.packets(),
-            false => check_steps(path),
+        let steps = if self.state.is_pinched {
+            active.packets()
+        } else {
+            check_steps(path)
         };
         let before = self.state.values.clone();
         let distance = self.perform(&active, steps);

@@ -293,12 +293,13 @@ impl<'a> Arguments<'a> {
 
     fn target_point(&mut self, names: &TargetNames) -> Result<TargetPoint, SyntaxError> {
         let target = self.target(names)?;
-        Ok(match self.has_more() {
-            true => TargetPoint {
+        Ok(if self.has_more() {
+            TargetPoint {
                 target,
                 offset: self.point2()?,
-            },
-            false => TargetPoint::center(target),
+            }
+        } else {
+            TargetPoint::center(target)
         })
     }
 
@@ -335,12 +336,11 @@ impl<'a> Arguments<'a> {
 
     /// Reads the optional duration.
     fn time(&mut self) -> Result<Option<Duration>, SyntaxError> {
-        match self.has_more() {
-            true => {
-                let number = self.number("MS", 0.0..=MAX_TIME_MS)?;
-                Ok(Some(milliseconds(number)))
-            }
-            false => Ok(None),
+        if self.has_more() {
+            let number = self.number("MS", 0.0..=MAX_TIME_MS)?;
+            Ok(Some(milliseconds(number)))
+        } else {
+            Ok(None)
         }
     }
 

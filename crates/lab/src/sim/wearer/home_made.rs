@@ -66,9 +66,10 @@ impl HomeMadeSensors {
             let (straight, span) = (between(random, STRAIGHT), between(random, span));
             let is_inverted =
                 kind == HomeMadeGlove::Inverted && matches!(finger, Finger::Index | Finger::Little);
-            let (straight, span) = match is_inverted {
-                true => (straight + span, -span),
-                false => (straight, span),
+            let (straight, span) = if is_inverted {
+                (straight + span, -span)
+            } else {
+                (straight, span)
             };
             let bow = between(random, BOW);
             CurlSensor {

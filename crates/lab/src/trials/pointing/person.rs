@@ -354,13 +354,15 @@ impl<'a, C: Cursor> Pointing<'a, C> {
                 error[0] -= order[0] * self.period;
                 error[1] -= order[1] * self.period;
             }
-            let order = match is_on(error) {
-                true => [0.0; 2],
-                false => limited(error.map(|it| it / APPROACH), rate),
+            let order = if is_on(error) {
+                [0.0; 2]
+            } else {
+                limited(error.map(|it| it / APPROACH), rate)
             };
-            rested = match is_on(seen) && order == [0.0; 2] {
-                true => rested + 1,
-                false => 0,
+            rested = if is_on(seen) && order == [0.0; 2] {
+                rested + 1
+            } else {
+                0
             };
             let goal = self.hand.displacement_for(
                 rate,
@@ -403,9 +405,10 @@ impl<'a, C: Cursor> Pointing<'a, C> {
 fn limited(velocity: [f64; 2], rate: &RateControl) -> [f64; 2] {
     let length = velocity[0].hypot(velocity[1]);
     let most = FASTEST * f64::from(rate.max_speed_px_s);
-    match length > most {
-        true => velocity.map(|it| it * most / length),
-        false => velocity,
+    if length > most {
+        velocity.map(|it| it * most / length)
+    } else {
+        velocity
     }
 }
 

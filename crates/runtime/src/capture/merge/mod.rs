@@ -286,9 +286,10 @@ impl MergedSource {
 
 impl Source for MergedSource {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let reading = match self.is_live {
-            true => self.next_live()?,
-            false => self.next_in_time()?,
+        let reading = if self.is_live {
+            self.next_live()?
+        } else {
+            self.next_in_time()?
         };
         if let Some(mut reading) = reading {
             // The parts of a hand have one clock, on which no two moments are the same. Nor are two live readings of a hand
@@ -300,9 +301,10 @@ impl Source for MergedSource {
             return Ok(SourceEvent::Reading(reading));
         }
         let has_ended = |input: &MergedInput| input.has_ended && input.held.is_empty();
-        match self.inputs.iter().all(has_ended) {
-            true => Ok(SourceEvent::End),
-            false => Ok(SourceEvent::Idle),
+        if self.inputs.iter().all(has_ended) {
+            Ok(SourceEvent::End)
+        } else {
+            Ok(SourceEvent::Idle)
         }
     }
 

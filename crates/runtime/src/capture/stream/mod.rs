@@ -113,9 +113,10 @@ impl<C: Connector> StreamSource<C> {
         let State::Connected(connection) = &mut self.state else {
             return Ok(SourceEvent::End);
         };
-        let result = match self.is_polled {
-            true => connection.read_available(&mut self.buffer),
-            false => connection.read(&mut self.buffer, self.cancel.as_ref(), timeout),
+        let result = if self.is_polled {
+            connection.read_available(&mut self.buffer)
+        } else {
+            connection.read(&mut self.buffer, self.cancel.as_ref(), timeout)
         };
         if self.report_at.is_some_and(|at| Instant::now() >= at) {
             self.report_at = None;
@@ -281,9 +282,10 @@ impl<C: Connector> StreamSource<C> {
         let (format, pending) = (&self.format, &mut self.pending);
         let now = Instant::now();
         let mut emit = |packet| pending.push(packet, now, received, format);
-        match C::IS_LIVE {
-            true => self.decoder.finish_cut(&mut emit),
-            false => self.decoder.finish(&mut emit),
+        if C::IS_LIVE {
+            self.decoder.finish_cut(&mut emit)
+        } else {
+            self.decoder.finish(&mut emit)
         }
         if let Some(reading) = self.pending.pop() {
             return Ok(reading);
@@ -360,9 +362,10 @@ impl<C: Connector> StreamSource<C> {
         let State::Reconnecting(reconnect) = &self.state else {
             return SourceEvent::Idle;
         };
-        let event = match self.is_polled {
-            true => reconnect.try_event(),
-            false => reconnect.wait(self.cancel.as_ref()),
+        let event = if self.is_polled {
+            reconnect.try_event()
+        } else {
+            reconnect.wait(self.cancel.as_ref())
         };
         match event {
             ReconnectEvent::Idle => {}

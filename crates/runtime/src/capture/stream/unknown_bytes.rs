@@ -36,9 +36,10 @@ impl UnknownBytes {
 
     /// Handles bytes that arrived at `now`. Returns `true` if a warning is due. Does not allocate.
     pub fn update(&mut self, now: Instant, has_packet: bool, bytes: &[u8]) -> bool {
-        match has_packet {
-            true => self.forget(),
-            false => self.keep(bytes),
+        if has_packet {
+            self.forget()
+        } else {
+            self.keep(bytes)
         }
         self.detector.update(now, has_packet)
     }
@@ -98,9 +99,10 @@ impl UnknownBytes {
         }
         let titles: Vec<&str> = likely.iter().map(|other| other.protocol.title()).collect();
         let options: Vec<String> = likely.iter().map(options).collect();
-        let verb = match format.protocol == PROTOCOLS[0] {
-            true => "add",
-            false => "set",
+        let verb = if format.protocol == PROTOCOLS[0] {
+            "add"
+        } else {
+            "set"
         };
         Some(format!(
             "looks like {}: {verb} {}",
@@ -115,9 +117,10 @@ impl UnknownBytes {
         let mut packets = 0;
         let mut start = 0;
         let stream = [self.bytes.len()];
-        let ends = match self.is_datagram {
-            true => &self.ends[..],
-            false => &stream,
+        let ends = if self.is_datagram {
+            &self.ends[..]
+        } else {
+            &stream
         };
         for &end in ends {
             decoder.push(&self.bytes[start..end], &mut |_| packets += 1);
@@ -126,9 +129,10 @@ impl UnknownBytes {
         }
         let stats = decoder.stats();
         let fewest = if self.is_datagram { 1 } else { 2 };
-        match packets >= fewest {
-            true => (stats.bytes - stats.skipped_bytes) as usize,
-            false => 0,
+        if packets >= fewest {
+            (stats.bytes - stats.skipped_bytes) as usize
+        } else {
+            0
         }
     }
 
@@ -152,9 +156,10 @@ impl UnknownBytes {
 
 /// Returns the formats to try: all protocols with their default options, and the other framing of the HC11.
 fn candidates(is_datagram: bool) -> impl Iterator<Item = StreamFormat> {
-    let refused = match is_datagram {
-        true => Carriers::Streams,
-        false => Carriers::Datagrams,
+    let refused = if is_datagram {
+        Carriers::Streams
+    } else {
+        Carriers::Datagrams
     };
     let protocols = PROTOCOLS.iter().map(|protocol| StreamFormat::new(protocol));
     let hash = hc11::Hc11Format {

@@ -70,9 +70,10 @@ fn start(
     let run = move || {
         let _disconnects_at_the_end: Sender<()> = end_of_thread;
         let source = EventSource::new(source);
-        match is_batched {
-            true => capture(source.with_batches(), &mut sender),
-            false => capture(source, &mut sender),
+        if is_batched {
+            capture(source.with_batches(), &mut sender)
+        } else {
+            capture(source, &mut sender)
         }
     };
     let thread = std::thread::Builder::new()

@@ -273,9 +273,10 @@ fn a_suspend_is_a_loss_of_a_live_source_before_the_next_reading() {
         let is_end = |event: &CaptureEvent| matches!(event, CaptureEvent::End(stats) if stats.losses == u64::from(is_live));
         assert!(events.iter().any(is_end), "{events:?}");
         let events: Vec<String> = events.into_iter().map(brief).collect();
-        let expected: &[&str] = match is_live {
-            true => &["0(0)", "1(0)", "lost", "2(0)", "end"],
-            false => &["0(0)", "1(0)", "2(0)", "end"],
+        let expected: &[&str] = if is_live {
+            &["0(0)", "1(0)", "lost", "2(0)", "end"]
+        } else {
+            &["0(0)", "1(0)", "2(0)", "end"]
         };
         assert_eq!(events, expected);
     }

@@ -175,9 +175,10 @@ fn open_stream(
     connector: impl Connector,
 ) -> Result<Box<dyn Source>, CaptureError> {
     let source = StreamSource::open(uri.to_string(), uri.format.clone(), connector)?;
-    Ok(match uri.transport.is_remote {
-        true => Box::new(source.drop_old_readings()),
-        false => Box::new(source),
+    Ok(if uri.transport.is_remote {
+        Box::new(source.drop_old_readings())
+    } else {
+        Box::new(source)
     })
 }
 

@@ -60,9 +60,10 @@ impl Connector for TcpConnector {
         let stream = connect(&self.address)
             .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
         let readiness = Readiness::new(&stream);
-        let bytes: Box<dyn ByteStream> = match readiness.is_some() {
-            true => Box::new(AvailableBytes(stream)),
-            false => Box::new(stream),
+        let bytes: Box<dyn ByteStream> = if readiness.is_some() {
+            Box::new(AvailableBytes(stream))
+        } else {
+            Box::new(stream)
         };
         Ok(Connection {
             bytes,

@@ -47,13 +47,14 @@ const REMEDY: &str = "use 127.0.0.1 and a free port";
 fn check_address(address: &str) -> std::result::Result<(), String> {
     check_socket_address(SCHEME, address)?;
     let is_loopback = parse_loopback(address).is_some();
-    match is_loopback || address.starts_with("localhost:") {
-        true => Ok(()),
-        false => Err(
-            "datagrams carry no credential, so `udp` receives from this machine only: write `udp:127.0.0.1:PORT` and \
-             forward the data through a tunnel such as WireGuard, or let the other machine share its hand with `+tls`"
-                .to_owned(),
-        ),
+    if is_loopback || address.starts_with("localhost:") {
+        Ok(())
+    } else {
+        Err(
+        "datagrams carry no credential, so `udp` receives from this machine only: write `udp:127.0.0.1:PORT` and \
+         forward the data through a tunnel such as WireGuard, or let the other machine share its hand with `+tls`"
+            .to_owned(),
+    )
     }
 }
 

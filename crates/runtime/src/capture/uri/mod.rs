@@ -239,9 +239,10 @@ fn parse(text: &str) -> Result<SourceUri, String> {
             return Err(unknown_name("kind of source", unknown, &names));
         }
     };
-    match rest.is_empty() {
-        true => Err(format!("`{scheme}:` is followed by nothing")),
-        false => Ok(uri),
+    if rest.is_empty() {
+        Err(format!("`{scheme}:` is followed by nothing"))
+    } else {
+        Ok(uri)
     }
 }
 

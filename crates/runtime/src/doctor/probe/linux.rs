@@ -185,9 +185,10 @@ impl<'a> Machine<'a> {
         let is_member = |(name, _, members): &(String, u32, Vec<String>)| {
             *name == group && members.contains(&user)
         };
-        match self.groups.iter().any(is_member) {
-            true => AccessDenied::LoginRequired(group),
-            false => AccessDenied::NotInGroup(group),
+        if self.groups.iter().any(is_member) {
+            AccessDenied::LoginRequired(group)
+        } else {
+            AccessDenied::NotInGroup(group)
         }
     }
 
@@ -266,16 +267,18 @@ impl<'a> Machine<'a> {
             let scope = format!("/{}", scope_name(watchdog));
             let is_separate =
                 groups.is_ok_and(|text| text.lines().any(|line| line.ends_with(&scope)));
-            return match is_separate {
-                true => WatchdogScope::Separate,
-                false => WatchdogScope::Shared,
+            return if is_separate {
+                WatchdogScope::Separate
+            } else {
+                WatchdogScope::Shared
             };
         }
         let listens =
             |name| folder.is_some_and(|folder| socket::connect(&folder.join(name)).is_ok());
-        match ["systemd/private", "bus"].into_iter().all(listens) {
-            true => WatchdogScope::Available,
-            false => WatchdogScope::Unavailable,
+        if ["systemd/private", "bus"].into_iter().all(listens) {
+            WatchdogScope::Available
+        } else {
+            WatchdogScope::Unavailable
         }
     }
 

@@ -48,12 +48,13 @@ pub enum ZenohError {
 pub fn check_key(key: &str) -> Result<(), String> {
     let is_name = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_graphic());
     let is_key = key.len() <= MAX_KEY_BYTES && key.split('/').all(is_name);
-    match is_key && !key.contains(['*', '$', '?', '#', '&', '@']) {
-        true => Ok(()),
-        false => Err(
+    if is_key && !key.contains(['*', '$', '?', '#', '&', '@']) {
+        Ok(())
+    } else {
+        Err(
             "a key consists of names joined by `/`, without wildcards, such as `lab/desk-3/right`"
                 .into(),
-        ),
+        )
     }
 }
 

@@ -188,9 +188,10 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Returns the time until the next heartbeat or check is due.
     fn poll_timeout(&self) -> Duration {
-        match self.watchdog.is_some() && self.is_active(Instant::now()) {
-            true => HEARTBEAT_INTERVAL.saturating_sub(self.liveness.last_heartbeat.elapsed()),
-            false => CHECK_INTERVAL,
+        if self.watchdog.is_some() && self.is_active(Instant::now()) {
+            HEARTBEAT_INTERVAL.saturating_sub(self.liveness.last_heartbeat.elapsed())
+        } else {
+            CHECK_INTERVAL
         }
     }
 

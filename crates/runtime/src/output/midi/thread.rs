@@ -91,9 +91,10 @@ impl Port {
                 Err(RecvTimeoutError::Timeout) if self.notes == [0; CHANNELS] => Ok(()),
                 Err(RecvTimeoutError::Timeout) => {
                     let now = steps.load(Ordering::Relaxed);
-                    match std::mem::replace(&mut seen_steps, now) == now {
-                        true => self.end_notes(),
-                        false => (self.writer)(&ACTIVE_SENSING),
+                    if std::mem::replace(&mut seen_steps, now) == now {
+                        self.end_notes()
+                    } else {
+                        (self.writer)(&ACTIVE_SENSING)
                     }
                 }
             };

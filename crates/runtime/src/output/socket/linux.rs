@@ -170,24 +170,26 @@ impl AsFd for Listener {
 /// Checks the length of the path of a socket.
 pub(crate) fn check_path(path: &Path) -> Result<(), SocketError> {
     let length = path.as_os_str().len();
-    match length > MAX_PATH {
-        false => Ok(()),
-        true => Err(SocketError::PathTooLong {
+    if length <= MAX_PATH {
+        Ok(())
+    } else {
+        Err(SocketError::PathTooLong {
             length,
             max: MAX_PATH,
-        }),
+        })
     }
 }
 
 /// Connects as a client. Fails if the server belongs to another user, who could read the requests and answer what pleases.
 pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
     let stream = connect_to_any(path)?;
-    match socket_peercred(&stream)?.uid == geteuid() {
-        true => Ok(stream),
-        false => Err(io::Error::new(
+    if socket_peercred(&stream)?.uid == geteuid() {
+        Ok(stream)
+    } else {
+        Err(io::Error::new(
             io::ErrorKind::PermissionDenied,
             "the program that listens there belongs to another user",
-        )),
+        ))
     }
 }
 

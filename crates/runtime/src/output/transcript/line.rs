@@ -68,9 +68,10 @@ fn quoted(name: &str) -> String {
     let is_plain =
         |character: char| !character.is_ascii_punctuation() || "-_.,:+/@%".contains(character);
     let name = escape(name);
-    match name.chars().all(is_plain) {
-        true => name.into_owned(),
-        false => format!("'{}'", name.replace('\'', r"'\''")),
+    if name.chars().all(is_plain) {
+        name.into_owned()
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
     }
 }
 

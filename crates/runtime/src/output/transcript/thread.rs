@@ -127,10 +127,10 @@ impl TranscriptThread {
 
     /// Waits until the thread has written the queue. Returns `false` after 1 s, unless it is lossless.
     fn wait_for_thread(&self) -> bool {
-        match self.is_lossless {
-            // Nothing is ever sent: the error is the signal.
-            true => self.ended.recv().is_err(),
-            false => self.ended.recv_timeout(CLOSE_TIMEOUT) != Err(RecvTimeoutError::Timeout),
+        if self.is_lossless {
+            self.ended.recv().is_err()
+        } else {
+            self.ended.recv_timeout(CLOSE_TIMEOUT) != Err(RecvTimeoutError::Timeout)
         }
     }
 }

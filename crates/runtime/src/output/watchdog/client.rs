@@ -89,9 +89,10 @@ impl WatchdogClient {
         expect(dead_code, reason = "only devices of `uinput` report here")
     )]
     pub fn report_axes(&self, are_deflected: bool) -> Result<(), WatchdogLost> {
-        self.send(match are_deflected {
-            true => WatchdogMessage::AxesDeflected,
-            false => WatchdogMessage::AxesCentered,
+        self.send(if are_deflected {
+            WatchdogMessage::AxesDeflected
+        } else {
+            WatchdogMessage::AxesCentered
         })
     }
 

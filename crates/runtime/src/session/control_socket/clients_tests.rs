@@ -80,9 +80,10 @@ fn a_client_whose_request_is_about_to_end_makes_room() {
         thread::scope(|scope| {
             let added = scope.spawn(|| connect(&clients).is_some());
             thread::sleep(Duration::from_millis(20));
-            match leaves {
-                true => drop(busy),
-                false => busy.end_request(),
+            if leaves {
+                drop(busy)
+            } else {
+                busy.end_request()
             }
             assert!(added.join().unwrap());
         });

@@ -234,9 +234,10 @@ impl<'a> LineReader<'a> {
             let consumed = part.len() + usize::from(end.is_some());
             self.reader.consume(consumed);
             if end.is_some() {
-                return Ok(Some(match is_too_long {
-                    true => ReceivedLine::TooLong,
-                    false => ReceivedLine::Line(&self.line),
+                return Ok(Some(if is_too_long {
+                    ReceivedLine::TooLong
+                } else {
+                    ReceivedLine::Line(&self.line)
                 }));
             }
         }

@@ -270,9 +270,10 @@ impl SessionLoop<'_> {
             self.latency_ns.saturating_record(latency.as_nanos() as u64);
         }
         self.publish(Some(reading), is_accepted, None);
-        match has_commands {
-            true => self.execute_layout_commands(reading),
-            false => Ok(Next::Continue),
+        if has_commands {
+            self.execute_layout_commands(reading)
+        } else {
+            Ok(Next::Continue)
         }
     }
 

@@ -28,9 +28,10 @@ impl SessionLoop<'_> {
         }
         self.sink.0.send(&self.events)?;
         self.sink.0.show_text(self.pipeline.text_state());
-        match self.sink.0.has_stalled() {
-            true => self.stall_output(),
-            false => Ok(()),
+        if self.sink.0.has_stalled() {
+            self.stall_output()
+        } else {
+            Ok(())
         }
     }
 

@@ -45,10 +45,12 @@ impl SessionLoop<'_> {
     /// and a deadline only if keys stay pressed outside of this process.
     pub(super) fn time_to_stall(&self) -> Duration {
         let timeout = self.pipeline.stall_timeout();
-        let timeout = match self.capture.is_live() {
-            true => timeout,
-            false if self.sink.0.has_effect() => timeout.max(MAX_SILENCE),
-            false => return NO_DEADLINE,
+        let timeout = if self.capture.is_live() {
+            timeout
+        } else if self.sink.0.has_effect() {
+            timeout.max(MAX_SILENCE)
+        } else {
+            return NO_DEADLINE;
         };
         match self.last_reading_at {
             Some(last) if self.pipeline.expects_readings() => {

@@ -84,9 +84,10 @@ impl HandFeedback {
 
     /// Returns the force that holds a finger where it is now; 0 if its curl is not measured.
     fn force(&self, finger: Finger, reading: &Reading) -> f32 {
-        let curl = match self.haptics.has_force() {
-            true => (self.format.curl)(&reading.sample, finger),
-            false => None,
+        let curl = if self.haptics.has_force() {
+            (self.format.curl)(&reading.sample, finger)
+        } else {
+            None
         };
         curl.map_or(0.0, |curl| (1.0 - curl - CURL_MARGIN).max(0.0))
     }

@@ -175,9 +175,10 @@ impl FeedbackWriter {
                 return RETRY_INTERVAL;
             }
         }
-        match self.wanted.forces == NO_FORCE {
-            true => NO_DEADLINE,
-            false => MAX_HOLD.saturating_sub(held),
+        if self.wanted.forces == NO_FORCE {
+            NO_DEADLINE
+        } else {
+            MAX_HOLD.saturating_sub(held)
         }
     }
 

@@ -44,9 +44,10 @@ pub fn parse_keys(names: &[String]) -> Result<Vec<KeyCode>, PanicKeysError> {
 
 /// Checks that the keyboards of this machine can be watched for `keys`. Keeps nothing open.
 pub fn check(keys: &[KeyCode]) -> Result<(), PanicKeysError> {
-    match keys.is_empty() {
-        true => Ok(()),
-        false => platform::check(keys).map_err(PanicKeysError::NoKeyboard),
+    if keys.is_empty() {
+        Ok(())
+    } else {
+        platform::check(keys).map_err(PanicKeysError::NoKeyboard)
     }
 }
 
@@ -59,9 +60,10 @@ pub fn check(keys: &[KeyCode]) -> Result<(), PanicKeysError> {
 /// # Errors
 /// If no keyboard can be read: a user who relies on panic keys has to know that they do not work.
 pub fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), PanicKeysError> {
-    match keys.is_empty() {
-        true => Ok(()),
-        false => platform::watch(keys, stop).map_err(PanicKeysError::NoKeyboard),
+    if keys.is_empty() {
+        Ok(())
+    } else {
+        platform::watch(keys, stop).map_err(PanicKeysError::NoKeyboard)
     }
 }
 

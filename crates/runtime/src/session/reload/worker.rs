@@ -211,12 +211,15 @@ where
         found: Result<Layout, DocumentError>,
     ) -> Result<Result<String, String>, SessionEnded> {
         let is_recorded = self.is_recorded;
-        let build = |layout: &Layout| match is_recorded {
-            true => Err(format!(
-                "{}: not used, as a recording holds one version of a layout; start again to use it",
-                escape(&layout.file)
-            )),
-            false => (self.build)(layout),
+        let build = |layout: &Layout| {
+            if is_recorded {
+                Err(format!(
+                    "{}: not used, as a recording holds one version of a layout; start again to use it",
+                    escape(&layout.file)
+                ))
+            } else {
+                (self.build)(layout)
+            }
         };
         let report = self.layouts[index]
             .layout
@@ -286,12 +289,13 @@ where
                 Err(text) => return Ok(Err(text)),
             }
         }
-        Ok(match texts.is_empty() {
-            true => Err(
+        Ok(if texts.is_empty() {
+            Err(
                 "the layout comes with the program or a recording and has no file to read again"
                     .into(),
-            ),
-            false => Ok(texts.join("\n")),
+            )
+        } else {
+            Ok(texts.join("\n"))
         })
     }
 }

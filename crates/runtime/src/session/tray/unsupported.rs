@@ -15,9 +15,10 @@ pub fn start(
     report: impl Fn(String),
 ) -> io::Result<()> {
     drop((commands, states, settings.profiles));
-    let reason = match cfg!(target_os = "linux") {
-        true => "this program was built without them; build it with `--features tray`",
-        false => "they are made for Linux",
+    let reason = if cfg!(target_os = "linux") {
+        "this program was built without them; build it with `--features tray`"
+    } else {
+        "they are made for Linux"
     };
     if settings.has_icon || settings.notifies {
         report(format!("neither tray nor notifications: {reason}"));

@@ -11,9 +11,10 @@ pub struct SoundServer(Infallible);
 impl SoundServer {
     /// Fails.
     pub fn connect() -> Result<Self, SoundError> {
-        Err(SoundError::Unsupported(match cfg!(target_os = "linux") {
-            true => "this program was built without them; build it with `--features sound`",
-            false => "they need PulseAudio or PipeWire, which Linux has",
+        Err(SoundError::Unsupported(if cfg!(target_os = "linux") {
+            "this program was built without them; build it with `--features sound`"
+        } else {
+            "they need PulseAudio or PipeWire, which Linux has"
         }))
     }
 

@@ -103,9 +103,10 @@ impl<W: Write + Seek> PoseWriter<W> {
             return text.push(&pose);
         }
         self.early.push(pose);
-        match self.early.len() < self.options.measured_poses {
-            true => Ok(()),
-            false => self.start(),
+        if self.early.len() < self.options.measured_poses {
+            Ok(())
+        } else {
+            self.start()
         }
     }
 

@@ -25,9 +25,10 @@ pub(super) fn show(
         return;
     };
     let is_wide = size.x > 1.2 * size.y;
-    let halves = match is_wide {
-        true => area.split_left_right_at_fraction(0.5),
-        false => area.split_top_bottom_at_fraction(0.5),
+    let halves = if is_wide {
+        area.split_left_right_at_fraction(0.5)
+    } else {
+        area.split_top_bottom_at_fraction(0.5)
     };
     let fingers = picture.finger_viewpoint();
     let name = match fingers {

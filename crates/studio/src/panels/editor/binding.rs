@@ -44,9 +44,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part) {
     let slot = &slots[panel.binding.slot];
     ui.horizontal(|ui| {
         let is_capturing = panel.binding.is_capturing;
-        let words = match is_capturing {
-            true => text("editor-pressing"),
-            false => text("editor-press-key"),
+        let words = if is_capturing {
+            text("editor-pressing")
+        } else {
+            text("editor-press-key")
         };
         let press = ui.selectable_label(is_capturing, words);
         if press.on_hover_text(text("editor-press-key-hint")).clicked() {
@@ -154,9 +155,10 @@ fn current(panel: &EditorPanel, part: Part, slot: &Slot) -> Option<String> {
         Slot::Base => {
             let is_row_key = matches!(part, Part::RowKey { .. });
             let fields = ["code", "layer", "action"].into_iter();
-            match is_row_key {
-                true => editor.part_name(part),
-                false => fields.filter_map(written).next(),
+            if is_row_key {
+                editor.part_name(part)
+            } else {
+                fields.filter_map(written).next()
             }
         }
         Slot::Hold => written("hold").filter(|_| !matches!(part, Part::RowKey { .. })),

@@ -133,12 +133,13 @@ fn handle_mouse(
         return;
     };
     if response.dragged_by(PointerButton::Primary) {
-        let snap = match panel.snaps && !modifiers.alt {
-            true => SnapSettings {
+        let snap = if panel.snaps && !modifiers.alt {
+            SnapSettings {
                 grid_mm: panel.grid_mm,
                 reach_mm: SNAP_REACH / scale,
-            },
-            false => SnapSettings::OFF,
+            }
+        } else {
+            SnapSettings::OFF
         };
         let items = &panel.items.items;
         panel.preview = gesture.preview(items, &mut panel.selected, point, snap);
@@ -186,9 +187,10 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
             }),
             Handle::Corner(corner) => {
                 let by = (new.half - old.half) * 2.0;
-                let fixed = match old.is_disc {
-                    true => Vec2::ZERO,
-                    false => -CORNERS[*corner],
+                let fixed = if old.is_disc {
+                    Vec2::ZERO
+                } else {
+                    -CORNERS[*corner]
                 };
                 panel.apply(&Edit::Resize {
                     parts: vec![part],
@@ -245,9 +247,10 @@ pub(super) fn paint(
     (area, viewport): (egui::Rect, &Viewport),
     over: &Over,
 ) {
-    let colors = match ui.visuals().dark_mode {
-        true => SceneColors::DARK,
-        false => SceneColors::LIGHT,
+    let colors = if ui.visuals().dark_mode {
+        SceneColors::DARK
+    } else {
+        SceneColors::LIGHT
     };
     let (pressed, fingertips) = live(panel, context.session);
     let scene = CanvasScene {

@@ -32,9 +32,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             let old: f64 = value.or(default).unwrap_or(min);
             let mut value = old;
             let drag = DragValue::new(&mut value).range(min..=max);
-            let drag = match is_mixed {
-                true => drag.custom_formatter(|_, _| text("editor-mixed").to_owned()),
-                false => drag.suffix(field.unit),
+            let drag = if is_mixed {
+                drag.custom_formatter(|_, _| text("editor-mixed").to_owned())
+            } else {
+                drag.suffix(field.unit)
             };
             let speed = ((max - min) / 500.0).clamp(0.005, 1.0);
             let drag = ui

@@ -39,9 +39,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             &[("count", count.into())],
         )),
     };
-    match panel.selected.len() > 1 {
-        true => several::show(ui, panel),
-        false => show_geometry(ui, panel),
+    if panel.selected.len() > 1 {
+        several::show(ui, panel)
+    } else {
+        show_geometry(ui, panel)
     }
     if parts.len() == 1 {
         binding::show(ui, panel, first);
@@ -56,9 +57,10 @@ fn title(panel: &EditorPanel, part: Part) -> String {
 
 /// Returns the kind and the name of a part; the name alone if it begins with the kind, as those of new controls do.
 fn title_of(kind: &str, name: &str) -> String {
-    match name.to_lowercase().starts_with(&kind.to_lowercase()) {
-        true => name.to_owned(),
-        false => format!("{kind} {name}"),
+    if name.to_lowercase().starts_with(&kind.to_lowercase()) {
+        name.to_owned()
+    } else {
+        format!("{kind} {name}")
     }
 }
 
@@ -112,15 +114,12 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             number(ui, "Y", &mut shape.center.y, -2000.0..=2000.0, " mm");
             ui.end_row();
             let mut size = shape.half * 2.0;
-            match shape.is_disc {
-                true => {
-                    number(ui, text("editor-diameter"), &mut size.x, 1.0..=500.0, " mm");
-                    size.y = size.x;
-                }
-                false => {
-                    number(ui, text("editor-width"), &mut size.x, 1.0..=500.0, " mm");
-                    number(ui, text("editor-depth"), &mut size.y, 1.0..=500.0, " mm");
-                }
+            if shape.is_disc {
+                number(ui, text("editor-diameter"), &mut size.x, 1.0..=500.0, " mm");
+                size.y = size.x;
+            } else {
+                number(ui, text("editor-width"), &mut size.x, 1.0..=500.0, " mm");
+                number(ui, text("editor-depth"), &mut size.y, 1.0..=500.0, " mm");
             }
             shape.half = size / 2.0;
             ui.end_row();
@@ -144,9 +143,12 @@ fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &
         return;
     };
     // A field that is left without a change rounds its number to what it shows.
-    let changed = |old: f32, new: f32| match is_other_number(old.into(), new.into(), DECIMALS) {
-        true => rounded(new - old),
-        false => 0.0,
+    let changed = |old: f32, new: f32| {
+        if is_other_number(old.into(), new.into(), DECIMALS) {
+            rounded(new - old)
+        } else {
+            0.0
+        }
     };
     let by = [
         changed(old.center.x, new.center.x),

@@ -63,13 +63,15 @@ pub(super) fn button(ui: &mut egui::Ui, bars: [Bar; 3], hint: &str, is_enabled: 
     };
     let (area, response) = ui.allocate_exact_size(vec2(SIDE, SIDE), sense);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, is_enabled, hint));
-    let visuals = match is_enabled {
-        true => *ui.style().interact(&response),
-        false => ui.visuals().widgets.noninteractive,
+    let visuals = if is_enabled {
+        *ui.style().interact(&response)
+    } else {
+        ui.visuals().widgets.noninteractive
     };
-    let color = match is_enabled {
-        true => visuals.text_color(),
-        false => ui.visuals().weak_text_color().gamma_multiply(0.6),
+    let color = if is_enabled {
+        visuals.text_color()
+    } else {
+        ui.visuals().weak_text_color().gamma_multiply(0.6)
     };
     if is_enabled {
         ui.painter()

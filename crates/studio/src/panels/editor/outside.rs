@@ -228,9 +228,10 @@ impl EditorPanel {
 
     /// Returns the message after a save.
     fn saved_message(&self) -> &'static str {
-        match self.editor.is_valid() {
-            true => text("editor-saved"),
-            false => text("editor-saved-with-errors"),
+        if self.editor.is_valid() {
+            text("editor-saved")
+        } else {
+            text("editor-saved-with-errors")
         }
     }
 

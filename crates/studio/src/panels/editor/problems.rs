@@ -52,9 +52,10 @@ fn show_lines(ui: &mut egui::Ui, text: &str, line: usize) {
     let lines = text.lines().enumerate().skip(first);
     for (index, content) in lines.take(2 * CONTEXT_LINES + 1) {
         let words = RichText::new(format!("{:>5}  {content}", index + 1)).monospace();
-        match index + 1 == line {
-            true => ui.label(words.strong()),
-            false => ui.label(words.weak()),
+        if index + 1 == line {
+            ui.label(words.strong())
+        } else {
+            ui.label(words.weak())
         };
     }
 }

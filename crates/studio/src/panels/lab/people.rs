@@ -23,9 +23,10 @@ pub(super) fn show(ui: &mut egui::Ui, state: &LabState) -> Option<usize> {
     ui.separator();
     ui.strong(text("lab-worst-people"));
     let is_typing = shown.bars.iter().any(|bar| bar.can_be_watched);
-    let hint = match is_typing {
-        true => "lab-watch-hint",
-        false => "lab-watch-tasks",
+    let hint = if is_typing {
+        "lab-watch-hint"
+    } else {
+        "lab-watch-tasks"
     };
     ui.label(egui::RichText::new(text(hint)).weak());
     if state.watching.is_some() {

@@ -38,9 +38,10 @@ pub(in super::super) fn show(
                 .meant
                 .as_deref()
                 .unwrap_or(text("lab-watch-unmeant"));
-            let pressed = match failure.pressed.is_empty() {
-                true => text("lab-watch-nothing").to_owned(),
-                false => failure.pressed.join(", "),
+            let pressed = if failure.pressed.is_empty() {
+                text("lab-watch-nothing").to_owned()
+            } else {
+                failure.pressed.join(", ")
             };
             let values = [("meant", meant.into()), ("pressed", pressed.into())];
             let words = text_with("lab-watch-failure", &values);

@@ -50,9 +50,10 @@ pub(super) fn show(
 
 /// Returns the moves of the keys that were pressed.
 fn pressed_keys(ui: &egui::Ui, player: &Player) -> Option<Move> {
-    let toggle = match player.is_playing() {
-        true => Move::Pause,
-        false => Move::Play,
+    let toggle = if player.is_playing() {
+        Move::Pause
+    } else {
+        Move::Play
     };
     let keys = [
         (Modifiers::SHIFT, Key::ArrowLeft, Move::BySeconds(-1.0)),
@@ -70,9 +71,10 @@ fn pressed_keys(ui: &egui::Ui, player: &Player) -> Option<Move> {
 }
 
 fn show_transport(ui: &mut egui::Ui, player: &Player, moves: &mut Vec<Move>) {
-    let toggle = match player.is_playing() {
-        true => ("recording-pause", Move::Pause),
-        false => ("recording-play", Move::Play),
+    let toggle = if player.is_playing() {
+        ("recording-pause", Move::Pause)
+    } else {
+        ("recording-play", Move::Play)
     };
     // Signs that the fonts of the window have.
     let buttons = [

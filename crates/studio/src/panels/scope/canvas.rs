@@ -87,15 +87,17 @@ impl<'a> Canvas<'a> {
             let x = self.x_at(self.end + age);
             let stroke = Stroke::new(0.5, self.weak.gamma_multiply(0.4));
             self.painter.vline(x, self.area.y_range(), stroke);
-            let name = match age.abs() < step * 0.5 {
-                true => "0 s".to_owned(),
-                false => format!("−{:.digits$} s", -age),
+            let name = if age.abs() < step * 0.5 {
+                "0 s".to_owned()
+            } else {
+                format!("−{:.digits$} s", -age)
             };
             let at = Pos2::new(x, self.area.max.y + 1.0);
             let is_at_end = x > self.area.max.x - 16.0;
-            let align = match is_at_end {
-                true => Align2::RIGHT_TOP,
-                false => Align2::CENTER_TOP,
+            let align = if is_at_end {
+                Align2::RIGHT_TOP
+            } else {
+                Align2::CENTER_TOP
             };
             self.text(at, align, &name, self.weak);
         }

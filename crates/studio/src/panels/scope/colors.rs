@@ -14,9 +14,10 @@ pub struct PlotColors {
 impl PlotColors {
     /// Returns the colours for a window.
     pub const fn new(visuals: &Visuals) -> Self {
-        match visuals.dark_mode {
-            true => Self::DARK,
-            false => Self::LIGHT,
+        if visuals.dark_mode {
+            Self::DARK
+        } else {
+            Self::LIGHT
         }
     }
 

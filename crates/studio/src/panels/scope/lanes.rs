@@ -71,9 +71,10 @@ pub fn values_at(
         for (side, finger) in fingers() {
             let height = moment.heights_mm[side.index()][finger.index()];
             if !height.is_nan() {
-                let press = match moment.pressing[side.index()].contains(finger) {
-                    true => " ▬",
-                    false => "",
+                let press = if moment.pressing[side.index()].contains(finger) {
+                    " ▬"
+                } else {
+                    ""
                 };
                 lines.push(format!(
                     "{}: {height:.1} mm{press}",
@@ -176,9 +177,10 @@ fn draw_events(canvas: &Canvas, row: Rect) {
             continue;
         }
         let x = canvas.x_at(time);
-        let (top, arrow) = match event.is_press {
-            true => (row.min.y, '↓'),
-            false => (row.center().y, '↑'),
+        let (top, arrow) = if event.is_press {
+            (row.min.y, '↓')
+        } else {
+            (row.center().y, '↑')
         };
         let (color, tick) = (canvas.strong, Rangef::new(top, row.max.y));
         canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
@@ -186,15 +188,17 @@ fn draw_events(canvas: &Canvas, row: Rect) {
             let name = format!("{}{arrow}", event.key);
             // A name at the end of the row is left of its tick, as it would be cut off.
             let is_at_end = x + NAME_WIDTH > row.max.x;
-            let (side, align) = match is_at_end {
-                true => (-2.0, Align2::RIGHT_CENTER),
-                false => (2.0, Align2::LEFT_CENTER),
+            let (side, align) = if is_at_end {
+                (-2.0, Align2::RIGHT_CENTER)
+            } else {
+                (2.0, Align2::LEFT_CENTER)
             };
             let at = Pos2::new(x + side, row.center().y);
             let text = canvas.text(at, align, &name, color);
-            free_from = match is_at_end {
-                true => x + NAME_WIDTH,
-                false => text.max.x + 4.0,
+            free_from = if is_at_end {
+                x + NAME_WIDTH
+            } else {
+                text.max.x + 4.0
             };
         }
     }
@@ -253,9 +257,10 @@ fn pressing_fingers(history: &History) -> Vec<(Side, Finger)> {
 
 /// Returns the name of a finger, with its side if both hands are known.
 fn finger_name(known: &[(Side, Finger)], side: Side, finger: Finger) -> String {
-    match known.iter().any(|(other, _)| *other != side) {
-        true => finger_of_side(side, finger),
-        false => joint_names::finger_name(finger).to_owned(),
+    if known.iter().any(|(other, _)| *other != side) {
+        finger_of_side(side, finger)
+    } else {
+        joint_names::finger_name(finger).to_owned()
     }
 }
 

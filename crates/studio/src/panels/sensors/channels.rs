@@ -20,9 +20,10 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     let table = &context.session.sensors;
     if !table.is_seen() {
         let is_waiting = context.session.stats.source.readings == 0;
-        ui.label(match is_waiting {
-            true => text("channel-no-reading"),
-            false => text("channel-none"),
+        ui.label(if is_waiting {
+            text("channel-no-reading")
+        } else {
+            text("channel-none")
         });
         return;
     }

@@ -143,11 +143,12 @@ fn do_task(
     let is_complete = practice::perform(&exercise, &mut task)?;
     if !is_complete {
         let _ = fs::remove_file(&recording);
-        return match signals::is_stop_requested() {
-            true => Ok(None),
-            false => Err(Failure::job(
+        return if signals::is_stop_requested() {
+            Ok(None)
+        } else {
+            Err(Failure::job(
                 "the source ended before the task was complete; the trials before it are kept, the command again repeats it",
-            )),
+            ))
         };
     }
     let name = recording

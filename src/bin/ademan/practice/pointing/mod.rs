@@ -40,28 +40,29 @@ pub fn run(
             escape(&layout.name)
         )));
     }
-    let hand = match is_simulated {
-        true => {
-            let script = script(&layout)?;
-            Some(setup.scripted(&script, &Hc11Format::default(), args.noise, args.seed)?)
-        }
-        false => None,
+    let hand = if is_simulated {
+        let script = script(&layout)?;
+        Some(setup.scripted(&script, &Hc11Format::default(), args.noise, args.seed)?)
+    } else {
+        None
     };
     let mut task = PointingTask::new();
     run_task(args, setup, hand, &mut task)?;
     let is_complete = task.is_complete();
     let session = session(&layout, is_simulated, &task);
     let is_kept = is_complete && !args.no_history;
-    let progress = match is_kept {
-        true => history.add(session.clone()),
-        false => None,
+    let progress = if is_kept {
+        history.add(session.clone())
+    } else {
+        None
     };
     print(args, &session, is_complete, progress)?;
-    match is_complete || signals::is_stop_requested() {
-        true => Ok(()),
-        false => Err(Failure::job(
+    if is_complete || signals::is_stop_requested() {
+        Ok(())
+    } else {
+        Err(Failure::job(
             "the source ended before all targets were clicked on",
-        )),
+        ))
     }
 }
 

@@ -27,9 +27,10 @@ pub fn lines(picture: &Picture, width: u16) -> Vec<Line<'static>> {
             let mark = finger_mark(bend.finger, is_bent);
             let style = picture.look.fingertip(bend.finger);
             spans.push(Span::styled(mark.to_string(), style));
-            let name = match is_one && width >= 96 {
-                true => format!(" {} ", bend.finger.name()),
-                false => String::new(),
+            let name = if is_one && width >= 96 {
+                format!(" {} ", bend.finger.name())
+            } else {
+                String::new()
             };
             spans.push(Span::raw(format!("{name}▕{}▏ ", bar(bend))));
         }

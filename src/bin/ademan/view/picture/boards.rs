@@ -98,22 +98,19 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         return;
     }
     let is_bordered = area.width >= 3 && area.height >= 3;
-    let inside = match is_bordered {
-        true => {
-            let corners = if cell.round {
-                border::ROUNDED
-            } else {
-                border::PLAIN
-            };
-            let block = Block::bordered().border_set(corners).style(style);
-            let inside = block.inner(area);
-            block.render(area, buffer);
-            inside
-        }
-        false => {
-            buffer.set_style(area, style);
-            area
-        }
+    let inside = if is_bordered {
+        let corners = if cell.round {
+            border::ROUNDED
+        } else {
+            border::PLAIN
+        };
+        let block = Block::bordered().border_set(corners).style(style);
+        let inside = block.inner(area);
+        block.render(area, buffer);
+        inside
+    } else {
+        buffer.set_style(area, style);
+        area
     };
     // A symbol such as that of Shift is not in every locale.
     let is_drawable = picture.look.is_unicode || face.label.is_ascii();
@@ -178,17 +175,18 @@ fn draw_handle(value: f32, inside: Rect, buffer: &mut Buffer, style: Style) {
     let is_wide = inside.width >= 2 * inside.height;
     let length = if is_wide { inside.width } else { inside.height };
     let offset = (value * f32::from(length.saturating_sub(1))).round() as u16;
-    let handle = match is_wide {
-        true => Rect {
+    let handle = if is_wide {
+        Rect {
             x: inside.x + offset,
             width: 1,
             ..inside
-        },
-        false => Rect {
+        }
+    } else {
+        Rect {
             y: inside.bottom().saturating_sub(1 + offset),
             height: 1,
             ..inside
-        },
+        }
     };
     for position in handle.intersection(buffer.area).positions() {
         buffer[position]
@@ -204,9 +202,10 @@ fn draw_label(label: &str, inside: Rect, is_bordered: bool, buffer: &mut Buffer,
     }
     let label = escape(label);
     // A compact key leaves a gap to the next one.
-    let room = match is_bordered || inside.width < 2 {
-        true => inside.width,
-        false => inside.width - 1,
+    let room = if is_bordered || inside.width < 2 {
+        inside.width
+    } else {
+        inside.width - 1
     };
     let width = label.chars().count().min(usize::from(room)) as u16;
     let x = inside.x + (room - width) / 2;

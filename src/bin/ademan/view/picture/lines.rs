@@ -54,13 +54,13 @@ impl Picture<'_> {
 
     /// Returns the lines below the boards, the most important group first.
     pub(super) fn lines_below(&self, width: u16) -> Vec<LineGroup> {
-        let keys = match self.task.is_empty() {
-            true => vec![self.keys(width)],
-            false => self
-                .task
+        let keys = if self.task.is_empty() {
+            vec![self.keys(width)]
+        } else {
+            self.task
                 .iter()
                 .map(|line| Line::from(cut(line, width).into_owned()))
-                .collect(),
+                .collect()
         };
         let groups = [
             ("fingers", self.fingers(width)),
@@ -101,9 +101,10 @@ impl Picture<'_> {
                 let space = if has_names { " " } else { "" };
                 spans.push(Span::raw(format!("{space}{name} {:<4.0}", tip.height_mm)));
             }
-            spans.push(Span::raw(match width >= 56 {
-                true => "mm above the board",
-                false => "mm",
+            spans.push(Span::raw(if width >= 56 {
+                "mm above the board"
+            } else {
+                "mm"
             }));
             Line::from(spans)
         });
@@ -114,20 +115,22 @@ impl Picture<'_> {
     fn keys(&self, width: u16) -> Line<'static> {
         let state = &self.view.state;
         let down: Vec<&str> = state.keys.iter().map(|key| key.name()).collect();
-        let down = match down.is_empty() {
-            true => "no key is down".to_owned(),
-            false => format!("down: {}", down.join(" ")),
+        let down = if down.is_empty() {
+            "no key is down".to_owned()
+        } else {
+            format!("down: {}", down.join(" "))
         };
         let down = cut(&down, width).into_owned();
         let room = usize::from(width).saturating_sub(down.chars().count() + 10);
-        let typed = match state.typed.is_empty() {
-            true => latest_keys(&state.recent, room),
-            // The quotes show a space at its end.
-            false => format!("\"{}\"", state.typed_end(room.saturating_sub(2))),
+        let typed = if state.typed.is_empty() {
+            latest_keys(&state.recent, room)
+        } else {
+            format!("\"{}\"", state.typed_end(room.saturating_sub(2)))
         };
-        let style = match state.keys.is_empty() {
-            true => self.look.faint(),
-            false => self.look.pressed(),
+        let style = if state.keys.is_empty() {
+            self.look.faint()
+        } else {
+            self.look.pressed()
         };
         let mut spans = vec![Span::styled(down, style)];
         if !typed.is_empty() {
@@ -199,9 +202,10 @@ fn latest_keys(recent: &[String], mut room: usize) -> String {
 fn straighten(bends: &[FingerBend]) -> String {
     let bent = bends.iter().filter(|bend| bend.bend > bend.release_at);
     let names: Vec<&str> = bent.map(|bend| bend.finger.name()).collect();
-    match names.is_empty() {
-        true => String::new(),
-        false => format!(": straighten {}", names.join(", ")),
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(": straighten {}", names.join(", "))
     }
 }
 

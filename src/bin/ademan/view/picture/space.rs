@@ -64,9 +64,10 @@ pub fn draw_space(picture: &Picture, index: usize, buffer: &mut Buffer, area: Re
             .selected
             .iter()
             .any(|selected| selected.0 == target);
-        let style = match is_selected {
-            true => picture.look.pressed(),
-            false => Style::new(),
+        let style = if is_selected {
+            picture.look.pressed()
+        } else {
+            Style::new()
         };
         let (x, y) = position_in(fractions(volume.center), inside);
         // The center is a dot, which the cursor may cover without covering the name.

@@ -29,9 +29,10 @@ fn view(layout: &str) -> View {
     let face = board.and_then(|board| layout.faces(board).next());
     if let Some(face) = face {
         let position = face.row_position * 1e3;
-        let sides = match layout.has_board_for(Side::Left) {
-            true => Side::ALL,
-            false => &Side::ALL[1..],
+        let sides = if layout.has_board_for(Side::Left) {
+            Side::ALL
+        } else {
+            &Side::ALL[1..]
         };
         for &side in sides {
             for (number, &finger) in Finger::ALL.iter().enumerate() {

@@ -196,9 +196,10 @@ impl Write for Output {
 
     fn flush(&mut self) -> io::Result<()> {
         let bytes = mem::take(&mut self.bytes);
-        match is_covered() {
-            true => write_while(&mut self.terminal, &bytes, is_covered),
-            false => Ok(()),
+        if is_covered() {
+            write_while(&mut self.terminal, &bytes, is_covered)
+        } else {
+            Ok(())
         }
     }
 }

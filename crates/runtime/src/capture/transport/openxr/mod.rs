@@ -74,11 +74,12 @@ pub const HAS_OPENXR: bool = cfg!(feature = "openxr");
 
 /// Checks the option `protocol`, which has one value.
 pub fn check_protocol(name: &str) -> std::result::Result<(), String> {
-    match name == OPENXR.name {
-        true => Ok(()),
-        false => Err(format!(
+    if name == OPENXR.name {
+        Ok(())
+    } else {
+        Err(format!(
             "an OpenXR runtime gives joints, not packets of the protocol `{name}`; leave out `protocol`"
-        )),
+        ))
     }
 }
 

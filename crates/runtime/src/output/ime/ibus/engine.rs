@@ -93,11 +93,10 @@ impl<'a> Engine<'a> {
     pub(super) fn run(mut self, requests: &Receiver<Request>) -> End {
         let messages = self.bus.messages.clone();
         loop {
-            let timeout = match self.waiting.is_empty() {
-                true => never(),
-                false => after(
-                    (self.waiting_since + KEY_TIMEOUT).saturating_duration_since(Instant::now()),
-                ),
+            let timeout = if self.waiting.is_empty() {
+                never()
+            } else {
+                after((self.waiting_since + KEY_TIMEOUT).saturating_duration_since(Instant::now()))
             };
             let done = select! {
                 recv(requests) -> request => match request {

@@ -137,9 +137,12 @@ impl Server {
             PollFd::new(&self.wake_ups, PollFlags::IN),
             PollFd::new(&self.listener, listener),
         ];
-        let flags = |client: &Client| match client.has_messages() {
-            true => PollFlags::IN | PollFlags::OUT,
-            false => PollFlags::IN,
+        let flags = |client: &Client| {
+            if client.has_messages() {
+                PollFlags::IN | PollFlags::OUT
+            } else {
+                PollFlags::IN
+            }
         };
         let clients = self.clients.iter();
         descriptors.extend(clients.map(|client| PollFd::new(client, flags(client))));

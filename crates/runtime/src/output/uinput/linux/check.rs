@@ -31,13 +31,14 @@ pub fn check() -> Result<String, OutputError> {
         has_node |= has_keyboard_node();
     }
     uinput.close()?;
-    match has_node {
-        true => Ok("the kernel created a keyboard, and its node appeared in /dev/input".into()),
-        false => Err(OutputError::send(
+    if has_node {
+        Ok("the kernel created a keyboard, and its node appeared in /dev/input".into())
+    } else {
+        Err(OutputError::send(
             BACKEND.name,
             "the kernel created a keyboard, but its node did not appear in /dev/input: in a container, \
-             programs outside of it can use it nevertheless",
-        )),
+         programs outside of it can use it nevertheless",
+        ))
     }
 }
 

@@ -199,13 +199,12 @@ impl<N: DeviceNode> Sink for Uinput<N> {
         let mut result = self.restart_lost_watchdog();
         self.update_active_pointer(events);
         for event in events {
-            match self.report_before(event.kind) {
-                true => result = result.and(self.push(event.kind)),
-                false => {
-                    let is_press = matches!(event.kind, EventKind::KeyDown(_));
-                    self.dropped_presses += u64::from(is_press);
-                    self.has_stalled |= is_press;
-                }
+            if self.report_before(event.kind) {
+                result = result.and(self.push(event.kind))
+            } else {
+                let is_press = matches!(event.kind, EventKind::KeyDown(_));
+                self.dropped_presses += u64::from(is_press);
+                self.has_stalled |= is_press;
             }
         }
         result = result.and(self.for_each_device(TrackedDevice::flush));

@@ -136,9 +136,10 @@ async fn check_sender(connection: &zbus::Connection, header: &Header<'_>) -> fdo
     let sender = header.sender().ok_or_else(denied)?;
     let bus = fdo::DBusProxy::new(connection).await?;
     let user = bus.get_connection_unix_user(sender.clone().into()).await?;
-    match user == rustix::process::getuid().as_raw() {
-        true => Ok(()),
-        false => Err(denied()),
+    if user == rustix::process::getuid().as_raw() {
+        Ok(())
+    } else {
+        Err(denied())
     }
 }
 

@@ -38,9 +38,10 @@ impl RecordedWatchdog {
         let losses = self.losses.clone();
         let path = self.path().display().to_string();
         // Sends READY, skips the target, and copies every message.
-        let copy = match self.replies {
-            true => format!("tee -a {path} >&0"),
-            false => format!("cat >>{path}"),
+        let copy = if self.replies {
+            format!("tee -a {path} >&0")
+        } else {
+            format!("cat >>{path}")
         };
         let script =
             format!("printf . >&0; head -c 6 >/dev/null; echo $$ >{path}.process; exec {copy}");
