@@ -25,6 +25,7 @@ mod latest;
 mod layout_link;
 mod layout_trial;
 mod notice;
+mod observer;
 mod options;
 pub mod panic_keys;
 mod recordings;
@@ -33,6 +34,7 @@ mod replay;
 mod reply;
 mod run_pipeline;
 mod sensor_link;
+mod snapshots;
 mod source;
 mod status;
 mod tray;
@@ -43,7 +45,6 @@ mod writer_thread;
 
 use std::io;
 use std::sync::Arc;
-use std::time::Instant;
 
 use crossbeam_channel::Sender;
 use hdrhistogram::Histogram;
@@ -53,10 +54,12 @@ use self::event_loop::run_observed;
 use self::focus::FocusWatch;
 use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
+use self::observer::Observer;
 use self::panic_keys::PanicKeysError;
 use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
-use self::status::{Hints, StatusLog};
+use self::snapshots::SnapshotSender;
+use self::status::StatusNotices;
 use self::tray::Tray;
 use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
@@ -70,8 +73,8 @@ use crate::share::{ShareError, ShareHub};
 use ademan_core::command::{Command, CommandOrigin};
 use ademan_core::layout::Layout;
 use ademan_core::message::escape;
-use ademan_core::pipeline::{Pipeline, SourceRole};
-use ademan_core::snapshot::{Snapshot, Stats, StepView};
+use ademan_core::pipeline::SourceRole;
+use ademan_core::snapshot::Stats;
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
 #[doc(hidden)]
@@ -143,8 +146,7 @@ pub struct Session {
     command_sender: CommandSender,
     notices: NoticeThread,
     write_failures: WriteFailures,
-    /// `None` once the owner has dropped the receiver.
-    snapshots: Option<Sender<Snapshot>>,
+    snapshots: SnapshotSender,
     views: ViewPublisher,
     view_hub: ViewHub,
     /// Sends once the outputs are open.
@@ -210,6 +212,7 @@ impl Session {
         }
         let is_recorded = options.record_to.is_some();
         let sensors = SensorLink::new(Arc::clone(&setup), command_sender.clone(), is_recorded);
+        let is_lossless = options.lossless_snapshots;
         let (snapshots, snapshot_receiver) = SessionHandle::snapshot_channel();
         let session = Self {
             setup,
@@ -218,7 +221,10 @@ impl Session {
             command_sender: command_sender.clone(),
             notices,
             write_failures,
-            snapshots: Some(snapshots),
+            snapshots: SnapshotSender {
+                sender: Some(snapshots),
+                is_lossless,
+            },
             views,
             view_hub: hub.clone(),
             start_signal: None,
@@ -288,31 +294,20 @@ impl Session {
             // The owner may have dropped its end.
             let _ = signal.send(());
         }
-        let status = || StatusLog::new(has_effect);
-        let mut status = self.options.report_status.then(status);
+        let notices = self.notices.sender();
+        let reports = self.options.report_status;
+        let mut status = reports.then(|| StatusNotices::new(has_effect, notices));
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
-        let (notices, snapshots) = (self.notices.sender(), &mut self.snapshots);
-        let views = &mut self.views;
-        let is_lossless = self.options.lossless_snapshots;
-        let share = &mut self.share;
-        let mut observe = |step: &StepView, now: Instant, pipeline: &Pipeline| {
-            haptics.update(step);
-            if let Some(status) = &mut status {
-                let hints = Hints::of(pipeline);
-                status.update(step, &hints, now, &mut |notice| notices.send(notice));
-            }
-            if let Some(notifier) = &mut notifier {
-                notifier.notify_step(step);
-                notifier.notify_cursor(pipeline.layout());
-            }
-            if let Some(tray) = &mut tray {
-                tray.update(step, pipeline);
-            }
-            recordings.push(step);
-            views.update(step, now, pipeline);
-            share.push(step, pipeline);
-            publish(snapshots, step, is_lossless);
-        };
+        let mut observers: Vec<&mut dyn Observer> = vec![
+            &mut haptics,
+            &mut status,
+            &mut notifier,
+            &mut tray,
+            &mut recordings,
+            &mut self.views,
+            &mut self.share,
+            &mut self.snapshots,
+        ];
         let mut pipeline = self.setup.pipeline();
         // Not for a replay, which needs all of a processor. The thread of the source, which notices a pulled cable, inherits it.
         if is_live {
@@ -323,7 +318,7 @@ impl Session {
             &mut pipeline,
             &mut *sink,
             &self.commands,
-            &mut observe,
+            &mut observers,
         );
         // Fingers are free before the recording is complete.
         drop(haptics);
@@ -399,24 +394,6 @@ impl Session {
                 });
             }
         }
-    }
-}
-
-/// Hands a snapshot to the owner of the session, until the owner drops the receiver.
-fn publish(snapshots: &mut Option<Sender<Snapshot>>, step: &StepView, is_lossless: bool) {
-    let Some(sender) = snapshots else {
-        return;
-    };
-    let is_disconnected = if is_lossless {
-        sender.send(step.to_snapshot()).is_err()
-    } else if sender.is_full() {
-        false
-    } else {
-        let sent = sender.try_send(step.to_snapshot());
-        sent.is_err_and(|error| error.is_disconnected())
-    };
-    if is_disconnected {
-        *snapshots = None;
     }
 }
 

@@ -3,10 +3,11 @@
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::RecvTimeoutError;
 
+use super::observer::Observer;
 use super::write_failures::WriteFailures;
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
@@ -14,6 +15,7 @@ use crate::files;
 use crate::recorder::{RecordError, Recorder, cannot_create};
 use crate::trace::bvh::{PoseOptions, PoseWriter};
 use ademan_core::kinematics::HandPose;
+use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::{Snapshot, StepView};
 use ademan_core::time::NO_DEADLINE;
 
@@ -84,8 +86,7 @@ impl Recordings {
         Ok(())
     }
 
-    /// Records a step.
-    pub fn push(&mut self, step: &StepView) {
+    fn push(&mut self, step: &StepView) {
         if let Some(steps) = &mut self.steps {
             steps.push(step.to_snapshot());
         }
@@ -99,6 +100,12 @@ impl Recordings {
         let steps = self.steps.and_then(|steps| steps.finish().err());
         let poses = self.poses.and_then(|poses| poses.finish().err());
         steps.or(poses)
+    }
+}
+
+impl Observer for Recordings {
+    fn observe(&mut self, step: &StepView, _: Instant, _: &Pipeline) {
+        self.push(step);
     }
 }
 
@@ -144,8 +151,6 @@ fn write_blocks(
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use super::*;
     use crate::capture::recording::Replay;
     use crate::capture::{Channels, Reading, Sample, Source, SourceEvent};

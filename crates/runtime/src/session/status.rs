@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::notice::{NearestTarget, Notice};
+use super::notice::{NearestTarget, Notice, NoticeSender};
+use super::observer::Observer;
 use crate::message_limits::MessageLimits;
 use ademan_core::command::CommandOrigin;
 use ademan_core::estimate::Rejection;
@@ -17,7 +18,7 @@ const AWAITED: u32 = 10;
 /// Derives notices from steps: one for each change of state and each loss, but at most one per kind and source in
 /// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
 #[derive(Default)]
-pub(super) struct StatusLog {
+struct StatusLog {
     /// The outputs reach other programs.
     has_effect: bool,
     limits: MessageLimits<Topic, Notice>,
@@ -63,7 +64,7 @@ enum Topic {
 
 /// What a person has to do before the layout works, as the pipeline has it after a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hints {
+struct Hints {
     /// Fingers that must be straightened before the output is armed.
     bent: FingerSet,
     /// The layout waits for an open hand.
@@ -81,6 +82,29 @@ impl Hints {
             awaits_start: pipeline.awaits_start(),
             unreached: pipeline.unreached(),
         }
+    }
+}
+
+/// Sends the notices of a [`StatusLog`].
+pub(super) struct StatusNotices {
+    log: StatusLog,
+    notices: NoticeSender,
+}
+
+impl StatusNotices {
+    /// Creates the notices of a session whose outputs reach other programs, or do not.
+    pub fn new(has_effect: bool, notices: NoticeSender) -> Self {
+        Self {
+            log: StatusLog::new(has_effect),
+            notices,
+        }
+    }
+}
+
+impl Observer for StatusNotices {
+    fn observe(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
+        let hints = Hints::of(pipeline);
+        (self.log).update(step, &hints, now, &mut |notice| self.notices.send(notice));
     }
 }
 

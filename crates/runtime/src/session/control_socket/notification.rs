@@ -5,15 +5,17 @@
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 use super::response::{self, JsonLine};
+use crate::session::observer::Observer;
 use crate::session::reload::LayoutReport;
 use ademan_core::command::CommandOrigin;
 use ademan_core::contact::TargetNames;
 use ademan_core::device::{CursorPosition, Events, TimedCommands};
-use ademan_core::pipeline::{LayoutInstance, PipelineState};
+use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
 
 /// Capacity of the queue from the session loop to the thread that converts notifications.
@@ -121,6 +123,13 @@ impl Notifier {
         if self.sender.try_send(notification).is_err() {
             self.subscribers.missed.fetch_add(lines, Ordering::Relaxed);
         }
+    }
+}
+
+impl Observer for Notifier {
+    fn observe(&mut self, step: &StepView, _: Instant, pipeline: &Pipeline) {
+        self.notify_step(step);
+        self.notify_cursor(pipeline.layout());
     }
 }
 

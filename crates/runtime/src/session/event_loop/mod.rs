@@ -13,11 +13,11 @@ use crossbeam_channel::TryRecvError;
 use hdrhistogram::Histogram;
 
 use self::capture::Capture;
-use self::publish::Observer;
 use self::text_field::FollowedField;
 use super::close_on_panic::CloseOnPanic;
 use super::command_channel::{CommandReceiver, Message, QueuedCommand};
 use super::layout_link::LayoutOperation;
+use super::observer::Observer;
 use super::reply::{Reply, RequestError};
 use super::{SessionError, Summary};
 use crate::capture::{CaptureError, CaptureEvent, Reading, Source, SourceStats};
@@ -28,27 +28,27 @@ use ademan_core::device::{Events, TimedCommand};
 use ademan_core::message::escape;
 use ademan_core::names::UnknownName;
 use ademan_core::pipeline::{CommandError, Pipeline};
-use ademan_core::snapshot::Stats;
+use ademan_core::snapshot::{Stats, StepView};
 use ademan_core::time::Timestamp;
 
 /// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
 /// recording may claim any period.
 const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Runs as [`run_pipeline`](super::run_pipeline) does. `observe` sees the pipeline after every step, too.
+/// Runs as [`run_pipeline`](super::run_pipeline) does. `observer` sees the pipeline after every step, too.
 pub(super) fn run_observed(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
     commands: &CommandReceiver,
-    observe: Observer,
+    observer: &mut dyn Observer,
 ) -> Result<Summary, SessionError> {
     let capture = Capture::start(source)?;
     commands.attach(capture.wake_target());
     let packet_period = capture.packet_period().unwrap_or(Duration::ZERO);
     let three_packets = packet_period.saturating_mul(3).min(MAX_STALL_TIMEOUT);
     pipeline.set_stall_timeout(pipeline.stall_timeout().max(three_packets));
-    let mut session = SessionLoop::new(capture, commands, pipeline, sink, observe);
+    let mut session = SessionLoop::new(capture, commands, pipeline, sink, observer);
     let ended = session.run();
     let closed = session.finish();
     ended?;
@@ -67,12 +67,12 @@ pub fn with_loop_step(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
-    observe: Observer,
+    mut observe: &mut dyn FnMut(&StepView, Instant, &Pipeline),
     body: impl FnOnce(&mut dyn FnMut(&Reading)),
 ) -> Result<(), SessionError> {
     let commands = CommandReceiver::disconnected();
     let capture = Capture::start(source)?;
-    let mut session = SessionLoop::new(capture, &commands, pipeline, sink, observe);
+    let mut session = SessionLoop::new(capture, &commands, pipeline, sink, &mut observe);
     body(&mut |reading| {
         session.now = Instant::now();
         // A reading that fails is measured, too.
@@ -98,7 +98,7 @@ struct SessionLoop<'a> {
     profile: usize,
     target_names: TargetNames,
     text_field: FollowedField,
-    observe: Observer<'a>,
+    observer: &'a mut dyn Observer,
     events: Events,
     /// The command from outside the layout that was executed in this step.
     executed: Option<TimedCommand>,
@@ -122,7 +122,7 @@ impl<'a> SessionLoop<'a> {
         commands: &'a CommandReceiver,
         pipeline: &'a mut Pipeline,
         sink: &'a mut dyn Sink,
-        observe: Observer<'a>,
+        observer: &'a mut dyn Observer,
     ) -> Self {
         let mut session = Self {
             capture,
@@ -132,7 +132,7 @@ impl<'a> SessionLoop<'a> {
             text_field: FollowedField::new(pipeline.profile_count()),
             pipeline,
             sink: CloseOnPanic(sink),
-            observe,
+            observer,
             events: Events::new(),
             executed: None,
             now: Instant::now(),

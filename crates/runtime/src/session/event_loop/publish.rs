@@ -1,20 +1,14 @@
 //! The steps that observers see, by reference, and the statistics of the session.
 
-use std::time::Instant;
-
 use super::SessionLoop;
 use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::session::reply::{LearnedSummary, SessionStatus};
 use ademan_core::command::Command;
 use ademan_core::device::TimedCommand;
-use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::StepView;
 
-/// A function that sees every step, the time of the loop, and the pipeline after the step. It must not block.
-pub(in crate::session) type Observer<'a> = &'a mut dyn FnMut(&StepView, Instant, &Pipeline);
-
 impl SessionLoop<'_> {
-    /// Shows this step to the observer, with the results for `reading` if it was accepted. Its events belong to the profile
+    /// Shows this step to the observers, with the results for `reading` if it was accepted. Its events belong to the profile
     /// that was active before them.
     pub(super) fn publish(
         &mut self,
@@ -44,7 +38,7 @@ impl SessionLoop<'_> {
             stats: &self.stats,
             latency: self.latency.take(),
         };
-        (self.observe)(&step, self.now, self.pipeline);
+        self.observer.observe(&step, self.now, self.pipeline);
         self.executed = None;
         if self.profile != self.pipeline.active_profile() {
             self.update_target_names();

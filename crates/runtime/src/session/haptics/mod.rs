@@ -8,13 +8,16 @@ mod hand;
 mod thread;
 
 use std::io;
+use std::time::Instant;
 
 use arrayvec::ArrayVec;
 
 use self::hand::HandFeedback;
 use self::thread::FeedbackThread;
+use super::observer::Observer;
 use crate::capture::{Haptics, Source};
 use ademan_core::hand::Side;
+use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::StepView;
 
 /// The feedback to all gloves of a session. Dropping it frees all fingers, and waits 0.2 s for that at most.
@@ -46,9 +49,10 @@ impl SessionHaptics {
     pub fn is_empty(&self) -> bool {
         self.hands.is_empty()
     }
+}
 
-    /// Shows a step to the gloves. Does not wait.
-    pub fn update(&mut self, step: &StepView) {
+impl Observer for SessionHaptics {
+    fn observe(&mut self, step: &StepView, _: Instant, _: &Pipeline) {
         for (hand, thread) in &mut self.hands {
             if hand.update(step) {
                 thread.send(hand.state());

@@ -12,10 +12,12 @@ mod unsupported;
 use unsupported as platform;
 
 use std::io;
+use std::time::Instant;
 
 use super::command_channel::CommandSender;
 use super::latest::LatestSender;
 use super::notice::{Notice, NoticeSender};
+use super::observer::Observer;
 use super::options::SessionOptions;
 use crate::setup::LoadedSetup;
 use ademan_core::command::CommandOrigin;
@@ -89,9 +91,11 @@ impl Tray {
             last: TrayState::STARTING,
         }))
     }
+}
 
-    /// Passes the state after a step on if it has changed. Does not wait.
-    pub fn update(&mut self, step: &StepView, pipeline: &Pipeline) {
+/// Passes the state on if it has changed.
+impl Observer for Tray {
+    fn observe(&mut self, step: &StepView, _: Instant, pipeline: &Pipeline) {
         let state = TrayState {
             state: step.state,
             paused_by: step.paused_by,

@@ -11,6 +11,7 @@ use parry3d::math::Pose;
 use super::board_poses;
 use super::state::{FingerBend, Fingertip, ViewCounts, ViewState};
 use crate::session::latest::LatestSender;
+use crate::session::observer::Observer;
 use crate::sim::UsTextField;
 use ademan_core::command::CommandOrigin;
 use ademan_core::contact::TargetId;
@@ -102,31 +103,6 @@ impl ViewPublisher {
             selected: ArrayVec::new(),
             rate: Rate::default(),
             last_published: None,
-        }
-    }
-
-    /// Collects the changes of a step, and publishes a view if it is due. Does not wait.
-    pub fn update(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
-        let is_new_layout = self.update_layout(pipeline);
-        let state = (step.state, step.paused_by);
-        let is_new_state = mem::replace(&mut self.state, state) != state;
-        let mut is_pressed = false;
-        for event in step.events {
-            self.typed.handle(event);
-            is_pressed |= self.handle(event.kind);
-        }
-        self.rate.update(step.stats.source.readings, now);
-        if self.viewers.load(Ordering::Relaxed) == 0 {
-            // The next viewer sees no pose of before.
-            self.poses.iter_mut().for_each(|pose| *pose = None);
-            return;
-        }
-        self.update_poses(step);
-        let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
-        let is_due = self.last_published.is_none_or(is_due);
-        if is_due || is_pressed || is_new_state || is_new_layout {
-            self.last_published = Some(now);
-            self.publish(step, pipeline);
         }
     }
 
@@ -261,6 +237,33 @@ impl ViewPublisher {
         });
         let near = fingertips.filter(|tip| tip.height_mm.abs() < MAX_HEIGHT * 1e3);
         near.take(MAX_FINGERTIPS).collect()
+    }
+}
+
+/// Collects the changes, and publishes a view if it is due.
+impl Observer for ViewPublisher {
+    fn observe(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
+        let is_new_layout = self.update_layout(pipeline);
+        let state = (step.state, step.paused_by);
+        let is_new_state = mem::replace(&mut self.state, state) != state;
+        let mut is_pressed = false;
+        for event in step.events {
+            self.typed.handle(event);
+            is_pressed |= self.handle(event.kind);
+        }
+        self.rate.update(step.stats.source.readings, now);
+        if self.viewers.load(Ordering::Relaxed) == 0 {
+            // The next viewer sees no pose of before.
+            self.poses.iter_mut().for_each(|pose| *pose = None);
+            return;
+        }
+        self.update_poses(step);
+        let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
+        let is_due = self.last_published.is_none_or(is_due);
+        if is_due || is_pressed || is_new_state || is_new_layout {
+            self.last_published = Some(now);
+            self.publish(step, pipeline);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crossbeam_channel::Receiver;
 use super::View;
 use super::publisher::{Published, SessionNames, ViewPublisher};
 use crate::session::latest::LatestSender;
+use crate::session::observer::Observer;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::StepView;
@@ -38,7 +39,7 @@ impl ReplayViews {
     pub fn update(&mut self, step: &StepView, pipeline: &Pipeline) -> Option<View> {
         let elapsed = pipeline.time().since(Timestamp::default());
         let now = self.start.checked_add(elapsed).unwrap_or(self.start);
-        self.publisher.update(step, now, pipeline);
+        self.publisher.observe(step, now, pipeline);
         let published = self.published.try_recv().ok()?;
         Some(View {
             layout: published.layout,
