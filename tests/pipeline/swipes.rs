@@ -1,8 +1,12 @@
 //! Swiped words in the whole pipeline: a simulated hand moves over a shipped board, under the oracle.
 
-use ademan::capture::Hc11Format;
+use std::ops::Range;
+
+use ademan::capture::{CaptureError, Channels, Hc11Format, Sample, Source, SourceEvent};
+use ademan::hand::Finger;
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::text::{TextModeSetup, TextSetup};
+use ademan::time::Timestamp;
 
 use super::text::{Typed, play};
 
@@ -73,5 +77,52 @@ fn taps_on_a_board_with_swipes_are_the_same_events() {
             assert!(with.text.len() > 40, "{with:?}");
             assert_eq!(with, without, "{mode:?} {noise}");
         }
+    }
+}
+
+/// A hand whose index finger is not known for some time.
+struct Hiding<S> {
+    hand: S,
+    channels: Vec<usize>,
+    hidden: Range<Timestamp>,
+}
+
+impl<S: Source> Source for Hiding<S> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        let mut event = self.hand.next()?;
+        if let SourceEvent::Reading(reading) = &mut event
+            && self.hidden.contains(&reading.time)
+            && let Sample::Channels(channels) = &mut reading.sample
+        {
+            for &channel in &self.channels {
+                channels.counts[channel] = Channels::UNKNOWN;
+            }
+        }
+        Ok(event)
+    }
+
+    fn name(&self) -> &str {
+        self.hand.name()
+    }
+}
+
+#[test]
+fn a_finger_that_is_hidden_in_the_midst_of_a_swipe_ends_it() {
+    let setup = setup("qwerty-swipe", Some(TextModeSetup::Auto));
+    let rows = setup.glove.as_ref().expect("a glove").map.rows();
+    let of_index = rows
+        .iter()
+        .filter(|row| row.dof.finger() == Some(Finger::Index));
+    let channels: Vec<usize> = of_index.map(|row| row.channel).collect();
+    for (hidden_ms, text) in [(0, "quick "), (50, "quick "), (150, "q")] {
+        let hand = setup.scripted(QUICK, &Hc11Format::default(), 0.0, 0);
+        let from = Timestamp(1_600_000);
+        let hand = Hiding {
+            hand: hand.expect("a script"),
+            channels: channels.clone(),
+            hidden: from..Timestamp(from.0 + hidden_ms * 1000),
+        };
+        let typed = play(&setup, hand, |_, _, _| {});
+        assert_eq!(typed.text, text, "hidden for {hidden_ms} ms");
     }
 }
