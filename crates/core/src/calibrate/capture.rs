@@ -201,8 +201,8 @@ impl PoseCapture {
     }
 }
 
-/// Returns what each channel shows in a window of readings, each a row of counts: the channels that were measured. No reading
-/// carried those of `unsent`.
+/// Returns what each channel shows in a window of readings, each a row of counts of the measured channels. No reading carried the
+/// channels of `unsent`.
 pub(super) fn observe(
     rows: &[&[u16]],
     channels: &[usize],

@@ -17,7 +17,7 @@ pub struct ChannelObservation {
     pub high: f64,
     /// `false` if the channel changed while the others were still.
     pub is_still: bool,
-    /// `false` if no packet carried the channel, whose counts are then those of a sensor at rest.
+    /// `false` if no packet carried the channel, which then has the counts of a sensor at rest.
     pub is_sent: bool,
 }
 
@@ -89,8 +89,8 @@ impl Observations {
     }
 }
 
-/// Returns the angles of the hand in the pose [`Rest`](CalibrationPose::Rest), those of its fingers: the arm may lie anywhere. None
-/// are known if that pose was skipped.
+/// Returns the angles of the hand in the pose [`Rest`](CalibrationPose::Rest), but only of its fingers: the arm may lie anywhere.
+/// None are known if that pose was skipped.
 pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
     let mut angles = JointAngles::default();
     let Some(rest) = observations.get(CalibrationPose::Rest) else {

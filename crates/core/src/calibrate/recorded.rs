@@ -57,7 +57,7 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
 /// The time over which stillness is judged.
 const WINDOW: Duration = Duration::from_millis(500);
 
-/// The shortest time between two checks: a fast glove sends several readings meanwhile.
+/// The shortest time between two checks: a fast glove sends several readings in that time.
 const STEP: Duration = Duration::from_millis(15);
 
 /// The shortest still phase that is a pose.

@@ -10,7 +10,7 @@ pub const MAX_DISTANCE: f32 = 2.0;
 
 /// The pose of a board relative to its anchor; metres and radians.
 ///
-/// The position is that of the board's origin, along axes that the bearing turns about the vertical. Any combination of
+/// The position locates the board's origin, along axes that the bearing turns about the vertical. Any combination of
 /// bearing and tilt can be represented; a sideways roll cannot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoardPose {

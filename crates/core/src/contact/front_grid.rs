@@ -9,7 +9,7 @@ use super::target::{Shape, Target};
 /// at 2 m.
 const PADDING: f32 = 1e-5;
 
-/// The largest deviation of a normal from that of the surface, in radians. At a distance of 2 m it moves a crossing by less
+/// The largest deviation of a normal from the surface normal, in radians. At a distance of 2 m it moves a crossing by less
 /// than the padding.
 const MAX_TILT: f32 = 1e-6;
 
@@ -28,7 +28,7 @@ const MAX_FRONTS_OF_CELL: usize = 12;
 
 /// Lists of the fronts that meet each cell of a grid in the plane of a surface.
 ///
-/// The axes of the grid are those of the first front, so that cells and fronts of a turned board are parallel.
+/// The grid has the axes of the first front, so that cells and fronts of a turned board are parallel.
 #[derive(Clone, Debug)]
 pub struct FrontGrid {
     /// The direction of the grid's X axis in the surface's frame.

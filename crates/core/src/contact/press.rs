@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_press_has_its_time_point_depth_and_speed() {
-        // From 6 mm above to 2 mm behind key 1 in 10 ms, 5 mm to the right and 1 mm up meanwhile.
+        // From 6 mm above to 2 mm behind key 1 in 10 ms, 5 mm to the right and 1 mm up in the same time.
         let (from, to) = (
             Vec3::new(0.017, 0.0, 0.006),
             Vec3::new(0.022, 0.001, -0.002),

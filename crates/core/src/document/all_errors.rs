@@ -58,7 +58,7 @@ fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(Stri
     None
 }
 
-/// Returns `true` if the brackets and commas around the error are those of its author.
+/// Returns `true` if the author wrote the brackets and commas around the error.
 fn is_about_content(error: &Error) -> bool {
     matches!(
         error,

@@ -24,7 +24,7 @@ pub(super) fn take_out(
     }
     let mut new_parts: BTreeMap<Part, Part> = BTreeMap::new();
     let mut new_keys: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-    // Rows that a row adds to those of its board, less those that it removes.
+    // By board and row: the rows that the split of a row adds to its board, −1 if the row disappears.
     let mut added_rows: BTreeMap<(usize, usize), isize> = BTreeMap::new();
     for ((board, row), columns) in columns {
         let source = SourceRow::read(draft, board, row)?;

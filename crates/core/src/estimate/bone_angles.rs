@@ -15,7 +15,7 @@ const THUMB_ANGLE: f64 = -FRAC_PI_4;
 /// The length of every bone, in metres. Only directions matter.
 const LENGTH: f64 = 0.03;
 
-/// The distance of the knuckle of each finger from that of the middle finger, to the little finger, in metres.
+/// The distance of each knuckle from the knuckle of the middle finger, positive towards the little finger, in metres.
 const KNUCKLES: [f64; Finger::COUNT] = [-0.03, -0.02, 0.0, 0.02, 0.04];
 
 /// Smallest sine of the angle between a forearm and the vertical at which the palm can face down.
@@ -57,13 +57,13 @@ fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
     }
 }
 
-/// The bones of one arm; unknown rotations are those of the T pose.
+/// The bones of one arm; unknown rotations are taken from the T pose.
 struct Arm<'a> {
     bones: &'a ArmRotations,
     side: Side,
-    /// From the frame of the lower arm to that of the upper arm.
+    /// From the frame of the lower arm to the frame of the upper arm.
     lower_arm: DQuat,
-    /// From the frame of the hand to that of the upper arm.
+    /// From the frame of the hand to the frame of the upper arm.
     hand: DQuat,
 }
 

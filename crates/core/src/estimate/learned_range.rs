@@ -48,7 +48,7 @@ impl LearnedRange {
         self.below.max(self.above)
     }
 
-    /// Returns the map from the linear counts of the wider range to those of the calibrated one, whose ends are `low` and `high`.
+    /// Returns the map from linear counts of the wider range to the calibrated range, whose ends are `low` and `high`.
     pub(super) fn correction(&self, (low, high): CountRange) -> AffineMap {
         let gain = 1.0 / (1.0 + self.below + self.above);
         let new_low = low - self.below * (high - low);
@@ -116,7 +116,7 @@ impl RangeLearner {
         &self.learned
     }
 
-    /// Returns the map from linear counts to those of the calibrated range.
+    /// Returns the map from linear counts to the calibrated range.
     pub(super) fn correction(&self) -> AffineMap {
         self.learned.correction(self.ends)
     }

@@ -62,8 +62,8 @@ impl JointPositions {
         self.predicted = bits & ((1 << Joint::COUNT) - 1);
     }
 
-    /// Sets the direction across the wrist, from its side of the little finger to that of the thumb, of any length. It turns with
-    /// the forearm.
+    /// Sets the direction across the wrist, from the side of the little finger to the side of the thumb, of any length. It turns
+    /// with the forearm.
     pub fn set_wrist_axis(&mut self, axis: DVec3) {
         self.wrist_axis = Some(axis);
     }

@@ -17,8 +17,8 @@ pub struct HandReach {
     pub from_wrist: Vec3,
     /// The distance from the wrist to the index fingertip of a flat hand.
     pub length: f32,
-    /// The fingertips of a half bent hand relative to the wrist, thumb first; that of the index finger for a finger
-    /// that the model lacks.
+    /// The fingertips of a half bent hand relative to the wrist, thumb first. The index fingertip stands in for
+    /// a finger that the model lacks.
     pub half_bent: [Vec3; 5],
 }
 

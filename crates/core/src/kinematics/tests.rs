@@ -1,4 +1,4 @@
-//! Comparison of forward kinematics with that of the links one by one.
+//! Comparison of forward kinematics with the poses of the links computed one by one.
 
 use parry3d::math::Vec3;
 

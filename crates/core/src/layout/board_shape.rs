@@ -1,6 +1,6 @@
 //! Flat and curved boards: from row coordinates to the board's frame and back.
 //!
-//! Row coordinates are those of a layout file: x along the key's own row, y across the rows, in metres.
+//! Layout files have row coordinates: x along the key's own row, y across the rows, in metres.
 
 use std::f32::consts::PI;
 

@@ -92,7 +92,7 @@ impl<'a> Edits<'a> {
                 self.replace(x.to_deg, x.from_deg.trim().get_ron().to_owned());
                 Ok(())
             }
-            // The motions are those of the world, and a stick is not mirrored with the hand.
+            // The motions are in the frame of the world, and a stick is not mirrored with the hand.
             RawMode::Arm {}
             | RawMode::Rate {
                 input: RawDisplacement::Stick,

@@ -2,7 +2,7 @@
 //!
 //! A name in a layout, a file name or the text of a peer may contain escape sequences, line breaks that start a false
 //! message, characters that reverse the direction of the text, or a megabyte. [`escape`], or [`escape_path`], is applied
-//! to each such field where it becomes part of a message: later, its line breaks look like those of the message.
+//! to each such field where it becomes part of a message: later, its line breaks look like line breaks of the message.
 //! [`escape_line`] and [`escape_lines`] are applied to finished messages, and [`escape_json`] to JSON on a terminal.
 
 use std::borrow::Cow;

@@ -51,7 +51,7 @@ struct RestDetector {
 }
 
 impl AutoRecenterState {
-    /// Creates the state; `settings[i]` are those of board `i`, `None` if it stays.
+    /// Creates the state; `settings[i]` applies to board `i`, which stays with `None`.
     pub fn new(settings: impl IntoIterator<Item = Option<AutoRecenter>>) -> Self {
         let board = |(surface, settings): (usize, Option<AutoRecenter>)| {
             Some(RecenteredBoard {

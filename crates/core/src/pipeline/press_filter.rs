@@ -26,8 +26,8 @@ pub struct FilterInput<'a> {
     pub time: Timestamp,
     /// The hand.
     pub side: Side,
-    /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as that of a
-    /// chord.
+    /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as the
+    /// press of a chord.
     pub presses: &'a [Press],
     /// The keys that the devices hold before the events of this step.
     pub held: &'a PressedKeys,

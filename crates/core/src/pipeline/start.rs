@@ -99,7 +99,7 @@ impl Pipeline {
             return;
         };
         hand.start.reset();
-        // Pointers and fingertips start anew in what has just appeared around them.
+        // Pointers and fingertips start over in controls that have just appeared around them.
         self.release_all(self.time, events);
         let start = &mut self.hands[index].output.pose.start;
         start.own = Some(place);

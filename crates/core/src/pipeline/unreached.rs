@@ -165,7 +165,7 @@ fn way_to_range(mode: &PointingMode, pose: &HandPose, tip: Vec3) -> Option<Vec3>
     Some(frame * local.clamp(-half, half) - tip)
 }
 
-/// Returns the index fingertip, or that of another finger.
+/// Returns the index fingertip, or else the tip of another finger.
 fn any_fingertip(pose: &HandPose) -> Option<Vec3> {
     let fingers = [Finger::Index].iter().chain(Finger::ALL);
     let mut tips = fingers.filter_map(|&finger| trusted_fingertip(pose, finger));

@@ -33,7 +33,7 @@ pub struct HandLengths {
 /// the readings, so that a few wrong ones do not count.
 ///
 /// # Errors
-/// Fails if neither is seen, if one is unsteady, or if one is not that of a person.
+/// Fails if neither is seen, if one is unsteady, or if one is outside the range of people.
 pub fn measure_lengths(readings: &[JointPositions]) -> Result<HandLengths, PositionError> {
     let hand = length(readings, &HAND, "hand")?;
     let forearm = length(readings, &FOREARM, "forearm")?;

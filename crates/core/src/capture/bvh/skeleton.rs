@@ -112,7 +112,7 @@ impl Skeleton {
     /// as products of column-vector matrices, so that `Zrotation Xrotation Yrotation` is Rz · Rx · Ry. Position channels
     /// act before the rotations wherever they stand.
     ///
-    /// `values` are those of one frame. `poses` is overwritten.
+    /// `values` are the values of one frame. `poses` is overwritten.
     ///
     /// # Panics
     /// If there are fewer values than channels.

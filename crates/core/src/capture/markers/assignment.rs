@@ -181,7 +181,7 @@ fn assign_group(costs: &CostMatrix) -> Vec<Option<usize>> {
 }
 
 /// A partial assignment with its dual variables: no reduced cost `cost − row potential − column potential` is negative,
-/// and that of a pair is 0.
+/// and a pair has a reduced cost of 0.
 struct Search {
     row_potentials: Vec<f64>,
     column_potentials: Vec<f64>,

@@ -37,7 +37,7 @@ impl LineTimes {
                 return Ok(Some(Timestamp(time)));
             }
         };
-        let text = "`time_us` is not later than that of an earlier line";
+        let text = "`time_us` is not later than in an earlier line";
         Err(PacketError::new(reason, text))
     }
 }

@@ -23,7 +23,7 @@ use crate::layout::schema::{ContactSchema, Label, OutlineSchema, PressSchema};
 pub(in crate::layout) struct BoardSettings {
     /// Flat or curved.
     pub shape: BoardShape,
-    /// Scale of positions and sizes, including that of the fit.
+    /// Scale of positions and sizes, including the scale of the fit.
     pub scale: f32,
     /// Fit to the hand.
     pub fit: PoseFit,

@@ -350,7 +350,7 @@ fn presses_that_a_filter_added_do_not_count_against_the_rate_limit() {
         let is_within_limit = gate.filter(0, 0, added, &mut events);
         (is_within_limit, events.len())
     };
-    // The characters of one key count as one press even behind those of a filter.
+    // The characters of one key count as one press even after the characters of a filter.
     assert_eq!(burst(&mut gate, 4), (true, 6));
     assert_eq!(burst(&mut gate, 4), (true, 6));
     assert_eq!(burst(&mut gate, 4), (false, 4));

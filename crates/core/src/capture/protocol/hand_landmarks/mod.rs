@@ -280,7 +280,7 @@ fn centered(points: &Landmarks, image_size: Option<[f64; 2]>) -> Result<Landmark
     Ok(points.map(|point| point * scale - center))
 }
 
-/// Returns the joints of the landmarks. MediaPipe has no bases of the metacarpals but that of the thumb.
+/// Returns the joints of the landmarks. Of the bases of the metacarpals MediaPipe has only the thumb's.
 fn joints(landmarks: &Landmarks) -> JointPositions {
     let mut positions = JointPositions::default();
     positions.set(Joint::Wrist, landmarks[0]);

@@ -1,4 +1,4 @@
-//! The names of bones in VMC: those of Unity's humanoid, and the spellings of VRM.
+//! The names of bones in VMC: the names of Unity's humanoid, and the spellings of VRM.
 
 use crate::hand::{ArmBone, Finger, Side};
 
@@ -26,7 +26,7 @@ const BODY: [&str; 12] = [
     "Root", "Origin",
 ];
 
-/// Bones of an arm without those of the fingers, without their sides.
+/// The bones of an arm except the fingers, without their sides.
 const ARM: [(&str, ArmBone); 3] = [
     ("UpperArm", ArmBone::UpperArm),
     ("LowerArm", ArmBone::LowerArm),

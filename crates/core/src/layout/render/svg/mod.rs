@@ -89,7 +89,7 @@ impl Layout {
     }
 }
 
-/// Returns the marks on a front of a control; `index` is that of the front.
+/// Returns the marks on a front of a control; `index` is the index of the front.
 pub(super) fn front_marks(
     layout: &Layout,
     kind: &ControlKind,
@@ -102,7 +102,7 @@ pub(super) fn front_marks(
     front.into_marks()
 }
 
-/// Returns the width of texts on a page: that of the widest board.
+/// Returns the width of texts on a page: the text width of the widest board.
 fn text_width(layout: &Layout) -> f32 {
     let boards = layout.boards.iter().map(|board| {
         let (min, max) = layout.extent(board);
