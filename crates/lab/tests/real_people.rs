@@ -81,7 +81,7 @@ fn deviation(numbers: &[f64]) -> f64 {
 }
 
 impl Parameters {
-    /// Those of the literature: no offsets, glass, and 12 to 30 words a minute.
+    /// Returns the parameters of the literature: no offsets, glass, and 12 to 30 words a minute.
     fn published() -> Self {
         Self {
             offset: [(0.0, 0.0); 2],

@@ -15,7 +15,7 @@ const RECORD_HEAD_BYTES: usize = 9;
 /// Bytes of a message before its data: its channel, its number and its times.
 const MESSAGE_HEAD_BYTES: usize = 22;
 
-/// Bytes of a read from a file. Those of format 1 have a record for each message.
+/// Bytes of a read from a file. Files of format 1 have a record for each message.
 const READ_BYTES: usize = 1 << 16;
 
 /// Content of a record, as far as a replay needs it.
@@ -74,7 +74,7 @@ impl<R: Read> Records<R> {
         self.bytes_read
     }
 
-    /// Returns the offset of the last record; that of the chunk for a record within one.
+    /// Returns the offset of the last record, or of the chunk that contains it.
     pub fn record_start(&self) -> u64 {
         self.record_start
     }

@@ -209,7 +209,7 @@ impl Bench<'_> {
         println!();
     }
 
-    /// Prints the errors in the first words of a person with an offset, beside those of a model that learns nothing.
+    /// Prints the errors in the first words of a person with an offset, beside the errors of a model that learns nothing.
     fn learning(&self) {
         println!("| words | learned | not learned |");
         println!("|---|---|---|");

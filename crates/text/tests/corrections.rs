@@ -354,7 +354,7 @@ fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
         field.types("the ");
         field.swipes("quick");
         assert_eq!(field.text, "the quick ");
-        // The first letter is that of the word, so it stays.
+        // The word has the same first letter, so it stays.
         assert_eq!(field.edits, 5);
         field.backspace();
         assert_eq!(field.text, "the ");

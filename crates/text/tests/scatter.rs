@@ -51,7 +51,7 @@ fn measure(
 /// The phrases for which limits were measured.
 const SMALL: usize = 60;
 
-/// How many phrases of a person, and how many people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
+/// Returns the number of phrases of a person, or of people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
 fn amount(name: &str, default: usize) -> usize {
     let text = std::env::var(name);
     text.map_or(default, |text| text.parse().expect("a number"))

@@ -124,7 +124,7 @@ pub(super) struct Block {
     time: Timestamp,
     /// The fingertips on each surface.
     tips: Vec<AllTips>,
-    /// Room for those of the next pose.
+    /// Room for the fingertips of the next pose.
     next_tips: Vec<AllTips>,
 }
 

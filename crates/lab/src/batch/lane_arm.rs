@@ -81,7 +81,7 @@ pub(super) struct LaneArm {
 /// One link, for all hands.
 struct LaneLink {
     parent: Parent,
-    /// `None` if the pivot is that of the parent.
+    /// `None` if the link turns about the pivot of its parent.
     offset: Option<Offset>,
     /// The axis, the sense of the rotation, ±1, and the index of the angle.
     turn: Option<(PrincipalAxis, f32, usize)>,

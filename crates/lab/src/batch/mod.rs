@@ -31,7 +31,7 @@ pub const LANES: usize = 8;
 /// Reason why hands cannot be computed together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BatchError {
-    /// A joint turns about an axis between those of its frame.
+    /// A joint turns about an axis between the axes of its frame.
     #[error(
         "link `{}` turns about an axis that is not X, Y or Z of its frame; use one of these axes",
         escape(.0)
@@ -123,8 +123,8 @@ impl HandBatch {
         }
     }
 
-    /// Moves all hands through poses at `times` and returns their touches, by hand and time. `angles` has those of the first
-    /// block at all times, then those of the second block, and so on. The blocks are distributed over `threads` threads; the
+    /// Moves all hands through poses at `times` and returns their touches, by hand and time. `angles` has the angles of the first
+    /// block at all times, then of the second block, and so on. The blocks are distributed over `threads` threads; the
     /// result does not depend on their number.
     ///
     /// The hands go on from the end of an earlier call.

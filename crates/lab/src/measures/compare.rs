@@ -101,7 +101,7 @@ pub struct Comparison {
     pub median_hand_mm: f64,
     /// The differences of all people.
     pub differences: Vec<Difference>,
-    /// Those of people with short and with long hands.
+    /// The differences of people with short and with long hands.
     pub groups: Vec<HandGroup>,
 }
 

@@ -160,7 +160,7 @@ impl PersonScore {
 
 /// Returns the figures of people.
 pub fn summarize(people: &[PersonScore]) -> Summary {
-    // A rate of all people is that of their sums; a speed is the mean of the people.
+    // A rate of all people is computed from their sums; a speed is the mean of the people.
     let rate = |part: fn(&PersonScore) -> f64, all: fn(&PersonScore) -> f64| {
         bootstrap(people, |people| {
             let parts: f64 = people.iter().map(|it| part(it)).sum();

@@ -59,7 +59,7 @@ fn general(number: u32, seed: u64) -> Participant {
     let hand = (mean + 9.0 * body.normal()).clamp(HANDS.0, HANDS.1) * 1e-3;
     let forearm = hand * FOREARM * (1.0 + 0.03 * body.normal().clamp(-2.0, 2.0));
     let assumed = BoneLengths::from_hand_and_forearm(hand, forearm);
-    let assumed = assumed.expect("the lengths are those of people");
+    let assumed = assumed.expect("the lengths are in the range of people");
     let (fingers, pace): (&[Finger], _) = match body.index(3) {
         0 => (&[Finger::Index], (12.0, 30.0)),
         1 => (&[Finger::Index, Finger::Middle], (18.0, 38.0)),

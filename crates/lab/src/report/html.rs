@@ -30,7 +30,7 @@ th[scope=col]{color:$muted;font-size:.85rem}
 .band{fill:$accent;opacity:.2}.line{stroke:$accent;stroke-width:2;fill:none}.dot{fill:$accent}
 ";
 
-/// Returns a report of one result, or of several layouts that the same people used. `layouts` are those of the results.
+/// Returns a report of one result, or of several layouts that the same people used. `layouts` are the layouts of the results.
 pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooManyShapes> {
     let drawings: Result<Vec<Vec<String>>, TooManyShapes> = results
         .iter()

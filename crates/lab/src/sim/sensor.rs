@@ -25,12 +25,12 @@ pub enum JointSensor {
     Angles,
     /// Positions of all joints.
     Positions,
-    /// Landmarks of a body. Those of thumb, index and little finger are the fingertips, because they are what touches a key.
+    /// Landmarks of a body. The landmarks of thumb, index and little finger are the fingertips, because these touch the keys.
     Body,
     /// Rotations of the bones.
     Bones,
     /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip has
-    /// the same path as that of a bending hand.
+    /// the same path as in a bending hand.
     Displacement,
 }
 
@@ -153,7 +153,7 @@ const UPPER_ARM: f32 = 0.3;
 /// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.
 const FIRST_PAIR: usize = 11;
 
-/// Returns the landmarks of an upright person who faces the camera. Those of the other arm are not visible.
+/// Returns the landmarks of an upright person who faces the camera. The landmarks of the other arm are not visible.
 fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {
     let get = |joint| pose.position(joint).unwrap_or_default();
     let shoulder = pose.position(Joint::Shoulder);

@@ -37,7 +37,7 @@ impl UsTextField {
         }
     }
 
-    /// Handles an event. Events other than those of keys are ignored.
+    /// Handles an event. Events other than key events are ignored.
     pub fn handle(&mut self, event: &OutputEvent) {
         match event.kind {
             EventKind::KeyDown(key) => {

@@ -17,7 +17,7 @@ use ademan_core::hand::{
 };
 use ademan_core::time::Timestamp;
 
-/// Field of the direction across the wrist, after those of the joints.
+/// Field of the direction across the wrist, after the fields of the joints.
 const WRIST_AXIS: u32 = Joint::COUNT as u32 + 1;
 
 /// Field of the joints that are predicted.

@@ -29,7 +29,7 @@ use swiped::Swiped;
 pub(crate) use tail::ends_word;
 use tail::{Difference, difference};
 
-/// How presses become text.
+/// The way in which presses become text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
@@ -62,7 +62,7 @@ struct Undo {
     is_possible: bool,
     /// The characters that the correction typed.
     corrected: usize,
-    /// What they replaced.
+    /// The text that they replaced.
     typed: String,
 }
 

@@ -6,7 +6,7 @@ use crate::model::bigrams::Row;
 use crate::model::lexicon::Case;
 use crate::swipe::Swipes;
 
-/// What a decoder knows of the text before a word.
+/// The text before a word, as far as a decoder needs it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Before {
     row: Row,

@@ -22,7 +22,7 @@ pub enum Place {
 /// A hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub struct Token {
-    /// Its log-probability, with that of the likeliest word that it can become.
+    /// Its log-probability plus the log-probability of the likeliest word that it can become.
     pub score: f32,
     /// Its place.
     pub place: Place,

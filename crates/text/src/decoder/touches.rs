@@ -31,7 +31,7 @@ pub struct Carried {
     last: Option<(Millimetres, Millimetres)>,
 }
 
-/// The keys on which a letter is typed: its own one, that of its plain letter, or both.
+/// The keys on which a letter is typed: its own key, the key of its plain letter, or both.
 #[derive(Clone, Copy, Debug, Default)]
 struct LetterKeys {
     own: Option<u8>,
@@ -80,7 +80,7 @@ pub const SLACK: f32 = 1.0;
 const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
 
-/// A key whose likelihood is this much worse than that of the likeliest is not near.
+/// A key that is this much less likely than the likeliest one is not near.
 const NEAR: f32 = 8.0;
 
 impl Touches {

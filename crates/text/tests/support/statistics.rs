@@ -7,7 +7,7 @@ use super::session::{Errors, normal};
 /// The resamplings of an interval.
 const SAMPLES: usize = 1_000;
 
-/// The errors of each phrase, those of all people together.
+/// The errors of each phrase, summed over all people.
 #[derive(Clone, Default)]
 pub struct ByPhrase(pub Vec<Errors>);
 

@@ -88,7 +88,7 @@ impl SourceModel {
         let glove = map.filter(|_| kind == SourceKind::Glove);
         let glove = glove.map(|map| {
             let mut angles: Vec<(Dof, f64, f64, f64)> = Vec::new();
-            // The errors of a glove are those of the person's glove, in every run.
+            // The errors belong to the person's glove and are the same in every run.
             let mut own = Draw::new(person.seed, 0x610e);
             for row in map.rows() {
                 if angles.iter().any(|(dof, ..)| *dof == row.dof) {

@@ -25,7 +25,7 @@ named_enum! {
 
 /// The counts of a straight finger.
 const STRAIGHT: (f64, f64) = (550.0, 900.0);
-/// The counts by which those of a closed finger are larger.
+/// The counts that a closed finger adds.
 const SPAN: (f64, f64) = (1_800.0, 2_400.0);
 /// The same for a divider with the wrong resistor.
 const NARROW_SPAN: (f64, f64) = (350.0, 450.0);
