@@ -16,7 +16,7 @@ pub const MIN_WAND_FRAMES: usize = 8;
 /// Fewest marks of a camera whose lens is adjusted.
 const MIN_LENS_MARKS: usize = 40;
 
-/// What cameras see at one instant: the pixel of each label, by camera.
+/// The view of all cameras at one instant: the pixel of each label, by camera.
 pub type Frame = Vec<BTreeMap<String, DVec2>>;
 
 /// Calibrated cameras.
@@ -72,8 +72,8 @@ pub enum CalibrationError {
     NothingShared,
 }
 
-/// Calibrates cameras that see the ends of a wand of a length in metres. The world is that of the first camera: X to its
-/// right, Y up and −Z along its view. The lenses begin with those of `start`, and are kept if `keeps_lenses`.
+/// Calibrates cameras that see the ends of a wand of a length in metres. The world is the frame of the first camera: X to
+/// its right, Y up and −Z along its view. The lenses begin with the lenses of `start`, and are kept if `keeps_lenses`.
 pub fn from_wand(
     start: &[Camera],
     frames: &[Frame],

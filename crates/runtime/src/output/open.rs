@@ -16,7 +16,7 @@ struct NamedOutput<'a> {
 
 /// Opens the outputs in a list of names separated by commas.
 ///
-/// A name is that of a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
+/// A name stands for a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
 /// several outputs, each capability is carried by the first output that supports it (see [`Router`]). Nothing is
 /// opened if a required capability is not supported by any of them.
 pub fn open(names: &str, required: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {

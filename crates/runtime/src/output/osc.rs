@@ -142,7 +142,7 @@ impl Osc {
     }
 }
 
-/// What a value is.
+/// The meaning of a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
     Value,

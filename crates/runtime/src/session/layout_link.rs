@@ -60,7 +60,7 @@ pub(super) struct LayoutSwap {
     pub layout: Box<LayoutInstance>,
     /// Index of the profile whose layout it replaces.
     pub profile: usize,
-    /// `true` if the boards keep their present poses instead of those of the file.
+    /// `true` if the boards keep their present poses instead of the poses of the file.
     pub keep_board_poses: bool,
     /// Receives the old layout after the swap, so that another thread than the loop frees it.
     pub retired: Sender<Box<LayoutInstance>>,

@@ -257,7 +257,7 @@ impl Session {
         if is_live && !self.options.lossless_snapshots {
             sink.drop_when_full();
         }
-        // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
+        // A replay may wait for its observers as long as nothing outside can stay pressed.
         let has_effect = sink.has_effect();
         let may_wait = !is_live && !has_effect;
         let failures = self.write_failures.clone();

@@ -61,7 +61,7 @@ enum Topic {
     Stalled,
 }
 
-/// What a person has to do before the layout works, as the pipeline has it after a step.
+/// The actions of a person that the layout waits for, as the pipeline has them after a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hints {
     /// Fingers that must be straightened before the output is armed.

@@ -30,7 +30,7 @@ pub struct LoadedSetup {
     pub other_hand: Option<GloveAndArm>,
     /// The person; the default one if the setup names none.
     pub person: Person,
-    /// The person who is simulated, whose hand may differ from that of the setup.
+    /// The person who is simulated, whose hand may differ from the hand of the setup.
     pub simulated_person: Person,
     /// The layout that is active at the start.
     pub layout: Layout,
@@ -68,7 +68,7 @@ pub struct Profile {
     pub name: String,
     /// The layout.
     pub layout: Layout,
-    /// The mode of the text decoder, if it differs from that of the setup.
+    /// The mode of the text decoder, if it differs from the mode of the setup.
     pub text: Option<TextMode>,
 }
 
@@ -411,7 +411,7 @@ impl LoadedSetup {
     }
 
     /// Returns the estimator of the first hand, or of its fingers if the arm has a source of its own, with another glove and
-    /// filter than those of the setup.
+    /// filter than the setup names.
     pub(crate) fn finger_estimator(
         &self,
         map: Option<&ChannelMap>,

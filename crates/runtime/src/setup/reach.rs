@@ -77,8 +77,8 @@ impl Hands {
 }
 
 impl HandReach {
-    /// Returns the targets on boards out of reach, nearest first. The rules are those of [`LoadedSetup::reach_report`]. Takes about
-    /// 0.1 ms for each target.
+    /// Returns the targets on boards out of reach, nearest first. Follows the rules of [`LoadedSetup::reach_report`]. Takes
+    /// about 0.1 ms for each target.
     pub fn on_boards(&self, layout: &Layout) -> Vec<TargetOutOfReach> {
         let found = on_boards_out_of_reach(layout, &layout.scene, &self.0);
         let mut found: Vec<_> = found
@@ -107,7 +107,7 @@ impl LoadedSetup {
 
     /// Returns the report about a layout of the setup, or `None` if its hands reach everything.
     ///
-    /// Tests the finger that the layout names for a target, or those of the person, or else the index finger, and any finger on a
+    /// Tests the finger that the layout names for a target, or the person's fingers, or else the index finger, and any finger on a
     /// board that moves with the wrist, within the range of the sensors of each hand. Boards that are reserved for a hand that the setup
     /// lacks are tested with the mirror image of the other one. Includes both ends of the track of a slider or lever, and the
     /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own, and

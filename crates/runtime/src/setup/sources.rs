@@ -32,7 +32,7 @@ struct OpenedPart<'a> {
 }
 
 impl Setup {
-    /// Gives each source without a role that of its token. Reads the token files, which only the setup of the person who runs
+    /// Gives each source without a role the role of its token. Reads the token files, which only the setup of the person who runs
     /// the program may name.
     pub fn use_token_roles(&mut self) -> Result<(), SetupError> {
         use_token_role(&self.source, &mut self.role)?;
@@ -77,7 +77,7 @@ enum PacketPeriod {
 }
 
 impl LoadedSetup {
-    /// Returns all sources, at most four: the first source, that of its arm, and those of the other hand.
+    /// Returns all sources, at most four: the first source, the source of its arm, and both of the other hand.
     pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
         let setup = &self.setup;
         let named = |uri, role, remedy| NamedSource {
@@ -105,8 +105,8 @@ impl LoadedSetup {
         std::iter::once(first).chain(arm).chain(other)
     }
 
-    /// Returns the sources of fingers with the permissions of their hands: the first source, then that of the other hand if
-    /// it has one. A hand may cause only what the source of its arm may cause too.
+    /// Returns the sources of fingers with the permissions of their hands: the first source, then the source of the other
+    /// hand if it has one. A hand may cause only what the source of its arm may cause too.
     pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
         let setup = &self.setup;
         let mut first = setup.permissions(setup.source.as_ref(), setup.role);
@@ -172,7 +172,7 @@ impl LoadedSetup {
         }
     }
 
-    /// Returns the source of the other hand's arm: its own, or that of the first hand if that shows both arms.
+    /// Returns the source of the other hand's arm: its own, or the arm source of the first hand if it shows both arms.
     pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
         let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();
         let first = self.setup.arm_source.as_ref();

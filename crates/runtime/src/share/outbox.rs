@@ -20,7 +20,7 @@ const READ_TIMEOUT: Duration = Duration::from_secs(1);
 /// Chunks of one write.
 const CHUNKS_PER_WRITE: usize = 128;
 
-/// Lines that are written together. The bytes are those of all clients.
+/// Lines that are written together. All clients share the bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Chunk {
     /// The lines with their ends.

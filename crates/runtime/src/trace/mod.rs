@@ -126,7 +126,7 @@ pub fn pose_json<'a>(pose: &HandPose, buffer: &'a mut Vec<u8>) -> &'a [u8] {
     buffer
 }
 
-/// Returns one object of [`Stage::Events`] without a line end. `names` are those of the targets; `buffer` is overwritten.
+/// Returns one object of [`Stage::Events`] without a line end. `names` has the names of the targets; `buffer` is overwritten.
 pub fn event_json<'a>(
     event: &OutputEvent,
     names: &TargetNames,

@@ -2,8 +2,8 @@
 //!
 //! - **Jitter**: the root mean square of the deviation from the mean of each window of [`WINDOW`], over the quietest fifth of
 //!   the windows. A slow movement within a window counts as jitter.
-//! - **Lag**: the shift at which the speeds of the filtered values correlate best with those of the raw ones, with a parabola
-//!   through the best shift and its neighbours. It needs movement and evenly spaced readings. It is that of the filters alone:
+//! - **Lag**: the shift at which the speeds of the filtered values correlate best with the speeds of the raw ones, with a
+//!   parabola through the best shift and its neighbours. It needs movement and evenly spaced readings. Only the filters cause it:
 //!   the delay of the sensor is not in the readings.
 
 use std::collections::VecDeque;

@@ -355,7 +355,7 @@ struct ParsedOptions {
     rate_hz: Option<u32>,
 }
 
-/// Reads the options of a stream; `None` is that of a simulated person, which no transport delays.
+/// Reads the options of a stream; `transport` is `None` for a simulated person, which no transport delays.
 fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedOptions, String> {
     let pairs = options.split('&').filter(|pair| !pair.is_empty());
     let pairs: Vec<(&str, &str)> = pairs

@@ -45,7 +45,7 @@ fn sink() -> (Midi, Written) {
     (sink, written)
 }
 
-/// Returns the messages of events, then those of the end, without Active Sensing.
+/// Returns the messages of events, then the messages of the end, without Active Sensing.
 fn messages(events: &[EventKind]) -> Vec<Vec<u8>> {
     let (mut sink, written) = sink();
     for kind in events {

@@ -62,7 +62,7 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(thread.map_err(no_thread)?))
 }
 
-/// Creates a file. Its folder is created if it is that of the transcripts of setups.
+/// Creates a file. Its folder is created if it is the folder of the transcripts of setups.
 fn create(path: &Path) -> Result<File, FileError> {
     if let Some(folder) = files::transcript_folder().filter(|own| path.parent() == Some(own)) {
         if let Some(parent) = folder.parent() {

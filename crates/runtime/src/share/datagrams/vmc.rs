@@ -39,8 +39,8 @@ impl VmcEncoder {
     }
 }
 
-/// Returns the rotations of the bones of an arm. Upper arm and forearm are those of the pose: avatars have the elbow of a person,
-/// and an arm of a setup may bend otherwise.
+/// Returns the rotations of the bones of an arm. Upper arm and forearm come from the pose: avatars have the elbow of a person, and
+/// an arm of a setup may bend otherwise.
 fn arm_bones(angles: &JointAngles, pose: &HandPose) -> ArmRotations {
     let mut bones = bones_from_angles(angles, pose.side);
     let Some(upper_arm) = upper_arm(pose) else {
@@ -72,7 +72,7 @@ fn outward(along: Vec3, side: Side) -> Vec3 {
 }
 
 /// Returns the rotation of the upper arm from the T pose in the world. The forearm shows the twist: in the T pose, the elbow
-/// bends forward. That of a straight arm bends up.
+/// bends forward. The elbow of a straight arm is taken to bend up.
 fn upper_arm(pose: &HandPose) -> Option<Quat> {
     let elbow = pose.position(Joint::Elbow)?;
     let along = (elbow - pose.position(Joint::Shoulder)?).try_normalize()?;

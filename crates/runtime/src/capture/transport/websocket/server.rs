@@ -162,7 +162,7 @@ impl Client {
         let stream = DeadlineStream::new(stream, HANDSHAKE_TIMEOUT).ok()?;
         let stream = MessageStream::new(stream);
         let admission = &self.shared.admission;
-        #[allow(clippy::result_large_err, reason = "the type is that of the library")]
+        #[allow(clippy::result_large_err, reason = "the library requires the type")]
         let check = |request: &Request, response: Response| match admission.check(request) {
             Ok(()) => Ok(response),
             Err(reason) => {

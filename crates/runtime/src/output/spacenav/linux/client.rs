@@ -103,8 +103,8 @@ impl Client {
         self.is_lost = true;
     }
 
-    /// Reads at most one packet, so that no client occupies the server, and replies to it. `path` is that of the
-    /// socket.
+    /// Reads at most one packet, so that no client occupies the server, and replies to it. `path` is the path
+    /// of the socket.
     pub fn receive(&mut self, path: &str) {
         let mut bytes = [0; PACKET_BYTES];
         match self.stream.read(&mut bytes[self.received.len()..]) {

@@ -84,8 +84,8 @@ impl ClientSettings {
         None
     }
 
-    /// Handles a request of version 1. Returns the reply, which may be several packets or none. `path` is that of the
-    /// socket.
+    /// Handles a request of version 1. Returns the reply, which may be several packets or none. `path` is the path
+    /// of the socket.
     pub fn reply_to_packet(&mut self, request: Packet, path: &str) -> Vec<Packet> {
         let value = request[1];
         let reply = match request[0] & 0xffff {

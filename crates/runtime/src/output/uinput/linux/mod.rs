@@ -1,6 +1,6 @@
 //! Devices created through `/dev/uinput`.
 //!
-//! X11, Wayland and the console receive their events like those of any keyboard. When the process exits for any reason,
+//! X11, Wayland and the console receive their events like the events of any keyboard. When the process exits for any reason,
 //! the kernel removes the devices and releases their keys (`uinput_destroy_device`, `input_dev_release_keys`). It does
 //! not while the process is stopped or hangs; the [watchdog](crate::output::watchdog) does.
 

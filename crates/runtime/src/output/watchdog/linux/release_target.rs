@@ -49,8 +49,8 @@ const MAX_DEVICES: usize = 8;
 impl ReleaseTarget {
     /// Returns a handle of the calling thread that is readable when the thread has ended (`PIDFD_THREAD`, Linux 6.9).
     ///
-    /// A killed process closes its socket when the last of its threads has ended, for which those of normal priority wait
-    /// on a busy machine. The thread of a display has a high priority, and what the loop presses is reported before. `None` for
+    /// A killed process closes its socket when the last of its threads has ended, and threads of normal priority wait on a
+    /// busy machine. The thread of a display has a high priority, and what the loop presses is reported before. `None` for
     /// devices, which other threads may use, and on an older kernel.
     pub fn thread_handle(&self) -> Option<OwnedFd> {
         // The flag has the value of another one, and no name in the library.
