@@ -38,7 +38,7 @@ pub struct FilterTrace {
 }
 
 impl FilterTrace {
-    /// Adds a sample. One that is older than the last one starts anew.
+    /// Adds a sample. A sample older than the last one starts the trace over.
     pub fn push(&mut self, sample: FilterSample) {
         let last = self.samples.back();
         if last.is_some_and(|last| sample.time <= last.time) {

@@ -370,7 +370,7 @@ impl Pen<'_> {
     }
 }
 
-/// Returns half the width of the row that shows the bend: that of the items, and at least 60 mm.
+/// Returns half the width of the row that shows the bend: half the width of the items, and at least 60 mm.
 pub fn bend_half_width(items: &[Item]) -> f32 {
     let bounds = Bounds::around(items.iter().map(|item| &item.shape));
     let reach = bounds.map_or(0.0, |bounds| bounds.max.x.abs().max(bounds.min.x.abs()));

@@ -13,7 +13,7 @@ use ademan_runtime::capture::recognition::{self, Recognition, port_names, recogn
 pub struct Port {
     /// Its path or name.
     pub name: String,
-    /// What it sends, or the reason why it cannot be listened to.
+    /// The source that it looks like, or the reason why it cannot be listened to.
     pub heard: Option<Result<Recognition, String>>,
 }
 
@@ -50,7 +50,7 @@ impl Search {
         }
     }
 
-    /// Receives what was heard meanwhile. Does not wait.
+    /// Receives what was heard since the last call. Does not wait.
     pub fn update(&mut self) {
         for (index, heard) in self.heard.try_iter() {
             self.ports[index].heard = Some(heard);

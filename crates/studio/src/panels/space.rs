@@ -57,7 +57,7 @@ const KEYS: [(Modifiers, Key, CameraStep); 11] = [
     (Modifiers::NONE, Key::Minus, CameraStep::Zoom(-1.0)),
 ];
 
-/// Draws the 3D view. `has_focus` is that of its panel.
+/// Draws the 3D view. `has_focus` tells whether its panel has the focus.
 pub(super) fn show(
     ui: &mut egui::Ui,
     state: &mut PanelState,

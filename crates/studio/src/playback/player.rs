@@ -282,7 +282,7 @@ impl Player {
         self.speed
     }
 
-    /// Returns whether the model is that of the position.
+    /// Returns whether the model belongs to the wanted position.
     pub fn is_shown(&self) -> bool {
         self.shown == Some(self.wanted)
     }

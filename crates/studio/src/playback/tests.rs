@@ -115,7 +115,7 @@ fn straight(path: &Path, indices: &[usize]) -> Vec<Content> {
         if let Some(view) = view {
             model.view = view;
         }
-        // The time that this replay takes is not that of the recorded session.
+        // This replay takes another time than the recorded session did.
         model.update(&Snapshot {
             latency: None,
             ..step.to_snapshot()

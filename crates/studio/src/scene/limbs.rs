@@ -181,7 +181,7 @@ pub(super) fn finger_sections(pose: &HandPose, finger: Finger) -> Vec<Section> {
     sections
 }
 
-/// Returns the radius of a fingertip in relation to that of the middle finger.
+/// Returns the radius of a fingertip as a fraction of the middle fingertip's.
 fn tip_ratio(finger: Finger) -> f32 {
     match finger {
         Finger::Thumb => 1.2,

@@ -127,7 +127,7 @@ fn add_item(canvas: &mut Canvas, scene: &PlanScene, item: &PlanItem) {
     }
 }
 
-/// What marks items, above all of them.
+/// The marks of items, drawn above all items.
 struct Marks<'a> {
     canvas: Canvas<'a>,
     scene: &'a PlanScene<'a>,

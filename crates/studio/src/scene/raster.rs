@@ -1,4 +1,4 @@
-//! Skin as an image: triangles with a depth buffer, so that of two surfaces the nearer one is seen at each pixel.
+//! Skin as an image: triangles with a depth buffer, so that the nearer of two surfaces is seen at each pixel.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub(super) struct Corner {
     pub is_front: bool,
 }
 
-/// Surfaces of limbs. Those of one limb do not blend with each other.
+/// Surfaces of limbs. Surfaces of the same limb do not blend with each other.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
     triangles: Vec<([Corner; 3], u8)>,

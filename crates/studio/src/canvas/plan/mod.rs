@@ -397,7 +397,7 @@ impl WrittenPose {
     fn of_targets(editor: &LayoutEditor, space: usize) -> Vec<Self> {
         let frame = Self::of_frame(editor, Part::Space(space));
         let targets = editor.targets_in(space).into_iter();
-        // The axes of a tilted frame are those of no view.
+        // No view has the axes of a tilted frame.
         let is_level = frame.tilt_deg == 0.0;
         let pose = |[x, y, z]: [f64; 3]| Self {
             position_mm: if is_level { [x, -z, y] } else { [0.0; 3] },

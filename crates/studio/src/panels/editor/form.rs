@@ -55,7 +55,7 @@ fn title(panel: &EditorPanel, part: Part) -> String {
     title_of(words(part), &name)
 }
 
-/// Returns the kind and the name of a part; the name alone if it begins with the kind, as those of new controls do.
+/// Returns the kind and the name of a part; the name alone if it begins with the kind, as the names of new controls do.
 fn title_of(kind: &str, name: &str) -> String {
     if name.to_lowercase().starts_with(&kind.to_lowercase()) {
         name.to_owned()

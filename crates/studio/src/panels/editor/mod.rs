@@ -191,7 +191,7 @@ impl EditorPanel {
         self.message = result.err().map(|error| Err(error.to_string()));
     }
 
-    /// Reads the items of the board anew after a change of the text.
+    /// Reads the items of the board again after a change of the text.
     fn update_items(&mut self) {
         if self.editor.is_editable() {
             let boards = self.editor.count("boards");

@@ -53,7 +53,7 @@ struct PlanDrag {
     gesture: PlanGesture,
     /// The edit of the drag so far, which is the last one of the history.
     edit: Option<Edit>,
-    /// Revision of the text after it. With another one the last edit is not that of the drag.
+    /// Revision of the text after it. With another one the last edit does not belong to the drag.
     revision: u64,
 }
 
@@ -207,7 +207,7 @@ impl EditorPanel {
         selection.filter(is_item).collect()
     }
 
-    /// Places everything anew after a change of the text. The last layout that could be read stays.
+    /// Places everything again after a change of the text. The last layout that could be read stays.
     fn update_plan(&mut self, context: &PanelContext) {
         let revision = self.editor.revision();
         if self.plan.shown == Some(revision) || !self.editor.is_read() {

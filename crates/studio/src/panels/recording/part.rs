@@ -37,7 +37,7 @@ impl PartState {
         Some((from.min(to), to.max(from)))
     }
 
-    /// Returns the times of the part: those of the whole recording without marks.
+    /// Returns the times of the part: the whole recording without marks.
     fn range(&self, player: &Player) -> Option<RangeInclusive<Timestamp>> {
         let (start, end) = player.range()?;
         let from = self.from.map_or(start, |(_, time)| time);
