@@ -1,4 +1,4 @@
-//! What a person meets on the first day: a glove or hand other than that of a layout, new files, a narrow terminal.
+//! The first day of a person: a glove or hand that a layout was not written for, new files, a narrow terminal.
 
 use std::process::{Command, Stdio};
 

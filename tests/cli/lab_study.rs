@@ -184,7 +184,7 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
     refused(add(&study, "../P01", &["--simulated"]), "is no pseudonym");
     refused(
         add(&study, "P01", &[]),
-        "no source: name that of the participant",
+        "no source: name the source of the participant",
     );
     refused(
         add(&study, "P01", &["--layout", "media"]),

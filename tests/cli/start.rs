@@ -111,7 +111,7 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
     let path = folder.path().join("mine.ron");
     let setup = load(&path);
     assert_eq!(setup.layout, "qwerty-flat");
-    assert_eq!(setup.glove, None, "that of the protocol");
+    assert_eq!(setup.glove, None, "the protocol's glove");
     let before = fs::read(&path).expect("a file");
     let again = run(&folder, &arguments);
     assert_eq!(again.code, Some(2), "{}", again.err);

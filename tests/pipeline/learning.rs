@@ -49,7 +49,7 @@ fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, learn_ranges: bool) -> L
 }
 
 /// Returns the error rates of a text typed again and again, while the sensors become 10 % more sensitive and the person stretches
-/// the hand after each text: those of the first and of the last quarter, in percent.
+/// the hand after each text: in the first and in the last quarter, in percent.
 fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
     let mut wearer = person(seed);
     let map = calibrate(&mut wearer).expect("a calibration").map;

@@ -22,7 +22,7 @@ fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
     setup.load_files().expect("the shipped layout")
 }
 
-/// What a hand typed.
+/// The text and the events of a hand.
 #[derive(Debug, Default, PartialEq)]
 pub struct Typed {
     pub text: String,

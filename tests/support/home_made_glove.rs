@@ -30,7 +30,7 @@ pub struct Build {
     pub noise: i64,
     /// It sends a trigger, which the firmware derives from the index finger.
     pub has_trigger: bool,
-    /// What each line ends with.
+    /// The end of each line.
     pub rest: &'static str,
 }
 

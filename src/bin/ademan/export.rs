@@ -50,7 +50,7 @@ enum Hands {
     Both,
 }
 
-/// Number of poses from which the lengths of the bones come: those of a minute at 100 per second.
+/// Number of poses from which the lengths of the bones come: a minute at 100 per second.
 const MEASURED_POSES: usize = 6000;
 
 pub fn run(args: Args) -> Result<(), Failure> {

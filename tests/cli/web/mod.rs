@@ -21,7 +21,7 @@ use crate::support::process::Process;
 
 /// Returns the folder of the page; `None` if it is not built.
 fn folder() -> Option<PathBuf> {
-    // The folder for temporary files is in that of the build.
+    // The folder for temporary files is in the folder of the build.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../web");
     if folder.join("index.html").is_file() {
         return Some(folder);

@@ -5,10 +5,10 @@ use std::io::Read;
 /// First bytes of a file.
 pub const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// Longest header, in bytes; that of an array of numbers takes about 100.
+/// Longest header, in bytes; the header of an array of numbers takes about 100.
 const MAX_HEADER_BYTES: usize = 1 << 16;
 
-/// Most numbers of a file: those of two hours of 33 landmarks at 60 Hz.
+/// Most numbers of a file: two hours of 33 landmarks at 60 Hz.
 const MAX_NUMBERS: usize = 1 << 26;
 
 /// The types of numbers that are read.

@@ -44,7 +44,7 @@ pub struct ConditionArgs {
     /// Number of people; of repetitions with --person, 1 by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_PEOPLE))]
     people: Option<u32>,
-    /// What measures the hands: ideal, camera or glove
+    /// Sensor of the hands: ideal, camera or glove
     #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = source())]
     source: SourceKind,
     /// Quality of the touches instead of the people's own: T0 to T4 are 3, 5, 6, 8 and 10 mm of scatter, Toff an offset of 8 mm

@@ -40,7 +40,7 @@ pub struct SessionResult {
     pub substitutions: usize,
     pub insertions: usize,
     pub deletions: usize,
-    /// The figures of a pointing lesson, in place of those of a text.
+    /// The figures of a pointing lesson, in place of the figures of a text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointing: Option<PointingResult>,
     /// The correct and all attempts of each chord of a lesson of chords.

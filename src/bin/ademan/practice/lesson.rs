@@ -52,7 +52,7 @@ pub enum LessonKind {
     English,
     /// Short texts in Spanish, without accents
     Spanish,
-    /// The characters that the layout types by chords, those of few fingers first
+    /// The characters that the layout types by chords, few fingers first
     Chords,
     /// Targets to point at and to click on with the pointer of the layout
     Pointing,

@@ -6,7 +6,7 @@ use ademan::time::Timestamp;
 
 use crate::practice::PracticeTask;
 
-/// Size of the screen of the lesson, in pixels: that of a small laptop. No program tells how large the real one is.
+/// Size of the screen of the lesson, in pixels: the screen of a small laptop. No program tells how large the real one is.
 pub const SCREEN: [f64; 2] = [1280.0, 800.0];
 
 /// Targets of the ring: an odd number, so that each movement crosses it.

@@ -17,7 +17,7 @@ use super::parts::{Part, PartKind};
 use super::values::{label_of, value_of};
 use crate::view::look::finger_mark;
 
-/// Returns the boards of a layout: those of the left hand first, then from left to right.
+/// Returns the boards of a layout: the left hand's first, then from left to right.
 pub fn parts(layout: &Layout, key_size: KeySize) -> Vec<Part> {
     let grids = layout.grids(key_size).into_iter().enumerate();
     let mut parts: Vec<Part> = grids
@@ -112,7 +112,7 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         buffer.set_style(area, style);
         area
     };
-    // A symbol such as that of Shift is not in every locale.
+    // A symbol such as ⇧ for Shift is not in every locale.
     let is_drawable = picture.look.is_unicode || face.label.is_ascii();
     let label = if is_drawable { &face.label } else { &face.name };
     let highlighted = label_of(picture.view, cell.target);
