@@ -75,7 +75,7 @@ impl Observations {
     /// Returns `false` for a channel of which all poses show that the glove does not have it.
     pub fn is_sent(&self, channel: usize) -> bool {
         let mut observed = self.poses.iter().filter_map(|pose| pose.channel(channel));
-        observed.clone().next().is_none() || observed.any(|channel| channel.is_sent)
+        observed.clone().next().is_none() || observed.any(|it| it.is_sent)
     }
 
     /// Returns the smallest and the largest median of a channel over all poses: its range without spikes. `None` if it was

@@ -96,14 +96,14 @@ mod tests {
                 tilt: between(-FRAC_PI_2, FRAC_PI_2),
             };
             let found = BoardPose::from_pose(&expected.to_pose());
-            for (found, expected) in [
+            for (part, wanted) in [
                 (found.bearing, expected.bearing),
                 (found.right, expected.right),
                 (found.height, expected.height),
                 (found.forward, expected.forward),
                 (found.tilt, expected.tilt),
             ] {
-                assert!((found - expected).abs() < 2e-6, "{found} for {expected}");
+                assert!((part - wanted).abs() < 2e-6, "{part} for {wanted}");
             }
         }
     }

@@ -255,16 +255,16 @@ fn front(target: &Target, x_axis: Vec2) -> Option<Rectangle> {
         Vec2::new(x_axis.dot(vector), x_axis.perp_dot(vector))
     };
     let (shift, half) = target.entrance();
-    let (x_axis, y_axis) = (in_grid(axes.x_axis), in_grid(axes.y_axis));
+    let (grid_x_axis, grid_y_axis) = (in_grid(axes.x_axis), in_grid(axes.y_axis));
     let extent = match target.shape {
-        Shape::Box(_) => x_axis.abs() * half.x + y_axis.abs() * half.y,
+        Shape::Box(_) => grid_x_axis.abs() * half.x + grid_y_axis.abs() * half.y,
         Shape::Disc(_) => half,
     };
     let center = target.surface_from_target.translation;
     if !center.is_finite() {
         return None;
     }
-    let center = in_grid(center) + x_axis * shift.x + y_axis * shift.y;
+    let center = in_grid(center) + grid_x_axis * shift.x + grid_y_axis * shift.y;
     Some(Rectangle {
         low: center - extent - PADDING,
         high: center + extent + PADDING,

@@ -211,8 +211,8 @@ mod tests {
         let found: Vec<u32> = press.neighbors.iter().map(|near| near.target.0).collect();
         assert_eq!(found, [4, 2, 5]);
         let expected = [0.004, 0.005, (0.005_f32.powi(2) + 0.004_f32.powi(2)).sqrt()];
-        for (near, expected) in press.neighbors.iter().zip(expected) {
-            assert!((near.distance - expected).abs() < 1e-5, "{near:?}");
+        for (near, distance) in press.neighbors.iter().zip(expected) {
+            assert!((near.distance - distance).abs() < 1e-5, "{near:?}");
         }
     }
 }

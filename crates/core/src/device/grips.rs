@@ -1,4 +1,4 @@
-//! Which fingertip holds which control.
+//! The controls that fingertips hold, and their holders.
 
 use arrayvec::ArrayVec;
 

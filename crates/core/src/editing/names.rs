@@ -105,7 +105,7 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     let name_in = |name: &str| {
         let canonical = canonical(name);
         let own = [name.to_owned(), canonical];
-        own.into_iter().find(|name| names.contains(name))
+        own.into_iter().find(|spelling| names.contains(spelling))
     };
     let layers = draft
         .field(Part::Layout, "layers")

@@ -320,7 +320,7 @@ fn row_part_at(text: &str, tree: &Node, board: usize, row: usize, offset: usize)
     let part = Part::Row { board, row };
     let keys = part
         .node(text, tree)
-        .and_then(|row| row.field(text, "keys"));
+        .and_then(|node| node.field(text, "keys"));
     let words = keys.map_or(Vec::new(), |keys| words(text, keys));
     let holds = |word: &std::ops::Range<usize>| word.contains(&offset);
     match words.iter().position(holds) {

@@ -51,8 +51,9 @@ fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
         Dof::ForearmSupination => known(ArmBone::LowerArm) && known(ArmBone::Hand),
         Dof::WristDeviation | Dof::WristFlexion => known(ArmBone::Hand),
         _ => dof.finger().is_some_and(|finger| {
-            let mut bones = (0..ArmBone::PER_FINGER).map(|index| ArmBone::of_finger(finger, index));
-            bones.all(|bone| bone.is_some_and(known))
+            let mut finger_bones =
+                (0..ArmBone::PER_FINGER).map(|index| ArmBone::of_finger(finger, index));
+            finger_bones.all(|bone| bone.is_some_and(known))
         }),
     }
 }
@@ -311,11 +312,8 @@ mod tests {
                     ArmBone::LowerArm,
                     bend * glam::Quat::from_rotation_x(turn - quarter),
                 );
-                let found = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
-                assert!(
-                    (found.to_degrees() - expected).abs() < 1e-3,
-                    "{side} {found}"
-                );
+                let bent = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
+                assert!((bent.to_degrees() - expected).abs() < 1e-3, "{side} {bent}");
             }
         }
     }

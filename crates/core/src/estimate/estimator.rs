@@ -310,9 +310,9 @@ impl Estimator {
 
 /// The largest plausible change from one reading to another.
 struct Reach {
-    /// Of each angle, in radians.
+    /// The change of each angle, in radians.
     rotation: f64,
-    /// Of a measured position, in metres.
+    /// The change of a measured position, in metres.
     distance: f64,
 }
 

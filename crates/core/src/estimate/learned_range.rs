@@ -297,8 +297,8 @@ mod tests {
         assert!((end - 150.0).abs() < 1e-9, "{end}");
         assert!((own.correction().apply(50.0) - 50.0).abs() < 1e-9);
         let mut far = learner();
-        let stretch = [(100.0, 50), (166.4, 50)];
-        assert_eq!(learn(&mut far, &stretch.repeat(40)), (0, 15));
+        let wide_stretch = [(100.0, 50), (166.4, 50)];
+        assert_eq!(learn(&mut far, &wide_stretch.repeat(40)), (0, 15));
         far.undo();
         assert_eq!(far.correction(), AffineMap::IDENTITY);
     }

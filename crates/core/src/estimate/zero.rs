@@ -54,7 +54,7 @@ pub struct Zeroed {
     pub count: usize,
     /// The angle with the largest offset.
     pub largest: Dof,
-    /// That offset, in radians.
+    /// Its offset, in radians.
     pub radians: f64,
 }
 

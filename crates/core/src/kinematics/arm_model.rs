@@ -241,8 +241,8 @@ mod tests {
         assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
         assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::X + Vec3::Y));
         estimate.measured.set(Joint::IndexTip, Vec3::Z);
-        let pose = rod().forward(&estimate);
-        assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
-        assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::Z));
+        let measured_pose = rod().forward(&estimate);
+        assert_eq!(measured_pose.position(Joint::Elbow), Some(Vec3::Y));
+        assert_eq!(measured_pose.fingertip(Finger::Index), Some(Vec3::Z));
     }
 }

@@ -211,7 +211,7 @@ struct ChainLink {
 /// The rotation of a link.
 enum Turn {
     Fixed(Option<Quat>),
-    /// By the value of a variable, about an axis of the frame of the link if there is one.
+    /// Turned by the value of a variable, about an axis of the frame of the link if there is one.
     Driven(usize, AffineMap, Option<(PrincipalAxis, f32)>),
 }
 

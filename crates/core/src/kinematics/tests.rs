@@ -37,8 +37,8 @@ fn check(arm: &ArmModel, has_lanes: bool) {
         let (found, expected) = (hand.known(), expected(arm, &angles));
         let pairs: Vec<_> = found.zip(expected.known()).collect();
         assert_eq!(pairs.len(), expected.known().count());
-        for ((joint, found), (same, pose)) in pairs {
-            assert_eq!((joint, found), (same, pose), "round {round}");
+        for ((joint, computed), (same, pose)) in pairs {
+            assert_eq!((joint, computed), (same, pose), "round {round}");
         }
     }
 }

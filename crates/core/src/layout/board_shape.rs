@@ -45,8 +45,8 @@ impl BoardShape {
             Self::Arc(radius_at_zero) => {
                 let radius = radius_at_zero + row_position.y;
                 let size = match shape {
-                    Shape::Box(half) => half.length(),
-                    Shape::Disc(radius) => radius,
+                    Shape::Box(extents) => extents.length(),
+                    Shape::Disc(disc_radius) => disc_radius,
                 };
                 let angle = row_position.x / radius;
                 if radius <= size || angle.abs() > PI {

@@ -274,7 +274,7 @@ mod tests {
             match mirror_layout(&document) {
                 Ok(text) => {
                     let other = Layout::parse(&text, name).unwrap();
-                    let targets = |layout: &Layout| (layout.keys.len(), layout.controls.len());
+                    let targets = |counted: &Layout| (counted.keys.len(), counted.controls.len());
                     assert_eq!(targets(&other), targets(&layout), "{name}");
                     assert!(!layout.has_board_for(Side::Left), "{name}");
                 }

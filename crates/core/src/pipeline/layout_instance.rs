@@ -24,7 +24,7 @@ use crate::time::Timestamp;
 /// The presses that the sources of the hands permit in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressRules {
-    /// By side, whether the hand may point but not type.
+    /// The hand may point but not type, by side.
     pub(super) pointer_only: [bool; Side::COUNT],
     /// Time between two presses of a sequence that the hand of the step has started.
     pub(super) sequence_gap: Duration,

@@ -391,8 +391,8 @@ impl Pipeline {
     /// Returns what the sources permit in a step of the hand with this index.
     fn press_rules(&self, index: usize) -> PressRules {
         let mut pointer_only = [false; Side::COUNT];
-        for (index, hand) in self.hands.iter().enumerate() {
-            pointer_only[hand.side().index()] = !self.gate.allows_keys(index);
+        for (other, hand) in self.hands.iter().enumerate() {
+            pointer_only[hand.side().index()] = !self.gate.allows_keys(other);
         }
         PressRules {
             pointer_only,

@@ -103,8 +103,8 @@ impl Pipeline {
         self.release_all(self.time, events);
         let start = &mut self.hands[index].output.pose.start;
         start.own = Some(place);
-        for hand in &mut self.hands {
-            hand.output.pose.start.shared.get_or_insert(place);
+        for other in &mut self.hands {
+            other.output.pose.start.shared.get_or_insert(place);
         }
     }
 

@@ -129,7 +129,7 @@ impl LayoutInstance {
         // Joint angles move a cursor in the spaces, and not the fingertip.
         let has_fingertip = !pointer.is_some_and(|it| matches!(it.mode, PointingMode::Joint(_)));
         let spaces = layout.into_iter().filter(|_| has_fingertip);
-        let spaces = spaces.flat_map(|layout| &layout.spaces);
+        let spaces = spaces.flat_map(|it| &it.spaces);
         let in_spaces = spaces.flat_map(|space| {
             let space = &space.space;
             let frame = space.frame.world_from_frame(pose).into_iter();

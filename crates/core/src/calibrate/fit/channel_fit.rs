@@ -85,8 +85,8 @@ impl ChannelFit {
         fit.rows = rows()
             .filter_map(|row| {
                 let line = fit.line(row.dof, observations)?;
-                let defined = points(channel, row.dof, observations, true);
-                (has_gain(&defined) && line.map.gain != 0.0).then_some((row.dof, line.map))
+                let row_points = points(channel, row.dof, observations, true);
+                (has_gain(&row_points) && line.map.gain != 0.0).then_some((row.dof, line.map))
             })
             .collect();
         fit

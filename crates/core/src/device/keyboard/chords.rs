@@ -283,8 +283,8 @@ impl Keyboard {
             return;
         };
         let chord = self.chords.pressed.remove(index);
-        for source in chord.fingers.into_iter().flatten() {
-            if let PressSource::Touch(.., target) = source
+        for finger in chord.fingers.into_iter().flatten() {
+            if let PressSource::Touch(.., target) = finger
                 && let Some(key) = self.index.get(target)
             {
                 self.debouncer.record_release(key, touch.time);
@@ -295,8 +295,8 @@ impl Keyboard {
         }
         self.pending.retain(|press| press.source != chord.source);
         match touch.phase {
-            Phase::Cancelled => out.arbiter.cancel(|source| source == chord.source),
-            _ => out.arbiter.release(|source| source == chord.source),
+            Phase::Cancelled => out.arbiter.cancel(|holder| holder == chord.source),
+            _ => out.arbiter.release(|holder| holder == chord.source),
         }
     }
 

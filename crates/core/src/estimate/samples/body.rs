@@ -126,8 +126,8 @@ impl Held {
 /// Returns the lowest confidence of the landmarks that show an arm: its own without the thumb, and the other shoulder.
 /// NaN counts as 0.
 fn confidence(body: &BodyLandmarks, side: Side) -> f32 {
-    let at = |pair: usize, side: Side| {
-        body.points[FIRST_ROW + Side::COUNT * pair + side.index()].confidence
+    let at = |pair: usize, arm: Side| {
+        body.points[FIRST_ROW + Side::COUNT * pair + arm.index()].confidence
     };
     let own = (0..REQUIRED_PAIRS).map(|pair| at(pair, side));
     own.chain([at(0, side.opposite())])

@@ -197,11 +197,19 @@ impl OutputGate {
             return false;
         }
         let mut pressed = self.pressed.release_order();
-        let Some(acting) = pressed.find(|key| key.is_system_key_with_ctrl_alt()) else {
+        let Some(acting) = pressed.find(|held| held.is_system_key_with_ctrl_alt()) else {
             return false;
         };
-        let kind = EventKind::KeyUp(acting);
-        let is_inserted = events.try_insert(index, OutputEvent { time, kind }).is_ok();
+        let release = EventKind::KeyUp(acting);
+        let is_inserted = events
+            .try_insert(
+                index,
+                OutputEvent {
+                    time,
+                    kind: release,
+                },
+            )
+            .is_ok();
         self.suppressed.system_keys += u64::from(is_inserted);
         is_inserted
     }

@@ -229,7 +229,7 @@ impl Fields {
         let value = |channel: usize| {
             let count = channels.counts.get(channel).copied();
             let is_sent =
-                |count: &u16| *count != Channels::UNKNOWN && !channels.unsent.contains(channel);
+                |sent: &u16| *sent != Channels::UNKNOWN && !channels.unsent.contains(channel);
             count.filter(is_sent).map(i64::from)
         };
         let finger = |first: usize| std::array::from_fn(|index| value(first + index));
