@@ -205,10 +205,10 @@ fn content(opcode: u8, data: &[u8]) -> Result<Content<'_>, Stop> {
     if opcode == op::MESSAGE {
         let undecodable = || Stop::Malformed(UNDECODABLE.into());
         let message = data.split_at_checked(MESSAGE_HEAD_BYTES);
-        let (head, data) = message.ok_or_else(undecodable)?;
+        let (head, body) = message.ok_or_else(undecodable)?;
         return Ok(Content::Message(
             u16::from_le_bytes([head[0], head[1]]),
-            data,
+            body,
         ));
     }
     if !matches!(opcode, op::CHANNEL | op::METADATA) {

@@ -69,11 +69,11 @@ impl Prior {
     /// Returns the prior with values that can be used: finite, positive where they have to be.
     fn sane(mut self) -> Self {
         let default = Self::default();
-        let or = |value: f32, low: f32, high: f32, default: f32| {
+        let or = |value: f32, low: f32, high: f32, usual: f32| {
             if value.is_finite() {
                 value.clamp(low, high)
             } else {
-                default
+                usual
             }
         };
         for axis in 0..2 {
@@ -196,7 +196,7 @@ const ERROR_TAPS: f32 = 150.0;
 pub struct ErrorSums {
     /// The taps.
     pub taps: f32,
-    /// Those that mean nothing.
+    /// Taps that mean nothing.
     pub spurious: f32,
     /// Characters that were meant and not tapped.
     pub missed: f32,

@@ -87,7 +87,7 @@ impl PageSession {
         let [right, left] = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
         let fit = Fit::new(&right, Some(&left))?;
         let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
-        let idle = [&right, &left].map(|arm| (arm.side(), PointerHand::new(arm).advance(0.0)));
+        let idle = [&right, &left].map(|own| (own.side(), PointerHand::new(own).advance(0.0)));
         Ok(Self {
             pipeline: new_pipeline(&right, &left, LayoutInstance::from_layout(&layout)),
             idle,

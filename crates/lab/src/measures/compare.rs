@@ -209,10 +209,10 @@ impl Comparison {
         };
         let reversed = self.groups.iter().filter(|group| {
             let pairs = group.differences.iter().zip(&self.differences).take(2);
-            pairs.into_iter().any(|(own, all)| {
+            pairs.into_iter().any(|(own, overall)| {
                 own.interval.excludes_zero()
-                    && all.interval.excludes_zero()
-                    && own.interval.value.signum() != all.interval.value.signum()
+                    && overall.interval.excludes_zero()
+                    && own.interval.value.signum() != overall.interval.value.signum()
             })
         });
         let reversed: Vec<String> = reversed

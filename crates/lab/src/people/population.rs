@@ -13,7 +13,7 @@ const FOREARM: f64 = 1.352;
 /// The range of hand lengths, in millimetres.
 const HANDS: (f64, f64) = (165.0, 205.0);
 
-/// Who types.
+/// The people who type.
 #[derive(Clone, Debug)]
 pub enum People {
     /// A number of people of the general population.
@@ -196,9 +196,9 @@ mod tests {
     fn a_tier_sets_the_scatter_and_leaves_the_hands_and_the_pace() {
         let own = population(&People::Drawn(4), None, 1);
         let tiered = population(&People::Drawn(4), Some(Tier::T3), 1);
-        for (own, tiered) in own.iter().zip(&tiered) {
-            assert_eq!((own.own, own.pace_wpm), (tiered.own, tiered.pace_wpm));
-            assert_eq!(tiered.scatter, [8.0; 2]);
+        for (plain, changed) in own.iter().zip(&tiered) {
+            assert_eq!((plain.own, plain.pace_wpm), (changed.own, changed.pace_wpm));
+            assert_eq!(changed.scatter, [8.0; 2]);
         }
     }
 }

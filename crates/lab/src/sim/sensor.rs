@@ -61,7 +61,7 @@ impl JointSensor {
         angles: &JointAngles,
         posture: &BodyPosture,
     ) -> Sample {
-        let pose_of = |angles| arm.forward(&Estimate::new(Timestamp(0), angles));
+        let pose_of = |joints| arm.forward(&Estimate::new(Timestamp(0), joints));
         match self {
             Self::Angles => Sample::Angles { angles: *angles },
             Self::Positions => Sample::Joints {
@@ -74,7 +74,7 @@ impl JointSensor {
                 Sample::Bones { bones }
             }
             Self::Displacement => {
-                let tip = |angles| pose_of(angles).fingertip(Finger::Index).unwrap_or_default();
+                let tip = |joints| pose_of(joints).fingertip(Finger::Index).unwrap_or_default();
                 let translation = tip(*angles) - tip(JointAngles::default());
                 let displacement = Displacement::new(Joint::Wrist, translation, Quat::IDENTITY);
                 Sample::Displacement { displacement }
@@ -194,8 +194,8 @@ fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {
         let position = from_neck(arm[pair]);
         set(index(pair, other), position.with_x(-position.x));
     }
-    for (index, position) in posture.head() {
-        set(index, position);
+    for (landmark, position) in posture.head() {
+        set(landmark, position);
     }
     for side in [Side::Left, Side::Right] {
         let hip = outwards(side) - Vec3::Y * TRUNK;

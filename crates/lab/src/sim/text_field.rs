@@ -52,7 +52,7 @@ impl UsTextField {
 
     fn edit(&mut self, key: KeyCode) {
         let shifts = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT];
-        let is_shortcut = |key: KeyCode| key.is_modifier() && !shifts.contains(&key);
+        let is_shortcut = |held: KeyCode| held.is_modifier() && !shifts.contains(&held);
         if self.pressed.release_order().any(is_shortcut) {
             return;
         }

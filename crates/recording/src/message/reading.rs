@@ -195,10 +195,10 @@ fn bones(fields: Fields) -> Result<BoneRotations, WireError> {
         let Some(side) = element(field, Side::ALL) else {
             continue;
         };
-        for field in message(field)? {
-            let field = field?;
-            if let Some(bone) = element(field, ArmBone::ALL) {
-                bones.arm_mut(side).set(bone, rotation(field)?);
+        for bone_field in message(field)? {
+            let bone_field = bone_field?;
+            if let Some(bone) = element(bone_field, ArmBone::ALL) {
+                bones.arm_mut(side).set(bone, rotation(bone_field)?);
             }
         }
     }

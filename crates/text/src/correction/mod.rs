@@ -192,7 +192,7 @@ impl<'m> Corrector<'m> {
         let taps = self.decoder.taps();
         let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
-            // What is shown is final; the person is learned from what was most probably meant.
+            // The shown text is final; the person is learned from the text that was most probably meant.
             self.decoder.commit();
             self.shown.clear();
         }

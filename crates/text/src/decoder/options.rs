@@ -87,11 +87,11 @@ impl Options {
             (&mut self.punctuation, default.punctuation),
             (&mut self.verbatim, default.verbatim),
         ];
-        for (cost, default) in costs {
+        for (cost, usual) in costs {
             *cost = if cost.is_finite() {
                 cost.min(0.0)
             } else {
-                default
+                usual
             };
         }
         let positive = [
@@ -99,11 +99,11 @@ impl Options {
             (&mut self.language, default.language),
             (&mut self.margin, default.margin),
         ];
-        for (value, default) in positive {
+        for (value, usual) in positive {
             *value = if value.is_finite() {
                 value.max(0.0)
             } else {
-                default
+                usual
             };
         }
         self.beam = self.beam.clamp(1, MAX_BEAM);

@@ -166,17 +166,17 @@ impl Touches {
         }
         for key in &mut self.keys {
             let [xx, yy, xy] = key.spread.covariance;
-            let drift = self.carried.variance[key.hand];
+            let variance = self.carried.variance[key.hand];
             for axis in 0..2 {
-                let spread = drift + key.spread.covariance[axis];
+                let spread = variance + key.spread.covariance[axis];
                 key.gain[axis] = if key.wide && axis == 0 {
                     0.0
                 } else {
-                    drift / spread
+                    variance / spread
                 };
                 key.reach[axis] = 3.0 * spread.sqrt();
             }
-            let (xx, yy) = (xx + drift, yy + drift);
+            let (xx, yy) = (xx + variance, yy + variance);
             let determinant = xx * yy - xy * xy;
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());

@@ -108,10 +108,13 @@ impl TextKeys {
             return None;
         }
         add_elsewhere(layout, &mut keys);
-        let letters = ('a'..='z').chain([' ', '\'']);
-        let letters = letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
+        let plain_letters = ('a'..='z').chain([' ', '\'']);
+        let plain_letters =
+            plain_letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
         let of_layout = layout.required_capabilities().keys.into_iter();
-        let mut codes: Vec<KeyCode> = of_layout.chain(letters.map(|(code, _)| code)).collect();
+        let mut codes: Vec<KeyCode> = of_layout
+            .chain(plain_letters.map(|(code, _)| code))
+            .collect();
         codes.dedup();
         Some(Self {
             keyboard: Keyboard::new(keys),

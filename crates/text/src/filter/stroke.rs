@@ -14,7 +14,7 @@ use ademan_core::time::Timestamp;
 
 /// The distance from the press, in widths of the key, from which a stroke is a swipe.
 const SWIPE_WIDTHS: f32 = 1.5;
-/// The same for a stroke that has lasted for [`SLOW_TIME`]: a tap is over by then.
+/// The limit for a stroke that has lasted for [`SLOW_TIME`]: a tap is over by then.
 const SLOW_SWIPE_WIDTHS: f32 = 1.0;
 const SLOW_TIME: Duration = Duration::from_millis(150);
 

@@ -144,8 +144,8 @@ impl FluentHand {
         };
         if posture == StartPosture::Straight {
             for &finger in Finger::ALL {
-                for (index, value) in index.values_at_bend(finger, STRAIGHT) {
-                    values[index] = value;
+                for (channel, value) in index.values_at_bend(finger, STRAIGHT) {
+                    values[channel] = value;
                 }
             }
         }

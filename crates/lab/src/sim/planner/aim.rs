@@ -191,8 +191,8 @@ impl Planner<'_> {
                 target: wrong.target,
             });
         }
-        let mut presses = watch.presses();
-        let is_pressed = presses.any(|touch| touch.finger == own && touch.target == point.target);
+        let mut touches = watch.presses();
+        let is_pressed = touches.any(|touch| touch.finger == own && touch.target == point.target);
         if is_pressed || !is_full || !is_center {
             Ok(())
         } else {
