@@ -155,7 +155,7 @@ fn routes(outputs: &[NamedOutput]) -> Vec<Route> {
 
 /// Returns the required capabilities that the output at `index` carries.
 fn routed_to(routes: &[Route], index: usize, required: &Capabilities) -> Capabilities {
-    let is_routed_here = |required: &Capability| route(routes, *required) == Some(index);
+    let is_routed_here = |capability: &Capability| route(routes, *capability) == Some(index);
     required.iter().filter(is_routed_here).collect()
 }
 
@@ -286,8 +286,8 @@ mod tests {
             Capabilities::default(),
             Capabilities::from_iter([Capability::Text]),
         ];
-        for (index, expected) in expected.iter().enumerate() {
-            assert_eq!(routed_to(&routes, index, &required), *expected, "{index}");
+        for (index, wanted) in expected.iter().enumerate() {
+            assert_eq!(routed_to(&routes, index, &required), *wanted, "{index}");
         }
     }
 }

@@ -147,14 +147,14 @@ impl LayoutLink {
         }
         self.waker.wake();
         let old = select! {
-            recv(old) -> old => old.map_err(|_| SessionEnded)?,
+            recv(old) -> received => received.map_err(|_| SessionEnded)?,
             recv(self.ended) -> _ => return Err(SessionEnded),
         };
-        if let Some((change, mut layout)) = followed.zip(layout_of_hands) {
+        if let Some((change, mut followed_layout)) = followed.zip(layout_of_hands) {
             if keep_board_poses {
-                copy_board_poses(&old, Arc::make_mut(&mut layout));
+                copy_board_poses(&old, Arc::make_mut(&mut followed_layout));
             }
-            change.activate(layout);
+            change.activate(followed_layout);
         }
         Ok(())
     }

@@ -185,9 +185,9 @@ impl Session {
             .transpose()?;
         if options.use_panic_keys {
             let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
-            let commands = command_sender.with_origin(CommandOrigin::PanicKeys);
+            let pause_commands = command_sender.with_origin(CommandOrigin::PanicKeys);
             // A full queue means that the loop stands still; then the watchdog releases everything.
-            panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
+            panic_keys::watch(&keys, move || _ = pause_commands.send(Command::Pause))?;
         }
         let layout = Arc::new(setup.layout.clone());
         let rule = ActiveRule::new(&setup.setup.profiles_by_application);
@@ -291,7 +291,7 @@ impl Session {
         let status = || StatusLog::new(has_effect);
         let mut status = self.options.report_status.then(status);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
-        let (notices, snapshots) = (self.notices.sender(), &mut self.snapshots);
+        let (notice_sender, snapshots) = (self.notices.sender(), &mut self.snapshots);
         let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
         let share = &mut self.share;
@@ -299,7 +299,7 @@ impl Session {
             haptics.update(step);
             if let Some(status) = &mut status {
                 let hints = Hints::of(pipeline);
-                status.update(step, &hints, now, &mut |notice| notices.send(notice));
+                status.update(step, &hints, now, &mut |notice| notice_sender.send(notice));
             }
             if let Some(notifier) = &mut notifier {
                 notifier.notify_step(step);

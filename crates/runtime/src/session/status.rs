@@ -34,9 +34,9 @@ pub(super) struct StatusLog {
     is_awaiting: bool,
     /// A hand that reaches nothing was reported.
     is_unreached: bool,
-    /// By side.
+    /// The fingers that are not trusted, by side.
     untrusted: [FingerSet; Side::COUNT],
-    /// By side.
+    /// The hand is lost, by side.
     lost_hands: [bool; Side::COUNT],
 }
 
@@ -275,8 +275,9 @@ impl StatusLog {
         };
         if is_pause {
             // The person who pauses waits for the notices that follow.
-            self.limits
-                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Bent | Topic::Stalled));
+            self.limits.restart(|limited| {
+                matches!(limited, Topic::Disarmed | Topic::Bent | Topic::Stalled)
+            });
         }
         report(notice);
     }

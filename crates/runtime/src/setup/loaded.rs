@@ -115,7 +115,9 @@ impl Loader<'_> {
     ) -> Result<ArmModel, SetupError> {
         match arm {
             ArmSetup::Person => match person.arm(side) {
-                Some(arm) => arm.map_err(|error| SetupError::Value(error.to_string())),
+                Some(person_arm) => {
+                    person_arm.map_err(|error| SetupError::Value(error.to_string()))
+                }
                 None => self.arm_model(kind, DEFAULT_ARM, side),
             },
             ArmSetup::Model(name) => self.arm_model(kind, name, side),
@@ -226,8 +228,8 @@ impl LoadedSetup {
         loaded.check_parts()?;
         loaded.check_ranges()?;
         loaded.setup.check_position_filter()?;
-        for layout in loaded.layouts() {
-            loaded.check_layout(layout)?;
+        for checked in loaded.layouts() {
+            loaded.check_layout(checked)?;
         }
         Ok(loaded)
     }
@@ -394,7 +396,7 @@ impl LoadedSetup {
         arm_source: Option<&SourceUri>,
     ) -> HandEstimator {
         let rest_pose = glove.map(|glove| glove.rest_pose).unwrap_or_default();
-        let settings = |source| self.estimator_settings(source, &rest_pose);
+        let settings = |uri| self.estimator_settings(uri, &rest_pose);
         let fingers = Estimator::new(settings(source));
         let fingers = match glove {
             Some(glove) => fingers.with_channels(&glove.map),

@@ -164,7 +164,7 @@ impl LoadedSetup {
 
     fn reaching_hands(&self) -> Hands {
         let side = self.arm.side();
-        let own = |side| self.typing_hand(side);
+        let own = |own_side| self.typing_hand(own_side);
         match self.other_hand {
             Some(_) => Hands {
                 fingers: self.person.fingers,
@@ -288,7 +288,7 @@ fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, M
             };
             let misses: Option<Vec<Miss>> = hands.own.iter().map(miss).collect();
             let nearest = misses.and_then(|misses| misses.into_iter().reduce(nearer));
-            found.extend(nearest.map(|miss| (name.as_str(), miss)));
+            found.extend(nearest.map(|missed| (name.as_str(), missed)));
         }
     }
     found
@@ -296,8 +296,8 @@ fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, M
 
 /// Returns the commands that bring all targets on boards within reach: `recenter`, a `scale`, or both.
 fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
-    let is_reached = |layout: &Layout, scene: &Scene| {
-        on_boards_out_of_reach(layout, scene, hands)
+    let is_reached = |candidate: &Layout, scene: &Scene| {
+        on_boards_out_of_reach(candidate, scene, hands)
             .next()
             .is_none()
     };
@@ -310,12 +310,15 @@ fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
         Some((factor, layout.with_text(&text).ok()?))
     };
     let candidates: Vec<(f32, Layout)> = SCALES.into_iter().filter_map(scaled).collect();
-    let is_enough = |(_, layout): &&(f32, Layout)| is_reached(layout, &layout.scene);
+    let is_enough =
+        |(_, scaled_layout): &&(f32, Layout)| is_reached(scaled_layout, &scaled_layout.scene);
     if let Some((factor, _)) = candidates.iter().find(is_enough) {
         return Some(format!("`ademan ctl scale {factor}`"));
     }
-    let is_enough = |(_, layout): &&(f32, Layout)| is_reached(layout, &recentered(layout, hands));
-    let (factor, _) = candidates.iter().find(is_enough)?;
+    let is_enough_recentered = |(_, scaled_layout): &&(f32, Layout)| {
+        is_reached(scaled_layout, &recentered(scaled_layout, hands))
+    };
+    let (factor, _) = candidates.iter().find(is_enough_recentered)?;
     Some(format!(
         "`ademan ctl scale {factor}`, then `ademan ctl recenter`"
     ))

@@ -56,7 +56,7 @@ impl LoadedSetup {
                 _ => None,
             };
             match (replacement, document(kind)) {
-                (Some(name), _) => Document::open(name),
+                (Some(other_name), _) => Document::open(other_name),
                 (None, Some(document)) => Ok(document),
                 (None, None) => Document::shipped(name).map_err(|_| not_contained(kind, name)),
             }
@@ -123,8 +123,8 @@ impl Setup {
         let permissions = own.permissions(None, own.role);
         let role = Some(permissions.role);
         (self.role, self.arm_role) = (role, role);
-        if let Some(other) = &mut self.other_hand {
-            (other.role, other.arm_role) = (role, role);
+        if let Some(other_hand) = &mut self.other_hand {
+            (other_hand.role, other_hand.arm_role) = (role, role);
         }
         self.max_presses_per_second = Some(permissions.rate_limit.per_second);
         self.stall_timeout_ms = own.stall_timeout_ms;

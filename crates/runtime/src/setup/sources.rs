@@ -97,10 +97,10 @@ impl LoadedSetup {
             let source = hand.source.as_ref();
             let remedy = "`role: Both` next to this source in the setup";
             let source = source.map(|uri| named(Some(uri), hand.role, remedy));
-            let arm = hand.arm_source.as_ref();
-            let remedy = "`arm_role: Both` next to this source in the setup";
-            let arm = arm.map(|uri| named(Some(uri), hand.arm_role, remedy));
-            source.into_iter().chain(arm)
+            let other_arm = hand.arm_source.as_ref();
+            let other_arm_remedy = "`arm_role: Both` next to this source in the setup";
+            let other_arm = other_arm.map(|uri| named(Some(uri), hand.arm_role, other_arm_remedy));
+            source.into_iter().chain(other_arm)
         });
         std::iter::once(first).chain(arm).chain(other)
     }
@@ -233,7 +233,7 @@ impl LoadedSetup {
             return Ok(());
         };
         let mut channels = first.map.channels();
-        match channels.find(|channel| second.map.channels().any(|other| other == *channel)) {
+        match channels.find(|channel| second.map.channels().any(|it| it == *channel)) {
             None => Ok(()),
             Some(channel) => Err(SetupError::Value(format!(
                 "`other_hand` has no `source`, and both gloves have channel {channel} of the first one, so that one hand would move the \
@@ -267,8 +267,8 @@ impl LoadedSetup {
         ));
         add(first, [Some(first_side), shared], part);
         if let Some(arm) = &setup.arm_source {
-            let shared = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
-            add(arm, [Some(first_side), shared], Some(HandPart::Arm));
+            let both = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
+            add(arm, [Some(first_side), both], Some(HandPart::Arm));
         }
         if let Some(source) = second_source {
             add(
@@ -304,10 +304,10 @@ impl LoadedSetup {
             }
             SourceUri::Typist {
                 text,
-                format: Some(format),
+                format: Some(given),
             } => {
-                let stream = Box::new(self.encoded_typist(text, format, 0.0, 0)?);
-                if format.protocol.has_both_hands {
+                let stream = Box::new(self.encoded_typist(text, given, 0.0, 0)?);
+                if given.protocol.has_both_hands {
                     Box::new(SidedSource::new(stream, sides))
                 } else {
                     stream

@@ -249,8 +249,8 @@ mod tests {
         }
         let mapped: ShareTarget = "web:[::ffff:127.0.0.1]:1".parse().unwrap();
         assert_eq!(mapped.to_string(), "web:127.0.0.1:1");
-        let mapped = error("pose:[::ffff:192.0.2.2]:1");
-        assert!(mapped.contains("ssh -L"), "{mapped}");
+        let refused = error("pose:[::ffff:192.0.2.2]:1");
+        assert!(refused.contains("ssh -L"), "{refused}");
         for datagrams in ["vmc:192.168.1.2:1", "opentrack+tls:192.0.2.2:1"] {
             let error = error(datagrams);
             assert!(error.contains("text-line+tls"), "{error}");

@@ -365,8 +365,8 @@ mod tests {
             ],
             &[r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#],
         ];
-        for (stage, expected) in Stage::ALL.iter().zip(expected) {
-            assert_eq!(lines(*stage, &snapshot()), expected, "{stage}");
+        for (stage, wanted) in Stage::ALL.iter().zip(expected) {
+            assert_eq!(lines(*stage, &snapshot()), wanted, "{stage}");
         }
     }
 

@@ -406,7 +406,7 @@ mod tests {
             &connector,
         );
         assert!(
-            matches!(ambiguous, ConnectError::Unusable(reason) if reason.starts_with("a and b are all USB"))
+            matches!(ambiguous, ConnectError::Unusable(text) if text.starts_with("a and b are all USB"))
         );
         assert!(matches!(
             choice_error(PortChoice::Absent, &connector),

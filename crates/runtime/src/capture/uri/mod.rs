@@ -235,7 +235,7 @@ fn parse(text: &str) -> Result<SourceUri, String> {
             script: rest.into(),
         },
         unknown => {
-            let names: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
+            let names: Vec<&str> = schemes().map(|it| it.name).collect();
             return Err(unknown_name("kind of source", unknown, &names));
         }
     };

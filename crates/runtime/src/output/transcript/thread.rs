@@ -100,9 +100,9 @@ impl TranscriptThread {
         let names = self.target_names.take().map(Message::TargetNames);
         let missed = self.missed.take().map(Message::Missed);
         events.iter().for_each(|event| self.missed.apply(event));
-        let lines = commands.into_iter().map(Message::Command);
-        let lines = lines.chain(events.iter().copied().map(Message::Event));
-        for message in names.into_iter().chain(missed).chain(lines) {
+        let written = commands.into_iter().map(Message::Command);
+        let written = written.chain(events.iter().copied().map(Message::Event));
+        for message in names.into_iter().chain(missed).chain(written) {
             // An error means that the thread has failed, which the caller checks.
             let _ = queue.send(message);
         }

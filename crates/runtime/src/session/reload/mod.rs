@@ -220,8 +220,8 @@ mod tests {
         let report = session.reports.recv_timeout(TIMEOUT);
         assert!(matches!(report, Ok(LayoutReport::Rejected(reason)) if reason == "no B"));
         fs::write(&path, text("C")).unwrap();
-        let report = session.reports.recv_timeout(TIMEOUT);
-        assert!(matches!(report, Ok(LayoutReport::Activated(layout)) if layout.name == "C"));
+        let next_report = session.reports.recv_timeout(TIMEOUT);
+        assert!(matches!(next_report, Ok(LayoutReport::Activated(layout)) if layout.name == "C"));
     }
 
     #[test]

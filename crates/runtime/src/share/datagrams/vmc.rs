@@ -115,14 +115,17 @@ mod tests {
         // Hanging arms, the forearms forward: each turns about the axis towards the viewer.
         for (side, quarter) in [(Side::Right, -1.0), (Side::Left, 1.0)] {
             let hanging = [Vec3::ZERO, Vec3::NEG_Y, Vec3::NEG_Y + Vec3::NEG_Z];
-            let rotation = upper_arm(&arm(side, hanging)).unwrap();
+            let hanging_rotation = upper_arm(&arm(side, hanging)).unwrap();
             let expected = Quat::from_rotation_z(quarter * std::f32::consts::FRAC_PI_2);
-            assert!(rotation.angle_between(expected) < 1e-3, "{side} {rotation}");
+            assert!(
+                hanging_rotation.angle_between(expected) < 1e-3,
+                "{side} {hanging_rotation}"
+            );
         }
         let straight = [Vec3::ZERO, Vec3::NEG_Z, 2.0 * Vec3::NEG_Z];
-        let rotation = upper_arm(&arm(Side::Right, straight)).unwrap();
-        assert!((rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
-        assert!((rotation * Vec3::NEG_Z).distance(Vec3::Y) < 1e-6);
+        let straight_rotation = upper_arm(&arm(Side::Right, straight)).unwrap();
+        assert!((straight_rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
+        assert!((straight_rotation * Vec3::NEG_Z).distance(Vec3::Y) < 1e-6);
     }
 
     #[test]

@@ -120,8 +120,8 @@ impl Client {
             let mut request = [0; 8];
             let length = self.settings.request_bytes();
             let numbers = self.received[..length].as_chunks::<4>().0;
-            for (number, bytes) in request.iter_mut().zip(numbers) {
-                *number = i32::from_ne_bytes(*bytes);
+            for (number, word) in request.iter_mut().zip(numbers) {
+                *number = i32::from_ne_bytes(*word);
             }
             self.received.drain(..length);
             self.reply(request, length, path);

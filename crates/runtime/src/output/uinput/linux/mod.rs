@@ -115,8 +115,8 @@ impl<N: DeviceNode> Uinput<N> {
         }
         self.has_stalled = true;
         let released = self.for_each_device(TrackedDevice::release_all);
-        if let Some(watchdog) = &mut self.watchdog {
-            watchdog.restart();
+        if let Some(client) = &mut self.watchdog {
+            client.restart();
         }
         released
     }

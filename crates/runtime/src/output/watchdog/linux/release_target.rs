@@ -145,9 +145,9 @@ mod tests {
     fn transfer(target: &ReleaseTarget) -> io::Result<ReleaseTarget> {
         let (client, watchdog) = UnixStream::pair()?;
         target.send(&client, None)?;
-        let (target, thread) = ReleaseTarget::receive(&watchdog)?;
+        let (received, thread) = ReleaseTarget::receive(&watchdog)?;
         assert!(thread.is_none());
-        Ok(target)
+        Ok(received)
     }
 
     fn device(has_axes: bool) -> (std::io::PipeReader, DeviceHandle) {
