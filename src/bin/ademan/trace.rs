@@ -83,7 +83,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let sensors = SensorTables::new(&setup);
     let session = session::start(setup, options)?;
     let printed = match (args.stage, signals) {
-        (Some(traced), _) => print(&session, traced, args.euler),
+        (Some(stage), _) => print(&session, stage, args.euler),
         (None, Some(signals)) => print_stats(&session, signals, sensors, as_json),
         (None, None) => Ok(true),
     };

@@ -60,8 +60,8 @@ pub fn read(mut file: impl Read) -> Result<Vec<String>, String> {
         return Ok(Vec::new());
     }
     let line = |pose: &[f64]| {
-        let rows: Vec<&[f64]> = pose.chunks(columns).collect();
-        serde_json::to_string(&rows).expect("numbers are JSON")
+        let coordinates: Vec<&[f64]> = pose.chunks(columns).collect();
+        serde_json::to_string(&coordinates).expect("numbers are JSON")
     };
     Ok(numbers.chunks(rows * columns).map(line).collect())
 }

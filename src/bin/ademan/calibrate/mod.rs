@@ -158,8 +158,8 @@ impl Start {
         println!("{}", text.trim_end());
         println!();
         let rest = calibrate::rest_pose(observations, &result.map);
-        let text = layout::write_calibration(&self.document, &result.map, &rest)?;
-        destination.write(&text)
+        let glove_text = layout::write_calibration(&self.document, &result.map, &rest)?;
+        destination.write(&glove_text)
     }
 }
 

@@ -276,9 +276,9 @@ fn session_options() -> Result<SessionOptions, Failure> {
 fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
     let is_drawn = view::is_possible() && !output::uses_stdout(&args.output);
     let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |task: &Task| {
+    let show = |shown: &Task| {
         if let Some(view) = &view {
-            view.task().set(vec![task.goal(), task.result()]);
+            view.task().set(vec![shown.goal(), shown.result()]);
         }
     };
     show(task);

@@ -34,7 +34,7 @@ const MAX_PEOPLE: i64 = 100_000;
 /// The difference between the seeds of held-out people and of the others.
 const HELD_OUT: u64 = 0x4e1d_0075;
 
-/// Who types what, and how it is measured.
+/// The people, the texts that they type, and the measurement.
 #[derive(Clone, clap::Args)]
 pub struct ConditionArgs {
     /// Person: the name of one that comes with the program, or a file. Its size, fingers and errors apply; times and the differences from
@@ -94,7 +94,7 @@ fn probability(text: &str) -> Result<f64, String> {
     number_in(text, 0.0, 1.0, "as a probability")
 }
 
-/// Everything of a run but the layout.
+/// A run without its layout.
 pub struct Prepared {
     people: PeopleSpec,
     tier: Option<Tier>,
@@ -206,10 +206,14 @@ impl Prepared {
             ));
         }
         let drawn = match &people {
-            PeopleSpec::Drawn(count) => People::Drawn(*count),
-            PeopleSpec::Person { file, text, count } => {
+            PeopleSpec::Drawn(number) => People::Drawn(*number),
+            PeopleSpec::Person {
+                file,
+                text,
+                count: repeats,
+            } => {
                 let person = Person::parse(&Document::new(file.as_str(), text.as_str()))?;
-                People::Person(Box::new(person), *count)
+                People::Person(Box::new(person), *repeats)
             }
         };
         let cancel = Arc::new(AtomicBool::new(false));

@@ -282,9 +282,9 @@ fn run_task(
 /// Follows the events of a session, on the terminal if it is drawn, and stops the session when the task is complete.
 fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool) {
     let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |task: &dyn PracticeTask| {
+    let show = |shown: &dyn PracticeTask| {
         if let Some(view) = &view {
-            view.task().set(task.lines());
+            view.task().set(shown.lines());
         }
     };
     show(task);

@@ -132,7 +132,7 @@ impl Painter {
                 match self.draw(view, &content) {
                     // The view ends before the terminal accepts the picture.
                     Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                    drawn => drawn?,
+                    result => result?,
                 }
                 drawn = Some(content);
                 thread::sleep(PERIOD.saturating_sub(started.elapsed()));

@@ -193,7 +193,7 @@ mod tests {
         assert!((result.movement_s - 0.8).abs() < 1e-9, "{result:?}");
         assert!(result.path_efficiency > 0.999, "{result:?}");
         assert!(result.throughput > 1.0, "{result:?}");
-        // What follows changes nothing.
+        // Later clicks change nothing.
         click(&mut task, 60_000, [0.0, 0.0]);
         assert_eq!(task.result(), result);
     }
