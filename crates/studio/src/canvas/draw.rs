@@ -92,7 +92,7 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             *own = shape;
         }
     }
-    // What is dragged is above everything, and what is selected above the rest.
+    // Dragged items are above everything, and selected ones above the rest.
     let is_dragged = |index: usize| scene.preview.shapes.iter().any(|(own, _)| *own == index);
     let mut order: Vec<usize> = (0..shapes.len()).collect();
     order.sort_by_key(|&index| (scene.selected.contains(index), is_dragged(index)));

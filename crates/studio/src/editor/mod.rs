@@ -225,7 +225,7 @@ impl LayoutEditor {
 
     /// Returns the targets of a part: one, all of a row, board or radio group, or none.
     pub fn targets_of(&self, part: Part) -> Vec<TargetId> {
-        let ancestors = |own: Part| std::iter::successors(Some(own), |part| part.parent());
+        let ancestors = |own: Part| std::iter::successors(Some(own), |child| child.parent());
         let targets = self.layout_targets.iter().enumerate();
         targets
             .filter(|(_, own)| ancestors(**own).any(|own| own == part))

@@ -266,9 +266,9 @@ mod tests {
         assert!(answers.is_kept && answers.is_calibrated);
         *first.is_kept() = false;
         first.choose_layout("numpad");
-        let answers = first.answers().unwrap();
-        assert!(!answers.is_kept);
-        assert_eq!(answers.setup.layout, "numpad");
+        let changed = first.answers().unwrap();
+        assert!(!changed.is_kept);
+        assert_eq!(changed.setup.layout, "numpad");
     }
 
     #[test]

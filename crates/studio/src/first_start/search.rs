@@ -40,8 +40,11 @@ impl Search {
                 // Nobody waits for it once the window is closed.
                 let _ = sender.send((index, recognize(&port)));
             });
-            let heard = listened.err().map(|error| Err(error.to_string()));
-            Port { name, heard }
+            let refusal = listened.err().map(|error| Err(error.to_string()));
+            Port {
+                name,
+                heard: refusal,
+            }
         };
         Self {
             ports: ports.into_iter().enumerate().map(start).collect(),
