@@ -37,7 +37,7 @@ struct Hands {
     times: Vec<Timestamp>,
     /// The angles of each hand at all times.
     angles: Vec<Vec<JointAngles>>,
-    /// Those angles in the lanes of blocks.
+    /// The angles in the lanes of blocks.
     lanes: Vec<LaneAngles>,
 }
 
@@ -105,10 +105,10 @@ impl Hands {
         };
         let angles: Vec<Vec<JointAngles>> = (0..HANDS).map(angles_of).collect();
         let mut lanes = vec![LaneAngles::default(); HANDS / LANES * FRAMES];
-        for (index, lanes) in lanes.iter_mut().enumerate() {
+        for (index, frame_lanes) in lanes.iter_mut().enumerate() {
             for lane in 0..LANES {
                 let hand = index / FRAMES * LANES + lane;
-                lanes.set(lane, &angles[hand][index % FRAMES]);
+                frame_lanes.set(lane, &angles[hand][index % FRAMES]);
             }
         }
         Self {
@@ -148,8 +148,8 @@ impl Hands {
             let mut tracker = ContactTracker::new(&self.scene);
             let mut touches = Touches::new();
             let mut estimate = Estimate::new(Timestamp(0), JointAngles::default());
-            for (angles, time) in angles.iter().zip(&self.times) {
-                (estimate.time, estimate.angles) = (*time, *angles);
+            for (pose_angles, time) in angles.iter().zip(&self.times) {
+                (estimate.time, estimate.angles) = (*time, *pose_angles);
                 self.arm.forward_into(&estimate, &mut pose);
                 tracker.update(&self.scene, &pose, &mut touches);
                 all.extend(touches.drain(..).map(|touch| HandTouch { hand, touch }));

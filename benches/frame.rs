@@ -103,7 +103,7 @@ impl Board {
             .world_from_surface(&typing().poses[0])
             .expect("the arm has an elbow");
         let mut scene = Scene::new();
-        let mut add = |pose, targets| scene.add_surface(Anchor::World, pose, targets);
+        let mut add = |pose, placed| scene.add_surface(Anchor::World, pose, placed);
         match self {
             Self::Flat(_) => {
                 add(world_from_surface, targets);
@@ -310,8 +310,8 @@ fn a_nothing(bencher: Bencher) {
 fn b_decode(bencher: Bencher) {
     let mut decoder = Hc11Decoder::new(Framing::Double06);
     run(bencher, &typing().packets, |packet| {
-        decoder.push(packet, &mut |packet| {
-            black_box(packet);
+        decoder.push(packet, &mut |decoded| {
+            black_box(decoded);
         });
     });
 }
@@ -459,9 +459,9 @@ fn h_bytes_to_events(bencher: Bencher, board: Board) {
     let mut events = Events::new();
     let mut time = Timestamp(0);
     run(bencher, &typing().packets, |packet| {
-        decoder.push(packet, &mut |packet| {
+        decoder.push(packet, &mut |decoded| {
             time.0 += 5_729;
-            let sample = packet.sample;
+            let sample = decoded.sample;
             events.clear();
             let _ = black_box(&pipeline.step(&Reading::new(time, None, sample), &mut events));
             black_box(&events);

@@ -145,9 +145,9 @@ fn options(path: &Path) -> (LoadedSetup, SessionOptions) {
 }
 
 fn replay(path: &Path, record_to: Option<&Path>) -> Duration {
-    if let Some(path) = record_to {
+    if let Some(recording) = record_to {
         // It is not there before the first round.
-        let _ = std::fs::remove_file(path);
+        let _ = std::fs::remove_file(recording);
     }
     let (setup, mut options) = options(path);
     options.record_to = record_to.map(Path::to_owned);

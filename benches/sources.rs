@@ -116,8 +116,8 @@ fn fastest(options: &Options, mut pass: impl FnMut() -> Vec<Duration>) -> f64 {
     let start = Instant::now();
     let mut fastest = pass();
     while !options.is_test && start.elapsed() < LEAST {
-        for (fastest, time) in fastest.iter_mut().zip(pass()) {
-            *fastest = time.min(*fastest);
+        for (best, time) in fastest.iter_mut().zip(pass()) {
+            *best = time.min(*best);
         }
     }
     fastest.iter().sum::<Duration>().as_secs_f64()

@@ -14,7 +14,7 @@ use hdrhistogram::Histogram;
 use rustix::time::{ClockId, clock_gettime};
 use zenoh::{Config, Session, Wait};
 
-/// Length of a line, in bytes: that of the 64 angles of `text-line`.
+/// Length of a line, in bytes: a `text-line` with its 64 angles.
 const LINE_BYTES: usize = 400;
 
 /// Longest delay that is told from longer ones, in µs.

@@ -134,8 +134,8 @@ fn step_plates(
     hit: &mut dyn FnMut(Finger, TargetId),
 ) {
     let mut first = [None::<(TargetId, f32)>; Finger::COUNT];
-    for plates in plates {
-        let surface = &scene.surfaces()[plates.surface];
+    for board_plates in plates {
+        let surface = &scene.surfaces()[board_plates.surface];
         let Some(world_from_surface) = surface.world_from_surface(pose) else {
             continue;
         };
@@ -145,10 +145,10 @@ fn step_plates(
                 continue;
             };
             let current = surface_from_world.transform_point(tip) * scale;
-            let Some(previous) = plates.previous[index].replace(current) else {
+            let Some(previous) = board_plates.previous[index].replace(current) else {
                 continue;
             };
-            if let Some((leaf, t)) = search(plates, [previous, current])
+            if let Some((leaf, t)) = search(board_plates, [previous, current])
                 && first[index].is_none_or(|(_, other)| t < other)
             {
                 first[index] = Some((surface.target_id(leaf), t));

@@ -157,8 +157,8 @@ fn measure_line(baud: NonZeroU32, packets: usize) {
                 written.expect("the line is open");
                 let complete = Instant::now();
                 thread::sleep(wait);
-                let written = running.line.writer.write_all(marks);
-                written.expect("the line is open");
+                let marks_written = running.line.writer.write_all(marks);
+                marks_written.expect("the line is open");
                 complete
             }));
         }

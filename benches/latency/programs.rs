@@ -183,7 +183,7 @@ fn start_ours(
         let mut pipeline = setup.pipeline();
         let mut writer = writer;
         let observe = &mut |step: &StepView| {
-            // One event per step, whichever events it has.
+            // One event per step, whatever events it has.
             if step.reading.is_some() {
                 writer.write();
             }
@@ -203,7 +203,7 @@ fn start_ours(
     }
 }
 
-/// A source that has to block, as those without a descriptor do.
+/// A source that has to block, as a source without a descriptor does.
 struct Blocking(Box<dyn Source>);
 
 impl Source for Blocking {

@@ -59,7 +59,7 @@ fn measure_all(target: &InputTarget, times: usize, priority: &str) {
 }
 
 fn measure(target: &InputTarget, cause: Cause, count: usize, nice: i32) -> Duration {
-    let set_nice = |nice| setpriority_process(None, nice).expect("it is permitted");
+    let set_nice = |priority| setpriority_process(None, priority).expect("it is permitted");
     // The program inherits the priority of this thread.
     set_nice(0);
     let scenario = Scenario::start(target, &Press::for_text("h"), false);

@@ -62,8 +62,8 @@ pub fn main() {
     };
     let press = Press::for_text("h");
     print_title(name, times);
-    for &(name, cause, is_loaded, goal) in ROWS {
-        print_row(name, times, goal, || {
+    for &(row_name, cause, is_loaded, goal) in ROWS {
+        print_row(row_name, times, goal, || {
             Scenario::start(&target, &press, is_loaded).measure(&target, cause)
         });
     }

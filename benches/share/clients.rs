@@ -26,10 +26,10 @@ pub fn read_all(addresses: &str) {
     let mut buffer = vec![0; 1 << 18];
     let mut bytes = vec![0_u64; clients.len()];
     while !end.is_finished() {
-        for (client, bytes) in clients.iter_mut().zip(&mut bytes) {
+        for (client, received) in clients.iter_mut().zip(&mut bytes) {
             match client.read(&mut buffer) {
                 Ok(0) => panic!("a client was disconnected"),
-                Ok(count) => *bytes += count as u64,
+                Ok(count) => *received += count as u64,
                 Err(error) if error.kind() == ErrorKind::WouldBlock => {}
                 Err(error) => panic!("{error}"),
             }
@@ -37,11 +37,11 @@ pub fn read_all(addresses: &str) {
         std::thread::sleep(Duration::from_millis(10));
     }
     let (tcp, sockets) = bytes.split_at(TCP_CLIENTS);
-    let range = |bytes: &[u64]| {
-        let least = bytes.iter().min().copied().unwrap_or_default();
+    let range = |counts: &[u64]| {
+        let least = counts.iter().min().copied().unwrap_or_default();
         format!(
             "{least} to {}",
-            bytes.iter().max().copied().unwrap_or_default()
+            counts.iter().max().copied().unwrap_or_default()
         )
     };
     println!(
@@ -58,7 +58,7 @@ fn open_socket(address: &str) -> TcpStream {
     let (mut socket, _) = tungstenite::client(url, stream).expect("a WebSocket");
     let request = r#"{"kinds":["pose","events","scene"]}"#;
     socket.send(request.into()).expect("the server runs");
-    let mut stream = socket.into_inner();
-    stream.flush().expect("the server runs");
-    stream
+    let mut tcp_stream = socket.into_inner();
+    tcp_stream.flush().expect("the server runs");
+    tcp_stream
 }

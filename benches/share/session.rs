@@ -120,8 +120,8 @@ pub fn main() {
         share: vec![target(ShareFormat::TextLine), target(ShareFormat::Ws)],
         report_status: true,
         on_notice: Some(Box::new(move |notice| {
-            if let Notice::Sharing(target) = notice {
-                let _ = notices.send(target.address.to_string());
+            if let Notice::Sharing(shared) = notice {
+                let _ = notices.send(shared.address.to_string());
             }
         })),
         ..SessionOptions::default()

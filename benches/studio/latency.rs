@@ -162,10 +162,10 @@ fn report(parts: [Vec<Part>; 2]) {
     println!("\n| packet to output | events | p50 | p99 | of p99 without, goal 1.1 |");
     println!("|---|---|---|---|---|");
     let mut without = None;
-    for (name, mut parts) in ["without a window", "with a window"].iter().zip(parts) {
-        parts.sort_by_key(|part| part.stolen);
-        parts.truncate(parts.len().div_ceil(4));
-        let times = parts.iter().flat_map(|part| &part.times);
+    for (name, mut run_parts) in ["without a window", "with a window"].iter().zip(parts) {
+        run_parts.sort_by_key(|part| part.stolen);
+        run_parts.truncate(run_parts.len().div_ceil(4));
+        let times = run_parts.iter().flat_map(|part| &part.times);
         let mut times: Vec<Duration> = times.copied().collect();
         times.sort_unstable();
         let [p50, p99] = [50, 99].map(|percent| percentile(&times, percent));

@@ -38,8 +38,8 @@ pub fn print(server: &XServer, is_test: bool) {
     glove.fall_silent();
     row("a glove that is silent", &window, time);
     drop(window);
-    let glove = Glove::start();
-    let arguments = ["--source", &glove.source, "--layout", keys];
+    let keyed_glove = Glove::start();
+    let arguments = ["--source", &keyed_glove.source, "--layout", keys];
     row("10 000 keys", &Window::open(server, arguments), time);
 }
 

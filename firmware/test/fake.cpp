@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
 // Runs the sketch on a PC: `fake PASSES` calls loop() that often. A call takes 100 us of simulated time, and the line its 10 bits per
-// byte. Each sensor has a voltage that differs from those of all others.
+// byte. Each sensor has a voltage of its own.
 
 #include "../ademan_glove/ademan_glove.ino"
 

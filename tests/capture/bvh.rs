@@ -72,9 +72,9 @@ fn a_stream_over_tcp_starts_again_with_each_connection() {
         }
     }
     let server = std::thread::spawn(move || {
-        let (mut peer, _) = listener.accept().expect("the source connects again");
-        peer.write_all(&text).unwrap();
-        peer
+        let (mut next_peer, _) = listener.accept().expect("the source connects again");
+        next_peer.write_all(&text).unwrap();
+        next_peer
     });
     assert_eq!(samples(&mut *source, 3), first);
     drop(server.join());

@@ -112,8 +112,8 @@ fn check(out: &str) {
             let read: Vec<f64> = serde_json::from_value(read[name].clone()).expect(name);
             let [x, y, z] = pose.position(joint).expect(name).as_dvec3().to_array();
             let expected = [-x, y, -z];
-            for (read, expected) in read.iter().zip(expected) {
-                worst = worst.max((read * 10.0 - expected * 1000.0).abs());
+            for (ours, theirs) in read.iter().zip(expected) {
+                worst = worst.max((ours * 10.0 - theirs * 1000.0).abs());
             }
         }
         frames += 1;

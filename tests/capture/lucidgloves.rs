@@ -14,7 +14,7 @@ use crate::text_line::{samples, uri};
 /// Returns lines of a moving hand and their samples.
 fn lines() -> (Vec<String>, Vec<Sample>) {
     let fields = &chords()[50..60];
-    let sample = |fields: &Fields| Sample::Channels(fields.channels(FULL_SCALE));
+    let sample = |line: &Fields| Sample::Channels(line.channels(FULL_SCALE));
     (
         fields.iter().map(Fields::encode).collect(),
         fields.iter().map(sample).collect(),

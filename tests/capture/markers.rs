@@ -20,8 +20,8 @@ fn error(sample: &Sample, pose: usize) -> f64 {
     };
     let poses = typing_poses(TEXT);
     let mut expected = JointPositions::default();
-    for (joint, pose) in poses[pose].known() {
-        expected.set(joint, pose.translation.as_dvec3());
+    for (joint, joint_pose) in poses[pose].known() {
+        expected.set(joint, joint_pose.translation.as_dvec3());
     }
     let distance = |joint: &Joint| match (positions.get(*joint), expected.get(*joint)) {
         (Some(found), Some(expected)) => found.distance(expected),

@@ -260,18 +260,18 @@ fn bundles_of_python_osc_are_read_and_bad_messages_left_out() {
     let mut expected = BoneRotations::default();
     let turned = Quat::from_xyzw(0.0, -half, 0.0, half);
     expected.right.set(ArmBone::LowerArm, turned);
-    let turned = Quat::from_xyzw(-half, 0.0, 0.0, half);
-    expected.left.set(ArmBone::LittleThird, turned);
+    let bent = Quat::from_xyzw(-half, 0.0, 0.0, half);
+    expected.left.set(ArmBone::LittleThird, bent);
     let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
         panic!("not bones");
     };
-    for (found, expected) in [(bones.left, expected.left), (bones.right, expected.right)] {
+    for (found_arm, expected_arm) in [(bones.left, expected.left), (bones.right, expected.right)] {
         let names = |arm: &ademan::hand::ArmRotations| -> Vec<ArmBone> {
             arm.known().map(|(bone, _)| bone).collect()
         };
-        assert_eq!(names(&found), names(&expected));
-        for (bone, rotation) in expected.known() {
-            assert!(found.get(bone).unwrap().abs_diff_eq(rotation, 1e-6));
+        assert_eq!(names(&found_arm), names(&expected_arm));
+        for (bone, rotation) in expected_arm.known() {
+            assert!(found_arm.get(bone).unwrap().abs_diff_eq(rotation, 1e-6));
         }
     }
     let stats = source.stats();

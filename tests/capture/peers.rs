@@ -84,13 +84,13 @@ fn files_of_other_programs_give_the_positions_of_independent_readers() {
         let names = names(&bvh.motion().skeleton);
         let size = size(&expected);
         let (mut worst, mut compared) = (0.0_f64, 0);
-        for (&frame, expected) in &expected {
+        for (&frame, joints) in &expected {
             let positions = bvh.positions(frame, PositionChannels::Replace);
             for (joint, position) in names.iter().zip(positions) {
-                let Some(expected) = expected.get(joint) else {
+                let Some(place) = joints.get(joint) else {
                     continue;
                 };
-                worst = worst.max(position.distance((*expected).into()) / size);
+                worst = worst.max(position.distance((*place).into()) / size);
                 compared += 1;
             }
         }

@@ -141,14 +141,14 @@ fn check_packets_at(baud: u32, count: usize) {
     let mut port = Port::plugged_in();
     let mut source = open(&port.uri(baud)).unwrap();
     let transmission_time =
-        move |bytes: usize| Duration::from_secs_f64(bytes as f64 * 10.0 / f64::from(baud));
+        move |length: usize| Duration::from_secs_f64(length as f64 * 10.0 / f64::from(baud));
     let glove = std::thread::spawn(move || {
         let start = Instant::now();
-        let mut sent = 0;
-        while sent < bytes.len() {
-            let piece = &bytes[sent..bytes.len().min(sent + 1 + random.usize(..90))];
-            sent += piece.len();
-            std::thread::sleep(transmission_time(sent).saturating_sub(start.elapsed()));
+        let mut sent_bytes = 0;
+        while sent_bytes < bytes.len() {
+            let piece = &bytes[sent_bytes..bytes.len().min(sent_bytes + 1 + random.usize(..90))];
+            sent_bytes += piece.len();
+            std::thread::sleep(transmission_time(sent_bytes).saturating_sub(start.elapsed()));
             port.send(piece);
         }
         port
@@ -214,8 +214,8 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_terminal() {
     }
 
     port.plug_in();
-    let start = Instant::now();
-    while logged(&port, "reconnected to") == 0 && start.elapsed() < TIMEOUT {
+    let plugged_at = Instant::now();
+    while logged(&port, "reconnected to") == 0 && plugged_at.elapsed() < TIMEOUT {
         assert_eq!(source.next().unwrap(), SourceEvent::Idle);
     }
     // The rest of the packet that was cut, and complete packets.
@@ -237,8 +237,8 @@ fn a_loss_is_reported_right_after_the_last_reading() {
     let event = next();
     assert!(matches!(event, CaptureEvent::Reading { .. }), "{event:?}");
     port.unplug();
-    let event = next();
-    assert!(matches!(event, CaptureEvent::Lost(_)), "{event:?}");
+    let lost = next();
+    assert!(matches!(lost, CaptureEvent::Lost(_)), "{lost:?}");
 }
 
 /// Returns the message of a source that does not open.
@@ -312,14 +312,17 @@ fn bytes_of_another_protocol_are_recognised() {
     let advice = "it looks like LucidGloves: add protocol=lucidgloves";
     assert_eq!(warnings_with("", line, advice), 1);
 
-    let mut random = Rng::with_seed(6);
-    let mut packet = |framing| encode(framing, &random_bodies(&mut random, 1)[0]).to_vec();
-    let advice = "looks like HC11: add protocol=hc11&framing=hash";
-    assert_eq!(warnings_with("", || packet(Framing::Hash), advice), 1);
-    let advice = "looks like HC11: set protocol=hc11";
+    let mut other_random = Rng::with_seed(6);
+    let mut packet = |framing| encode(framing, &random_bodies(&mut other_random, 1)[0]).to_vec();
+    let framing_advice = "looks like HC11: add protocol=hc11&framing=hash";
+    assert_eq!(
+        warnings_with("", || packet(Framing::Hash), framing_advice),
+        1
+    );
+    let protocol_advice = "looks like HC11: set protocol=hc11";
     let options = "?protocol=lucidgloves";
     assert_eq!(
-        warnings_with(options, || packet(Framing::Double06), advice),
+        warnings_with(options, || packet(Framing::Double06), protocol_advice),
         1
     );
 }

@@ -64,8 +64,10 @@ fn a_connection_that_breaks_inside_a_packet_is_lost_once_and_reconnected() {
     assert!(error.is_recoverable(), "{error}");
     assert_eq!(source.next().unwrap(), SourceEvent::Idle);
 
-    let mut peer = accept(&listener);
-    peer.write_all(&bytes[2 * PACKET_BYTES + 30..]).unwrap();
+    let mut next_peer = accept(&listener);
+    next_peer
+        .write_all(&bytes[2 * PACKET_BYTES + 30..])
+        .unwrap();
     assert_eq!(
         (next_count(&mut *source), next_count(&mut *source)),
         (13, 14)

@@ -94,10 +94,14 @@ fn a_serial_port_delivers_angles() {
     let lines = lines();
     let format = StreamFormat::new(&text_line::PROTOCOL);
     let mut loopback = open_loopback(format).unwrap();
-    let SourceUri::Stream(StreamUri { format, .. }) = &loopback.uri else {
+    let SourceUri::Stream(StreamUri {
+        format: opened_format,
+        ..
+    }) = &loopback.uri
+    else {
         panic!("{}", loopback.uri);
     };
-    assert_eq!(format.protocol.name, "text-line");
+    assert_eq!(opened_format.protocol.name, "text-line");
     let mut source = open(&loopback.uri).unwrap();
     loopback.writer.write_all(lines[0].as_bytes()).unwrap();
     loopback.writer.write_all(lines[1].as_bytes()).unwrap();

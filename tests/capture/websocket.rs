@@ -125,10 +125,10 @@ fn binary_and_endless_messages_end_the_connection() {
     assert_eq!(next_wrist(&mut *source), 0.25);
     send(&mut client, vec![1_u8, 2, 3]);
     assert!(next_loss(&mut *source).contains("binary"));
-    let mut client = connect(address, &[]).expect("admitted");
-    send(&mut client, line(0.5));
+    let mut next_client = connect(address, &[]).expect("admitted");
+    send(&mut next_client, line(0.5));
     assert_eq!(next_wrist(&mut *source), 0.5);
-    let _ = client.send("x".repeat(70_000).into());
+    let _ = next_client.send("x".repeat(70_000).into());
     let loss = next_loss(&mut *source);
     assert!(
         loss.to_lowercase().contains("too long") || loss.contains("capacity"),

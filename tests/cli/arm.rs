@@ -45,11 +45,11 @@ fn assert_close(found: &Value, expected: &Value, tolerance: f64, what: &str) {
     };
     let (found, expected) = (numbers(found), numbers(expected));
     assert_eq!(found.len(), expected.len(), "{what}");
-    for (found, expected) in found.iter().zip(&expected) {
-        let tolerance = tolerance * (1.0 + expected.abs());
+    for (number, wanted) in found.iter().zip(&expected) {
+        let tolerance = tolerance * (1.0 + wanted.abs());
         assert!(
-            (found - expected).abs() <= tolerance,
-            "{what}: {found} instead of {expected}"
+            (number - wanted).abs() <= tolerance,
+            "{what}: {number} instead of {wanted}"
         );
     }
 }
@@ -122,10 +122,10 @@ fn signed_attributes_give_the_landmarks_of_a_recorded_person_back() {
     let attributes = file(&folder, "attributes.jsonl", &attributes.out);
     let back = lines(&run(["arm", "landmarks", &attributes]).done().out);
     assert_eq!(back.len(), squats.len());
-    for (back, line) in back.iter().zip(&squats) {
+    for (pose, line) in back.iter().zip(&squats) {
         let original: Value = serde_json::from_str(line).unwrap();
         for row in 11..25 {
-            for (found, expected) in point(back, row).iter().zip(point(&original, row)) {
+            for (found, expected) in point(pose, row).iter().zip(point(&original, row)) {
                 assert!((found - expected).abs() < 1e-9, "row {row}");
             }
         }
@@ -193,10 +193,10 @@ fn missing_landmarks_cost_only_the_attributes_that_need_them() {
     assert!(line["right"]["index_vector"].is_array());
 
     // Without the elbow, the hand has its vectors.
-    let mut rows = case["half_pose"].clone();
-    rows[2] = Value::Null;
-    let pose = file(&folder, "elbow.json", rows.to_string());
-    let hand = run(["arm", "attributes", &pose, "--image-size", &size]).done();
+    let mut elbow_rows = case["half_pose"].clone();
+    elbow_rows[2] = Value::Null;
+    let elbow_pose = file(&folder, "elbow.json", elbow_rows.to_string());
+    let hand = run(["arm", "attributes", &elbow_pose, "--image-size", &size]).done();
     let hand = &lines(&hand.out)[0]["left"];
     for (reference, name) in NAMES {
         if name.ends_with("_vector") {
@@ -251,17 +251,17 @@ fn comma_separated_values_have_a_column_for_each_number() {
         .collect();
     let pose = file(&folder, "pose.csv", numbers.join(","));
     let printed = run(["arm", "attributes", &pose, "--csv"]).done();
-    let rows: Vec<Vec<&str>> = printed
+    let printed_rows: Vec<Vec<&str>> = printed
         .out
         .lines()
         .map(|line| line.split(',').collect())
         .collect();
-    assert_eq!(rows.len(), 2);
-    assert_eq!(rows[0].len(), 1 + 2 * (7 + 4 * 3));
-    assert_eq!(rows[1].len(), rows[0].len());
-    assert_eq!(rows[0][4], "left_upper_arm_length");
+    assert_eq!(printed_rows.len(), 2);
+    assert_eq!(printed_rows[0].len(), 1 + 2 * (7 + 4 * 3));
+    assert_eq!(printed_rows[1].len(), printed_rows[0].len());
+    assert_eq!(printed_rows[0][4], "left_upper_arm_length");
     assert!(
-        rows[1][1..]
+        printed_rows[1][1..]
             .iter()
             .all(|field| field.parse::<f64>().is_ok())
     );

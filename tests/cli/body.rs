@@ -49,25 +49,25 @@ fn angles_are_those_of_the_reference_and_give_the_positions_back_in_every_order(
         assert_eq!(joints.len(), 11);
         for (joint, expected) in joints {
             let found = numbers(&line["angles_deg"][joint.replace('_', "-")]);
-            for (found, expected) in found.iter().zip(numbers(expected)) {
-                let difference = (found - expected).rem_euclid(360.0);
+            for (ours, theirs) in found.iter().zip(numbers(expected)) {
+                let difference = (ours - theirs).rem_euclid(360.0);
                 let difference = difference.min(360.0 - difference);
-                assert!(difference < 1e-6, "{} {joint}: {found}", case["name"]);
+                assert!(difference < 1e-6, "{} {joint}: {ours}", case["name"]);
             }
         }
     }
     let orders = "xyz xzy yxz yzx zxy zyx xyx xzx yxy yzy zxz zyz";
     for order in orders.split(' ') {
-        let printed = run(["body", "angles", poses.as_str(), "--order", order]).done();
+        let in_order = run(["body", "angles", poses.as_str(), "--order", order]).done();
         let name = format!("{order}.jsonl");
-        let angles = file(&folder, &name, &printed.out);
+        let angles = file(&folder, &name, &in_order.out);
         let back = lines(&run(["body", "positions", angles.as_str()]).done().out);
         assert_eq!(back.len(), cases.len());
-        for (back, case) in back.iter().zip(&cases) {
+        for (pose, case) in back.iter().zip(&cases) {
             for (point, expected) in case["points"].as_object().expect("points") {
-                let found = numbers(&back[point.replace('_', "-")]);
-                for (found, expected) in found.iter().zip(numbers(expected)) {
-                    assert!((found - expected).abs() < 1e-8, "{order} {point}");
+                let found = numbers(&pose[point.replace('_', "-")]);
+                for (ours, theirs) in found.iter().zip(numbers(expected)) {
+                    assert!((ours - theirs).abs() < 1e-8, "{order} {point}");
                 }
             }
         }
@@ -98,10 +98,10 @@ fn a_pose_with_an_arm_of_no_length_is_left_out_and_counted() {
     assert_eq!(lines(&ended.out).len(), 1);
     let expected = "1 of 2 poses have no angles and are left out";
     assert!(ended.err.contains(expected), "{}", ended.err);
-    let path = file(&folder, "none.jsonl", pose.to_string());
-    let ended = run(["body", "angles", path.as_str()]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("no pose has angles"), "{}", ended.err);
+    let empty_path = file(&folder, "none.jsonl", pose.to_string());
+    let empty = run(["body", "angles", empty_path.as_str()]);
+    assert_eq!(empty.code, Some(2));
+    assert!(empty.err.contains("no pose has angles"), "{}", empty.err);
 }
 
 /// Returns the bytes of an array of NumPy of 64-bit numbers.

@@ -100,8 +100,8 @@ impl Browser {
         let message = Message::text(call.to_string());
         self.socket.send(message).expect("the browser runs");
         loop {
-            let message = self.socket.read().expect("the browser runs");
-            let answer: Value = serde_json::from_slice(&message.into_data()).expect("JSON");
+            let received = self.socket.read().expect("the browser runs");
+            let answer: Value = serde_json::from_slice(&received.into_data()).expect("JSON");
             if answer["id"] == self.calls {
                 return answer;
             }
@@ -126,13 +126,13 @@ impl Browser {
         let start = Instant::now();
         loop {
             let answer = self.answer("Runtime.evaluate", evaluation(look));
-            let look = answer["result"]["result"]["value"].clone();
+            let seen = answer["result"]["result"]["value"].clone();
             // A page that is being replaced by another one answers with an error.
-            if answer.get("error").is_none() && is_expected(&look) {
-                println!("{expected}: {look}");
-                return look;
+            if answer.get("error").is_none() && is_expected(&seen) {
+                println!("{expected}: {seen}");
+                return seen;
             }
-            assert!(start.elapsed() < TIMEOUT, "{expected}: {look}");
+            assert!(start.elapsed() < TIMEOUT, "{expected}: {seen}");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -170,7 +170,7 @@ fn decode_base64(text: &str) -> Vec<u8> {
         .collect();
     let bytes = digits.chunks(4).flat_map(|digits| {
         let bits =
-            digits.iter().fold(0, |bits, digit| bits << 6 | digit) << (6 * (4 - digits.len()));
+            digits.iter().fold(0, |bits, sextet| bits << 6 | sextet) << (6 * (4 - digits.len()));
         let [_, a, b, c] = bits.to_be_bytes();
         [a, b, c].into_iter().take(digits.len() - 1)
     });

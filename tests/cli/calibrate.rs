@@ -69,8 +69,9 @@ fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_tw
     let shipped = Glove::load("unam-hc11").expect("a glove");
     assert_ne!(glove.map, shipped.map);
     for name in ["first", "second"] {
-        let (code, out, errors) = calibrate(&folder, &["--from", "mine.mcap", "--out", name]);
-        assert_eq!(code, 0, "{out}{errors}");
+        let (again_code, again_out, again_errors) =
+            calibrate(&folder, &["--from", "mine.mcap", "--out", name]);
+        assert_eq!(again_code, 0, "{again_out}{again_errors}");
         assert_eq!(read(&folder, &format!("{name}.ron")), text, "{name}");
     }
 }
@@ -92,9 +93,13 @@ fn a_file_is_replaced_only_by_force_and_its_old_version_is_kept() {
     );
     assert_eq!(read(&folder, "mine.ron"), first);
 
-    let (code, out, _) = calibrate(&folder, &["--demo", "2", "--out", "mine.ron", "--force"]);
-    assert_eq!(code, 0, "{out}");
-    assert!(out.contains("undo: mv mine.ron.bak mine.ron"), "{out}");
+    let (forced_code, forced_out, _) =
+        calibrate(&folder, &["--demo", "2", "--out", "mine.ron", "--force"]);
+    assert_eq!(forced_code, 0, "{forced_out}");
+    assert!(
+        forced_out.contains("undo: mv mine.ron.bak mine.ron"),
+        "{forced_out}"
+    );
     assert_ne!(read(&folder, "mine.ron"), first);
     assert_eq!(read(&folder, "mine.ron.bak"), first);
     // The readings of the first session are not lost either.
@@ -108,9 +113,9 @@ fn a_glove_file_of_the_person_is_the_default_destination() {
     let (code, out, errors) = calibrate(&folder, &["--demo"]);
     assert_eq!(code, 0, "{errors}");
     assert!(out.contains("wrote my-unam-hc11.ron"), "{out}");
-    let (code, _, errors) = calibrate(&folder, &["--demo", "--glove", "my-unam-hc11.ron"]);
-    assert_eq!(code, 2);
-    assert!(errors.contains("my-unam-hc11.ron exists"), "{errors}");
+    let (refused_code, _, refused) = calibrate(&folder, &["--demo", "--glove", "my-unam-hc11.ron"]);
+    assert_eq!(refused_code, 2);
+    assert!(refused.contains("my-unam-hc11.ron exists"), "{refused}");
 }
 
 #[test]
@@ -172,9 +177,9 @@ fn the_channels_of_an_unknown_glove_are_found_and_the_new_file_is_calibrated() {
         };
         assert_eq!(channels(&found), channels(&worn), "{finger}");
     }
-    let arguments = ["--demo", "--glove", "found.ron", "--force"];
-    let (code, out, errors) = calibrate(&folder, &arguments);
-    assert_eq!(code, 0, "{out}{errors}");
+    let worn_arguments = ["--demo", "--glove", "found.ron", "--force"];
+    let (worn_code, worn_out, worn_errors) = calibrate(&folder, &worn_arguments);
+    assert_eq!(worn_code, 0, "{worn_out}{worn_errors}");
 }
 
 /// Records the calibration of a person.
@@ -212,12 +217,15 @@ fn sources_that_need_no_glove_or_are_not_named_are_refused() {
     );
     fs::write(folder.path().join("angles.txt"), "0 ".repeat(64) + "\n").expect("a file");
     let source = "file:angles.txt?protocol=text-line";
-    let (code, _, errors) = calibrate(&folder, &["--source", source]);
-    assert_eq!(code, 2, "{errors}");
-    assert!(errors.contains("nothing to calibrate"), "{errors}");
-    let (code, _, errors) = calibrate(&folder, &["--source", "typist:hello"]);
-    assert_eq!(code, 1);
-    assert!(errors.contains("ended at pose"), "{errors}");
+    let (file_code, _, file_errors) = calibrate(&folder, &["--source", source]);
+    assert_eq!(file_code, 2, "{file_errors}");
+    assert!(
+        file_errors.contains("nothing to calibrate"),
+        "{file_errors}"
+    );
+    let (typist_code, _, typist_errors) = calibrate(&folder, &["--source", "typist:hello"]);
+    assert_eq!(typist_code, 1);
+    assert!(typist_errors.contains("ended at pose"), "{typist_errors}");
 }
 
 #[test]
@@ -253,10 +261,10 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
             "is not a number",
         ),
     ] {
-        let (code, out, errors) =
+        let (wrong_code, wrong_out, wrong_errors) =
             calibrate(&folder, &[&["--demo", "--out", "other"], wrong].concat());
-        assert_eq!(code, 2, "{out}{errors}");
-        assert!(errors.contains(reason), "{errors}");
+        assert_eq!(wrong_code, 2, "{wrong_out}{wrong_errors}");
+        assert!(wrong_errors.contains(reason), "{wrong_errors}");
         assert!(!folder.path().join("other.ron").exists());
     }
 }
@@ -294,10 +302,11 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     ] {
         assert!(out.contains(expected), "no {expected}:\n{out}");
     }
-    let (code, out, errors) = calibrate(&folder, &["--source", source, "--forearm-length", "262"]);
-    assert_eq!(code, 0, "{errors}");
+    let (known_code, known_out, known_errors) =
+        calibrate(&folder, &["--source", source, "--forearm-length", "262"]);
+    assert_eq!(known_code, 0, "{known_errors}");
     let expected = "in the setup file: arm: Measured(hand_length_mm: 178, forearm_length_mm: 262)";
-    assert!(out.contains(expected), "no {expected}:\n{out}");
+    assert!(known_out.contains(expected), "no {expected}:\n{known_out}");
 }
 
 #[cfg(target_os = "linux")]

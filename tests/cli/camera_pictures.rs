@@ -146,7 +146,7 @@ fn worst_mm(found: &[[DVec3; 3]], expected: impl Fn(usize) -> [DVec3; 3]) -> f64
     let errors = found.iter().enumerate().flat_map(|(index, joints)| {
         let pairs = joints.iter().zip(expected(index));
         pairs
-            .map(|(joint, expected)| joint.distance(expected) * 1000.0)
+            .map(|(joint, place)| joint.distance(place) * 1000.0)
             .collect::<Vec<_>>()
     });
     errors.fold(0.0, f64::max)
@@ -219,17 +219,17 @@ fn check_calibrated(folder: &tempfile::TempDir, cameras: &[Camera], folders: &[P
     ];
     let report = run(options.into_iter().chain(["--output", text(&calibrated)])).done();
     println!("{}", report.err);
-    let options = [&ARM_MARKS[..], &["--cameras", text(&calibrated)]].concat();
-    let found = markers(folders, &options).done();
+    let arm_options = [&ARM_MARKS[..], &["--cameras", text(&calibrated)]].concat();
+    let found = markers(folders, &arm_options).done();
     let lines = file(folder, "calibrated.jsonl", &found.out);
     let joints = traced(&lines);
-    // Where the first camera is in its own image and how it is turned are told apart badly by a small wand, so distances count.
+    // A small wand hardly tells the centre of the first camera's image from its rotation, so only distances count.
     let count = joints.len() as f64;
     let exact = (0..joints.len()).flat_map(|index| arm(index as f64 / count));
     let pairs: Vec<(DVec3, DVec3)> = joints.iter().flatten().copied().zip(exact).collect();
-    let differences = pairs.iter().flat_map(|(found, exact)| {
+    let differences = pairs.iter().flat_map(|(own, own_exact)| {
         let distances = pairs.iter().map(|(other, exact_other)| {
-            (found.distance(*other) - exact.distance(*exact_other)).abs() * 1000.0
+            (own.distance(*other) - own_exact.distance(*exact_other)).abs() * 1000.0
         });
         distances.collect::<Vec<_>>()
     });
@@ -343,57 +343,53 @@ fn pictures_without_marks_of_other_sizes_and_damaged_ones_are_reported() {
     let second = left.join("1.png");
     let bytes = fs::read(&second).unwrap();
     fs::write(&second, &bytes[..bytes.len() / 2]).unwrap();
-    let ended = markers(std::slice::from_ref(&left), &[]).done();
+    let cut = markers(std::slice::from_ref(&left), &[]).done();
     assert!(
-        ended.err.contains("left: 2 marks in 3 pictures"),
+        cut.err.contains("left: 2 marks in 3 pictures"),
         "{}",
-        ended.err
+        cut.err
     );
-    assert!(
-        ended.err.contains("1.png: the PNG is damaged"),
-        "{}",
-        ended.err
-    );
-    let counts = ended.out.lines().map(|line| line.matches("image").count());
+    assert!(cut.err.contains("1.png: the PNG is damaged"), "{}", cut.err);
+    let counts = cut.out.lines().map(|line| line.matches("image").count());
     assert_eq!(counts.collect::<Vec<_>>(), [1, 0, 1]);
 
     // Fewer pictures of one camera.
     let right = write_pictures(folder.path(), "right", std::slice::from_ref(&disc));
-    let ended = markers(&[left.clone(), right.clone()], &[]).done();
+    let missing = markers(&[left.clone(), right.clone()], &[]).done();
     assert!(
-        ended.err.contains("right has only 1 pictures"),
+        missing.err.contains("right has only 1 pictures"),
         "{}",
-        ended.err
+        missing.err
     );
-    assert_eq!(ended.out.lines().count(), 1);
+    assert_eq!(missing.out.lines().count(), 1);
 
     let mut random = fastrand::Rng::with_seed(1);
     write_png(&right.join("1.png"), [320, 200], &disc, &mut random);
-    let ended = markers(&[right], &[]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("320 × 200 pixels"), "{}", ended.err);
-    assert!(ended.err.contains("480 × 360"), "{}", ended.err);
+    let sizes = markers(&[right], &[]);
+    assert_eq!(sizes.code, Some(2), "{}", sizes.err);
+    assert!(sizes.err.contains("320 × 200 pixels"), "{}", sizes.err);
+    assert!(sizes.err.contains("480 × 360"), "{}", sizes.err);
 
     let mut camera = Camera::new("left".to_owned(), DVec2::new(640.0, 480.0));
     let cameras = CamerasFile::new(std::slice::from_ref(&camera)).to_text(CamerasFormat::Ron);
     let cameras = file(&folder, "cameras.ron", cameras);
-    let ended = markers(std::slice::from_ref(&left), &["--cameras", &cameras]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("640 × 480"), "{}", ended.err);
+    let other_size = markers(std::slice::from_ref(&left), &["--cameras", &cameras]);
+    assert_eq!(other_size.code, Some(2), "{}", other_size.err);
+    assert!(other_size.err.contains("640 × 480"), "{}", other_size.err);
     camera.name = "other".to_owned();
-    let cameras = CamerasFile::new(&[camera]).to_text(CamerasFormat::Ron);
-    let cameras = file(&folder, "other.ron", cameras);
-    let ended = markers(&[left], &["--cameras", &cameras]);
-    assert!(ended.err.contains("has no camera `left`"), "{}", ended.err);
+    let other_cameras = CamerasFile::new(&[camera]).to_text(CamerasFormat::Ron);
+    let other_cameras = file(&folder, "other.ron", other_cameras);
+    let other_name = markers(&[left], &["--cameras", &other_cameras]);
+    assert!(
+        other_name.err.contains("has no camera `left`"),
+        "{}",
+        other_name.err
+    );
 
     let empty = folder.path().join("empty");
     fs::create_dir(&empty).unwrap();
-    let ended = markers(&[empty], &[]);
-    assert!(
-        ended.err.contains("there is no PNG or JPEG"),
-        "{}",
-        ended.err
-    );
+    let none = markers(&[empty], &[]);
+    assert!(none.err.contains("there is no PNG or JPEG"), "{}", none.err);
 }
 
 #[test]

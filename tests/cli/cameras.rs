@@ -96,9 +96,9 @@ fn a_wand_calibrates_cameras_whose_marks_are_then_markers() {
         let source = format!("file:{lines}?protocol=markers");
         let readings = run(["trace", "readings", "--source", &source]).done();
         let reading: serde_json::Value = serde_json::from_str(readings.out.trim()).unwrap();
-        let joint = |name: &str| -> DVec3 {
+        let joint = |label: &str| -> DVec3 {
             let position: [f64; 3] =
-                serde_json::from_value(reading["joints_m"][name].clone()).unwrap();
+                serde_json::from_value(reading["joints_m"][label].clone()).unwrap();
             DVec3::from_array(position)
         };
         let found = joint("wrist").distance(joint("elbow"));

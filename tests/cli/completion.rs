@@ -223,7 +223,7 @@ fn fish_completes_names_files_and_sources() {
         };
         let words = output
             .lines()
-            .map(|line| line.split('\t').next().unwrap_or_default());
+            .map(|offer| offer.split('\t').next().unwrap_or_default());
         let found: Vec<String> = words.map(str::to_owned).collect();
         check("fish", line, &found, offered, not_offered);
     }
@@ -256,8 +256,8 @@ fn zsh_quotes_the_names_that_it_inserts() {
         let Some(completed) = shell(folder.path(), "zsh", &["-f", "-c"], &script) else {
             return;
         };
-        let script = format!("set -- {completed}\nprint -r -- $@[-1]");
-        let word = shell(folder.path(), "zsh", &["-f", "-c"], &script);
+        let last_word = format!("set -- {completed}\nprint -r -- $@[-1]");
+        let word = shell(folder.path(), "zsh", &["-f", "-c"], &last_word);
         check_word(folder.path(), line, &word.expect("it is installed"), prefix);
     }
 }

@@ -81,12 +81,12 @@ fn a_file_that_hides_a_shipped_one_is_reported() {
     assert_eq!(home.run("layout check media.ron").done().err, "");
     let own = "config/ademan/layouts/media.ron";
     home.write(own, layout("mine", "A"));
-    let ended = home.run("layout check media").done();
-    let expected = format!(
+    let hidden = home.run("layout check media").done();
+    let hiding = format!(
         "using {}, which hides the `media` that comes with the program",
         home.config("layouts/media.ron")
     );
-    assert!(ended.err.contains(&expected), "{}", ended.err);
+    assert!(hidden.err.contains(&hiding), "{}", hidden.err);
     home.write("work/other.ron", layout("other", "A"));
     assert_eq!(home.run("layout check other.ron").done().err, "");
 }
@@ -139,16 +139,16 @@ fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_name
         "work/other.ron",
         "Setup(source: \"typist:2\", layout: \"numpad\")",
     );
-    let ended = home.run("run other.ron").done();
-    assert!(!ended.err.contains("using"), "{}", ended.err);
-    assert!(ended.out.contains("down Numpad2"), "{}", ended.out);
+    let other = home.run("run other.ron").done();
+    assert!(!other.err.contains("using"), "{}", other.err);
+    assert!(other.out.contains("down Numpad2"), "{}", other.out);
     home.write("config/ademan/setup.ron", "Setup(stall_timeout_ms: 5)");
-    let ended = home.run("run --source typist:1");
+    let invalid = home.run("run --source typist:1");
     let place = format!(
         "{}:1:25: `stall_timeout_ms` is 20 to 10000",
         home.config("setup.ron")
     );
-    assert!(ended.err.contains(&place), "{}", ended.err);
+    assert!(invalid.err.contains(&place), "{}", invalid.err);
 }
 
 #[test]

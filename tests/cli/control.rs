@@ -144,8 +144,8 @@ fn a_reload_replies_with_the_outcome_even_if_the_file_was_not_saved() {
     assert_eq!(run.next_event(), "up H");
 
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
-    let (code, out, err) = ctl(&run, &["reload"]);
-    assert_eq!((code, out.as_str()), (1, ""));
+    let (invalid_code, invalid_out, err) = ctl(&run, &["reload"]);
+    assert_eq!((invalid_code, invalid_out.as_str()), (1, ""));
     let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe active layout stays\n";
     assert_eq!(err, expected);
     run.save(&shipped("dvorak-flat"));
@@ -227,8 +227,11 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     // One key to the left along the rows, which are rotated 35 degrees about the vertical axis.
     let by = 35.0_f64.to_radians();
     let (x, z) = (-19.0 * by.cos(), -19.0 * by.sin());
-    let (code, out, err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
-    assert_eq!((code, out.as_str(), err.as_str()), (0, "done\n", ""));
+    let (nudge_code, out, nudge_err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
+    assert_eq!(
+        (nudge_code, out.as_str(), nudge_err.as_str()),
+        (0, "done\n", "")
+    );
     assert_eq!(run.next_event(), "up H");
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger has not left the key");
@@ -237,9 +240,9 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     run.press();
     assert_eq!(run.next_event(), "down J");
 
-    let (code, out, err) = ctl(&run, &["save"]);
+    let (save_code, save_out, save_err) = ctl(&run, &["save"]);
     assert_eq!(
-        (code, out.as_str(), err.as_str()),
+        (save_code, save_out.as_str(), save_err.as_str()),
         (0, "my.ron: saved\n", "")
     );
     let saved = fs::read_to_string(&path).expect("the file exists");
@@ -258,28 +261,34 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "saving releases nothing");
 
-    let (code, _, err) = ctl(&run, &["scale", "3"]);
-    let expected = "error: `factor` is 0.5 to 2, not 3\n";
-    assert_eq!((code, err.as_str()), (1, expected));
+    let (scale_code, _, scale_err) = ctl(&run, &["scale", "3"]);
+    let scale_expected = "error: `factor` is 0.5 to 2, not 3\n";
+    assert_eq!((scale_code, scale_err.as_str()), (1, scale_expected));
     assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
     assert_eq!(run.next_event(), "up J");
-    let (code, out, _) = ctl(&run, &["scale", "1.5"]);
-    assert_eq!((code, out.as_str()), (0, "scaled by 1.5\n"));
-    let (code, _, _) = ctl(&run, &["save"]);
-    assert_eq!(code, 0);
-    let saved = fs::read_to_string(&path).expect("the file exists");
+    let (scaled_code, scaled_out, _) = ctl(&run, &["scale", "1.5"]);
+    assert_eq!((scaled_code, scaled_out.as_str()), (0, "scaled by 1.5\n"));
+    let (saved_code, _, _) = ctl(&run, &["save"]);
+    assert_eq!(saved_code, 0);
+    let scaled_text = fs::read_to_string(&path).expect("the file exists");
     let fields = "anchor: elbow, scale: 1.5, right_mm: -19";
     let moved = before.replace("anchor: elbow", fields);
-    assert_eq!(saved, moved.replace("height_mm: -45", "height_mm: -46"));
+    assert_eq!(
+        scaled_text,
+        moved.replace("height_mm: -45", "height_mm: -46")
+    );
 
-    run.save(&format!("// mine\n{saved}"));
+    run.save(&format!("// mine\n{scaled_text}"));
     run.wait_for_message("my.ron: active from now on");
-    let (code, _, _) = ctl(&run, &["tilt", "-5"]);
-    assert_eq!(code, 0);
+    let (tilt_code, _, _) = ctl(&run, &["tilt", "-5"]);
+    assert_eq!(tilt_code, 0);
     fs::write(&path, "no layout").expect("the file is written");
-    let (code, _, err) = ctl(&run, &["save"]);
-    let expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
-    assert_eq!((code, err.as_str()), (1, expected));
+    let (differing_code, _, differing_err) = ctl(&run, &["save"]);
+    let differing_expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
+    assert_eq!(
+        (differing_code, differing_err.as_str()),
+        (1, differing_expected)
+    );
     assert_eq!(
         fs::read_to_string(&path).expect("the file exists"),
         "no layout"
@@ -301,16 +310,16 @@ fn a_refused_move_has_a_reason_and_releases_nothing() {
     let (code, _, err) = ctl(&run, &["tilt", "-80"]);
     assert_eq!(code, 0, "{err}");
     assert_eq!(run.next_event(), "up H");
-    let (code, _, err) = ctl(&run, &["tilt", "-80"]);
+    let (steep_code, _, steep_err) = ctl(&run, &["tilt", "-80"]);
     let expected =
         "error: the tilt of board 1 would be outside -90 to 90 degrees; no board was moved\n";
-    assert_eq!((code, err.as_str()), (1, expected));
-    let (code, _, err) = ctl(&run, &["profile", "mian"]);
-    let expected = "error: unknown profile `mian`, did you mean `main`?\n";
-    assert_eq!((code, err.as_str()), (1, expected));
-    let (code, _, err) = ctl(&run, &["profile", "xyz"]);
-    let expected = "error: unknown profile `xyz`; available: main\n";
-    assert_eq!((code, err.as_str()), (1, expected));
+    assert_eq!((steep_code, steep_err.as_str()), (1, expected));
+    let (near_code, _, near_err) = ctl(&run, &["profile", "mian"]);
+    let near_expected = "error: unknown profile `mian`, did you mean `main`?\n";
+    assert_eq!((near_code, near_err.as_str()), (1, near_expected));
+    let (far_code, _, far_err) = ctl(&run, &["profile", "xyz"]);
+    let far_expected = "error: unknown profile `xyz`; available: main\n";
+    assert_eq!((far_code, far_err.as_str()), (1, far_expected));
 }
 
 #[test]
@@ -328,8 +337,11 @@ fn a_command_gets_through_sixteen_silent_clients() {
         .write_all(b"{\"command\":\"state\"}\n")
         .expect("the connection is open");
     assert_eq!(read_response(&mut reader)["paused"], true);
-    let (_, mut reader) = clients.swap_remove(0);
-    assert_eq!(reader.read_line(&mut String::new()).expect("an end"), 0);
+    let (_, mut closed_reader) = clients.swap_remove(0);
+    assert_eq!(
+        closed_reader.read_line(&mut String::new()).expect("an end"),
+        0
+    );
 }
 
 #[test]
@@ -467,8 +479,8 @@ fn stop_releases_keys_and_ends_the_run_with_success() {
     let ended = run.program.0.wait().expect("the program ends");
     assert_eq!(ended.code(), Some(0));
     assert!(!socket(&run).exists());
-    let (code, _, err) = ctl(&run, &["state"]);
-    assert_eq!(code, 2);
+    let (absent_code, _, err) = ctl(&run, &["state"]);
+    assert_eq!(absent_code, 2);
     assert!(
         err.contains("no session listens there; start `ademan run`"),
         "{err}"
@@ -497,8 +509,8 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
         Path::new(path).exists(),
         "a killed run leaves its socket behind"
     );
-    let ended = ademan(&second).output().expect("the program starts");
-    assert_eq!(ended.status.code(), Some(0));
+    let second_end = ademan(&second).output().expect("the program starts");
+    assert_eq!(second_end.status.code(), Some(0));
     assert!(!Path::new(path).exists());
 }
 
@@ -507,8 +519,8 @@ fn the_socket_is_private_from_its_creation_on() {
     let runtime = tempfile::tempdir().expect("a temporary directory");
     let folder = runtime.path().join("ademan");
     let path = folder.join("control.sock");
-    let wider = |path: &Path, than: u32| {
-        fs::symlink_metadata(path).is_ok_and(|found| found.mode() & 0o777 & !than != 0)
+    let wider = |file: &Path, than: u32| {
+        fs::symlink_metadata(file).is_ok_and(|found| found.mode() & 0o777 & !than != 0)
     };
     let mut checks = 0;
     for _ in 0..20 {
@@ -643,12 +655,12 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
     let zero = |arguments: &[&str]| {
         let mut last = String::new();
         wait_until(|| {
-            let (code, text, error) = ctl(&run, arguments);
+            let (moved_code, text, error) = ctl(&run, arguments);
             last = format!("{text}{error}");
             // The finger leaves the key some readings after the key is up.
             let is_moving = last.contains("still") || last.contains("a key is down");
-            assert!(code == 0 || is_moving, "{last}");
-            code == 0
+            assert!(moved_code == 0 || is_moving, "{last}");
+            moved_code == 0
         });
         last
     };

@@ -41,13 +41,13 @@ fn every_shipped_layout_has_a_demo() {
             .collect();
         demos.into_iter().map(|demo| demo.join().unwrap()).collect()
     });
-    for (layout, printed) in layouts.iter().zip(printed) {
+    for (layout, output) in layouts.iter().zip(printed) {
         let expected = if has_script(layout) {
             "played "
         } else {
             "0.00 % character error rate"
         };
-        assert!(printed.contains(expected), "{layout}: {printed}");
-        assert!(!printed.contains("played     0 events"), "{layout}");
+        assert!(output.contains(expected), "{layout}: {output}");
+        assert!(!output.contains("played     0 events"), "{layout}");
     }
 }

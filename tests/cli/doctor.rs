@@ -50,8 +50,8 @@ fn an_output_that_cannot_send_what_the_layout_requires_is_a_finding() {
     let text = outputs["text"].as_str().expect("a text");
     assert!(text.contains("`spacenav` does not support"), "{text}");
     assert!(checks.len() > 1, "the other checks are reported too");
-    let ended = run(["doctor", "--output", "spacenavy"]);
-    assert_eq!(ended.code, Some(2), "{}", ended.out);
+    let unknown = run(["doctor", "--output", "spacenavy"]);
+    assert_eq!(unknown.code, Some(2), "{}", unknown.out);
 }
 
 #[test]
@@ -68,8 +68,8 @@ fn a_display_and_a_running_session_are_detected() {
     let free = checks(&ended);
     assert_eq!(ended.code, Some(0), "{}", ended.out);
     assert_eq!(check(&free, "sockets")["status"], "ok");
-    let ended = doctor(&["--output", "desktop"]);
-    let display = &checks(&ended);
+    let desktop = doctor(&["--output", "desktop"]);
+    let display = &checks(&desktop);
     let display = check(display, "display");
     assert_eq!(
         (&display["status"], &display["text"]),
@@ -78,9 +78,9 @@ fn a_display_and_a_running_session_are_detected() {
 
     fs::create_dir(folder.path().join("ademan")).unwrap();
     let _run = UnixListener::bind(folder.path().join("ademan/control.sock")).unwrap();
-    let ended = doctor(&[]);
-    let taken = checks(&ended);
-    assert_eq!(ended.code, Some(1));
+    let busy = doctor(&[]);
+    let taken = checks(&busy);
+    assert_eq!(busy.code, Some(1));
     let text = check(&taken, "sockets")["text"].to_string();
     let process = format!("(process {})", std::process::id());
     assert!(text.contains(&process), "{text}");
@@ -146,13 +146,13 @@ fn a_denied_port_is_explained_and_members_of_its_group_may_open_it() {
     assert_eq!(ended.code, Some(1), "{}", ended.out);
 
     belongs_to(dialout, 0o660);
-    let ended = as_nobody(&program, "--clear-groups", &source).unwrap();
+    let denied = as_nobody(&program, "--clear-groups", &source).unwrap();
     let group =
         format!("needed  no permission to open {port}, which belongs to the group `dialout`\n");
-    assert!(ended.out.contains(&group), "{}{}", ended.out, ended.err);
+    assert!(denied.out.contains(&group), "{}{}", denied.out, denied.err);
     let join = "\nsudo usermod --append --groups dialout $USER\n# log in again\n";
-    assert!(ended.out.contains(join), "{}", ended.out);
-    assert_eq!(ended.code, Some(1), "{}", ended.out);
+    assert!(denied.out.contains(join), "{}", denied.out);
+    assert_eq!(denied.code, Some(1), "{}", denied.out);
 
     let member = as_nobody(&program, &format!("--groups={dialout}"), &source).unwrap();
     assert_eq!(member.code, Some(0), "{}{}", member.out, member.err);
@@ -239,8 +239,8 @@ fn the_unit_the_launcher_and_the_rules_pass_their_validators() {
     let launcher = root("packaging/ademan.desktop");
     let rules = ["60-ademan.rules", "60-ademan-uaccess.rules"];
     check_with(Command::new("desktop-file-validate").arg(launcher));
-    for rules in rules {
-        let path = root("packaging").join(rules);
+    for file in rules {
+        let path = root("packaging").join(file);
         let knows = Command::new("udevadm").args(["verify", "--help"]).output();
         match knows {
             Ok(help) if help.status.success() => {
@@ -295,11 +295,11 @@ fn root_is_refused_without_allow_root_but_may_use_other_commands() {
         &["demo", "--text", "hi", "--output", "desktop"],
     ];
     for arguments in refused {
-        let refused = run(arguments);
-        assert_eq!(refused.code, Some(2), "{arguments:?}: {}", refused.err);
-        assert_eq!(refused.out, "");
+        let ended = run(arguments);
+        assert_eq!(ended.code, Some(2), "{arguments:?}: {}", ended.err);
+        assert_eq!(ended.out, "");
         for part in ["refusing to run as root", "--allow-root"] {
-            assert!(refused.err.contains(part), "{}", refused.err);
+            assert!(ended.err.contains(part), "{}", ended.err);
         }
     }
     run(&["replay", recording]).done();

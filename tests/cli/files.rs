@@ -49,7 +49,7 @@ fn a_truncated_recording_is_played_up_to_the_cut_and_fails() {
         .out
         .lines()
         .zip(whole.lines())
-        .take_while(|(cut, whole)| cut == whole)
+        .take_while(|(one, other)| one == other)
         .count();
     assert!(same > 0 && same < whole.lines().count(), "{}", ended.out);
     // Keys that are pressed at the cut are released there.
@@ -193,8 +193,8 @@ fn the_example_setup_contains_every_field_with_its_default_except_source_and_out
     assert_eq!(without_both, default);
 
     let written = std::fs::read_to_string(root("examples/setup.ron")).unwrap();
-    let default = serde_json::to_value(Setup::default()).unwrap();
-    for field in default.as_object().unwrap().keys() {
+    let fields = serde_json::to_value(Setup::default()).unwrap();
+    for field in fields.as_object().unwrap().keys() {
         assert!(written.contains(&format!("\n    {field}: ")), "{field}");
     }
 }
@@ -212,8 +212,8 @@ fn paths_in_a_setup_are_relative_to_it_and_flags_override_it() {
     let ended = run(["run", &setup]);
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("cannot type 'a'"), "{}", ended.err);
-    let ended = run(["run", &setup, "--layout", "qwerty-flat"]).done();
-    assert_eq!(ended.out.lines().count(), 2, "{}", ended.out);
+    let with_layout = run(["run", &setup, "--layout", "qwerty-flat"]).done();
+    assert_eq!(with_layout.out.lines().count(), 2, "{}", with_layout.out);
 }
 
 #[test]
@@ -505,9 +505,9 @@ fn a_recording_announces_its_growth_and_the_room_on_the_disk() {
         (3e7..1.76e8).contains(&per_hour),
         "{per_hour} bytes an hour"
     );
-    let path = folder.path().join("run.mcap");
-    let ended = run(["run", "--source", "typist:a", "--record", text(&path)]).done();
-    assert!(ended.err.contains("MB an hour"), "{}", ended.err);
+    let run_path = folder.path().join("run.mcap");
+    let run_ended = run(["run", "--source", "typist:a", "--record", text(&run_path)]).done();
+    assert!(run_ended.err.contains("MB an hour"), "{}", run_ended.err);
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn readings(macros: &[&str], protocol: &str, count: usize) -> Option<Vec<Value>>
     let received = BufReader::new(trace.0.stdout.take().expect("stdout is piped"));
     let received = received.lines().map_while(Result::ok).take(count);
     let readings: Vec<Value> = received
-        .map(|line| serde_json::from_str(&line).expect("an object"))
+        .map(|reading| serde_json::from_str(&reading).expect("an object"))
         .collect();
     drop((sketch, trace));
     sender.join().expect("the bytes are sent");

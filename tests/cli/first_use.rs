@@ -1,4 +1,4 @@
-//! What a person meets on the first day: a glove or hand other than that of a layout, new files, a narrow terminal.
+//! The first day of a person: a glove or hand that a layout was not written for, new files, a narrow terminal.
 
 use std::process::{Command, Stdio};
 
@@ -19,10 +19,10 @@ fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
     assert!(message.contains("such as `chords-bend`"), "{message}");
     assert!(!message.contains("nearer"), "{message}");
     assert_eq!(check("chords-bend"), "");
-    let setup = "Setup(source: \"serial:/dev/ttyUSB0?protocol=lucidgloves\", \
+    let with_camera = "Setup(source: \"serial:/dev/ttyUSB0?protocol=lucidgloves\", \
                  arm_source: \"udp:127.0.0.1:9000?protocol=body-landmarks\")";
-    let setup = file(&folder, "camera.ron", setup);
-    let checked = run(["layout", "check", "qwerty-flat", "--setup", &setup]).done();
+    let with_camera = file(&folder, "camera.ron", with_camera);
+    let checked = run(["layout", "check", "qwerty-flat", "--setup", &with_camera]).done();
     assert_eq!(checked.err, "", "a camera measures the arm");
 }
 
@@ -169,8 +169,8 @@ fn boards_in_one_place_are_a_warning_with_the_distance() {
         text.contains(warning) && json.contains(warning),
         "{text}{json}"
     );
-    let (text, _) = check(18);
-    assert_eq!(text, "");
+    let (fitting, _) = check(18);
+    assert_eq!(fitting, "");
 }
 
 #[test]
@@ -315,11 +315,11 @@ fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
         ("udev", "with sudo"),
         ("all", "with sudo"),
     ] {
-        let ended = install(name);
+        let refused = install(name);
         assert!(
-            ended.code != Some(0) && ended.err.contains(message),
+            refused.code != Some(0) && refused.err.contains(message),
             "{}",
-            ended.err
+            refused.err
         );
     }
 }

@@ -70,10 +70,10 @@ fn assert_usable(folder: &TempDir, name: &str, build: &Build) {
 
     let path = file(folder, "chords.txt", build.chords());
     let source = format!("file:{path}?protocol=lucidgloves&rate_hz=100");
-    let glove = folder.path().join(name);
-    let glove = glove.to_str().expect("UTF-8");
+    let glove_path = folder.path().join(name);
+    let glove_path = glove_path.to_str().expect("UTF-8");
     let arguments = ["run", "--source", &source, "--layout", "chords-bend"];
-    let typed = run(arguments.into_iter().chain(["--glove", glove])).done();
+    let typed = run(arguments.into_iter().chain(["--glove", glove_path])).done();
     assert_eq!(
         pressed_keys(&typed.out),
         ["H", "O", "D", "A"],

@@ -43,23 +43,23 @@ fn a_score_is_printed_written_and_verified() {
     for reference in ["src=", "href=", "@import", "url("] {
         assert!(!page.contains(reference), "{reference}");
     }
-    let ended = run(["lab", "verify", text(&json), "--jobs", "2"]).done();
+    let verified = run(["lab", "verify", text(&json), "--jobs", "2"]).done();
     assert!(
-        ended.out.contains("the same figures for 3 people"),
+        verified.out.contains("the same figures for 3 people"),
         "{}",
-        ended.out
+        verified.out
     );
 
     let result = std::fs::read_to_string(&json).expect("a result");
     let refused = |changed: &str, words: &str| {
         let changed = file(&folder, "changed.json", changed);
-        let ended = run(["lab", "verify", &changed]);
+        let changed_end = run(["lab", "verify", &changed]);
         assert!(
-            ended.code == Some(1) || ended.code == Some(2),
+            changed_end.code == Some(1) || changed_end.code == Some(2),
             "{:?}",
-            ended.code
+            changed_end.code
         );
-        assert!(ended.err.contains(words), "{}", ended.err);
+        assert!(changed_end.err.contains(words), "{}", changed_end.err);
     };
     let hits = result.find("\"hits\": ").expect("a figure of a person");
     let last = result
@@ -103,7 +103,7 @@ fn two_layouts_are_compared_with_the_same_people() {
         ended.out
     );
     assert!(ended.out.contains("hands up to"), "{}", ended.out);
-    let ended = run([
+    let compared = run([
         "lab",
         "compare",
         "qwerty-flat",
@@ -115,8 +115,8 @@ fn two_layouts_are_compared_with_the_same_people() {
     ])
     .done();
     let verdict = "is not clearly faster or slower and makes not clearly more or fewer errors";
-    assert!(ended.out.contains(verdict), "{}", ended.out);
-    let ended = run([
+    assert!(compared.out.contains(verdict), "{}", compared.out);
+    let compared_tasks = run([
         "lab",
         "compare",
         "qwerty-flat",
@@ -126,8 +126,12 @@ fn two_layouts_are_compared_with_the_same_people() {
         "--count",
         "1",
     ]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("scored by tasks"), "{}", ended.err);
+    assert_eq!(compared_tasks.code, Some(2), "{}", compared_tasks.err);
+    assert!(
+        compared_tasks.err.contains("scored by tasks"),
+        "{}",
+        compared_tasks.err
+    );
 }
 
 #[test]
@@ -151,11 +155,11 @@ fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused(
         ended.err
     );
     let empty = file(&folder, "empty.txt", "\n \n");
-    let ended = run(arguments.into_iter().chain([empty.as_str()]));
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("no phrase"), "{}", ended.err);
-    let ended = run(["lab", "score", "no-such-layout"]);
-    assert_eq!(ended.code, Some(2));
+    let empty_end = run(arguments.into_iter().chain([empty.as_str()]));
+    assert_eq!(empty_end.code, Some(2));
+    assert!(empty_end.err.contains("no phrase"), "{}", empty_end.err);
+    let unknown = run(["lab", "score", "no-such-layout"]);
+    assert_eq!(unknown.code, Some(2));
 }
 
 #[test]

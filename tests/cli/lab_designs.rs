@@ -69,20 +69,20 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
     run(["layout", "check", text(&path)]).done();
 
     // It is not overwritten.
-    let ended = run(better);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("exists"), "{}", ended.err);
+    let again = run(better);
+    assert_eq!(again.code, Some(2), "{}", again.err);
+    assert!(again.err.contains("exists"), "{}", again.err);
 
     // Nobody presses the keys that may move.
     let other = folder.path().join("other.ron");
     let kept = arguments(text(&other), "assignment");
     let few = ["--keep", "1 2", "--steps", "5"].map(str::to_owned);
-    let ended = run(kept.into_iter().chain(few));
-    assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
+    let kept_end = run(kept.into_iter().chain(few));
+    assert_eq!(kept_end.code, Some(1), "{}{}", kept_end.out, kept_end.err);
     assert!(
-        ended.err.contains("no better layout found"),
+        kept_end.err.contains("no better layout found"),
         "{}",
-        ended.err
+        kept_end.err
     );
     assert!(!other.exists());
     for (bad, words) in [
@@ -94,9 +94,9 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
         // An option that is given twice is refused by the parser.
         let all =
             all.filter(|it| bad[0] != "--objective" || (it != "--objective" && it != "effort"));
-        let ended = run(all.chain(bad.map(str::to_owned)));
-        assert_eq!(ended.code, Some(2), "{bad:?}: {}", ended.err);
-        assert!(ended.err.contains(words), "{}", ended.err);
+        let bad_end = run(all.chain(bad.map(str::to_owned)));
+        assert_eq!(bad_end.code, Some(2), "{bad:?}: {}", bad_end.err);
+        assert!(bad_end.err.contains(words), "{}", bad_end.err);
     }
 }
 
@@ -157,11 +157,15 @@ fn the_decoder_is_better_than_other_readings_of_the_same_taps() {
     ]);
     assert_ne!(ended.code, Some(0));
     assert!(ended.err.contains("ten keys of letters"), "{}", ended.err);
-    let ended = run(["lab", "score", "qwerty-flat", "--decoder", "auto:xx"]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("the languages are"), "{}", ended.err);
-    let ended = run(["lab", "score", "qwerty-flat", "--decoder", "clever"]);
-    assert!(ended.err.contains("or `off`"), "{}", ended.err);
+    let language = run(["lab", "score", "qwerty-flat", "--decoder", "auto:xx"]);
+    assert_eq!(language.code, Some(2));
+    assert!(
+        language.err.contains("the languages are"),
+        "{}",
+        language.err
+    );
+    let mode = run(["lab", "score", "qwerty-flat", "--decoder", "clever"]);
+    assert!(mode.err.contains("or `off`"), "{}", mode.err);
 }
 
 #[test]
@@ -228,8 +232,8 @@ fn a_recorded_hand_is_replayed_on_other_layouts_with_the_limits() {
         found.contains("\"near_misses\"") && found.contains("\"limits\""),
         "{found}"
     );
-    let ended = run(["lab", "replay", text(&json), "qwerty-flat"]);
-    assert_ne!(ended.code, Some(0), "{}", ended.out);
+    let replayed = run(["lab", "replay", text(&json), "qwerty-flat"]);
+    assert_ne!(replayed.code, Some(0), "{}", replayed.out);
 }
 
 #[test]
@@ -248,7 +252,7 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
         ended.err
     );
     run(["layout", "check", text(&path)]).done();
-    let ended = run([
+    let scored = run([
         "lab",
         "score",
         text(&path),
@@ -260,16 +264,20 @@ fn a_layout_of_the_community_is_imported_checked_and_scored() {
         "2",
     ])
     .done();
-    let [errors, ..] = row(&ended.out, "wrong characters (CER), %");
-    assert!(errors < 5.0, "{}", ended.out);
-    let ended = run(["lab", "import", &grid, "--output", text(&path)]);
-    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let [errors, ..] = row(&scored.out, "wrong characters (CER), %");
+    assert!(errors < 5.0, "{}", scored.out);
+    let again = run(["lab", "import", &grid, "--output", text(&path)]);
+    assert_eq!(again.code, Some(2), "{}", again.err);
     let other = file(
         &folder,
         "other.klc",
         "KBD us \"US\"\nCOPYRIGHT a line of words\n",
     );
-    let ended = run(["lab", "import", &other]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("known are .dof files"), "{}", ended.err);
+    let other_end = run(["lab", "import", &other]);
+    assert_eq!(other_end.code, Some(2));
+    assert!(
+        other_end.err.contains("known are .dof files"),
+        "{}",
+        other_end.err
+    );
 }

@@ -63,12 +63,12 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
         .expect("scores")
         .permissions();
     assert_eq!(mode.mode() & 0o777, 0o600);
-    let ended = run(["lab", "merge", text(&sweep)]);
-    assert_eq!(ended.code, Some(1));
+    let early = run(["lab", "merge", text(&sweep)]);
+    assert_eq!(early.code, Some(1));
     assert!(
-        ended.err.contains("2 of 4 shards have no scores yet: 1 2;"),
+        early.err.contains("2 of 4 shards have no scores yet: 1 2;"),
         "{}",
-        ended.err
+        early.err
     );
 
     let partial = folder.path().join("partial.json");
@@ -80,22 +80,22 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
         "--json",
         text(&partial),
     ];
-    let ended = run(arguments).done();
+    let partial_end = run(arguments).done();
     assert!(
-        ended
+        partial_end
             .out
             .contains("PARTIAL: 3 of 7 people; 2 of 4 shards are missing"),
         "{}",
-        ended.out
+        partial_end.out
     );
     run(["lab", "verify", text(&partial)]).done();
 
     let before = fs::read(shard(&sweep, 0)).expect("scores");
-    let ended = run(["lab", "run", text(&sweep)]).done();
+    let resumed = run(["lab", "run", text(&sweep)]).done();
     assert!(
-        ended.err.contains("shard-00000.json: done before"),
+        resumed.err.contains("shard-00000.json: done before"),
         "{}",
-        ended.err
+        resumed.err
     );
     assert_eq!(fs::read(shard(&sweep, 0)).expect("scores"), before);
     let whole = in_one_piece(folder.path(), "compare", &layouts);
@@ -162,11 +162,11 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
         "{}",
         ended.err
     );
-    let ended = run(["lab", "run", text(&other), "4"]);
+    let out_of_range = run(["lab", "run", text(&other), "4"]);
     assert!(
-        ended.err.contains("the plan has shards 0 to 3"),
+        out_of_range.err.contains("the plan has shards 0 to 3"),
         "{}",
-        ended.err
+        out_of_range.err
     );
 
     let path = sweep.join("plan.json");
@@ -188,9 +188,9 @@ fn foreign_shards_and_plans_of_other_versions_are_refused() {
         ("{", "", "cannot be read"),
     ] {
         fs::write(&path, whole.replacen(from, to, 1)).expect("a changed plan");
-        let ended = run(["lab", "run", text(&sweep), "0"]);
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
-        assert!(ended.err.contains(words), "{words}: {}", ended.err);
+        let changed = run(["lab", "run", text(&sweep), "0"]);
+        assert_eq!(changed.code, Some(2), "{}", changed.err);
+        assert!(changed.err.contains(words), "{words}: {}", changed.err);
     }
 }
 
@@ -251,12 +251,12 @@ fn gnu_parallel_runs_what_is_missing_after_half_of_the_shards_were_killed() {
     assert!(!ended.status.success());
     assert!(shard(&sweep, 0).exists() && shard(&sweep, 3).exists());
     assert!(!shard(&sweep, 1).exists() && !shard(&sweep, 2).exists());
-    let ended = with(env!("CARGO_BIN_EXE_ademan"));
-    let said = String::from_utf8_lossy(&ended.stdout);
+    let resumed = with(env!("CARGO_BIN_EXE_ademan"));
+    let said = String::from_utf8_lossy(&resumed.stdout);
     assert!(
-        ended.status.success(),
+        resumed.status.success(),
         "{said}{}",
-        String::from_utf8_lossy(&ended.stderr)
+        String::from_utf8_lossy(&resumed.stderr)
     );
     assert!(
         !said.contains("shard-00000"),

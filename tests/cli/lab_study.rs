@@ -58,17 +58,17 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
         ended.err
     );
     assert!(ended.out.contains("P01: 1 task to go"), "{}", ended.out);
-    let ended = add(&study, "P01", &["--simulated"]).done();
-    assert!(ended.out.contains("P01 on numpad: "), "{}", ended.out);
-    assert!(ended.out.contains("has done all tasks"), "{}", ended.out);
+    let rest = add(&study, "P01", &["--simulated"]).done();
+    assert!(rest.out.contains("P01 on numpad: "), "{}", rest.out);
+    assert!(rest.out.contains("has done all tasks"), "{}", rest.out);
     // The second participant begins with the second layout.
-    let ended = add(
+    let second = add(
         &study,
         "P02",
         &["--simulated", "--tasks", "1", "--no-recording"],
     )
     .done();
-    assert!(ended.out.contains("P02 on numpad: "), "{}", ended.out);
+    assert!(second.out.contains("P02 on numpad: "), "{}", second.out);
 
     let trial = study.join("trials/P01-0000.json");
     assert_eq!(mode(&trial), 0o600);
@@ -93,7 +93,7 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
     assert_eq!(rows[1][column("cer")], "0");
     assert_eq!(rows[1][column("kspc")], "1");
     assert!(rows[1][column("wpm")].parse::<f64>().expect("a speed") > 5.0);
-    // What both layouts type of the phrase has the same number.
+    // Both layouts have the same number of the task for a phrase.
     assert_eq!(rows[1][column("task")], rows[2][column("task")]);
 
     let html = study.with_file_name("study.html");
@@ -113,9 +113,13 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
 
     let damaged = fs::read_to_string(&trial).expect("a trial");
     fs::write(&trial, &damaged[..40]).expect("a cut file");
-    let ended = run(["lab", "study", "report", text(&study)]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("P01-0000.json"), "{}", ended.err);
+    let damaged_end = run(["lab", "study", "report", text(&study)]);
+    assert_eq!(damaged_end.code, Some(2));
+    assert!(
+        damaged_end.err.contains("P01-0000.json"),
+        "{}",
+        damaged_end.err
+    );
 }
 
 #[test]
@@ -152,17 +156,17 @@ fn practice_sessions_are_added_once() {
     practice.env("XDG_STATE_HOME", folder.path().join("state"));
     let ended: Ended = practice.output().expect("the program starts").into();
     ended.done();
-    let ended = add(&study, "P01", &["--practice"]).done();
+    let added = add(&study, "P01", &["--practice"]).done();
     assert!(
-        ended.out.contains("added 1 practice session of P01"),
+        added.out.contains("added 1 practice session of P01"),
         "{}",
-        ended.out
+        added.out
     );
-    let ended = add(&study, "P01", &["--practice"]).done();
+    let added_again = add(&study, "P01", &["--practice"]).done();
     assert!(
-        ended.out.contains("added 0 practice sessions"),
+        added_again.out.contains("added 0 practice sessions"),
         "{}",
-        ended.out
+        added_again.out
     );
     let (out, rows) = report(&study);
     assert!(out.contains("no trials yet"), "{out}");
@@ -184,7 +188,7 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
     refused(add(&study, "../P01", &["--simulated"]), "is no pseudonym");
     refused(
         add(&study, "P01", &[]),
-        "no source: name that of the participant",
+        "no source: name the source of the participant",
     );
     refused(
         add(&study, "P01", &["--layout", "media"]),

@@ -56,15 +56,15 @@ fn files_that_are_no_model_and_lines_that_are_no_taps_are_refused() {
     let ended = decode(&foreign, "");
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("no language model"), "{}", ended.err);
-    let ended = decode("absent.adm", "");
+    let absent = decode("absent.adm", "");
     assert!(
-        ended.err.contains("cannot read absent.adm"),
+        absent.err.contains("cannot read absent.adm"),
         "{}",
-        ended.err
+        absent.err
     );
-    let ended = decode("en", "1 2\n1 2 3\n");
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.err.contains("line 2 is no tap"), "{}", ended.err);
+    let bad_tap = decode("en", "1 2\n1 2 3\n");
+    assert_eq!(bad_tap.code, Some(2));
+    assert!(bad_tap.err.contains("line 2 is no tap"), "{}", bad_tap.err);
 }
 
 #[test]

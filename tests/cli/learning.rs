@@ -128,24 +128,21 @@ fn a_learned_range_is_shown_undone_recorded_and_replayed() {
     run.lift();
     seen.push(run.next_event());
 
-    let (code, text, error) = ctl(&run, &["undo-learning"]);
+    let (undo_code, text, error) = ctl(&run, &["undo-learning"]);
     println!("$ ademan ctl undo-learning\n{text}{error}");
-    assert_eq!(code, 0, "{error}");
+    assert_eq!(undo_code, 0, "{error}");
     run.wait_for_message(ARMED);
-    let (_, state, _) = ctl(&run, &["state"]);
-    assert!(!state.contains("learned"), "{state}");
+    let (_, undone, _) = ctl(&run, &["state"]);
+    assert!(!undone.contains("learned"), "{undone}");
     run.take(near);
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger is above the key again");
     assert_eq!(ctl(&run, &["stop"]).0, 0);
     assert_eq!(seen, ["down H", "up H"]);
 
-    let replay = |arguments: &[&str]| {
+    let replay = |extra: &[&str]| {
         let mut command = ademan(["replay", "hand.mcap"]);
-        let output = command
-            .args(arguments)
-            .current_dir(run.folder.path())
-            .output();
+        let output = command.args(extra).current_dir(run.folder.path()).output();
         String::from_utf8(output.expect("it starts").stdout).expect("it is UTF-8")
     };
     let first = replay(&[]);

@@ -36,9 +36,9 @@ fn a_log_has_all_messages_with_their_time_and_is_private() {
     for runs in 1..=2 {
         super::run(line.split(' ')).done();
         let log = fs::read_to_string(&path).unwrap();
-        let stats = log.lines().filter(|line| line.contains("readings:"));
+        let stats = log.lines().filter(|entry| entry.contains("readings:"));
         assert_eq!(stats.count(), runs, "{log}");
-        let has_time = |line: &str| line.starts_with("20") && line[19..].starts_with("Z ");
+        let has_time = |entry: &str| entry.starts_with("20") && entry[19..].starts_with("Z ");
         assert!(log.lines().all(has_time), "{log}");
         assert!(!log.contains("down"), "{log}");
     }

@@ -89,9 +89,9 @@ impl Run {
         let (sent, count) = (inputs.clone(), lines.clone());
         thread::spawn(move || {
             for index in 0.. {
-                let inputs = sent.lock().expect("no panic").clone();
-                let line = inputs.line(index);
-                if !inputs.is_mute {
+                let present = sent.lock().expect("no panic").clone();
+                let line = present.line(index);
+                if !present.is_mute {
                     if master.write_all(line.as_bytes()).is_err() {
                         return;
                     }
@@ -251,8 +251,8 @@ fn the_stick_scrolls_and_presses_arrow_keys_while_a_button_is_held() {
     });
     let scrolled = run.next();
     assert!(scrolled.starts_with("scroll +0 -"), "{scrolled}");
-    let (scrolled, _) = run.moves_at_rest(REST_INPUTS);
-    assert_eq!(sum(&scrolled, "move"), (0, 0));
+    let (at_rest, _) = run.moves_at_rest(REST_INPUTS);
+    assert_eq!(sum(&at_rest, "move"), (0, 0));
     let menu = Inputs {
         buttons: "N",
         ..REST_INPUTS
@@ -295,8 +295,8 @@ fn a_stick_that_is_off_its_center_at_the_start_moves_nothing() {
     let run = Run::start(stuck.clone());
     let (before, at_rest) = run.moves_at_rest(stuck.clone());
     assert_eq!((before, at_rest), (Vec::new(), Vec::new()));
-    let (before, _) = run.moves_at_rest(REST_INPUTS);
-    assert_eq!(before, [""; 0]);
+    let (recovered, _) = run.moves_at_rest(REST_INPUTS);
+    assert_eq!(recovered, [""; 0]);
     run.set(stuck);
     let moved = run.next();
     assert!(moved.starts_with("move +"), "{moved}");

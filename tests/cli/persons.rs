@@ -129,8 +129,8 @@ fn an_explicit_arm_of_a_setup_wins_and_says_so() {
         checked.err
     );
     let own = file(&folder, "own.ron", "Setup(person: \"me.ron\")");
-    let checked = run(["layout", "check", "qwerty-flat", "--setup", &own]).done();
-    assert_eq!(checked.err, "");
+    let own_checked = run(["layout", "check", "qwerty-flat", "--setup", &own]).done();
+    assert_eq!(own_checked.err, "");
 }
 
 #[test]

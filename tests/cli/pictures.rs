@@ -57,8 +57,12 @@ fn a_file_is_overwritten_on_request_only() {
     .done();
     assert!(fs::read_to_string(&path).unwrap().starts_with("<svg"));
     let target = text(folder.path());
-    let refused = run(["layout", "show", "arrows", "--html", target, "--overwrite"]);
-    assert!(refused.err.contains("it is a folder"), "{}", refused.err);
+    let folder_refused = run(["layout", "show", "arrows", "--html", target, "--overwrite"]);
+    assert!(
+        folder_refused.err.contains("it is a folder"),
+        "{}",
+        folder_refused.err
+    );
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn the_simulated_hand_types_the_text_and_the_result_is_printed_and_kept() {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let mode = |kept_path: &Path| fs::metadata(kept_path).unwrap().permissions().mode() & 0o777;
         assert_eq!(mode(&path), 0o600);
         assert_eq!(mode(path.parent().unwrap()), 0o700);
     }
@@ -261,8 +261,8 @@ fn a_damaged_history_is_reported_and_nothing_of_it_is_lost() {
     assert_eq!(sessions.len(), 2);
     assert_eq!(sessions[0].as_bytes(), valid.trim_ascii_end());
     // The next one is whole.
-    let ended = run(state.path(), &["--text", "a b"]).done();
-    assert!(!ended.err.contains("damaged"), "{}", ended.err);
+    let whole = run(state.path(), &["--text", "a b"]).done();
+    assert!(!whole.err.contains("damaged"), "{}", whole.err);
     assert_eq!(lines(&path).len(), 3);
 }
 
@@ -345,10 +345,10 @@ mod on_a_terminal {
         );
         assert!(screen.wait().success());
         screen.assert_restored();
-        let text = screen.text();
-        println!("{text}");
-        assert!(text.contains("typed      hola"), "{text}");
-        assert!(text.contains("progress   words/min"), "{text}");
+        let last = screen.text();
+        println!("{last}");
+        assert!(last.contains("typed      hola"), "{last}");
+        assert!(last.contains("progress   words/min"), "{last}");
         assert_eq!(lines(&history_file(&state)).len(), 1);
     }
 
@@ -359,14 +359,17 @@ mod on_a_terminal {
         let text = screen.wait_for_text("the first click starts the clock");
         println!("{text}");
         assert!(text.contains("((O))"), "{text}");
-        let text = screen.wait_for_text("2 of 9 targets · 0 missed");
-        println!("{text}");
-        assert!(text.contains('+') && text.contains("bit/s"), "{text}");
+        let clicked = screen.wait_for_text("2 of 9 targets · 0 missed");
+        println!("{clicked}");
+        assert!(
+            clicked.contains('+') && clicked.contains("bit/s"),
+            "{clicked}"
+        );
         screen.type_keys("\x03");
         assert!(screen.wait().success());
         screen.assert_restored();
-        let text = screen.text();
-        assert!(text.contains("not all targets were clicked on"), "{text}");
+        let last = screen.text();
+        assert!(last.contains("not all targets were clicked on"), "{last}");
         assert!(!history_file(&state).exists());
     }
 
@@ -381,8 +384,8 @@ mod on_a_terminal {
             .find(|line| line.contains("hold     "))
             .expect("a line");
         assert!(hold.contains(" + ") && hold.contains(" for "), "{hold}");
-        let text = screen.wait_for_text(" 3/3");
-        println!("{text}");
+        let progress = screen.wait_for_text(" 3/3");
+        println!("{progress}");
         screen.type_keys("\x03");
         assert!(screen.wait().success());
         screen.assert_restored();

@@ -66,7 +66,7 @@ fn numbers(value: &Value, names: &[&str]) -> Vec<f64> {
 fn listed(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("a list").iter();
     values
-        .map(|value| value.as_f64().expect("a number"))
+        .map(|number| number.as_f64().expect("a number"))
         .collect()
 }
 
@@ -148,11 +148,11 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         assert_eq!(fields["finger"], upper("FINGER", &line["finger"]));
         assert_eq!(fields["phase"], upper("PHASE", &line["phase"]));
         assert_eq!(fields["name"], line["target"]);
-        let mut expected = listed(&line["position"]);
-        expected.push(line["depth"].as_f64().expect("a number"));
+        let mut position = listed(&line["position"]);
+        position.push(line["depth"].as_f64().expect("a number"));
         let found = numbers(&fields, &["x_m", "y_m", "depth"]);
-        for (found, expected) in found.iter().zip(expected) {
-            assert_eq!(*found as f32, expected as f32);
+        for (number, wanted) in found.iter().zip(position) {
+            assert_eq!(*number as f32, wanted as f32);
         }
     }
     for (message, line) in both("/presses", "presses") {
@@ -161,18 +161,18 @@ fn other_programs_read_every_stage_as_it_is_traced() {
         assert_eq!(fields["finger"], upper("FINGER", &line["finger"]));
         assert_eq!(fields["name"], line["target"]);
         let found = numbers(&fields, &["x_m", "y_m", "z_m", "depth_m", "speed_m_s"]);
-        let mut expected = listed(&line["point_mm"]);
-        expected.extend(numbers(
+        let mut evidence = listed(&line["point_mm"]);
+        evidence.extend(numbers(
             &Value::Object(line.clone()),
             &["depth_mm", "speed_mm_s"],
         ));
-        assert_all_close(&found, &expected);
+        assert_all_close(&found, &evidence);
         let neighbors = fields["neighbors"].as_array().expect("neighbors of a key");
         assert!(!neighbors.is_empty());
-        for (found, expected) in neighbors.iter().zip(line["neighbors"].as_array().unwrap()) {
-            assert_eq!(found["name"], expected["target"]);
-            let distance = numbers(found, &["distance_m"]);
-            assert_all_close(&distance, &numbers(expected, &["distance_mm"]));
+        for (neighbor, wanted) in neighbors.iter().zip(line["neighbors"].as_array().unwrap()) {
+            assert_eq!(neighbor["name"], wanted["target"]);
+            let distance = numbers(neighbor, &["distance_m"]);
+            assert_all_close(&distance, &numbers(wanted, &["distance_mm"]));
         }
     }
     for (message, line) in both("/events", "events") {
@@ -217,8 +217,8 @@ fn other_programs_read_readings_of_every_kind_of_sensor() {
                     let points = fields["body"]["points"].as_array().unwrap();
                     let expected = expected.as_array().unwrap();
                     assert_eq!(points.len(), expected.len());
-                    for (point, expected) in points.iter().zip(expected) {
-                        assert_single(&numbers(point, names), &listed(expected));
+                    for (point, wanted) in points.iter().zip(expected) {
+                        assert_single(&numbers(point, names), &listed(wanted));
                     }
                 }
                 "bones" => {
@@ -248,7 +248,7 @@ fn other_programs_read_readings_of_every_kind_of_sensor() {
 /// Compares numbers in single precision, which two programs print with different digits.
 fn assert_single(found: &[f64], expected: &[f64]) {
     assert_eq!(found.len(), expected.len());
-    for (&found, &expected) in found.iter().zip(expected) {
-        assert_eq!(found as f32, expected as f32);
+    for (&one, &other) in found.iter().zip(expected) {
+        assert_eq!(one as f32, other as f32);
     }
 }

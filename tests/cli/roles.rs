@@ -173,8 +173,8 @@ fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
         let next = || messages.recv_timeout(TIMEOUT).expect("a message");
         std::iter::repeat_with(next).find(is_wanted)
     };
-    let ctl = |command: &str| {
-        let mut ctl = ademan(["ctl", "--socket", "c.sock", command]);
+    let ctl = |word: &str| {
+        let mut ctl = ademan(["ctl", "--socket", "c.sock", word]);
         let output = ctl.current_dir(folder.path()).output();
         let output = output.expect("the program starts").stdout;
         String::from_utf8(output).expect("the program writes UTF-8")

@@ -93,8 +93,8 @@ fn the_errors_of_a_simulated_glove_are_found() {
             let within = 0.7_f64.max(0.6 * jitter);
             assert_close(channel, "hysteresis", 255.0 * hysteresis, within);
             let deviation = channel["drift_standard_error"]["counts"].as_f64().unwrap();
-            let within = 0.5_f64.max(3.0 * deviation);
-            assert_close(channel, "drift_per_minute", 255.0 * drift, within);
+            let drift_within = 0.5_f64.max(3.0 * deviation);
+            assert_close(channel, "drift_per_minute", 255.0 * drift, drift_within);
             assert_close(channel, "jitter", jitter, 0.1 * jitter);
             assert_close(channel, "repeatability", 0.0, 0.3 + 0.6 * jitter);
             let percent = channel["hysteresis"]["percent"].as_f64().unwrap();

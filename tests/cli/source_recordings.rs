@@ -17,7 +17,7 @@ const TYPED: &str = "hi";
 /// One of this many lines of a LucidGloves build is recorded, to keep the recording small.
 const THINNING: usize = 3;
 
-/// The protocols whose lines consist of lines of other protocols, which are recorded, and those of which no hand can be made: an
+/// The protocols whose lines consist of lines of other protocols, which are recorded, and the protocols that show no hand: an
 /// inertial sensor has no position.
 const UNRECORDED: [&str; 2] = ["holistic", "imu"];
 

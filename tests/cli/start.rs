@@ -111,7 +111,7 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
     let path = folder.path().join("mine.ron");
     let setup = load(&path);
     assert_eq!(setup.layout, "qwerty-flat");
-    assert_eq!(setup.glove, None, "that of the protocol");
+    assert_eq!(setup.glove, None, "the protocol's glove");
     let before = fs::read(&path).expect("a file");
     let again = run(&folder, &arguments);
     assert_eq!(again.code, Some(2), "{}", again.err);
@@ -119,9 +119,9 @@ fn the_glove_with_an_arm_gets_a_keyboard_and_nothing_is_replaced_unasked() {
     assert_eq!(fs::read(&path).expect("a file"), before);
     let left = [&arguments[..], &["--hand", "left", "--force"]].concat();
     run(&folder, &left).done();
-    let setup = load(&path);
-    assert_eq!(setup.glove.as_deref(), Some("unam-hc11-left"));
-    assert_eq!(setup.layout, "chords-bend");
+    let left_setup = load(&path);
+    assert_eq!(left_setup.glove.as_deref(), Some("unam-hc11-left"));
+    assert_eq!(left_setup.layout, "chords-bend");
     assert_eq!(
         fs::read(folder.path().join("mine.ron.bak")).expect("a file"),
         before
@@ -150,10 +150,10 @@ fn each_question_has_a_proposal_and_the_practice_line_comes_last() {
     screen.type_keys("\x03");
     assert!(screen.wait().success());
     screen.assert_restored();
-    let shown = screen.text();
+    let last = screen.text();
     assert!(
-        shown.contains("next time: ademan run mine.ron --output desktop"),
-        "{shown}"
+        last.contains("next time: ademan run mine.ron --output desktop"),
+        "{last}"
     );
     assert_eq!(load(&folder.path().join("mine.ron")).layout, "chords-bend");
 }

@@ -35,7 +35,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("it is a list");
     values
         .iter()
-        .map(|value| value.as_f64().expect("it is a number"))
+        .map(|number| number.as_f64().expect("it is a number"))
         .collect()
 }
 
@@ -200,14 +200,14 @@ fn the_angles_of_a_body_are_traced_as_those_of_its_file() {
         let traced = lines(&traced.out);
         let expected = lines(&run(["body", "angles", &body, "--order", order]).done().out);
         assert!(traced.len() > 40 && traced.len() == expected.len());
-        for (traced, expected) in traced.iter().zip(&expected) {
-            assert_eq!(traced["order"], expected["order"]);
-            for (joint, angles) in expected["angles_deg"].as_object().unwrap() {
+        for (line, wanted) in traced.iter().zip(&expected) {
+            assert_eq!(line["order"], wanted["order"]);
+            for (joint, angles) in wanted["angles_deg"].as_object().unwrap() {
                 for axis in 0..3_usize {
-                    let [found, expected] =
-                        [&traced["angles_deg"][joint], angles].map(|it| it[axis].as_f64().unwrap());
-                    let difference = (found - expected + 180.0).rem_euclid(360.0) - 180.0;
-                    assert!(difference.abs() < 1e-3, "{joint}: {found} {expected}");
+                    let [found, expected_deg] =
+                        [&line["angles_deg"][joint], angles].map(|it| it[axis].as_f64().unwrap());
+                    let difference = (found - expected_deg + 180.0).rem_euclid(360.0) - 180.0;
+                    assert!(difference.abs() < 1e-3, "{joint}: {found} {expected_deg}");
                 }
             }
         }

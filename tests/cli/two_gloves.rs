@@ -14,7 +14,7 @@ const PACKETS: usize = 120;
 /// The start of a packet.
 const HEADER: [u8; 2] = [6, 6];
 
-/// A channel of the left glove: the neighbour of that of the right one, which is free.
+/// A channel of the left glove: the neighbour of the right glove's channel, which is free.
 fn left_channel(channel: usize) -> usize {
     channel ^ 1
 }
@@ -90,12 +90,10 @@ fn one_converter_carries_the_gloves_of_both_hands() {
     };
     let (right, left) = (heights(Side::Right), heights(Side::Left));
     // A jump is one rejected reading.
-    let is_complete = |heights: &[f64]| heights.len() + 10 > 3 * PACKETS;
+    let is_complete = |seen: &[f64]| seen.len() + 10 > 3 * PACKETS;
     assert!(is_complete(&right) && is_complete(&left), "{}", traced.err);
-    let phase = |heights: &[f64], number: usize| heights[number * PACKETS + PACKETS - 20];
-    let moved = |heights: &[f64], number: usize| {
-        (phase(heights, number) - phase(heights, number - 1)).abs()
-    };
+    let phase = |seen: &[f64], number: usize| seen[number * PACKETS + PACKETS - 20];
+    let moved = |seen: &[f64], number: usize| (phase(seen, number) - phase(seen, number - 1)).abs();
     assert!(moved(&right, 1) > 0.02 && moved(&left, 1) < 0.001);
     assert!(moved(&right, 2) < 0.001 && moved(&left, 2) > 0.02);
 }

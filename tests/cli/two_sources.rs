@@ -116,8 +116,8 @@ fn the_delay_of_the_arm_is_measured_and_the_option_for_it_is_given() {
     let still = vec![part_of(&lines[0], true); (0.12 * TYPING_RATE_HZ) as usize];
     let moved = lines.iter().map(|line| part_of(line, true));
     let arm: Vec<_> = still.into_iter().chain(moved).collect();
-    let uri = |name, lines: Vec<String>| {
-        let path = file(&folder, name, lines.concat());
+    let uri = |name, content: Vec<String>| {
+        let path = file(&folder, name, content.concat());
         format!("file:{path}?protocol=text-line&rate_hz=174.5")
     };
     let (fingers, arm) = (uri("fingers.txt", lines), uri("arm.txt", arm));

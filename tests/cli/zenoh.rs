@@ -200,7 +200,7 @@ fn a_hand_behind_a_congested_router_types_nothing_until_its_readings_are_young_a
     while link.delay() < Duration::from_secs(1) {
         thread::sleep(Duration::from_millis(10));
     }
-    // What was typed before is on its way.
+    // Events typed before are on their way.
     thread::sleep(Duration::from_millis(500));
     typist.transcript.try_iter().for_each(drop);
     thread::sleep(Duration::from_secs(2));

@@ -442,10 +442,10 @@ fn a_layout_has_at_most_10_000_keys() {
 fn an_unreadable_file_reports_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let message = |path: &str| {
-        let error = Layout::load(path).unwrap_err();
+    let message = |file: &str| {
+        let error = Layout::load(file).unwrap_err();
         assert!(
-            error.to_string().starts_with(&format!("{path}:")),
+            error.to_string().starts_with(&format!("{file}:")),
             "{error}"
         );
         error.message().to_owned()
@@ -565,9 +565,9 @@ fn an_error_in_a_signal_is_at_its_control_or_its_address() {
         assert_eq!(error.line(), Some(5), "{signals}: {error}");
     }
     let valid = layout("\"KeyA\": (control: 1), \"Volume\": (osc: \"/mixer/1\", range: (-60, 6))");
-    let layout = Layout::parse(&valid, "t.ron").expect("a valid layout");
-    assert_eq!(layout.signals.iter().len(), 3);
-    let reports = layout
+    let parsed = Layout::parse(&valid, "t.ron").expect("a valid layout");
+    assert_eq!(parsed.signals.iter().len(), 3);
+    let reports = parsed
         .keys
         .iter()
         .map(|key| (key.reports_velocity, key.reports_depth));

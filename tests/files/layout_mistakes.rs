@@ -422,12 +422,12 @@ fn all_mistakes_of_a_file_are_reported_at_once_in_the_order_of_the_file() {
             "7:35: the hold has neither a `code` nor a `layer`",
         ]
     );
-    let text = layout(
+    let layered = layout(
         "labels: {\"E\": \"e\"}, layers: [(name: \"x\", keys: {\"Q\": \"Entre\", \"W\": \"Entre\"})],\nchords: [(keys: \"Q\", action: Key(\"A\"))]",
     );
-    let text = text.replace("Q W\"", "Q W Entre W Tba\", pitch_mm: 25");
+    let layered = layered.replace("Q W\"", "Q W Entre W Tba\", pitch_mm: 25");
     assert_eq!(
-        lines(&text),
+        lines(&layered),
         [
             "1:86: unknown key `Entre`, did you mean `Enter`? (also in line 2)",
             "1:92: duplicate name `W`: there is a key with this name in line 1, set another `name`",

@@ -360,8 +360,8 @@ fn a_path_takes_precedence_over_a_shipped_layout_and_a_name_never_means_a_file_i
     for name in ["arrows", "keyboards/arrows.ron"] {
         fs::write(folder.path().join(name), &text).unwrap();
     }
-    let keys = |folder: &Path, name| {
-        let document = Document::open_relative_to(folder, name).unwrap();
+    let keys = |base: &Path, name| {
+        let document = Document::open_relative_to(base, name).unwrap();
         Layout::from_document(document).unwrap().keys.len()
     };
     assert_eq!(keys(folder.path(), "arrows"), 4);
@@ -408,7 +408,7 @@ fn drawings_of_shipped_layouts_have_whole_labels_and_fit_into_80_columns() {
         }
         let faces = layout.boards.iter().flat_map(|board| layout.faces(board));
         let labels = faces.map(|face| face.label.as_str());
-        let triggers = layout.triggers.iter().map(|(name, _)| name.as_str());
+        let triggers = layout.triggers.iter().map(|(trigger, _)| trigger.as_str());
         let targets = layout.spaces.iter().flat_map(|space| &space.names);
         for part in labels.chain(triggers).chain(targets.map(String::as_str)) {
             assert!(text.contains(part), "{name}: {part} is missing in\n{text}");

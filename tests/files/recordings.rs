@@ -516,10 +516,10 @@ fn readings_of_every_kind_of_sensor_have_the_same_bits_in_both_formats() {
         recorder.finish().unwrap();
         let new = Replay::open(&copy).unwrap();
         assert_eq!(*new.setup(), setup);
-        let (copied, error) = readings_and_error(new);
-        assert!(error.is_none(), "{error:?}");
+        let (copied, new_error) = readings_and_error(new);
+        assert!(new_error.is_none(), "{new_error:?}");
         // JSON distinguishes 0 from −0.
-        let json = |readings: &[Reading]| serde_json::to_string(readings).unwrap();
+        let json = |list: &[Reading]| serde_json::to_string(list).unwrap();
         assert!(json(&copied) == json(&readings), "{path:?}");
         kinds.push(readings[0].sample.kind());
     }
@@ -617,9 +617,9 @@ fn times_of_a_recording_never_decrease() {
 /// Returns a metadata record with a setup text.
 fn setup_record(kind: &str, text: &str) -> Vec<u8> {
     let mut fields = Vec::new();
-    let put = |fields: &mut Vec<u8>, text: &str| {
-        fields.extend((text.len() as u32).to_le_bytes());
-        fields.extend(text.as_bytes());
+    let put = |record: &mut Vec<u8>, word: &str| {
+        record.extend((word.len() as u32).to_le_bytes());
+        record.extend(word.as_bytes());
     };
     for (key, value) in [("kind", kind), ("name", "a name"), ("text", text)] {
         put(&mut fields, key);

@@ -96,9 +96,9 @@ pub fn message(data: &[u8]) -> bool {
     let Ok(reading) = decode_reading(data) else {
         return false;
     };
-    let encode = |reading: &Reading| {
+    let encode = |given: &Reading| {
         let mut message = Vec::new();
-        encode_reading(reading, &mut message);
+        encode_reading(given, &mut message);
         message
     };
     let message = encode(&reading);

@@ -79,12 +79,12 @@ fn check_rewriting(layout: &Layout, document: &Document) {
     let wanted: Vec<BoardPose> = places.iter().map(aside).collect();
     let text = move_boards(document, &wanted, &Fit::default()).expect("a layout can be written");
     let again = Layout::parse(&text, "moved.ron").unwrap_or_else(|error| panic!("{error}"));
-    let surfaces = again.scene.surfaces().iter();
-    for (surface, wanted) in surfaces.zip(&wanted) {
+    let moved_surfaces = again.scene.surfaces().iter();
+    for (surface, expected) in moved_surfaces.zip(&wanted) {
         let place = BoardPose::from_pose(&surface.anchor_from_surface());
         assert!(
-            (place.right - wanted.right).abs() < 2e-5,
-            "{place:?} {wanted:?}"
+            (place.right - expected.right).abs() < 2e-5,
+            "{place:?} {expected:?}"
         );
     }
     assert_eq!(again.keys, layout.keys);
@@ -93,8 +93,8 @@ fn check_rewriting(layout: &Layout, document: &Document) {
         layout.required_capabilities()
     );
 
-    let text = scale_boards(document, 1.0).expect("a layout can be written");
-    if let Err(error) = Layout::parse(&text, "scaled.ron") {
+    let scaled_text = scale_boards(document, 1.0).expect("a layout can be written");
+    if let Err(error) = Layout::parse(&scaled_text, "scaled.ron") {
         // Rounded to four digits, a scale at the limit of its range can exceed it.
         assert!(error.to_string().contains("scale"), "{error}");
     }
@@ -207,8 +207,8 @@ pub fn arm(data: &[u8]) -> bool {
     match ArmModel::parse(&document) {
         Ok(arm) => {
             let pose = arm.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
-            for (joint, pose) in pose.known() {
-                assert!(pose.is_finite(), "{joint} is nowhere");
+            for (joint, joint_pose) in pose.known() {
+                assert!(joint_pose.is_finite(), "{joint} is nowhere");
             }
             true
         }

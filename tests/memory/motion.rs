@@ -42,9 +42,9 @@ fn a_long_motion_capture_is_read_in_the_memory_of_its_first_frames() {
     let mut decoder = (bvh::PROTOCOL.decoder)(&ProtocolOptions::default());
     let mut frames = 0;
     decoder.push(header().as_bytes(), &mut |_| frames += 1);
-    let mut push_frame = |frames: &mut u64| {
+    let mut push_frame = |count: &mut u64| {
         for piece in frame.as_bytes().chunks(512) {
-            decoder.push(piece, &mut |_| *frames += 1);
+            decoder.push(piece, &mut |_| *count += 1);
         }
     };
     (0..10).for_each(|_| push_frame(&mut frames));

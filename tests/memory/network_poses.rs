@@ -51,7 +51,11 @@ fn datagrams_are_processed_to_events_without_allocation() {
 
     let pose = |index: usize| opentrack::encode(&[0.1 * index as f64, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let poses: Vec<Vec<u8>> = (0..100).map(|index| pose(index).to_vec()).collect();
-    let source = "udp:127.0.0.1:4242?protocol=opentrack";
-    let processed = process(source, &mut opentrack::decoder(Joint::Wrist), &poses);
-    assert_eq!(processed, (0, 100));
+    let opentrack_source = "udp:127.0.0.1:4242?protocol=opentrack";
+    let opentrack_processed = process(
+        opentrack_source,
+        &mut opentrack::decoder(Joint::Wrist),
+        &poses,
+    );
+    assert_eq!(opentrack_processed, (0, 100));
 }

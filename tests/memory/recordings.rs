@@ -63,7 +63,10 @@ fn replay(path: &Path) -> Vec<bool> {
 fn assert_only_chunks_allocate(allocated: &[bool], what: &str) {
     assert!(allocated.len() > 4 * WARM_UP, "{what}: too few readings");
     let steady = &allocated[WARM_UP..];
-    let count = steady.iter().filter(|allocated| **allocated).count();
+    let count = steady
+        .iter()
+        .filter(|has_allocated| **has_allocated)
+        .count();
     let limit = steady.len() / READINGS_OF_CHUNK + 1;
     assert!(
         count <= limit,

@@ -113,14 +113,14 @@ fn moving_and_auto_recentering_boards_do_not_allocate() {
     setup.layout = Keys::parse(text, "a.ron").expect("a layout");
     let mut pipeline = setup.pipeline();
     let mut events = Events::new();
-    let mut step = |pipeline: &mut Pipeline, index: u64| {
+    let mut step = |stepped: &mut Pipeline, index: u64| {
         let reading = Reading::new(
             Timestamp(10_000 * index),
             None,
             Sample::Channels(hc11::channels(&body)),
         );
         let before = allocations();
-        pipeline
+        stepped
             .step(&reading, &mut events)
             .expect("a plausible reading");
         allocations() - before
@@ -135,11 +135,11 @@ fn moving_and_auto_recentering_boards_do_not_allocate() {
         allocated += step(&mut pipeline, index);
     }
     assert_ne!(pipeline.board_poses().next(), rest, "auto-recentering");
-    let mut events = Events::new();
+    let mut move_events = Events::new();
     let before = allocations();
-    let nudged = pipeline.nudge(Vec3::splat(0.01), &mut events);
-    let tilted = pipeline.tilt(0.1, &mut events);
-    let recentered = pipeline.recenter(&mut events);
+    let nudged = pipeline.nudge(Vec3::splat(0.01), &mut move_events);
+    let tilted = pipeline.tilt(0.1, &mut move_events);
+    let recentered = pipeline.recenter(&mut move_events);
     allocated += allocations() - before;
     assert_eq!([nudged, tilted, recentered], [Ok(()); 3]);
     assert_eq!(allocated, 0);
@@ -217,16 +217,16 @@ fn rejections_stalls_jumps_and_rearming_do_not_allocate() {
     };
     channels.counts.fill(250);
     let mut short = impossible.clone();
-    let Sample::Channels(channels) = &mut short.sample else {
+    let Sample::Channels(short_channels) = &mut short.sample else {
         panic!("a glove has channels");
     };
-    channels.counts.truncate(3);
+    short_channels.counts.truncate(3);
     let mut far = typing[200].clone();
-    let Sample::Channels(channels) = &mut far.sample else {
+    let Sample::Channels(far_channels) = &mut far.sample else {
         panic!("a glove has channels");
     };
     // The elbow turns by 1 rad.
-    channels.counts[17] += 100;
+    far_channels.counts[17] += 100;
     let mut faulty = [
         typing[0].clone(),
         impossible,

@@ -88,8 +88,8 @@ fn a_body_and_its_hand_are_decoded_and_fused_without_allocation() {
     let lines: Vec<String> = typing_poses("h").iter().map(line).collect();
     let (mut events, mut steps) = (Events::new(), 0);
     let before = allocations();
-    for line in &lines {
-        decoder.push(line.as_bytes(), &mut |packet| {
+    for pose_line in &lines {
+        decoder.push(pose_line.as_bytes(), &mut |packet| {
             steps += 1;
             // Both parts have the time of the line; a source keeps them apart by a microsecond.
             let time =

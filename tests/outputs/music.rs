@@ -293,7 +293,7 @@ fn mido_reads_the_notes_of_drums_and_pianos_from_a_raw_device() {
             let (channel, note) = note(name);
             // The transcript has three decimals.
             let number = number.parse::<f32>().expect("a number") * 127.0;
-            let (kind, expected) = match number {
+            let (kind, wanted) = match number {
                 0.0 => ("off", 64.0),
                 _ => ("on", number),
             };
@@ -302,7 +302,7 @@ fn mido_reads_the_notes_of_drums_and_pianos_from_a_raw_device() {
                 format!("note_{kind} channel={channel} note={note}")
             );
             let velocity: f32 = velocity.parse().expect("a number");
-            assert!((velocity - expected).abs() < 0.6, "{message} {velocity}");
+            assert!((velocity - wanted).abs() < 0.6, "{message} {velocity}");
         }
         let is_pressure = |line: &&String| line.starts_with("polytouch");
         let pressures = lines.iter().filter(is_pressure).count();

@@ -267,12 +267,12 @@ fn chords_are_tapped_held_act_on_release_type_texts_and_lock_layers() {
     std::fs::write(&path, EVERY_ACTION).expect("room on the disk");
     let mut glove = Glove::with_layout(&path.display().to_string(), 3);
     glove.hold([0.1; Finger::COUNT], 600);
-    let typed = |glove: &mut Glove, fingers: &[Finger], milliseconds| {
-        let before = glove.field.text().chars().count();
-        glove.hold(bent(fingers, 0.9), milliseconds);
-        let while_down: String = glove.field.text().chars().skip(before).collect();
-        glove.hold(bent(fingers, 0.1), 200);
-        let all: String = glove.field.text().chars().skip(before).collect();
+    let typed = |worn: &mut Glove, fingers: &[Finger], milliseconds| {
+        let before = worn.field.text().chars().count();
+        worn.hold(bent(fingers, 0.9), milliseconds);
+        let while_down: String = worn.field.text().chars().skip(before).collect();
+        worn.hold(bent(fingers, 0.1), 200);
+        let all: String = worn.field.text().chars().skip(before).collect();
         (while_down, all)
     };
     let both = |a: &str, b: &str| (a.to_owned(), b.to_owned());

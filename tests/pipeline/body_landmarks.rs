@@ -144,8 +144,8 @@ fn a_short_occlusion_keeps_the_key() {
 #[test]
 fn landmarks_that_show_no_arm_are_rejected_with_their_reason() {
     let mut camera = Camera::new();
-    let right = |camera: &mut Camera, body: &BodyLandmarks| {
-        let [left, right] = camera.frame(body);
+    let right = |filmed: &mut Camera, body: &BodyLandmarks| {
+        let [left, right] = filmed.frame(body);
         assert!(left.is_ok() || left == right, "{left:?}");
         right
     };

@@ -125,7 +125,7 @@ fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, folder: &std::path::Path
 fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usize) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let setup = load(wearer, map, folder.path());
-    let map = &setup.glove.as_ref().unwrap().map;
+    let loaded_map = &setup.glove.as_ref().unwrap().map;
     let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).unwrap();
     let targets: Vec<_> = taps
         .iter()
@@ -134,7 +134,13 @@ fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usi
             _ => None,
         })
         .collect();
-    let typist = SightedTypist::new(wearer, &setup.layout.scene, map, &setup.arm, corrections);
+    let typist = SightedTypist::new(
+        wearer,
+        &setup.layout.scene,
+        loaded_map,
+        &setup.arm,
+        corrections,
+    );
     let readings = typist.tap_all(&targets);
     let (mut pipeline, mut field, mut events) =
         (setup.pipeline(), UsTextField::new(), Events::new());
@@ -181,8 +187,8 @@ fn check_typing(people: u64) {
     let mut totals = [0.0; 2];
     for seed in 0..people {
         let mut wearer = person(seed);
-        let percent = |wearer: &SimulatedWearer, map: &ChannelMap, corrections| {
-            100.0 * typing_error(&mut wearer.clone(), map, corrections)
+        let percent = |typist: &SimulatedWearer, map: &ChannelMap, corrections| {
+            100.0 * typing_error(&mut typist.clone(), map, corrections)
         };
         let before = percent(&wearer, &shipped(), CORRECTIONS);
         let result = calibrate(&mut wearer).unwrap();
@@ -226,9 +232,10 @@ fn the_curvature_of_bend_sensors_matters() {
             errors.extend(joint_errors(&mut wearer.clone(), &map));
         }
     }
-    let [curved, linear] = [curved_errors, linear_errors].map(|errors| percentile(&errors, 0.95));
-    println!("95 %: {curved:.2}° with curvature, {linear:.2}° without");
-    assert!(curved < linear, "{curved} {linear}");
+    let [curved_error, linear_error] =
+        [curved_errors, linear_errors].map(|errors| percentile(&errors, 0.95));
+    println!("95 %: {curved_error:.2}° with curvature, {linear_error:.2}° without");
+    assert!(curved_error < linear_error, "{curved_error} {linear_error}");
 }
 
 #[test]
@@ -330,12 +337,12 @@ fn a_recording_gives_the_same_calibration_with_marks_and_a_similar_one_without()
     let again = observe_recording(&run.readings, &[], &map).unwrap();
     assert_eq!(found, again);
     let found = fit(&found, &map).unwrap();
-    for (live, found) in live.map.rows().iter().zip(found.map.rows()) {
-        let difference = live.calibration.apply(100.0) - found.calibration.apply(100.0);
+    for (live_row, found_row) in live.map.rows().iter().zip(found.map.rows()) {
+        let difference = live_row.calibration.apply(100.0) - found_row.calibration.apply(100.0);
         assert!(
             difference.to_degrees().abs() < 3.0,
             "{} {difference}",
-            live.dof
+            live_row.dof
         );
     }
 }
@@ -349,6 +356,6 @@ fn a_recording_with_a_pose_too_few_is_refused() {
         matches!(error, CalibrationError::PosesNotFound { expected: 13, found } if found < 13),
         "{error}"
     );
-    let error = observe_recording(&[], &[], &shipped()).unwrap_err();
-    assert_eq!(error, CalibrationError::NoChannels);
+    let empty_error = observe_recording(&[], &[], &shipped()).unwrap_err();
+    assert_eq!(empty_error, CalibrationError::NoChannels);
 }

@@ -104,10 +104,10 @@ fn readings_of_another_shape_are_rejected() {
     assert_eq!(hand.estimator.update(&short), Err(Rejection::WrongShape));
     let mut wide = hand.reading();
     wide.time = Timestamp(60_000);
-    let Sample::Channels(channels) = &mut wide.sample else {
+    let Sample::Channels(wide_channels) = &mut wide.sample else {
         panic!("channels");
     };
-    channels.full_scale = 4_095;
+    wide_channels.full_scale = 4_095;
     assert_eq!(hand.estimator.update(&wide), Err(Rejection::WrongShape));
 }
 

@@ -110,8 +110,8 @@ fn a_railed_sensor_releases_the_key_of_its_finger_and_the_others_keep_typing() {
         // A second has 175 readings; a jump is accepted a few readings later.
         wearer.play(&[broken; 185]);
         assert_eq!(wearer.take_events(), "up H", "channel {channel} at {end}");
-        let broken = |posture: &Posture| with(posture, channel, end);
-        let rail = |postures: &[Posture]| postures.iter().map(broken).collect::<Vec<_>>();
+        let broken_posture = |posture: &Posture| with(posture, channel, end);
+        let rail = |postures: &[Posture]| postures.iter().map(broken_posture).collect::<Vec<_>>();
         wearer.play(&rail(&h.lift));
         wearer.play(&rail(&[two_fingers[0]; 60]));
         wearer.play(&rail(&two_fingers));

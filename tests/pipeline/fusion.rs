@@ -162,22 +162,25 @@ fn lost_fingers_release_their_key_and_the_arm_still_points() {
     assert_eq!(wearer.transcript(), "+H -H");
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 
-    let mut wearer = Wearer::new("joint", "h");
-    wearer.hold([true, true], 500);
-    wearer.hold([true, false], 300);
-    assert_eq!(wearer.transcript(), "");
+    let mut joint_wearer = Wearer::new("joint", "h");
+    joint_wearer.hold([true, true], 500);
+    joint_wearer.hold([true, false], 300);
+    assert_eq!(joint_wearer.transcript(), "");
     for step in 0..50 {
-        wearer.time_us += 5_000;
+        joint_wearer.time_us += 5_000;
         let mut angles = JointAngles::default();
         angles.set(Dof::ElbowFlexion, 0.8);
         angles.set(Dof::WristFlexion, 0.0);
         angles.set(Dof::WristDeviation, f64::from(step) * 0.004);
-        let time = Timestamp(wearer.time_us);
+        let time = Timestamp(joint_wearer.time_us);
         let mut reading = Reading::new(time, Some(Side::Right), Sample::Angles { angles });
         reading.part = Some(HandPart::Arm);
-        wearer.step(&reading);
+        joint_wearer.step(&reading);
     }
-    assert!(wearer.transcript().contains("move"), "the wrist points");
+    assert!(
+        joint_wearer.transcript().contains("move"),
+        "the wrist points"
+    );
 }
 
 #[test]

@@ -411,10 +411,10 @@ fn an_unknown_profile_is_rejected_by_name() {
     let error = setup.load_files().unwrap_err().to_string();
     let end = "unknown profile `othre`, did you mean `other`?; add it to `profiles` of the setup";
     assert!(error.ends_with(end), "{error}");
-    let (_folder, mut setup) = setup_of(MAIN, OTHER);
-    setup.profiles[0].name = "main".into();
-    let error = setup.load_files().unwrap_err().to_string();
-    assert_eq!(error, "duplicate profile `main`");
+    let (_other_folder, mut twice) = setup_of(MAIN, OTHER);
+    twice.profiles[0].name = "main".into();
+    let twice_error = twice.load_files().unwrap_err().to_string();
+    assert_eq!(twice_error, "duplicate profile `main`");
 }
 
 #[test]
@@ -425,8 +425,8 @@ fn a_setup_with_two_hands_and_profiles_survives_a_recording() {
     let recorded = loaded.recorded_setup();
     let again = LoadedSetup::from_recording(&recorded, &ReplaySettings::default())
         .expect("it was recorded");
-    let texts = |loaded: &LoadedSetup| -> Vec<String> {
-        loaded.layouts().map(|layout| layout.text.clone()).collect()
+    let texts = |each: &LoadedSetup| -> Vec<String> {
+        each.layouts().map(|layout| layout.text.clone()).collect()
     };
     assert_eq!(texts(&again), texts(&loaded));
     assert_eq!(again.setup, loaded.setup);

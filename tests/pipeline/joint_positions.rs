@@ -81,7 +81,7 @@ fn supination_is_zero_with_the_palm_on_a_table_and_positive_with_the_palm_turned
 }
 
 /// Returns a hand in the plane y = 0 with the palm down whose joints of a finger beyond the first bend by `bends` about an axis
-/// that is turned from that of the palm by `tilt` about the bone, to bend across the palm, in degrees.
+/// that is turned from the axis of the palm by `tilt` about the bone, to bend across the palm, in degrees.
 fn hand_with_bends(side: Side, finger: Finger, tilt: f64, bends: [f64; 2]) -> JointPositions {
     let mirrored = |point: DVec3| match side {
         Side::Right => point,

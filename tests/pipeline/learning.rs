@@ -49,12 +49,12 @@ fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, learn_ranges: bool) -> L
 }
 
 /// Returns the error rates of a text typed again and again, while the sensors become 10 % more sensitive and the person stretches
-/// the hand after each text: those of the first and of the last quarter, in percent.
+/// the hand after each text: in the first and in the last quarter, in percent.
 fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
     let mut wearer = person(seed);
     let map = calibrate(&mut wearer).expect("a calibration").map;
     let setup = load(&mut wearer, &map, learn_ranges);
-    let map = setup.glove.as_ref().expect("a glove").map.clone();
+    let loaded_map = setup.glove.as_ref().expect("a glove").map.clone();
     let taps = taps_for_text(TEXT, &setup.layout.key_bindings(), &[]).expect("a text");
     let target = |action: &HandAction| match action {
         HandAction::Tap(point) => Some(point.target),
@@ -67,7 +67,7 @@ fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
         let part = number as f64 / (TEXTS * 3 / 4) as f64;
         wearer.set_drift(0.1 * part.min(1.0));
         let learned: Vec<LearnedRange> = pipeline.learned_ranges().collect();
-        let seen = map.clone().with_learned_ranges(&learned);
+        let seen = loaded_map.clone().with_learned_ranges(&learned);
         let typist = SightedTypist::new(
             &mut wearer,
             &setup.layout.scene,
@@ -90,7 +90,7 @@ fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
     for range in &learned {
         println!("  {} {:.2} {:.2}", range.dof, range.below, range.above);
     }
-    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let quarter = TEXTS / 4;
     [mean(&errors[..quarter]), mean(&errors[TEXTS - quarter..])]
 }

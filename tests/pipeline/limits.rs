@@ -160,12 +160,12 @@ fn an_unknown_role_and_a_role_without_a_source_are_refused() {
         }),
         ..Setup::default()
     };
-    let error = setup
+    let role_error = setup
         .load_files()
         .expect_err("a role without a source")
         .to_string();
     assert_eq!(
-        error,
+        role_error,
         "`other_hand` has a `role` but no `source`; set the `role` of the first source, which provides both hands"
     );
 }
@@ -177,8 +177,8 @@ fn the_person_allows_keys_while_the_session_runs_and_a_layout_cannot() {
         ..Setup::default()
     });
     let mut pipeline = setup.pipeline();
-    let execute = |pipeline: &mut Pipeline, command, origin| {
-        pipeline.execute(&command, origin, &mut Events::new())
+    let execute = |commanded: &mut Pipeline, command, origin| {
+        commanded.execute(&command, origin, &mut Events::new())
     };
     let refused = execute(&mut pipeline, Command::AllowKeys, CommandOrigin::Layout);
     assert_eq!(refused, Err(CommandError::Permission));
@@ -187,10 +187,10 @@ fn the_person_allows_keys_while_the_session_runs_and_a_layout_cannot() {
         (Command::AllowKeys, &["A", "/A"][..]),
         (Command::ForbidKeys, &[]),
     ] {
-        let mut pipeline = setup.pipeline();
-        execute(&mut pipeline, Command::AllowKeys, CommandOrigin::Client).expect("it is allowed");
-        execute(&mut pipeline, command, CommandOrigin::Client).expect("it is allowed");
-        assert_eq!(type_with(&setup, &mut pipeline, "a"), typed, "{command:?}");
+        let mut allowed = setup.pipeline();
+        execute(&mut allowed, Command::AllowKeys, CommandOrigin::Client).expect("it is allowed");
+        execute(&mut allowed, command, CommandOrigin::Client).expect("it is allowed");
+        assert_eq!(type_with(&setup, &mut allowed, "a"), typed, "{command:?}");
     }
 }
 

@@ -288,7 +288,7 @@ impl Motion {
         let typist = SimulatedTypist::with_hands(&settings, &taps, scene, &hands);
         let mut typist = typist.expect("keys in reach");
         let samples = std::iter::from_fn(|| typist.next_samples());
-        let samples = samples.map(|mut hands| hands.swap_remove(0).1).collect();
+        let samples = samples.map(|mut moved| moved.swap_remove(0).1).collect();
         Self {
             samples,
             setup,
@@ -330,7 +330,7 @@ impl Motion {
             match lowest {
                 // Half of the way to the height of the hovering finger.
                 _ if height > 0.010 => {
-                    errors.extend(lowest.take().map(|(_, error)| error * 1e3));
+                    errors.extend(lowest.take().map(|(_, deepest)| deepest * 1e3));
                 }
                 Some((least, _)) if least <= height => {}
                 _ => lowest = Some((height, error)),
@@ -380,7 +380,7 @@ fn a_tremor_has_its_amplitude_and_frequency() {
     let pairs = calm.tips(Finger::Index).into_iter();
     let offsets: Vec<Vec3> = pairs
         .zip(shaking.tips(Finger::Index))
-        .map(|(calm, shaking)| (shaking - calm) * 1e3)
+        .map(|(still, trembling)| (trembling - still) * 1e3)
         .collect();
     let largest = offsets.iter().map(|offset| offset.length());
     let largest = largest.fold(0.0, f32::max);
@@ -517,7 +517,7 @@ fn four_fingers_of_one_hand_share_the_columns_of_a_board() {
     let count = |finger| presses.iter().filter(|press| press.1 == finger).count();
     let counts: Vec<usize> = Finger::ALL.iter().map(|&finger| count(finger)).collect();
     println!("{counts:?}");
-    assert!(counts.iter().all(|&count| count >= 2), "{counts:?}");
+    assert!(counts.iter().all(|&pressed| pressed >= 2), "{counts:?}");
 }
 
 #[test]
@@ -555,7 +555,7 @@ fn a_person_without_errors_moves_as_the_default_one() {
     let other = Setup::default().load_files().expect("a setup");
     let format = Hc11Format::default();
     let of =
-        |setup: &LoadedSetup| readings(setup.typist("Same!", &format, 0.0, 0).expect("typist"));
+        |loaded: &LoadedSetup| readings(loaded.typist("Same!", &format, 0.0, 0).expect("typist"));
     assert_eq!(of(&setup), of(&other));
 }
 

@@ -299,9 +299,9 @@ fn recentering_without_a_tracked_hand_is_rejected() {
     wearer.loaded.layout = parsed(&left);
     wearer.pipeline = wearer.loaded.pipeline();
     wearer.hold_still(100);
-    let refused = wearer.pipeline.recenter(&mut events);
+    let refused_again = wearer.pipeline.recenter(&mut events);
     assert_eq!(
-        refused,
+        refused_again,
         Err(CommandError::NoBoard(ademan::hand::Side::Right))
     );
 }

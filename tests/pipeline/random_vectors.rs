@@ -77,9 +77,9 @@ fn the_closest_points_of_random_rays_are_closer_than_all_points_beside_them() {
         let [first, second] = [ray(), ray()];
         let found = closest_points(&first, &second).expect("random rays are not parallel");
         let between = found.points[1] - found.points[0];
-        for ray in [&first, &second] {
+        for line in [&first, &second] {
             assert!(
-                between.dot(ray.direction).abs() < 1e-6,
+                between.dot(line.direction).abs() < 1e-6,
                 "{round}: {found:?}"
             );
         }
@@ -249,11 +249,11 @@ fn random_motion_captures_are_written_and_read_with_the_same_positions() {
             .unwrap_or_else(|error| panic!("{round}: {error}\n{}", String::from_utf8_lossy(&text)));
         for (number, frame) in frames.iter().enumerate() {
             let found = read.positions(number as u64, PositionChannels::Add);
-            for (found, expected) in found.iter().zip(positions(&skeleton, frame)) {
+            for (point, expected) in found.iter().zip(positions(&skeleton, frame)) {
                 // Six decimals of angles, along up to twelve bones of 800 units.
                 assert!(
-                    found.distance(expected) < 1e-3,
-                    "{round}: {found} {expected}"
+                    point.distance(expected) < 1e-3,
+                    "{round}: {point} {expected}"
                 );
             }
         }

@@ -297,8 +297,8 @@ fn recenter_releases_what_is_held_and_places_the_board_again() {
 #[test]
 fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_hand() {
     let mut person = Person::with("webcam-mouse");
-    let moves = |person: &mut Person| {
-        let events = std::mem::take(&mut person.events);
+    let moves = |moving: &mut Person| {
+        let events = std::mem::take(&mut moving.events);
         let moved = events.iter().filter_map(|event| match event {
             EventKind::MoveBy(x, _) => Some(*x),
             _ => None,
@@ -350,8 +350,8 @@ fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls(
     person.pinch(Some(Finger::Middle));
     person.events.clear();
     let place = person.tip;
-    let scrolled = |person: &mut Person| {
-        let events = std::mem::take(&mut person.events);
+    let scrolled = |scrolling: &mut Person| {
+        let events = std::mem::take(&mut scrolling.events);
         let moves = events
             .iter()
             .filter(|it| matches!(it, EventKind::MoveBy(..)));
@@ -473,10 +473,10 @@ fn a_hand_that_waits_rests_or_points_is_not_told_that_it_reaches_nothing() {
         None,
         "it waits for its place"
     );
-    let mut person = Person::with_layout(&BOARDS.replace("start", "world"));
-    person.hold(8.0);
-    assert_eq!(person.pipeline.unreached(), None, "it rests");
-    let mut person = Person::with("webcam-mouse");
-    person.place();
-    assert_eq!(unreached(&mut person, 0..10), None, "it points");
+    let mut resting = Person::with_layout(&BOARDS.replace("start", "world"));
+    resting.hold(8.0);
+    assert_eq!(resting.pipeline.unreached(), None, "it rests");
+    let mut pointing = Person::with("webcam-mouse");
+    pointing.place();
+    assert_eq!(unreached(&mut pointing, 0..10), None, "it points");
 }

@@ -22,7 +22,7 @@ fn setup(text: Option<TextModeSetup>) -> LoadedSetup {
     setup.load_files().expect("the shipped layout")
 }
 
-/// What a hand typed.
+/// The text and the events of a hand.
 #[derive(Debug, Default, PartialEq)]
 pub struct Typed {
     pub text: String,
@@ -103,7 +103,7 @@ fn a_pause_in_a_word_drops_it() {
             }
         },
     );
-    // What was typed before the pause stays, and what follows until the hand was clear is lost.
+    // Text typed before the pause stays, and text after it is lost until the hand was clear.
     assert!(typed.text.starts_with("te"), "{typed:?}");
     assert!(!typed.text.starts_with("the"), "{typed:?}");
 }

@@ -123,14 +123,14 @@ fn wrong(mode: Option<TextMode>, scatter: f32, seed: u64) -> usize {
                 }
                 let emitted = events.clone();
                 if let Some(filter) = &mut filter {
-                    let input = FilterInput {
+                    let filter_input = FilterInput {
                         time: pose.time,
                         side: pose.side,
                         presses: &presses,
                         held: &held,
                         contact: Some((&pose, scene)),
                     };
-                    filter.filter(&input, &mut events);
+                    filter.filter(&filter_input, &mut events);
                 }
                 for event in &emitted {
                     match event.kind {

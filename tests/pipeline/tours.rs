@@ -81,8 +81,8 @@ fn a_tour_touches_each_control_and_moves_it_along_its_travel() {
     assert_eq!(touched, BTreeMap::from(expected), "{tour}");
     let (low, high) = values["Fader 1"];
     assert!(low < 0.2 && high > 0.8, "{values:?}");
-    let (low, high) = values["Pan"];
-    assert!(high - low > 0.1, "{values:?}");
+    let (pan_low, pan_high) = values["Pan"];
+    assert!(pan_high - pan_low > 0.1, "{values:?}");
 }
 
 #[test]
@@ -174,10 +174,10 @@ fn a_live_tour_uses_every_shipped_layout_again_and_again_and_pauses_none() {
         let expected = usable(&setup);
         let mut played = Played::new(&setup, HandTask::Fitting(HandTask::tour));
         let mut events = Events::new();
-        let has_repeated = |played: &Played| {
-            let mut counts = expected.iter().map(|target| played.presses.get(target));
+        let has_repeated = |hand: &Played| {
+            let mut counts = expected.iter().map(|target| hand.presses.get(target));
             let is_pressed = |count: &Option<&usize>| count.is_some();
-            let first = expected.first().and_then(|it| played.presses.get(it));
+            let first = expected.first().and_then(|it| hand.presses.get(it));
             counts.all(|count| is_pressed(&count)) && first.is_none_or(|&count| count > 1)
         };
         let mut readings = 0;
@@ -233,8 +233,11 @@ fn what_pauses_or_resumes_the_session_is_left_alone() {
     for _ in 0..800 {
         played.step(&mut events);
     }
-    let names = setup.layout.target_names();
-    let pressed = played.presses.keys().map(|it| names.get(*it).to_string());
+    let target_names = setup.layout.target_names();
+    let pressed = played
+        .presses
+        .keys()
+        .map(|it| target_names.get(*it).to_string());
     assert_eq!(pressed.collect::<Vec<_>>(), ["A", "Mute"]);
     assert!(played.presses.values().all(|&count| count > 1));
     assert!(HandTask::script("tap key", &setup.layout).is_none());

@@ -218,6 +218,7 @@ fn files_play_at_their_nominal_rate_with_one_or_two_hands_in_a_line() {
         decoder.push(line.as_bytes(), &mut |packet| times.push(packet.time));
     }
     let expected = [1, 1, 2, 2, 3, 3];
-    let expected = expected.map(|line| Some(Timestamp::from_seconds(f64::from(line) / RATE_HZ)));
+    let expected =
+        expected.map(|number| Some(Timestamp::from_seconds(f64::from(number) / RATE_HZ)));
     assert_eq!(times, expected);
 }

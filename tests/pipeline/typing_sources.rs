@@ -64,7 +64,8 @@ impl Typed {
     /// Returns the mean time from the presses of another hand to these, in milliseconds.
     fn lag_ms(&self, exact: &Self) -> f64 {
         let pairs = self.presses.iter().zip(&exact.presses);
-        let lags = pairs.map(|(press, exact)| (press.0 as f64 - exact.0 as f64) / 1000.0);
+        let lags =
+            pairs.map(|(press, exact_press)| (press.0 as f64 - exact_press.0 as f64) / 1000.0);
         lags.sum::<f64>() / exact.presses.len() as f64
     }
 }

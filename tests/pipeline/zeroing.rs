@@ -149,8 +149,11 @@ fn zeroing_turns_the_resting_hand_into_the_rest_pose_and_undoing_it_turns_it_bac
 
     assert_eq!(hand.undo_zero(), Ok(()));
     assert_eq!(hand.pipeline.zeroed(), None);
-    let found = degrees(&hand.angles(), dof);
-    assert!((found - slipped).abs() < 0.2, "{found}, not {slipped}");
+    let found_again = degrees(&hand.angles(), dof);
+    assert!(
+        (found_again - slipped).abs() < 0.2,
+        "{found_again}, not {slipped}"
+    );
     let refused = hand.undo_zero().unwrap_err();
     assert_eq!(refused, CommandError::Zero(ZeroError::NothingToUndo));
 }

@@ -25,7 +25,7 @@ pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command
     let mut arguments = arguments.into_iter().peekable();
     let may_type = arguments.peek().is_some_and(|first| {
         let commands = ["run", "webcam", "replay", "demo"];
-        commands.iter().any(|command| first.as_ref() == *command)
+        commands.iter().any(|known| first.as_ref() == *known)
     });
     command.args(arguments);
     // The files and settings of the person who runs the tests have no effect.

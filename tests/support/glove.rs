@@ -93,8 +93,8 @@ fn play(mut line: Box<dyn Write + Send>, messages: &Receiver<Message>, posture: 
             Ok(Message::SendNoise) => is_noise = true,
             Err(RecvTimeoutError::Disconnected) => return,
             Err(RecvTimeoutError::Timeout) => {
-                if let Some(posture) = postures.get(index) {
-                    let mut packet = encode(Framing::Double06, posture);
+                if let Some(held) = postures.get(index) {
+                    let mut packet = encode(Framing::Double06, held);
                     if is_noise {
                         random.fill(&mut packet);
                     }

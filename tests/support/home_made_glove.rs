@@ -30,7 +30,7 @@ pub struct Build {
     pub noise: i64,
     /// It sends a trigger, which the firmware derives from the index finger.
     pub has_trigger: bool,
-    /// What each line ends with.
+    /// The end of each line.
     pub rest: &'static str,
 }
 
@@ -130,8 +130,8 @@ impl Wearer {
             let mut present = [0.0; 5];
             while !is_ended.load(Ordering::Relaxed) {
                 let goal = *taken.lock().expect("no panic");
-                for (bend, goal) in present.iter_mut().zip(goal) {
-                    *bend += (goal - *bend).clamp(-STEP, STEP);
+                for (bend, target) in present.iter_mut().zip(goal) {
+                    *bend += (target - *bend).clamp(-STEP, STEP);
                 }
                 let line = build.line(present, &mut random);
                 if master.write_all(line.as_bytes()).is_err() {

@@ -269,9 +269,9 @@ impl InputWindow {
 }
 
 fn describe(event: &Event) -> Option<String> {
-    let button = |what: &str, event: &ButtonPressEvent| {
-        let (x, y) = (event.event_x, event.event_y);
-        Some(format!("{what} {} at {x},{y}", event.detail))
+    let button = |what: &str, press: &ButtonPressEvent| {
+        let (x, y) = (press.event_x, press.event_y);
+        Some(format!("{what} {} at {x},{y}", press.detail))
     };
     match event {
         Event::ButtonPress(event) => button("down", event),

@@ -59,7 +59,7 @@ export function setFaults(newFaults) {
   draw();
 }
 
-/** Returns the index in the text of a line and a column in characters, which are not those of UTF-16. */
+/** Returns the index in the text of a line and a column in characters, not in UTF-16 units. */
 function offsetOf(line, column) {
   const lines = editor.value.split("\n");
   const before = lines.slice(0, line - 1).reduce((sum, it) => sum + it.length + 1, 0);

@@ -1,7 +1,7 @@
 // Layouts in the fragment of a link: `#layout=`, then the text compressed as raw DEFLATE in base64url. A browser sends a fragment
 // to no server.
 
-/** The largest layout that a link may carry, in bytes: as that of a file. */
+/** The largest layout that a link may carry, in bytes: as for a file. */
 const MAX_BYTES = 1 << 20;
 
 /** Returns the link to a layout. */

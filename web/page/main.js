@@ -220,7 +220,7 @@ function measureSoon() {
 let lastFrame = performance.now();
 let headset = null;
 
-/** Moves the stages on: in the frames of the window, and in those of a headset. */
+/** Moves the stages on: in the frames of the window, and in the frames of a headset. */
 function advance(now) {
   const elapsed = Math.max(now - lastFrame, 0);
   lastFrame = Math.max(now, lastFrame);

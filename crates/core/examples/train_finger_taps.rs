@@ -62,8 +62,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 others.push(*clip)
             }
         }
-        let model = fit(&others, 2 + part as u64);
-        held_out.0 += own.iter().filter(|it| is_exact(&model, it)).count();
+        let part_model = fit(&others, 2 + part as u64);
+        held_out.0 += own.iter().filter(|it| is_exact(&part_model, it)).count();
         held_out.1 += own.len();
     }
     let (exact, all) = held_out;
@@ -119,9 +119,9 @@ fn fit(clips: &[(Pictures, Fingers)], seed: u64) -> TapModel {
 fn samples(clips: &[(Pictures, Fingers)], random: &mut Rng) -> Vec<Sample> {
     let mut all = Vec::new();
     for (pictures, fingers) in clips {
-        let mut add = |pictures: &Pictures, shift: isize| {
-            let onset = (onset(pictures) as isize + shift).clamp(0, PICTURES as isize - 1);
-            if let Some(features) = features(pictures, onset as usize) {
+        let mut add = |clip: &Pictures, shift: isize| {
+            let onset = (onset(clip) as isize + shift).clamp(0, PICTURES as isize - 1);
+            if let Some(features) = features(clip, onset as usize) {
                 let features = features.iter().map(|it| f64::from(*it)).collect();
                 all.push(Sample {
                     features,
@@ -197,7 +197,7 @@ fn discriminant(samples: &[Sample]) -> Layer {
             .features
             .iter()
             .zip(of_set)
-            .map(|(it, mean)| it - mean)
+            .map(|(it, set_mean)| it - set_mean)
             .collect();
         for (row, values) in covariance.iter_mut().enumerate() {
             for (value, other) in values.iter_mut().zip(&own[..=row]) {
@@ -366,8 +366,8 @@ fn train(samples: &[(Vec<f32>, Fingers)], random: &mut Rng) -> Network {
         random.shuffle(&mut order);
         for batch in order.chunks(BATCH) {
             for &index in batch {
-                let (inputs, fingers) = &samples[index];
-                first.layer.apply(inputs, &mut hidden);
+                let (own_inputs, fingers) = &samples[index];
+                first.layer.apply(own_inputs, &mut hidden);
                 hidden.iter_mut().for_each(|it| *it = it.max(0.0));
                 second.layer.apply(&hidden, &mut outputs);
                 let errors = outputs.iter().zip(fingers);
@@ -375,12 +375,12 @@ fn train(samples: &[(Vec<f32>, Fingers)], random: &mut Rng) -> Network {
                     .map(|(output, finger)| 1.0 / (1.0 + (-output).exp()) - finger)
                     .collect();
                 let mut of_hidden = second.backward(&hidden, &errors);
-                for (error, hidden) in of_hidden.iter_mut().zip(&hidden) {
-                    if *hidden <= 0.0 {
+                for (error, activation) in of_hidden.iter_mut().zip(&hidden) {
+                    if *activation <= 0.0 {
                         *error = 0.0;
                     }
                 }
-                first.backward(inputs, &of_hidden);
+                first.backward(own_inputs, &of_hidden);
             }
             number += 1;
             first.step(batch.len(), number);
@@ -407,11 +407,11 @@ fn report(what: &str, model: &TapModel, clips: &[(Pictures, Fingers)]) {
         let Some(scores) = model.scores(&TapClip::new(*pictures)) else {
             continue;
         };
-        for ((counts, score), truth) in counts.iter_mut().zip(scores).zip(fingers) {
+        for ((own_counts, score), truth) in counts.iter_mut().zip(scores).zip(fingers) {
             match (score > 0.0, *truth > 0.0) {
-                (true, true) => counts[0] += 1.0,
-                (true, false) => counts[1] += 1.0,
-                (false, true) => counts[2] += 1.0,
+                (true, true) => own_counts[0] += 1.0,
+                (true, false) => own_counts[1] += 1.0,
+                (false, true) => own_counts[2] += 1.0,
                 (false, false) => {}
             }
         }

@@ -181,8 +181,8 @@ mod tests {
         assert_eq!(nearest("qwerti-flat", layouts), Some("qwerty-flat"));
         assert_eq!(nearest("qwertx-flat", layouts), Some("qwertz-flat"));
         assert_eq!(nearest("F13", ["F1", "F10", "F12"]), Some("F12"));
-        let layouts = ["qwerty-flat", "qwertz-flat"];
-        let first = nearest("qwert!-flat", layouts);
+        let tied = ["qwerty-flat", "qwertz-flat"];
+        let first = nearest("qwert!-flat", tied);
         assert_eq!(first, Some("qwerty-flat"), "both are as far away");
     }
 

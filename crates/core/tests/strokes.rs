@@ -233,20 +233,24 @@ fn a_finger_that_is_lost_above_the_press_depth_presses_nothing() {
     let way = [(Finger::Index, at(1, 9.0, 15.0), at(1, 9.4, -9.0))];
     row.go(&way, 60);
     assert_eq!(row.pressed(), [(Finger::Index, 1)], "it turns");
-    let mut row = Row::new(true);
+    let mut straight = Row::new(true);
     for step in 1..=8 {
-        row.show(
+        straight.show(
             &[(Finger::Index, at(1, 9.4, 15.0 - 2.0 * step as f32))],
             0.0,
         );
     }
-    assert!(row.touches.is_empty(), "{:?}", row.touches);
+    assert!(straight.touches.is_empty(), "{:?}", straight.touches);
     for _ in 0..20 {
-        row.time += STEP;
-        row.update(&HandPose::new(Timestamp(row.time), Side::Right, RADIUS));
+        straight.time += STEP;
+        straight.update(&HandPose::new(
+            Timestamp(straight.time),
+            Side::Right,
+            RADIUS,
+        ));
     }
-    row.show(&[(Finger::Index, at(1, 0.0, 15.0))], 0.0);
-    assert!(row.touches.is_empty(), "{:?}", row.touches);
+    straight.show(&[(Finger::Index, at(1, 0.0, 15.0))], 0.0);
+    assert!(straight.touches.is_empty(), "{:?}", straight.touches);
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn chain(is_test: bool) {
     for _ in 0..rounds {
         for (row, (layout, source, jobs)) in ROWS.into_iter().enumerate() {
             let timed = run(layout, (source, jobs), &people, phrases);
-            let is_better = |best: &Timed| timed.processor < best.processor;
+            let is_better = |fastest: &Timed| timed.processor < fastest.processor;
             if best[row].as_ref().is_none_or(is_better) {
                 best[row] = Some(timed);
             }

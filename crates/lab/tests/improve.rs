@@ -129,12 +129,12 @@ fn kept_keys_stay_and_all_of_them_leave_nothing_to_move() {
     };
     let found = search.found();
     assert_eq!(distance(&found.text, "1", "2"), distance(PAD, "1", "2"));
-    let refused = |keep, kind, words: &str| {
-        let search = Search {
-            keep,
+    let refused = |kept, kind, words: &str| {
+        let refused_search = Search {
+            keep: kept,
             ..Search::new(kind, "speed")
         };
-        let error = search
+        let error = refused_search
             .run(&AtomicBool::new(false), |_| {})
             .expect_err("nothing moves");
         assert!(error.to_string().contains(words), "{error}");
@@ -249,9 +249,12 @@ fn layouts_of_the_community_become_layouts_that_type() {
     assert_eq!(x("Y"), x("Q"));
 
     let full = import("full.dof", FULL, ImportHands::One).expect("a layout");
-    let layout = Layout::parse(&full.text, "full").expect("a layout");
-    assert_eq!(layout.boards.len(), 1);
-    assert!(layout.texts.contains(&"the".to_owned()) && layout.texts.contains(&"ß".to_owned()));
+    let full_layout = Layout::parse(&full.text, "full").expect("a layout");
+    assert_eq!(full_layout.boards.len(), 1);
+    assert!(
+        full_layout.texts.contains(&"the".to_owned())
+            && full_layout.texts.contains(&"ß".to_owned())
+    );
     let notes = full.notes.join("\n");
     for words in [
         "left out: `cps`",

@@ -44,7 +44,7 @@ fn real_people() -> Option<Vec<Real>> {
         let person = people.iter_mut().find(|person| person.name == name);
         let person = person.expect("it was added");
         for tap in phrase["taps"].as_array().expect("taps") {
-            let number = |name: &str| tap[name].as_f64().expect("a number");
+            let number = |field: &str| tap[field].as_f64().expect("a number");
             let key = tap["key"].as_str().expect("a key");
             if key.chars().count() == 1 && key.chars().all(char::is_alphabetic) {
                 // The recording counts downwards.
@@ -81,7 +81,7 @@ fn deviation(numbers: &[f64]) -> f64 {
 }
 
 impl Parameters {
-    /// Those of the literature: no offsets, glass, and 12 to 30 words a minute.
+    /// Returns the parameters of the literature: no offsets, glass, and 12 to 30 words a minute.
     fn published() -> Self {
         Self {
             offset: [(0.0, 0.0); 2],

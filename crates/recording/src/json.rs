@@ -12,8 +12,8 @@ pub(super) fn decode_reading(data: &[u8]) -> Result<Reading, serde_json::Error> 
     serde_json::from_slice(data)
 }
 
-/// Returns a recorded command that no reading repeats, or `None`: those of the layout are issued again, and those of a later
-/// version are not known.
+/// Returns a recorded command that no reading repeats, or `None`: commands of the layout are issued again, and commands of a
+/// later version are not known.
 pub(super) fn decode_external_command(data: &[u8]) -> Option<Command> {
     let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data).ok()?;
     fields.remove("time_us");

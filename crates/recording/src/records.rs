@@ -15,7 +15,7 @@ const RECORD_HEAD_BYTES: usize = 9;
 /// Bytes of a message before its data: its channel, its number and its times.
 const MESSAGE_HEAD_BYTES: usize = 22;
 
-/// Bytes of a read from a file. Those of format 1 have a record for each message.
+/// Bytes of a read from a file. Files of format 1 have a record for each message.
 const READ_BYTES: usize = 1 << 16;
 
 /// Content of a record, as far as a replay needs it.
@@ -74,7 +74,7 @@ impl<R: Read> Records<R> {
         self.bytes_read
     }
 
-    /// Returns the offset of the last record; that of the chunk for a record within one.
+    /// Returns the offset of the last record, or of the chunk that contains it.
     pub fn record_start(&self) -> u64 {
         self.record_start
     }
@@ -205,10 +205,10 @@ fn content(opcode: u8, data: &[u8]) -> Result<Content<'_>, Stop> {
     if opcode == op::MESSAGE {
         let undecodable = || Stop::Malformed(UNDECODABLE.into());
         let message = data.split_at_checked(MESSAGE_HEAD_BYTES);
-        let (head, data) = message.ok_or_else(undecodable)?;
+        let (head, body) = message.ok_or_else(undecodable)?;
         return Ok(Content::Message(
             u16::from_le_bytes([head[0], head[1]]),
-            data,
+            body,
         ));
     }
     if !matches!(opcode, op::CHANNEL | op::METADATA) {

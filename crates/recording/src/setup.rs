@@ -154,12 +154,12 @@ mod tests {
         assert_eq!(add_all(32, 1_000_000), Ok(()));
         let error = add_all(40, 1_000_000).unwrap_err();
         assert!(error.contains("more than the limit of 33554432"), "{error}");
-        let error = add_all(1, 2_000_000).unwrap_err();
+        let too_long = add_all(1, 2_000_000).unwrap_err();
         assert_eq!(
-            error,
+            too_long,
             "a setup text has 2000001 bytes, more than the limit of 1048576"
         );
-        let error = add_all(2000, 1).unwrap_err();
-        assert_eq!(error, "there are more than 1024 setup texts");
+        let too_many = add_all(2000, 1).unwrap_err();
+        assert_eq!(too_many, "there are more than 1024 setup texts");
     }
 }

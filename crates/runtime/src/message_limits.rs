@@ -136,7 +136,7 @@ impl<K, M> Interval<K, M> {
 
     /// Counts a message as sent if the limit allows it.
     fn admits(&mut self, limit: u32, now: Instant) -> bool {
-        // What was held back precedes a later message.
+        // Messages that were held back precede a later one.
         if self.held_back > 0 {
             return false;
         }

@@ -199,12 +199,12 @@ impl Camera {
         let size = Vec2::new(aspect, 1.0);
         self.distance = DISTANCES.1;
         for _ in 0..FRAMING_STEPS {
-            let Some((low, high)) = self.bounds(points, size) else {
+            let Some((lowest, highest)) = self.bounds(points, size) else {
                 return;
             };
-            let middle = (low + high) / 2.0 - size / 2.0;
+            let middle = (lowest + highest) / 2.0 - size / 2.0;
             self.pan(-middle, size.y);
-            let factor = ((high - low) / (size * FRAME)).max_element();
+            let factor = ((highest - lowest) / (size * FRAME)).max_element();
             self.zoom(factor);
         }
     }

@@ -52,9 +52,9 @@ mod tests {
         };
         let error = StudioError::NoDesktop.with_variables(set(&["DISPLAY"]));
         assert_eq!(error, StudioError::DesktopSilent("DISPLAY=:7".into()));
-        let error = StudioError::NoDesktop.with_variables(set(&["DISPLAY", "WAYLAND_DISPLAY"]));
+        let both = StudioError::NoDesktop.with_variables(set(&["DISPLAY", "WAYLAND_DISPLAY"]));
         assert_eq!(
-            error,
+            both,
             StudioError::DesktopSilent("WAYLAND_DISPLAY=:7".into())
         );
         assert_eq!(

@@ -38,7 +38,7 @@ pub struct FilterTrace {
 }
 
 impl FilterTrace {
-    /// Adds a sample. One that is older than the last one starts anew.
+    /// Adds a sample. A sample older than the last one starts the trace over.
     pub fn push(&mut self, sample: FilterSample) {
         let last = self.samples.back();
         if last.is_some_and(|last| sample.time <= last.time) {
@@ -125,10 +125,10 @@ fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let (mean_a, mean_b) = (mean(a), mean(b));
     let product = |x: f64, y: f64| (x - mean_a) * (y - mean_b);
     let covariance: f64 = a.iter().zip(b).map(|(&x, &y)| product(x, y)).sum::<f64>() / count;
-    let variance = |values: &[f64], mean: f64| {
+    let variance = |values: &[f64], center: f64| {
         values
             .iter()
-            .map(|value| (value - mean).powi(2))
+            .map(|value| (value - center).powi(2))
             .sum::<f64>()
             / count
     };

@@ -242,7 +242,7 @@ impl GloveEditor {
 
     fn set_calibration(&mut self, kind: EditKind, row: usize, new: AffineMap) {
         let rows = self.now.map.rows().iter();
-        let mut calibrations: Vec<_> = rows.map(|row| row.calibration).collect();
+        let mut calibrations: Vec<_> = rows.map(|it| it.calibration).collect();
         calibrations[row] = new;
         let map = self.now.map.clone().with_calibrations(&calibrations);
         self.edit(kind, map);

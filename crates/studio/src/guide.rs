@@ -243,8 +243,8 @@ fn changes(start: &ChannelMap, new: &ChannelMap, observations: &Observations) ->
     let rows = start.rows().iter().zip(new.rows());
     let change = |(old, row): (&ChannelRow, &ChannelRow)| {
         let (low, high) = observations.range(row.channel)?;
-        let ends = |map: &ChannelMap, row: &ChannelRow| {
-            let degrees = |count| map.radians(row, count).to_degrees();
+        let ends = |map: &ChannelMap, channel_row: &ChannelRow| {
+            let degrees = |count| map.radians(channel_row, count).to_degrees();
             let (one, other) = (degrees(low), degrees(high));
             [one.min(other), one.max(other)]
         };

@@ -85,7 +85,7 @@ pub struct History {
 }
 
 impl History {
-    /// Adds a moment and drops those that are too old. A clock that went back starts anew.
+    /// Adds a moment and drops moments that are too old. If the clock went back, the history starts over.
     pub fn push(&mut self, moment: Moment) {
         if self.end().is_some_and(|last| moment.time < last) {
             *self = Self::default();

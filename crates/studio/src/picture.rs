@@ -44,8 +44,8 @@ impl Color {
     pub fn mix(self, other: Self, t: f32) -> Self {
         let t = t.clamp(0.0, 1.0);
         let mut mixed = self.0;
-        for (own, other) in mixed.iter_mut().zip(other.0) {
-            *own = (f32::from(*own) * (1.0 - t) + f32::from(other) * t).round() as u8;
+        for (own, channel) in mixed.iter_mut().zip(other.0) {
+            *own = (f32::from(*own) * (1.0 - t) + f32::from(channel) * t).round() as u8;
         }
         Self(mixed)
     }
@@ -141,8 +141,8 @@ impl Triangles {
     pub fn add_quad(&mut self, corners: [Vec2; 4], color: Color) {
         let first = self.vertices.len() as u32;
         self.vertices.extend(corners.map(|corner| (corner, color)));
-        let corners = [0, 1, 2, 0, 2, 3];
-        self.indices.extend(corners.map(|corner| first + corner));
+        let indices = [0, 1, 2, 0, 2, 3];
+        self.indices.extend(indices.map(|corner| first + corner));
     }
 
     /// Adds a line of this width, with a colour at each end.
@@ -214,9 +214,9 @@ pub fn capsule((from, from_radius): (Vec2, f32), (to, to_radius): (Vec2, f32)) -
 pub fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
     remove_inner_points(&mut points);
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let half = |points: &mut dyn Iterator<Item = Vec2>| {
+    let half = |sorted: &mut dyn Iterator<Item = Vec2>| {
         let mut chain: Vec<Vec2> = Vec::new();
-        for point in points {
+        for point in sorted {
             while let [.., a, b] = chain[..]
                 && (b - a).perp_dot(point - a) <= 0.0
             {

@@ -111,9 +111,9 @@ impl SensorTable {
             if is_first {
                 row.seen = None;
             }
-            if let Some(count) = row.count {
-                let (low, high) = row.seen.unwrap_or((count, count));
-                row.seen = Some((low.min(count), high.max(count)));
+            if let Some(present) = row.count {
+                let (low, high) = row.seen.unwrap_or((present, present));
+                row.seen = Some((low.min(present), high.max(present)));
             }
         }
     }
@@ -287,8 +287,8 @@ mod tests {
             ChannelState::Good,
         ];
         assert_eq!(states(&table), expected);
-        let mut table = SensorTable::new(&map.with_full_range(true));
-        update(&mut table, 0, &counts);
-        assert_eq!(states(&table)[..2], [ChannelState::Good; 2]);
+        let mut full = SensorTable::new(&map.with_full_range(true));
+        update(&mut full, 0, &counts);
+        assert_eq!(states(&full)[..2], [ChannelState::Good; 2]);
     }
 }

@@ -137,8 +137,8 @@ mod tests {
         assert!(error.is_none(), "{error:?}");
         assert_eq!(first, Settings::default());
         file.save(&scaled(1.5)).expect("a write");
-        let (_, again, error) = SettingsFile::open(path);
-        assert!(error.is_none(), "{error:?}");
+        let (_, again, again_error) = SettingsFile::open(path);
+        assert!(again_error.is_none(), "{again_error:?}");
         assert_eq!(again, scaled(1.5));
         let left = fs::read_dir(folder.path().join("ademan")).expect("the folder");
         assert_eq!(left.count(), 1, "the temporary file is renamed");

@@ -24,8 +24,8 @@ pub enum SetupChange {
 }
 
 impl SetupChange {
-    /// Returns a setup with the change. Roles that were given to the old source do not pass to the next one. Errors are those of a
-    /// setup file.
+    /// Returns a setup with the change. Roles that were given to the old source do not pass to the next one. Fails as a
+    /// setup file does.
     pub fn apply(&self, setup: Setup) -> Result<Setup, SetupError> {
         Ok(match self.clone() {
             Self::Layout(layout) => Setup { layout, ..setup },

@@ -19,7 +19,7 @@ pub struct Trail {
 }
 
 impl Trail {
-    /// Adds a position. A time before the last one, as at the start of a replay, starts the trail anew.
+    /// Adds a position. A time before the last one, as at the start of a replay, starts the trail over.
     pub fn push(&mut self, time: Timestamp, position: Vec3) {
         if self.positions.back().is_some_and(|(last, _)| *last > time) {
             self.positions.clear();

@@ -87,19 +87,19 @@ fn main() {
         for _ in 0..rounds {
             let phrase = person.types(TEXT);
             for (index, &tap) in phrase.taps.iter().enumerate() {
-                let started = Instant::now();
+                let tap_started = Instant::now();
                 decoder.tap(black_box(tap));
-                taps.push(started.elapsed());
+                taps.push(tap_started.elapsed());
                 black_box(decoder.candidates());
-                reads.push(started.elapsed());
+                reads.push(tap_started.elapsed());
                 let word = &phrase.taps[index.saturating_sub(4)..=index];
-                let started = Instant::now();
+                let flat_started = Instant::now();
                 black_box(flat(&words, &centers, black_box(word)));
-                flats.push(started.elapsed());
+                flats.push(flat_started.elapsed());
                 let text = nearest(decoder.keyboard(), word);
-                let started = Instant::now();
+                let spelling_started = Instant::now();
                 black_box(spelling.read(black_box(&text)));
-                spelled.push(started.elapsed());
+                spelled.push(spelling_started.elapsed());
             }
             decoder.commit();
         }
@@ -137,9 +137,9 @@ fn swipes(model: &Model, rounds: usize) {
             let started = Instant::now();
             black_box(decoder.swipe(black_box(path.points()), false));
             reads.push(started.elapsed());
-            let started = Instant::now();
+            let shape_started = Instant::now();
             black_box(reference.read(black_box(&path)));
-            shapes.push(started.elapsed());
+            shapes.push(shape_started.elapsed());
         }
         let [[read, slow], [shape, slow_shape]] = [&mut reads, &mut shapes]
             .map(|times| [0.5, 0.99].map(|share| percentile(times, share)));

@@ -135,16 +135,15 @@ impl Bench<'_> {
             "| tier | nearest key | SymSpell | flat lexicon | decoded | in the text field | divided by | goal |"
         );
         println!("|---|---|---|---|---|---|---|---|");
-        for ((tier, measured), goal) in TIERS.iter().zip(measured).zip(GOALS) {
-            let plain = measured.nearest.total().cer();
-            let [spelling, flat] =
-                [&measured.spelling, &measured.flat].map(|errors| errors.total().cer());
+        for ((tier, row), goal) in TIERS.iter().zip(measured).zip(GOALS) {
+            let plain = row.nearest.total().cer();
+            let [spelling, flat] = [&row.spelling, &row.flat].map(|errors| errors.total().cer());
             println!(
                 "| {} | {plain:.2} | {spelling:.2} | {flat:.2} | {} | {} | {:.1} | {goal} |",
                 tier.name,
-                cell(&measured.shown, Errors::cer),
-                cell(&measured.corrected, Errors::cer),
-                plain / measured.shown.total().cer(),
+                cell(&row.shown, Errors::cer),
+                cell(&row.corrected, Errors::cer),
+                plain / row.shown.total().cer(),
             );
         }
         println!();
@@ -155,13 +154,13 @@ impl Bench<'_> {
             "| tier | wrong words | without margin, characters | kept | put right | made wrong | left | other word | other letters | spaces | punctuation | unknown word |"
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
-        for (tier, measured) in TIERS.iter().zip(measured) {
-            let kinds = measured.kinds;
+        for (tier, row) in TIERS.iter().zip(measured) {
+            let kinds = row.kinds;
             println!(
                 "| {} | {} | {:.2} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 tier.name,
-                cell(&measured.shown, Errors::wer),
-                measured.best.total().cer(),
+                cell(&row.shown, Errors::wer),
+                row.best.total().cer(),
                 kinds.kept,
                 kinds.righted,
                 kinds.spoiled,
@@ -189,8 +188,8 @@ impl Bench<'_> {
             };
             let (mut plain, mut decoded) =
                 (ByPhrase::new(phrases.len()), ByPhrase::new(phrases.len()));
-            for seed in self.seeds.clone() {
-                let mut person = Person::new(tier, seed + 500);
+            for person_seed in self.seeds.clone() {
+                let mut person = Person::new(tier, person_seed + 500);
                 let typed: Vec<Phrase> =
                     phrases.iter().map(|phrase| person.types(phrase)).collect();
                 let texts = decode(&self.model, &self.keyboard, Prior::default(), &typed);
@@ -209,7 +208,7 @@ impl Bench<'_> {
         println!();
     }
 
-    /// Prints the errors in the first words of a person with an offset, beside those of a model that learns nothing.
+    /// Prints the errors in the first words of a person with an offset, beside the errors of a model that learns nothing.
     fn learning(&self) {
         println!("| words | learned | not learned |");
         println!("|---|---|---|");

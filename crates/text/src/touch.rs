@@ -16,7 +16,7 @@ pub type Covariance = [f32; 3];
 /// The smallest variance in mm², so that a person who always hits the same spot stays possible elsewhere.
 const MIN_VARIANCE: f32 = 0.25;
 
-/// What is believed about a person before the first tap.
+/// The assumptions about a person before the first tap.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Prior {
@@ -24,11 +24,11 @@ pub struct Prior {
     pub offset: Millimetres,
     /// The covariance of taps.
     pub covariance: Covariance,
-    /// How many taps the offset of the prior is worth.
+    /// The weight of the prior's offset, in taps.
     pub offset_taps: f32,
-    /// How many taps the covariance of the prior is worth.
+    /// The weight of the prior's covariance, in taps.
     pub covariance_taps: f32,
-    /// How many taps of a key outweigh what is known of the person.
+    /// The weight of the person's own offset against the offset of a key, in taps of the key.
     pub key_taps: f32,
     /// The share of a tap that is left after one more tap of the person.
     pub memory: f32,
@@ -69,11 +69,11 @@ impl Prior {
     /// Returns the prior with values that can be used: finite, positive where they have to be.
     fn sane(mut self) -> Self {
         let default = Self::default();
-        let or = |value: f32, low: f32, high: f32, default: f32| {
+        let or = |value: f32, low: f32, high: f32, usual: f32| {
             if value.is_finite() {
                 value.clamp(low, high)
             } else {
-                default
+                usual
             }
         };
         for axis in 0..2 {
@@ -162,7 +162,7 @@ impl Sums {
     }
 }
 
-/// What is known of a key of a person.
+/// The sums of a person's taps on a key.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeySums {
     /// The character of the key.
@@ -196,7 +196,7 @@ const ERROR_TAPS: f32 = 150.0;
 pub struct ErrorSums {
     /// The taps.
     pub taps: f32,
-    /// Those that mean nothing.
+    /// Taps that mean nothing.
     pub spurious: f32,
     /// Characters that were meant and not tapped.
     pub missed: f32,

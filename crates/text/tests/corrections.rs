@@ -145,14 +145,14 @@ fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
     assert!(field.corrector.restored().words().eq(["teh"]));
     // The knowledge can be stored.
     let stored = field.corrector.restored().clone();
-    let mut field = Field::with(&bytes, Mode::Auto, stored);
-    field.types("teh ");
-    assert_eq!(field.text, "teh ");
+    let mut restored = Field::with(&bytes, Mode::Auto, stored);
+    restored.types("teh ");
+    assert_eq!(restored.text, "teh ");
     // A second Backspace deletes as usual.
-    field.backspace();
-    assert_eq!(field.text, "teh");
-    field.types(" hlelo ");
-    assert_eq!(field.text, "teh hello ");
+    restored.backspace();
+    assert_eq!(restored.text, "teh");
+    restored.types(" hlelo ");
+    assert_eq!(restored.text, "teh hello ");
 }
 
 #[test]
@@ -239,8 +239,8 @@ fn an_accepted_candidate_is_followed_by_a_space_and_not_changed_by_what_follows(
         field.types("wrdl");
         let typed = field.corrector.candidates();
         let typed = typed.iter().position(|one| one.text.ends_with("wrdl"));
-        let edits = field.corrector.accept(typed.expect("it is one")).to_vec();
-        Field::apply(&mut field.text, &edits);
+        let typed_edits = field.corrector.accept(typed.expect("it is one")).to_vec();
+        Field::apply(&mut field.text, &typed_edits);
         assert_eq!(field.text, "the cat wrdl ");
         field.types("cat ");
         assert_eq!(field.text, "the cat wrdl cat ");
@@ -325,9 +325,9 @@ fn accents_are_set_by_likelihood() {
     let mut field = Field::new(&bytes, Mode::Auto);
     field.types("como esta ");
     assert_eq!(field.text, "cómo está ");
-    let mut field = Field::new(&bytes, Mode::Auto);
-    field.types("alto como el nino ");
-    assert_eq!(field.text, "alto como él niño ");
+    let mut other_field = Field::new(&bytes, Mode::Auto);
+    other_field.types("alto como el nino ");
+    assert_eq!(other_field.text, "alto como él niño ");
 }
 
 #[test]
@@ -339,11 +339,11 @@ fn a_long_text_stays_in_step() {
     }
     assert_eq!(field.text, "the cat ".repeat(200));
     // A word without an end.
-    let mut field = Field::new(&bytes, Mode::Auto);
+    let mut endless_field = Field::new(&bytes, Mode::Auto);
     let endless = "x".repeat(2_000);
-    field.types(&endless);
-    field.types(" teh ");
-    assert_eq!(field.text, endless + " the ");
+    endless_field.types(&endless);
+    endless_field.types(" teh ");
+    assert_eq!(endless_field.text, endless + " the ");
 }
 
 #[test]
@@ -354,7 +354,7 @@ fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
         field.types("the ");
         field.swipes("quick");
         assert_eq!(field.text, "the quick ");
-        // The first letter is that of the word, so it stays.
+        // The word has the same first letter, so it stays.
         assert_eq!(field.edits, 5);
         field.backspace();
         assert_eq!(field.text, "the ");

@@ -29,7 +29,7 @@ fn character(name: &str) -> char {
 fn keyboard(file: &Value) -> Keyboard {
     let keys = file["keys_info"].as_object().expect("keys");
     Keyboard::new(keys.iter().map(|(name, key)| {
-        let length = |name: &str, axis: usize| number(&key[name]) * MM_PER_PIXEL[axis];
+        let length = |field: &str, axis: usize| number(&key[field]) * MM_PER_PIXEL[axis];
         Key {
             character: character(name),
             center: [length("key_center_x", 0), length("key_center_y", 1)],

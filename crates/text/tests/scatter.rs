@@ -51,7 +51,7 @@ fn measure(
 /// The phrases for which limits were measured.
 const SMALL: usize = 60;
 
-/// How many phrases of a person, and how many people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
+/// Returns the number of phrases of a person, or of people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
 fn amount(name: &str, default: usize) -> usize {
     let text = std::env::var(name);
     text.map_or(default, |text| text.parse().expect("a number"))
@@ -76,7 +76,7 @@ fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {
         let measured = measure(tier, &phrases, seeds.clone(), spelling.as_ref());
         let Measured {
             nearest,
-            spelling,
+            spelling: spelled,
             flat,
             decoded,
         } = measured;
@@ -84,7 +84,7 @@ fn scattered_taps_are_read_with_a_fraction_of_the_errors_of_the_nearest_keys() {
             "{}: CER nearest key {:.2} %, SymSpell {:.2} %, flat lexicon {:.2} %, decoded {:.2} % of {} characters; words {:.1} % and {:.1} %",
             tier.name,
             nearest.cer(),
-            spelling.cer(),
+            spelled.cer(),
             flat.cer(),
             decoded.cer(),
             nearest.characters,

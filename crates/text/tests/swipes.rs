@@ -6,7 +6,7 @@ use ademan_text::Model;
 use support::phrases::phrases;
 use support::swipes::{Hits, NearestShape, measure};
 
-/// How many phrases, and how many people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
+/// Returns the number of phrases, or of people: more with `ADEMAN_TEXT_PHRASES` and `ADEMAN_TEXT_PEOPLE`.
 fn amount(name: &str, default: usize) -> usize {
     let text = std::env::var(name);
     text.map_or(default, |text| text.parse().expect("a number"))

@@ -261,7 +261,7 @@ pub extern "C" fn page_edit(length: usize) -> usize {
         let request = serde_json::from_str::<EditRequest>(text).map_err(|error| error.to_string());
         let edited = request.and_then(|request| session.edit(&request.targets, request.edit));
         match edited {
-            Ok(text) => json!({ "text": text }).to_string(),
+            Ok(new_text) => json!({ "text": new_text }).to_string(),
             Err(error) => json!({ "error": error }).to_string(),
         }
     })

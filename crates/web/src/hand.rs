@@ -168,8 +168,8 @@ impl SimulatedPerson {
         let feed = LayoutFeed::default();
         let receiver = Arc::clone(&messages);
         feed.set_receiver(move |message| {
-            let mut messages = receiver.lock().unwrap_or_else(PoisonError::into_inner);
-            messages.push(message);
+            let mut received = receiver.lock().unwrap_or_else(PoisonError::into_inner);
+            received.push(message);
         });
         let sensor = Sensor::Joints(JointSensor::Positions);
         let hands: Vec<_> = arms.iter().map(|arm| (arm, sensor)).collect();

@@ -11,7 +11,7 @@
 //!   the same for scores, and [`abi_words`] for the text decoder. `web/build` makes a module of the page without the decoder, one with
 //!   it and one of scores: a page loads the second and the third one when a person asks for what they do.
 //!
-//! Objects are those of `ademan share` (`docs/sharing.md`), one per line, so that its viewer draws both.
+//! The objects have the form of `ademan share` (`docs/sharing.md`), one per line, so that its viewer draws them.
 
 #[cfg(feature = "page")]
 pub mod abi;

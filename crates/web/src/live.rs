@@ -26,7 +26,7 @@ const OTHER_HAND: f32 = 0.6;
 /// The state of a sensor that measures now.
 #[derive(Debug, Default)]
 pub struct Live {
-    /// By side: the hands that are to be held open.
+    /// The hands that are to be held open, by side.
     holding: Option<[OpenHand; Side::COUNT]>,
     advice: Option<HoldAdvice>,
     placement: Option<BoardsUnderHand>,

@@ -31,7 +31,7 @@ struct PlanFace<'a> {
     is_round: bool,
 }
 
-/// What is done to the parts of targets.
+/// An edit of the parts of targets.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlanEdit {
@@ -71,7 +71,7 @@ fn plan_face<'a>(board: &Board, face: &'a Face) -> PlanFace<'a> {
     }
 }
 
-/// Returns the text after an edit of the parts of targets. `text` is that of the layout with these targets.
+/// Returns the text after an edit of the parts of targets. `text` is the file of the layout with these targets.
 pub fn edit_targets(
     text: &str,
     ids: &[TargetId],

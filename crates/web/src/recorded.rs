@@ -160,16 +160,19 @@ fn hands(setup: &RecordedSetup, measured: Option<Side>) -> Result<Hands, Documen
     let person = document(kind::PERSON)
         .map(|it| Person::parse(&it))
         .transpose()?;
-    let side = gloves[0].as_ref().map(|glove| glove.side);
+    let side = gloves[0].as_ref().map(|worn| worn.side);
     let side = side.or(person.as_ref().and_then(|person| person.side));
     let side = side.or(measured).unwrap_or(Side::Right);
-    let arm = |kinds: &[&str], side: Side| {
+    let arm = |kinds: &[&str], arm_side: Side| {
         if let Some(document) = kinds.iter().find_map(|kind| document(kind)) {
-            return Ok(ArmModel::parse(&document)?.for_side(side));
+            return Ok(ArmModel::parse(&document)?.for_side(arm_side));
         }
-        match person.as_ref().and_then(|person| person.arm(side)?.ok()) {
+        match person
+            .as_ref()
+            .and_then(|person| person.arm(arm_side)?.ok())
+        {
             Some(arm) => Ok(arm),
-            None => Ok(ArmModel::parse(&Document::shipped("unam")?)?.for_side(side)),
+            None => Ok(ArmModel::parse(&Document::shipped("unam")?)?.for_side(arm_side)),
         }
     };
     let arms = [

@@ -41,7 +41,7 @@ pub(crate) const START: Timestamp = Timestamp(1_000_000);
 pub struct PageSession {
     pub(crate) right: ArmModel,
     pub(crate) left: ArmModel,
-    /// What a sensor measures of the hands at rest.
+    /// The readings of the hands at rest.
     pub(crate) idle: [(Side, Sample); Side::COUNT],
     /// No hand was seen on this layout yet, so that its boards have no places in the world.
     is_unseen: bool,
@@ -65,7 +65,7 @@ pub struct PageSession {
     buffer: Vec<u8>,
 }
 
-/// What the page is told about a layout.
+/// A message to the page about a layout.
 #[derive(Serialize)]
 struct LayoutNews<'a> {
     faults: Vec<Fault>,
@@ -73,7 +73,7 @@ struct LayoutNews<'a> {
     plan: Option<Vec<PlanBoard<'a>>>,
 }
 
-/// What the page is told about the hands.
+/// A message to the page about the hands.
 #[derive(Serialize)]
 struct SessionNews<'a> {
     hand: HandState,
@@ -87,7 +87,7 @@ impl PageSession {
         let [right, left] = [Side::Right, Side::Left].map(|side| arm.clone().for_side(side));
         let fit = Fit::new(&right, Some(&left))?;
         let layout = Arc::new(Layout::for_hands(Document::new(NAME, layout), fit)?);
-        let idle = [&right, &left].map(|arm| (arm.side(), PointerHand::new(arm).advance(0.0)));
+        let idle = [&right, &left].map(|own| (own.side(), PointerHand::new(own).advance(0.0)));
         Ok(Self {
             pipeline: new_pipeline(&right, &left, LayoutInstance::from_layout(&layout)),
             idle,
@@ -424,7 +424,7 @@ struct Notice<'a> {
     text: &'a str,
 }
 
-/// What the gallery shows of a layout.
+/// The entry of a layout in the gallery.
 #[derive(Serialize)]
 struct Preview<'a> {
     title: &'a str,

@@ -26,7 +26,7 @@ const HEIGHTS: (f32, f32) = (0.008, 0.015);
 #[derive(Clone, Debug)]
 pub struct BoardsUnderHand {
     fit: Fit,
-    /// By side; `None` for a hand that is not seen.
+    /// The hands by side; `None` for a hand that is not seen.
     hands: [Option<TypingHand>; Side::COUNT],
 }
 
@@ -57,9 +57,9 @@ impl BoardsUnderHand {
         let fit = Fit::new(&right, Some(&left));
         let fit = fit.map_err(|error: DocumentError| not_human(error.to_string()))?;
         let mut hands = [None; Side::COUNT];
-        for arm in [&right, &left] {
-            let side = arm.side();
-            hands[side.index()] = TypingHand::new(readings[side.index()], arm);
+        for own in [&right, &left] {
+            let side = own.side();
+            hands[side.index()] = TypingHand::new(readings[side.index()], own);
         }
         Ok(Self { fit, hands })
     }
@@ -160,9 +160,9 @@ mod tests {
         readings[Side::Right.index()] = right;
         let place = BoardsUnderHand::measure(readings).unwrap();
         let document = Document::shipped(layout).unwrap();
-        let mut layout = Layout::for_hands(document, place.fit()).unwrap();
-        place.place(&mut layout);
-        layout
+        let mut placed = Layout::for_hands(document, place.fit()).unwrap();
+        place.place(&mut placed);
+        placed
     }
 
     /// A hand that is turned and held up in front of the person.
@@ -217,10 +217,10 @@ mod tests {
         let both = place("qwerty-two-flat", [&one, &other]);
         let alone = place("qwerty-two-flat", [&one, &[]]);
         let mut differ = 0;
-        for (both, alone) in both.scene.surfaces().iter().zip(alone.scene.surfaces()) {
-            let distance = (both.anchor_from_surface().translation)
-                .distance(alone.anchor_from_surface().translation);
-            match both.side() {
+        for (beside, lone) in both.scene.surfaces().iter().zip(alone.scene.surfaces()) {
+            let distance = (beside.anchor_from_surface().translation)
+                .distance(lone.anchor_from_surface().translation);
+            match beside.side() {
                 Some(Side::Left) => differ += usize::from(distance > 0.1),
                 _ => assert!(distance < 1e-6),
             }

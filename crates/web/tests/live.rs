@@ -58,10 +58,10 @@ impl Webcam {
         }
         let pose = self.arm.forward(&Estimate::new(Timestamp(0), angles));
         let mut positions = JointPositions::default();
-        for (joint, pose) in pose.known() {
+        for (joint, joint_pose) in pose.known() {
             positions.set(
                 joint,
-                pose.translation.as_dvec3() + DVec3::new(-0.2, 0.3, -0.1),
+                joint_pose.translation.as_dvec3() + DVec3::new(-0.2, 0.3, -0.1),
             );
         }
         vec![(Side::Right, positions)]
@@ -149,24 +149,24 @@ fn a_hand_that_disappears_or_a_camera_that_stops_releases_all_keys() {
     let lost = webcam.show(&[], 8);
     assert!(is_released(&lost), "the hand disappears: {lost:?}");
 
-    let mut webcam = Webcam::new("qwerty-flat");
-    webcam.place();
-    press(&mut webcam);
-    assert!(is_released(&webcam.wait(24)), "no more images arrive");
+    let mut silent = Webcam::new("qwerty-flat");
+    silent.place();
+    press(&mut silent);
+    assert!(is_released(&silent.wait(24)), "no more images arrive");
 
-    let mut webcam = Webcam::new("qwerty-flat");
-    webcam.place();
-    press(&mut webcam);
-    webcam.session.release();
-    let stopped = webcam.wait(1);
+    let mut stopping = Webcam::new("qwerty-flat");
+    stopping.place();
+    press(&mut stopping);
+    stopping.session.release();
+    let stopped = stopping.wait(1);
     assert!(is_released(&stopped), "the camera is stopped: {stopped:?}");
     assert_eq!(last(&stopped, "live")["is_placed"], false);
-    assert_eq!(webcam.session.type_text("a"), [], "the boards are back");
-    webcam.wait(200);
+    assert_eq!(stopping.session.type_text("a"), [], "the boards are back");
+    stopping.wait(200);
     assert!(
-        webcam.session.text().ends_with('a'),
+        stopping.session.text().ends_with('a'),
         "{}",
-        webcam.session.text()
+        stopping.session.text()
     );
 }
 

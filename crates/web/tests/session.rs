@@ -175,9 +175,9 @@ fn a_pointer_presses_the_key_that_it_points_at() {
         .expect("a scene");
     session.clear_text();
     let mut seen = Vec::new();
-    let mut point = |session: &mut PageSession, name: &str, is_down: bool| {
-        let (point, normal, travel) = key(session, name, &scene);
-        session.point(
+    let mut point = |pointed: &mut PageSession, name: &str, is_down: bool| {
+        let (point, normal, travel) = key(pointed, name, &scene);
+        pointed.point(
             Side::Right,
             Pointed {
                 point,
@@ -187,7 +187,7 @@ fn a_pointer_presses_the_key_that_it_points_at() {
             },
         );
         for _ in 0..40 {
-            seen.extend(objects(&session.advance(FRAME)));
+            seen.extend(objects(&pointed.advance(FRAME)));
         }
     };
     for name in ["Q", "P", "Space", "M"] {
@@ -215,13 +215,13 @@ fn a_pointer_presses_the_key_that_it_points_at() {
     assert_eq!(session.text(), "qp mx");
     // A press may follow while the finger is still in the key before it.
     for name in ["A", "L"] {
-        let (at, normal, travel) = key(&session, name, &scene);
+        let (place, front, depth) = key(&session, name, &scene);
         session.point(
             Side::Right,
             Pointed {
-                point: at,
-                normal,
-                travel,
+                point: place,
+                normal: front,
+                travel: depth,
                 is_down: true,
             },
         );
@@ -233,9 +233,9 @@ fn a_pointer_presses_the_key_that_it_points_at() {
         session.point(
             Side::Right,
             Pointed {
-                point: at,
-                normal,
-                travel,
+                point: place,
+                normal: front,
+                travel: depth,
                 is_down: false,
             },
         );
@@ -299,12 +299,12 @@ fn a_dragged_key_changes_its_numbers_only() {
         taken_out.starts_with("// mine\n") && taken_out.contains("code: \"B\""),
         "{taken_out}"
     );
-    let mut session = PageSession::new(text).expect("a valid layout");
+    let mut edited = PageSession::new(text).expect("a valid layout");
     assert_eq!(
-        objects(&session.set_layout(&taken_out))[0]["faults"],
+        objects(&edited.set_layout(&taken_out))[0]["faults"],
         serde_json::json!([])
     );
-    let missing = session.edit(&[TargetId(99)], PlanEdit::Delete);
+    let missing = edited.edit(&[TargetId(99)], PlanEdit::Delete);
     assert_eq!(missing, Ok(taken_out), "there is nothing to delete");
 }
 

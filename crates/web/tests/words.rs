@@ -15,8 +15,8 @@ fn session(layout: &str, mode: TextMode) -> PageSession {
     let mut session = PageSession::new(&text).expect("a valid layout");
     let english = Language::load("en", |_| unreachable!("it comes with the crate"));
     let english = english.expect("a shipped language");
-    session.use_decoder(Box::new(move |layout, mode| {
-        english.filter(layout, mode, false, true)
+    session.use_decoder(Box::new(move |given, wanted| {
+        english.filter(given, wanted, false, true)
     }));
     session.set_text_mode(mode);
     session
@@ -76,8 +76,8 @@ fn a_candidate_is_taken_while_the_hand_rests_and_after_another_layout() {
         let number = words.iter().position(|word| word == "quick");
         let number = number.unwrap_or_else(|| panic!("{words:?}"));
         session.choose(u8::try_from(number + 1).expect("one of three"));
-        let mut told = None;
-        pass(&mut session, 3, &mut told);
+        let mut choice_told = None;
+        pass(&mut session, 3, &mut choice_told);
         assert_eq!(session.text(), "quick ");
         session.set_layout(&other.text);
     }

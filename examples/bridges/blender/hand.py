@@ -27,7 +27,7 @@ for short, finger in FINGERS.items():
     HINGES.append((f"{short}-pip-flexion", phalanges[1], phalanges[0], "z"))
     HINGES.append((f"{short}-dip-flexion", phalanges[2], phalanges[1], "z"))
 
-# From the frame of Ademán (X right, Y up, -Z forward) to that of Blender (Y forward, Z up).
+# From the frame of Ademán (X right, Y up, -Z forward) to the frame of Blender (Y forward, Z up).
 BLENDER_FROM_WORLD = Matrix(((1, 0, 0), (0, 0, -1), (0, 1, 0)))
 
 

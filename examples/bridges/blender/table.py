@@ -105,7 +105,7 @@ class BoneRow:
 
 
 def parent_from_rest(bone, wanted):
-    """Returns the rotation of the parent of a bone in the skeleton: the wanted one, or that of its pose."""
+    """Returns the rotation of the parent of a bone in the skeleton: the wanted one, or the rotation of its pose."""
     parent = bone.parent
     if parent is None:
         return Matrix.Identity(3)

@@ -152,8 +152,8 @@ fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure>
     let mut seen: [Vec<f64>; BodyJoint::COUNT] = Default::default();
     for_each_line(files, |text| {
         let (_, body) = parse_body(text)?;
-        for (seen, length) in seen.iter_mut().zip(body.lengths()) {
-            seen.push(length);
+        for (bone_lengths, length) in seen.iter_mut().zip(body.lengths()) {
+            bone_lengths.push(length);
         }
         Ok(())
     })?;

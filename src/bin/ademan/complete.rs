@@ -16,7 +16,7 @@ use clap_complete::engine::{
 /// Candidates of a value.
 type Candidates = Vec<CompletionCandidate>;
 
-/// Completes a layout: shipped ones, those of the configuration folder, and files.
+/// Completes a layout: shipped ones, ones in the configuration folder, and files.
 pub fn layout() -> ArgValueCompleter {
     ArgValueCompleter::new(|current: &OsStr| {
         let shipped = shipped_layouts().map(str::to_owned);

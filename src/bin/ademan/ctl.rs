@@ -21,7 +21,7 @@ use crate::failure::Failure;
 pub struct Args {
     #[command(subcommand)]
     request: Request,
-    /// Control socket of the session. The default is that of `ademan run` without --control
+    /// Control socket of the session. The default is the socket of `ademan run` without --control
     #[arg(long, global = true, value_name = "PATH")]
     socket: Option<PathBuf>,
     /// Print the reply as JSON

@@ -1,4 +1,4 @@
-//! `ademan delay`: the delay of the source of the arm behind that of the fingers.
+//! `ademan delay`: the delay of the arm's source behind the fingers' source.
 
 use std::time::{Duration, Instant};
 

@@ -50,7 +50,7 @@ enum Hands {
     Both,
 }
 
-/// Number of poses from which the lengths of the bones come: those of a minute at 100 per second.
+/// Number of poses from which the lengths of the bones come: a minute at 100 per second.
 const MEASURED_POSES: usize = 6000;
 
 pub fn run(args: Args) -> Result<(), Failure> {
@@ -64,7 +64,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    let options = PoseOptions {
+    let pose_options = PoseOptions {
         rate_hz: args.rate_hz,
         side: match args.hand {
             Hands::Left => Some(Side::Left),
@@ -74,7 +74,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         order: args.order,
         measured_poses: MEASURED_POSES,
     };
-    let written = write(&session, file, options);
+    let written = write(&session, file, pose_options);
     session.commands().send(Command::Stop)?;
     session.join()?;
     match written? {

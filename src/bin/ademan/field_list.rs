@@ -24,7 +24,7 @@ pub fn print(args: &Args) -> Result<(), Failure> {
     print_tables(args, field_tables(), "ademan layout fields")
 }
 
-/// Prints those of the tables that the word finds, or all. `command` lists all of them.
+/// Prints the tables that the word finds, or all. `command` lists all of them.
 pub fn print_tables(args: &Args, tables: Vec<Table>, command: &str) -> Result<(), Failure> {
     let tables = match &args.word {
         Some(word) => matching(tables, word, command)?,

@@ -9,7 +9,7 @@ use ademan::message::shell_word;
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
 
-/// List the gloves that come with the program, and those of the configuration folder
+/// List the gloves that come with the program, and the ones in the configuration folder
 #[derive(clap::Args)]
 #[command(after_help = "Example: ademan gloves")]
 pub struct Args {

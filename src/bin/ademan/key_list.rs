@@ -18,7 +18,7 @@ pub struct Args {
     json: bool,
 }
 
-/// The names of characters that no key is named after: those of X11 and other usual ones.
+/// The names of characters that no key is named after: the names of X11 and other usual ones.
 #[rustfmt::skip]
 const CHARACTER_NAMES: [(char, &str); 21] = [
     ('!', "exclam exclamation bang"), ('@', "at"), ('#', "numbersign hash pound"), ('$', "dollar"), ('%', "percent"),

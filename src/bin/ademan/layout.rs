@@ -111,7 +111,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Returns the names of layouts, with files for those of links.
+/// Returns the names of layouts, with files in place of links.
 fn looked_at(names: Vec<String>) -> Result<Vec<String>, Failure> {
     names.into_iter().map(link::looked_at).collect()
 }
@@ -132,7 +132,7 @@ fn new(file: &Path, from: &str, is_mirrored: bool) -> Result<(), Failure> {
     new_file::create(&path, &text, &origin, next)
 }
 
-/// Lists the layouts that come with the program, then those of the configuration folder.
+/// Lists the layouts that come with the program, then the layouts in the configuration folder.
 pub fn list(args: &ListArgs) -> Result<(), Failure> {
     let shipped = shipped_layouts().map(str::to_owned);
     let row = |name: String, layout: Result<Layout, DocumentError>| Row {

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::layout;
 use crate::list::ListArgs;
 
-/// List the layouts that come with the program, and those of the configuration folder
+/// List the layouts that come with the program, and the ones in the configuration folder
 #[derive(clap::Args)]
 #[command(after_help = "Example: ademan layouts --json")]
 pub struct Args {

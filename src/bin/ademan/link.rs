@@ -8,10 +8,10 @@ use ademan::message::{escape, escape_path};
 
 use crate::failure::Failure;
 
-/// The folder of the layouts from links, in that of the state of the program.
+/// The folder of the layouts from links, in the state folder of the program.
 const FOLDER: &str = "links";
 
-/// Returns the name of a layout that is only looked at or played without an output: that of a link is the file to which its layout is
+/// Returns the name of a layout that is only looked at or played without an output: for a link, the file to which its layout is
 /// written.
 pub fn looked_at(name: String) -> Result<String, Failure> {
     if is_layout_link(&name) {
@@ -21,7 +21,7 @@ pub fn looked_at(name: String) -> Result<String, Failure> {
     }
 }
 
-/// Returns the name of a layout for a session. That of a link is refused unless it is trusted: a layout decides what is typed, and
+/// Returns the name of a layout for a session. A link is refused unless it is trusted: a layout decides what is typed, and
 /// may have keys that type a shell command.
 pub fn trusted(name: String, is_trusted: bool) -> Result<String, Failure> {
     if is_layout_link(&name) && !is_trusted {

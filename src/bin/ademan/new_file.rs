@@ -25,7 +25,7 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
         return text.to_owned();
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let field = |name: &str| format!("name: {name:?}");
+    let field = |given: &str| format!("name: {given:?}");
     text.replacen(&field(old_name), &field(&name), 1)
 }
 

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crossbeam_channel::bounded;
 
-    /// Stands for threads that are never joined, such as those of the control socket or a layout file.
+    /// Stands for threads that are never joined, such as the threads of the control socket or a layout file.
     #[test]
     fn a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure() {
         let (stop, stopped) = bounded(1);

@@ -53,7 +53,7 @@ enum Action {
         #[arg(add = complete::person())]
         file: String,
     },
-    /// List the persons who come with the program, and those of the configuration folder
+    /// List the persons who come with the program, and the ones in the configuration folder
     #[command(after_help = "Example: ademan person list")]
     List(ListArgs),
     /// List the fields of person files, with units, ranges, defaults and sources
@@ -206,9 +206,7 @@ fn show(file: &str) -> Result<(), Failure> {
                     .map(|reach| reach_line(&reach)),
             );
         }
-        None => {
-            lines.push("  bones     those of the arm model `unam`: the file has no length".into())
-        }
+        None => lines.push("  bones     from the arm model `unam`: the file has no length".into()),
     }
     lines.extend(motion_lines(&person.motion));
     Ok(writeln!(io::stdout(), "{}", lines.join("\n"))?)

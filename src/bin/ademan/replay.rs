@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
     /// Setup whose permissions apply: role, press rate limit, stall timeout, arming, system keys and panic keys. Without it,
-    /// an output that types has the default permissions, and a transcript those of the recording
+    /// an output that types has the default permissions, and a transcript the permissions of the recording
     #[arg(long, value_name = "FILE", add = complete::setup())]
     setup: Option<String>,
     /// Outputs, as for `ademan run`
@@ -56,7 +56,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     session::prepare()?;
     let options = SessionOptions {
         source: Some(Box::new(replay)),
-        // The rate limit counts in the time of the recording, which is that of the receiver only at speed 1.
+        // The rate limit counts in the time of the recording, which is the time of the receiver only at speed 1.
         speed: args.speed.or(has_effect.then_some(1.0)),
         use_panic_keys: has_effect,
         watchdog: Some(watchdog::program(Command::Stop)?),

@@ -172,8 +172,8 @@ impl fmt::Display for SensorTables {
                 .iter()
                 .filter_map(|sensor| Some((sensor.channel, sensor.missing()?)))
                 .collect();
-            for (channel, missing) in &missing {
-                writeln!(f, "channel {channel}: {missing}")?;
+            for (channel, reason) in &missing {
+                writeln!(f, "channel {channel}: {reason}")?;
             }
             if !missing.is_empty() {
                 writeln!(

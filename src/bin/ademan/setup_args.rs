@@ -19,7 +19,7 @@ use crate::{complete, link};
 pub struct SetupArgs {
     #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
-    /// Source of the arm, if another one than that of the fingers: a camera beside a glove
+    /// Source of the arm, if the fingers have another one: a camera beside a glove
     #[arg(long, value_name = "URI", value_parser = SourceValue)]
     arm_source: Option<SourceUri>,
     /// Events that the source may cause: pointer, keys or both. The default is both, and pointer for a source on the

@@ -109,7 +109,7 @@ pub fn is_stop_requested() -> bool {
 }
 
 fn run_action() {
-    // An action may take long, and another one may be set meanwhile.
+    // An action may take long, and another one may be set while it runs.
     let action = lock_action().clone();
     if let Some(action) = action {
         action();

@@ -118,7 +118,7 @@ impl SystemFile {
 fn install(name: &str, program: &Path) -> Result<(), Failure> {
     let file = FILES.iter().find(|file| file.name == name);
     let path = file.and_then(|file| Some((file, own_path(file)?)));
-    let Some((file, path)) = path else {
+    let Some((found, path)) = path else {
         return Err(Failure::wrong_use(format!(
             "only `unit` and `desktop` have a place in your home folder, not `{name}`; the help shows how to install the others with sudo"
         )));
@@ -129,11 +129,11 @@ fn install(name: &str, program: &Path) -> Result<(), Failure> {
         fs::create_dir_all(folder).map_err(|error| cannot_write(error.into()))?;
     }
     let mut created = files::create_new(&path).map_err(cannot_write)?;
-    let written = created.write_all(file.text_for(program).as_bytes());
+    let written = created.write_all(found.text_for(program).as_bytes());
     written.map_err(|error| cannot_write(error.into()))?;
     let mut out = io::stdout().lock();
     writeln!(out, "wrote {}", escape_path(&path))?;
-    if file.name == "unit" {
+    if found.name == "unit" {
         writeln!(
             out,
             "next: ademan setup new ~/.config/ademan/setup.ron, then systemctl --user enable --now ademan"

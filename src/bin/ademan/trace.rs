@@ -50,7 +50,7 @@ pub struct Args {
     flags: SetupArgs,
 }
 
-/// What is printed.
+/// The lines that are printed.
 #[derive(Clone, Copy)]
 enum Traced {
     Stage(Stage),
@@ -83,7 +83,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let sensors = SensorTables::new(&setup);
     let session = session::start(setup, options)?;
     let printed = match (args.stage, signals) {
-        (Some(traced), _) => print(&session, traced, args.euler),
+        (Some(stage), _) => print(&session, stage, args.euler),
         (None, Some(signals)) => print_stats(&session, signals, sensors, as_json),
         (None, None) => Ok(true),
     };
@@ -154,7 +154,7 @@ fn without_filters(setup: &mut Setup) {
 /// Name of the angles of a body.
 const BODY: &str = "body";
 
-/// Bytes of a write to the standard output while more results are waiting: those of 40 poses.
+/// Bytes of a write to the standard output while more results are waiting: about 40 poses.
 const WRITE_BYTES: usize = 1 << 17;
 
 /// Prints all results of a stage, without delay if no more are waiting. Returns `false` if there are none.

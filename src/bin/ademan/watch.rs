@@ -19,7 +19,7 @@ use crate::{ctl, messages, signals};
     after_help = "Examples:\n  ademan watch\n  ademan watch --socket /run/user/1000/sofa.sock\n\nIt shows everything that is typed, and changes nothing. Ctrl-C ends it, and the session goes on."
 )]
 pub struct Args {
-    /// Control socket of the session. The default is that of `ademan run` without --control
+    /// Control socket of the session. The default is the socket of `ademan run` without --control
     #[arg(long, value_name = "PATH")]
     socket: Option<PathBuf>,
 }

@@ -86,8 +86,9 @@ fn a_run_of_a_recording_keeps_the_stall_limit_of_the_setup_whatever_period_the_r
     let text = String::from_utf8(output.stdout).expect("UTF-8");
     let time_of = |event: &str| {
         let line = text.lines().find(|line| line.contains(event));
-        let time = line.and_then(|line| line.split_whitespace().next());
-        time.and_then(|time| time.parse::<f64>().ok())
+        let milliseconds = line.and_then(|line| line.split_whitespace().next());
+        milliseconds
+            .and_then(|milliseconds| milliseconds.parse::<f64>().ok())
             .unwrap_or_else(|| panic!("no {event}: {text}"))
     };
     let released_after = time_of("up   H") - last.0 as f64 / 1e3;

@@ -37,12 +37,12 @@ fn a_run_with_full_streams_executes_commands_and_ends_in_order_on_one_signal() {
     let state = client.request(r#"{"command":"state"}"#).expect("a reply");
     assert!(state.contains(r#""paused":true"#), "{state}");
 
-    let start = Instant::now();
+    let killed_at = Instant::now();
     let process = program.0.id().to_string();
     let kill = std::process::Command::new("kill").arg(&process).status();
     assert!(kill.expect("kill exists").success());
     let code = exit_code(&mut program);
-    println!("ended after {:.1?}", start.elapsed());
+    println!("ended after {:.1?}", killed_at.elapsed());
     assert_eq!(code, Some(0), "in order, and not by the time limit");
 }
 

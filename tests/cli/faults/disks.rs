@@ -164,8 +164,8 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
     for _ in 0..4 {
         out.recv_timeout(TIMEOUT).expect("typing goes on");
     }
-    let state = |arguments: &[&str]| {
-        let state = ademan([&["ctl", "--socket", socket], arguments].concat()).output();
+    let state = |request: &[&str]| {
+        let state = ademan([&["ctl", "--socket", socket], request].concat()).output();
         String::from_utf8(state.expect("the program starts").stdout).expect("UTF-8")
     };
     let line = state(&["state"]);
@@ -174,8 +174,8 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
     assert!(json.contains("\"incomplete\":[\"the recording"), "{json}");
     signal("INT", run.0.id());
     let mut last = notice;
-    while let Ok(line) = err.recv_timeout(TIMEOUT) {
-        last = line;
+    while let Ok(message) = err.recv_timeout(TIMEOUT) {
+        last = message;
     }
     assert!(last.contains("No space left"), "{last}");
     assert_eq!(run.0.wait().expect("it ends").code(), Some(1));

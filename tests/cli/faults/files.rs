@@ -188,33 +188,37 @@ fn a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_w
     assert_eq!(code, Some(0), "{err}");
     let bytes = fs::read(&path).expect("the recording");
     let (_, whole, _) = run(&["replay", recorded]);
-    let damaged = |name: &str, bytes: &[u8]| {
-        let path = folder.path().join(name);
-        fs::write(&path, bytes).expect("room");
-        path.to_str().expect("a plain path").to_owned()
+    let damaged = |name: &str, content: &[u8]| {
+        let file = folder.path().join(name);
+        fs::write(&file, content).expect("room");
+        file.to_str().expect("a plain path").to_owned()
     };
     let messages = bytes.len() - 2 * SCHEMA_BYTES;
     for eighths in [3, 4, 5] {
         let cut = damaged("cut.mcap", &bytes[..SCHEMA_BYTES + messages * eighths / 8]);
-        let (code, out, err) = run(&["replay", &cut]);
-        assert_eq!(code, Some(3), "{err}");
-        assert!(err.contains("cut off at byte "), "{err}");
+        let (cut_code, out, cut_err) = run(&["replay", &cut]);
+        assert_eq!(cut_code, Some(3), "{cut_err}");
+        assert!(cut_err.contains("cut off at byte "), "{cut_err}");
         check_releases(&out, &whole);
     }
     let mut broken = bytes.clone();
     broken[SCHEMA_BYTES + messages * 5 / 8] ^= 0x10;
-    let (code, out, err) = run(&["replay", &damaged("broken.mcap", &broken)]);
-    assert_eq!(code, Some(3), "{err}");
-    assert!(err.contains("at byte "), "{err}");
+    let (broken_code, out, broken_err) = run(&["replay", &damaged("broken.mcap", &broken)]);
+    assert_eq!(broken_code, Some(3), "{broken_err}");
+    assert!(broken_err.contains("at byte "), "{broken_err}");
     check_releases(&out, &whole);
-    for (name, bytes) in [
+    for (name, content) in [
         ("empty", &b""[..]),
         ("letter", b"Dear reader"),
         ("version", b"\x89MCAP9\r\n"),
     ] {
-        let (code, out, err) = run(&["replay", &damaged(name, bytes)]);
-        assert_eq!((code, out.as_str()), (Some(3), ""), "{name}: {err}");
-        assert!(err.contains("at byte 0"), "{name}: {err}");
+        let (odd_code, odd_out, odd_err) = run(&["replay", &damaged(name, content)]);
+        assert_eq!(
+            (odd_code, odd_out.as_str()),
+            (Some(3), ""),
+            "{name}: {odd_err}"
+        );
+        assert!(odd_err.contains("at byte 0"), "{name}: {odd_err}");
     }
     assert!(Path::new(recorded).exists());
 }

@@ -246,9 +246,9 @@ fn lists_print_names_of_files_escaped() {
         let output = run(folder.path(), &[kind.into()]);
         let text = judge_output(kind, &output, MAX_LINE_BYTES);
         assert!(text.contains(PRINTED), "{text}");
-        let output = run(folder.path(), &[kind.into(), "--json".into()]);
-        judge_output(kind, &output, usize::MAX);
-        let rows: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let as_json = run(folder.path(), &[kind.into(), "--json".into()]);
+        judge_output(kind, &as_json, usize::MAX);
+        let rows: Value = serde_json::from_slice(&as_json.stdout).expect("JSON");
         let mut names = rows
             .as_array()
             .expect("a list")

@@ -279,14 +279,14 @@ fn nothing_is_written_unless_it_is_asked_for() {
     let run = Run::start(Glove::start(Carrier::Serial), &[]);
     run.press();
     run.lift();
-    let run = Run::with_setup(
+    let without = Run::with_setup(
         Glove::start(Carrier::Serial),
         "haptics: Force",
         &["--haptics", "off"],
     );
-    run.press();
-    run.lift();
-    assert!(run.glove.feedback.is_empty());
+    without.press();
+    without.lift();
+    assert!(without.glove.feedback.is_empty());
 }
 
 #[test]

@@ -48,8 +48,8 @@ impl Stream {
 
 fn hands(pose: &HandPose) -> [(Side, JointPositions); 1] {
     let mut positions = JointPositions::default();
-    for (joint, pose) in pose.known() {
-        positions.set(joint, pose.translation.as_dvec3());
+    for (joint, joint_pose) in pose.known() {
+        positions.set(joint, joint_pose.translation.as_dvec3());
     }
     [(Side::Right, positions)]
 }

@@ -130,8 +130,8 @@ fn an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refu
         let ended = transcript(name);
         assert_eq!(ended.code, Some(2), "{}", ended.err);
         assert!(ended.err.contains(reason), "{}", ended.err);
-        let text = fs::read_to_string(path(untouched)).expect("it exists");
-        assert_eq!(text, "theirs", "{name}");
+        let kept = fs::read_to_string(path(untouched)).expect("it exists");
+        assert_eq!(kept, "theirs", "{name}");
     };
     refused("own", "the file exists; choose another name", "own");
     fs::write(path("target"), "").expect("space");

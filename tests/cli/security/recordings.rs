@@ -80,7 +80,7 @@ fn replay(path: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
         assert!(start.elapsed() < TIMEOUT, "the replay hangs");
         std::thread::sleep(std::time::Duration::from_millis(5));
     };
-    let [out, err] = [out, err].map(|path| fs::read_to_string(path).expect("UTF-8"));
+    let [out, err] = [out, err].map(|file| fs::read_to_string(file).expect("UTF-8"));
     (status.code(), out, err)
 }
 
@@ -155,11 +155,11 @@ fn a_layout_with_system_keys_is_refused_for_an_output_that_types() {
     let (code, out, err) = replay(&path, &["--output", "transcript"]);
     assert_eq!(code, Some(0), "{err}");
     assert!(out.contains("down MetaLeft"), "{out}");
-    let (code, _, err) = replay(&path, &["--output", "desktop"]);
-    assert_eq!(code, Some(2), "{err}");
+    let (desktop_code, _, desktop_err) = replay(&path, &["--output", "desktop"]);
+    assert_eq!(desktop_code, Some(2), "{desktop_err}");
     assert!(
-        err.contains("the key `MetaLeft` acts on the system"),
-        "{err}"
+        desktop_err.contains("the key `MetaLeft` acts on the system"),
+        "{desktop_err}"
     );
 }
 

@@ -107,7 +107,7 @@ fn a_transcript_of_a_setup_is_a_new_private_file_in_a_folder_of_its_own() {
         assert!(ended.err.contains(text(&path)), "{}", ended.err);
         let events = fs::read_to_string(&path).expect("a transcript");
         assert!(events.contains("down H"), "{events}");
-        let mode = |path: &Path| fs::metadata(path).expect("it exists").permissions().mode();
+        let mode = |file: &Path| fs::metadata(file).expect("it exists").permissions().mode();
         assert_eq!((mode(&path) & 0o777, mode(&folder) & 0o777), (0o600, 0o700));
     }
     assert_eq!(
@@ -265,8 +265,8 @@ fn a_name_never_means_a_file_in_the_working_folder() {
         "qwerty-flat.ron",
     ] {
         let arguments = ["run", "--source", "typist:h", "--layout", path];
-        let ended = place.run(&arguments).done();
-        assert!(ended.out.contains("depth planted"), "{path}: {}", ended.out);
+        let typed = place.run(&arguments).done();
+        assert!(typed.out.contains("depth planted"), "{path}: {}", typed.out);
     }
 }
 
@@ -305,8 +305,12 @@ fn files_in_a_setup_are_relative_to_it_and_never_to_the_working_folder() {
     assert!(ended.out.contains("depth working folder"), "{}", ended.out);
     place.write("sub/mine.ron", &one_key("H", "beside"));
     for name in ["mine.ron", "./mine", "./mine.ron"] {
-        let ended = run(name).done();
-        assert!(ended.out.contains("depth beside"), "{name}: {}", ended.out);
+        let beside = run(name).done();
+        assert!(
+            beside.out.contains("depth beside"),
+            "{name}: {}",
+            beside.out
+        );
     }
 }
 

@@ -189,11 +189,11 @@ fn a_skeleton_in_blender_takes_the_pose_of_the_arm() {
             .to_degrees()
     };
     let errors = BONES.map(error);
-    for ((bone, ..), error) in BONES.iter().zip(errors) {
-        println!("{bone}: {error:.1}°");
+    for ((bone, ..), degrees) in BONES.iter().zip(errors) {
+        println!("{bone}: {degrees:.1}°");
     }
     assert!(
-        errors.iter().all(|&error| error < MAX_DEGREES),
+        errors.iter().all(|&degrees| degrees < MAX_DEGREES),
         "{errors:?}"
     );
 }

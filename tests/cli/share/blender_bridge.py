@@ -145,7 +145,7 @@ bpy.data.objects.remove(bpy.data.objects["Ademan"])
 ticks_until(lambda: addon.LINK.table is None)
 say(removed=addon.LINK.message)
 
-# A receiver that does not read in time loses the oldest lines, and never more memory than that of its queue.
+# A receiver that does not read in time loses the oldest lines, and never takes more memory than its queue.
 bpy.ops.ademan.connect()
 say(disconnected=addon.LINK.receiver is None)
 addon.unregister()

@@ -150,10 +150,10 @@ fn opentrack_receives_the_movement_of_the_wrist() {
     while largest[0] + largest[2] < 0.5 {
         let length = receiver.recv(&mut buffer).expect("a datagram");
         assert_eq!(length, 48);
-        for (largest, bytes) in largest.iter_mut().zip(buffer.as_chunks().0) {
+        for (extreme, bytes) in largest.iter_mut().zip(buffer.as_chunks().0) {
             let number = f64::from_le_bytes(*bytes);
             assert!(count > 0 || number.abs() < 1e-3, "{number} at the start");
-            *largest = largest.max(number.abs());
+            *extreme = extreme.max(number.abs());
         }
         count += 1;
     }

@@ -58,22 +58,22 @@ impl Shared {
         ]);
         let mut command = wrapped(wrapper, &program);
         command.current_dir(folder.path()).stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("the program starts");
-        let stderr = program.0.stderr.take().expect("it is piped");
+        let mut sharing = Process::start(&mut command).expect("the program starts");
+        let stderr = sharing.0.stderr.take().expect("it is piped");
         let lines = collect_lines(stderr);
         let start = Instant::now();
         let address = loop {
             let lines = lines.lock().expect("lines");
-            let target = lines.iter().find_map(|line| line.strip_prefix("sharing "));
-            if let Some((target, _)) = target.and_then(|line| line.split_once(": ")) {
-                break target.split_once(':').expect("a format").1.to_owned();
+            let shared = lines.iter().find_map(|line| line.strip_prefix("sharing "));
+            if let Some((shared, _)) = shared.and_then(|line| line.split_once(": ")) {
+                break shared.split_once(':').expect("a format").1.to_owned();
             }
             assert!(start.elapsed() < TIMEOUT, "{lines:?}");
             drop(lines);
             thread::sleep(Duration::from_millis(5));
         };
         Self {
-            program,
+            program: sharing,
             address,
             folder,
         }

@@ -42,11 +42,11 @@ fn share(text: &str, target: &str) -> (Process, String) {
     let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
     let mut lines = stderr.lines().map_while(Result::ok);
     let line = lines.find_map(|line| {
-        let (target, _) = line.strip_prefix("sharing ")?.split_once(": ")?;
-        Some(target.to_owned())
+        let (shared, _) = line.strip_prefix("sharing ")?.split_once(": ")?;
+        Some(shared.to_owned())
     });
-    let target = line.expect("a message about the target");
-    let (_, address) = target.split_once(':').expect("a format");
+    let shared_target = line.expect("a message about the target");
+    let (_, address) = shared_target.split_once(':').expect("a format");
     (process, address.to_owned())
 }
 

@@ -71,8 +71,8 @@ fn chromium_shows_the_hand_over_lit_keys_and_connects_again() {
             && look["keys"].as_u64() > Some(20_000)
     });
     assert_eq!(look["overflow"], 0, "nothing is wider than the screen");
-    browser.wait_for(LOOK, "a key is lit on a phone", |look| {
-        look["lit"].as_u64() > Some(200)
+    browser.wait_for(LOOK, "a key is lit on a phone", |seen| {
+        seen["lit"].as_u64() > Some(200)
     });
     browser.save_picture("page-phone.png");
 }

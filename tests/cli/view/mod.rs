@@ -77,17 +77,17 @@ fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
     signal("TERM", screen.program.0.id());
     assert!(screen.wait().success());
     screen.assert_restored();
-    let text = screen.text();
-    println!("{text}");
+    let last = screen.text();
+    println!("{last}");
     assert!(
-        text.contains("│ Q ││ W │"),
-        "the last picture stays:\n{text}"
+        last.contains("│ Q ││ W │"),
+        "the last picture stays:\n{last}"
     );
     assert!(
-        text.contains("armed: nothing is typed"),
-        "messages are kept:\n{text}"
+        last.contains("armed: nothing is typed"),
+        "messages are kept:\n{last}"
     );
-    assert!(text.contains("accepted"), "{text}");
+    assert!(last.contains("accepted"), "{last}");
 }
 
 #[test]
@@ -114,8 +114,8 @@ fn a_small_window_shows_small_keys_and_says_what_it_leaves_out() {
     assert!(text.lines().any(is_row), "{text}");
     assert!(!text.contains('┌'), "{text}");
     screen.resize(24, 6);
-    let text = screen.wait_for_text("no room for");
-    println!("{text}");
+    let small = screen.wait_for_text("no room for");
+    println!("{small}");
     screen.resize(80, 24);
     screen.wait_for_text("│ Q ││ W │");
     screen.resize(1, 1);
@@ -231,9 +231,9 @@ fn a_picture_and_a_transcript_do_not_share_a_terminal() {
     let text = screen.text();
     assert!(text.contains("`--view log`"), "{text}");
 
-    let screen = Screen::start(&run(&["--output", "transcript"]), 80, 24);
-    screen.wait_for_text("down H");
-    assert!(!screen.text().contains('┌'));
+    let plain = Screen::start(&run(&["--output", "transcript"]), 80, 24);
+    plain.wait_for_text("down H");
+    assert!(!plain.text().contains('┌'));
 
     let ended = crate::run(["run", "--source", "typist:h", "--view", "board"]);
     assert_eq!(ended.code, Some(2), "{}", ended.err);
@@ -266,22 +266,22 @@ fn pointers_targets_in_space_sliders_and_axes_are_shown() {
     });
     println!("{text}");
     let space = demo("space");
-    let text = space.wait_for("cursor among the targets", |screen| {
-        let text = screen.text();
-        text.contains("Moon") && text.contains('✛') && text.contains(" mm ")
+    let space_text = space.wait_for("cursor among the targets", |screen| {
+        let seen = screen.text();
+        seen.contains("Moon") && seen.contains('✛') && seen.contains(" mm ")
     });
-    println!("{text}");
+    println!("{space_text}");
     let mut direct = demo("direct");
-    let text = direct.wait_for("position of the pointer", |screen| {
+    let direct_text = direct.wait_for("position of the pointer", |screen| {
         screen.text().contains("pointer 0.") && screen.text().contains('✛')
     });
-    println!("{text}");
+    println!("{direct_text}");
     direct.type_keys("\x03");
     assert_eq!(direct.wait().code(), Some(1));
     direct.assert_restored();
-    let text = direct.text();
+    let last = direct.text();
     assert!(
-        text.contains("pointer 0."),
-        "the last picture stays:\n{text}"
+        last.contains("pointer 0."),
+        "the last picture stays:\n{last}"
     );
 }

@@ -54,10 +54,10 @@ impl Screen {
             .arg("--ctty")
             .arg(command.get_program())
             .args(command.get_args());
-        for (name, value) in command.get_envs() {
+        for (variable, value) in command.get_envs() {
             match value {
-                Some(value) => session.env(name, value),
-                None => session.env_remove(name),
+                Some(value) => session.env(variable, value),
+                None => session.env_remove(variable),
             };
         }
         if let Some(folder) = command.get_current_dir() {

@@ -54,8 +54,8 @@ fn a_watcher_sees_the_run_and_comes_and_goes_without_effect_on_it() {
     signal("TERM", run.program.0.id());
     assert_eq!(small.wait().code(), Some(0));
     small.assert_restored();
-    let text = small.text();
-    assert!(text.contains("the session has ended"), "{text}");
+    let last = small.text();
+    assert!(last.contains("the session has ended"), "{last}");
 }
 
 #[test]
@@ -137,11 +137,11 @@ fn a_watching_client_receives_the_layout_and_then_views() {
         !state.contains("typed"),
         "only a watcher receives it: {state}"
     );
-    let mut client = WatchClient::connect(path.as_ref()).expect("the session listens");
-    let view = client.next_view().expect("a view").expect("a run");
-    assert_eq!(view.layout.name, "QWERTY, 19 mm");
+    let mut watcher = WatchClient::connect(path.as_ref()).expect("the session listens");
+    let watched = watcher.next_view().expect("a view").expect("a run");
+    assert_eq!(watched.layout.name, "QWERTY, 19 mm");
     drop(run);
-    while client.next_view().expect("a view or the end").is_some() {}
+    while watcher.next_view().expect("a view or the end").is_some() {}
     assert!(WatchClient::connect(socket.as_ref()).is_err());
 }
 

@@ -100,22 +100,22 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
         "{look}"
     );
     press(&mut browser, "Tab");
-    let look = browser.evaluate(LOOK);
+    let completed = browser.evaluate(LOOK);
     assert!(
-        look["before"]
+        completed["before"]
             .as_str()
             .is_some_and(|it| it.ends_with("anchor: world, tilt_deg: ")),
-        "{look}"
+        "{completed}"
     );
     assert_eq!(
-        (&look["focus"], &look["is_open"]),
+        (&completed["focus"], &completed["is_open"]),
         (&json!("editor"), &json!(false))
     );
     write(&mut browser, "20, sc");
     press(&mut browser, "Escape");
-    let look = browser.evaluate(LOOK);
+    let closed = browser.evaluate(LOOK);
     assert_eq!(
-        (&look["is_open"], &look["active"]),
+        (&closed["is_open"], &closed["active"]),
         (&json!(false), &Value::Null)
     );
     browser.save_picture("web-completion-closed.png");
@@ -126,18 +126,18 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
     edit(&mut browser, &format!("{text:?}"));
     go_behind(&mut browser, "(pose: (");
     press(&mut browser, " ");
-    let look = browser.wait_for(LOOK, "a list on demand", |look| look["is_open"] == true);
+    let demanded = browser.wait_for(LOOK, "a list on demand", |seen| seen["is_open"] == true);
     assert!(
-        offers(&look, "bearing_deg") && !offers(&look, "anchor"),
-        "{look}"
+        offers(&demanded, "bearing_deg") && !offers(&demanded, "anchor"),
+        "{demanded}"
     );
     press(&mut browser, "Escape");
     edit(&mut browser, &format!("{:?}", text.replace("world, ", "")));
     go_behind(&mut browser, "anchor: ");
     press(&mut browser, " ");
-    let look = browser.wait_for(LOOK, "the anchors", |look| look["is_open"] == true);
+    let anchors = browser.wait_for(LOOK, "the anchors", |seen| seen["is_open"] == true);
     assert_eq!(
-        look["names"],
+        anchors["names"],
         json!(["world", "elbow", "wrist", "start", "other"])
     );
     press(&mut browser, "ArrowDown");
@@ -146,12 +146,12 @@ fn names_are_offered_while_typing_and_accepted_with_a_key() {
     assert_eq!(browser.evaluate(LOOK)["active"], "elbow");
     browser.save_picture("web-completion.png");
     press(&mut browser, "Enter");
-    let look = browser.wait_for(LOOK, "a valid layout", |look| look["faults"] == "");
+    let valid = browser.wait_for(LOOK, "a valid layout", |seen| seen["faults"] == "");
     assert!(
-        look["before"]
+        valid["before"]
             .as_str()
             .is_some_and(|it| it.ends_with("anchor: elbow")),
-        "{look}"
+        "{valid}"
     );
 }
 

@@ -192,7 +192,7 @@ fn picture(hand: Option<&Hand>) -> Vec<u8> {
             let up = (HEIGHT as f32 / 2.0 - y as f32) / focal;
             let ray = Vec3::new(right, up, -1.0).normalize();
             let hit = hand.and_then(|hand| Some((hand, trace(hand, ray)?)));
-            let color = hit.map(|(hand, point)| SKIN * hand.shade(point));
+            let color = hit.map(|(hit_hand, point)| SKIN * hit_hand.shade(point));
             let color = color.unwrap_or(Vec3::new(0.95, 1.0, 1.02) * wall);
             pixels.push(color.clamp(Vec3::ZERO, Vec3::splat(255.0)));
         }

@@ -186,8 +186,8 @@ fn boards_are_moved_by_their_edge_and_laid_on_a_table_below_flat_hands() {
     let (_server, address) = serve(&folder);
     enter(&mut browser, &address, "enter-vr");
     // The near edge of the board, beside the keys.
-    let at_edge = |browser: &mut Browser, apart: f64, by: [f64; 3]| {
-        browser.evaluate(&format!(
+    let at_edge = |page: &mut Browser, apart: f64, by: [f64; 3]| {
+        page.evaluate(&format!(
             r#"(async () => {{
                 const [{{ placement }}, {{ move }}, {{ session }}] = await Promise.all(["/headset.js", "/vectors.js", "/session.js"].map((it) => import(it)));
                 const low = Math.min(...session.layout.boards[0].targets.map((it) => it.pose[1] - it.half_m[1]));

@@ -21,7 +21,7 @@ use crate::support::process::Process;
 
 /// Returns the folder of the page; `None` if it is not built.
 fn folder() -> Option<PathBuf> {
-    // The folder for temporary files is in that of the build.
+    // The folder for temporary files is in the folder of the build.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../web");
     if folder.join("index.html").is_file() {
         return Some(folder);
@@ -52,6 +52,6 @@ fn without_tls_the_page_for_a_headset_is_refused_with_the_remedy() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("--features tls"), "{}", ended.err);
     let source = "headset:127.0.0.1:8443?page=target/web";
-    let ended = crate::run(["run", "--source", source, "--output", "none"]);
-    assert!(ended.err.contains("--features tls"), "{}", ended.err);
+    let headset = crate::run(["run", "--source", source, "--output", "none"]);
+    assert!(headset.err.contains("--features tls"), "{}", headset.err);
 }

@@ -212,9 +212,9 @@ fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
     let shown: crate::Ended = shown.output().expect("the program starts").into();
     assert!(shown.err.contains("`Mine, é, QWERTY"), "{}", shown.err);
 
-    let link = run(["layout", "share", "numpad", "--page", &address]).out;
+    let shared = run(["layout", "share", "numpad", "--page", &address]).out;
     browser.call("Page.navigate", json!({"url": "about:blank"}));
-    browser.call("Page.navigate", json!({"url": link.trim()}));
+    browser.call("Page.navigate", json!({"url": shared.trim()}));
     let look = browser.wait_for(LOOK, "the shared layout", |look| {
         look["ready"] == "true" && look["text"].as_str().is_some_and(|it| !it.is_empty())
     });
@@ -223,8 +223,8 @@ fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
     assert_eq!(same(look["text"].as_str().expect("a text")), same(&numpad));
 
     browser.evaluate("location.hash = '#layout=AAAA'");
-    browser.wait_for(LOOK, "a damaged link", |look| {
-        look["notice"]
+    browser.wait_for(LOOK, "a damaged link", |seen| {
+        seen["notice"]
             .as_str()
             .is_some_and(|it| it.contains("cannot be read"))
     });

@@ -208,10 +208,10 @@ fn the_memory_of_the_page_stays_as_it_is_while_the_camera_runs() {
     start(&mut browser, &model);
     click(&mut browser, "webcam-place-boards");
     let pause = std::time::Duration::from_secs_f64(minutes * 60.0 / 6.0);
-    let measure = |browser: &mut Browser| {
+    let measure = |page: &mut Browser| {
         std::thread::sleep(pause);
-        browser.call("HeapProfiler.collectGarbage", json!({}));
-        let heap = browser.call("Runtime.getHeapUsage", json!({}));
+        page.call("HeapProfiler.collectGarbage", json!({}));
+        let heap = page.call("Runtime.getHeapUsage", json!({}));
         let bytes = heap["usedSize"].as_f64().expect("a number")
             + heap["backingStorageSize"].as_f64().unwrap_or_default();
         bytes / 1e6

@@ -46,8 +46,8 @@ fn words_are_corrected_and_a_click_takes_one() {
     let (_server, address) = serve(&folder);
     browser.call("Network.enable", json!({}));
     open(&mut browser, &address);
-    let loaded = |browser: &Browser| {
-        let requests = browser.requests();
+    let loaded = |page: &Browser| {
+        let requests = page.requests();
         let of_words = requests.iter().filter_map(|it| it.rsplit('/').next());
         of_words
             .filter(|name| {
@@ -81,13 +81,13 @@ fn words_are_corrected_and_a_click_takes_one() {
     browser.evaluate(
         "[...document.querySelectorAll('#candidates button')].find((it) => it.textContent === 'quick').click()",
     );
-    browser.wait_for(LOOK, "the candidate is taken", |look| {
-        look["typed"] == "quick "
+    browser.wait_for(LOOK, "the candidate is taken", |seen| {
+        seen["typed"] == "quick "
     });
 
     select(&mut browser, "gallery-list", "chords-bend");
-    browser.wait_for(LOOK, "no letters", |look| {
-        look["row"]
+    browser.wait_for(LOOK, "no letters", |seen| {
+        seen["row"]
             .as_str()
             .is_some_and(|row| row.contains("too few letters"))
     });
@@ -115,5 +115,5 @@ fn a_decoder_that_cannot_be_loaded_is_a_message_and_keys_type_on() {
     assert_eq!(look["notice"], "words are not corrected: en.adm: 404");
     assert_eq!(look["chosen"], "");
     type_text(&mut browser, "thw ");
-    browser.wait_for(LOOK, "the text", |look| look["typed"] == "thw ");
+    browser.wait_for(LOOK, "the text", |seen| seen["typed"] == "thw ");
 }

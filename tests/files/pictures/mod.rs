@@ -42,9 +42,9 @@ fn texts(node: Node) -> Vec<String> {
 }
 
 fn shapes(node: Node) -> usize {
-    let is_shape = |node: &Node| {
+    let is_shape = |element: &Node| {
         let shapes = ["rect", "circle", "line", "polyline", "polygon", "path"];
-        shapes.contains(&node.tag_name().name())
+        shapes.contains(&element.tag_name().name())
     };
     node.descendants().filter(is_shape).count()
 }
@@ -67,7 +67,7 @@ fn every_control_of_a_shipped_layout_has_its_shape_and_label() {
             );
         }
         let all = texts(document.root_element()).join("\n");
-        let triggers = layout.triggers.iter().map(|(name, _)| name);
+        let triggers = layout.triggers.iter().map(|(trigger, _)| trigger);
         let targets = layout.spaces.iter().flat_map(|space| &space.names);
         for part in triggers.chain(targets).chain([&layout.name]) {
             assert!(
@@ -134,9 +134,12 @@ fn labels_of_any_characters_make_a_valid_picture() {
     let document = parse(&svg);
     let all = texts(document.root_element());
     for part in ["]]>&amp;<!--", "a < b", "&x;", "Layer: <i>"] {
-        assert!(all.iter().any(|text| text == part), "{part} in {all:?}");
+        assert!(all.iter().any(|shown| shown == part), "{part} in {all:?}");
     }
-    assert!(all.iter().any(|text| text.contains("tilt 20°")), "{all:?}");
+    assert!(
+        all.iter().any(|shown| shown.contains("tilt 20°")),
+        "{all:?}"
+    );
 }
 
 #[test]

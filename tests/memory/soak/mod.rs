@@ -89,25 +89,28 @@ fn the_event_loop_counts_every_reading_of_a_damaged_line() {
     };
     let mut pipeline = loaded.pipeline();
     let source = open(&source).expect("the file opens");
-    let run = run_pipeline(
+    let ended = run_pipeline(
         source,
         &mut pipeline,
         &mut *null_output,
         &CommandReceiver::disconnected(),
         &mut observe,
     );
-    let stats = run.expect("a session").stats;
+    let pipeline_stats = ended.expect("a session").stats;
     assert!(!oracle.has_pressed(), "a key stays pressed at the end");
-    let source_stats = stats.source;
+    let source_stats = pipeline_stats.source;
     assert_eq!(source_stats.bytes, bytes.len() as u64);
     assert_eq!(
         source_stats.bytes,
         66 * source_stats.readings + source_stats.skipped_bytes
     );
-    let rejected: u64 = stats.rejected.iter().sum();
+    let rejected: u64 = pipeline_stats.rejected.iter().sum();
     assert_eq!(
         source_stats.readings,
-        stats.accepted + rejected + source_stats.dropped
+        pipeline_stats.accepted + rejected + source_stats.dropped
     );
-    assert!(stats.accepted > 1_000 && rejected > 10, "{stats:?}");
+    assert!(
+        pipeline_stats.accepted > 1_000 && rejected > 10,
+        "{pipeline_stats:?}"
+    );
 }

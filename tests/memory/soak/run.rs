@@ -251,7 +251,7 @@ impl<'a> SoakRun<'a> {
             .saturating_add(self.random.u8(..2))
             .clamp(1, 254);
         match self.rail {
-            Some((until, channel, count)) if self.now < until => body[channel] = count,
+            Some((until, broken, count)) if self.now < until => body[broken] = count,
             _ => self.rail = None,
         }
         encode(self.setup.format.framing, &body)

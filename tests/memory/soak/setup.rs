@@ -89,8 +89,8 @@ fn packets(loaded: &LoadedSetup, format: &Hc11Format, script: &str) -> Vec<Body>
     let typist = loaded.scripted(script, format, 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{script}: {error}"));
     let counts = std::iter::from_fn(|| typist.next_counts());
-    let body = |counts: ademan::sim::GloveCounts| {
-        std::array::from_fn(|channel| counts[channel].min(255) as u8)
+    let body = |glove_counts: ademan::sim::GloveCounts| {
+        std::array::from_fn(|channel| glove_counts[channel].min(255) as u8)
     };
     counts.map(body).collect()
 }

@@ -151,8 +151,8 @@ fn a_killed_program_takes_its_word_along_and_the_next_one_types() {
     desk.field.wait_for("text\thello ");
     signal("KILL", program.id());
     drop(program);
-    let mut program = type_text(&desk.compositor, "again ");
-    assert!(program.wait_for_exit().success());
+    let mut next = type_text(&desk.compositor, "again ");
+    assert!(next.wait_for_exit().success());
     let (text, lines) = (desk.field.text(), desk.field.lines());
     println!("{lines:#?}");
     assert!(text.ends_with("again "), "{text:?}");

@@ -77,8 +77,8 @@ impl Desk {
             .stderr(Stdio::null());
         self.daemon = Some(Process::start(&mut command).expect("the daemon starts"));
         let is_up = || {
-            let mut command = self.command("ibus");
-            let selected = command.args(["engine", "xkb:us::eng"]).output();
+            let mut engine = self.command("ibus");
+            let selected = engine.args(["engine", "xkb:us::eng"]).output();
             selected.is_ok_and(|output| output.status.success())
         };
         assert!(wait_for(is_up), "the daemon of IBus does not answer");

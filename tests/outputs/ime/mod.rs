@@ -161,8 +161,8 @@ fn a_program_that_is_killed_leaves_no_key_pressed_and_the_field_usable() {
         desk.server.pressed_keys()
     );
     drop(program);
-    let mut program = desk.type_text("again ");
-    assert!(program.wait_for_exit().success());
+    let mut next = desk.type_text("again ");
+    assert!(next.wait_for_exit().success());
     assert!(field.text().ends_with("again "), "{:?}", field.text());
 }
 

@@ -39,13 +39,13 @@ impl SoundServer {
         let server = quiet(&mut command, folder.path())?;
         assert!(wait_for(|| socket.exists()), "pulseaudio listens");
         let recording = File::create(folder.path().join("recording")).expect("a file");
-        let mut command = Command::new("parec");
-        command
+        let mut recording_command = Command::new("parec");
+        recording_command
             .arg(format!("--server={}", address(folder.path())))
             .args(["--device=file.monitor", "--raw", "--format=s16le"])
             .args(["--rate=48000", "--channels=1", "--latency-msec=50"])
             .stdout(recording);
-        let recorder = quiet(&mut command, folder.path())?;
+        let recorder = quiet(&mut recording_command, folder.path())?;
         let started = Self {
             folder,
             server,

@@ -141,8 +141,9 @@ fn a_client_that_does_not_read_is_disconnected_without_an_effect_on_others() {
     let start = Instant::now();
     let mut step = 0;
     // Writing to a disconnected socket fails.
-    let is_disconnected =
-        |client: &mut Client| std::io::Write::write_all(&mut client.0, &[0; 4]).is_err();
+    let is_disconnected = |blocked_client: &mut Client| {
+        std::io::Write::write_all(&mut blocked_client.0, &[0; 4]).is_err()
+    };
     while !is_disconnected(&mut blocked) {
         step += 1;
         let value = [0.5, 1.0][step % 2];
@@ -189,8 +190,8 @@ fn the_socket_is_private_and_a_second_server_is_an_error() {
     drop(std::os::unix::net::UnixListener::bind(&path).unwrap());
     open(&path).expect("the socket is replaced");
     let long = folder.path().join("x".repeat(108));
-    let error = open(&long).err().expect("the path is too long").to_string();
-    assert!(error.contains("at most 107"), "{error}");
+    let long_error = open(&long).err().expect("the path is too long").to_string();
+    assert!(long_error.contains("at most 107"), "{long_error}");
 }
 
 /// Moves the lever of the layout `workshop`.
@@ -297,17 +298,17 @@ fn lines_of_two_clients(layout: &str, source: &str) -> Option<[Vec<String>; 2]> 
         client.arg(sensitivity).env("SPNAV_SOCKET", &path);
         Process::start(client.stdout(Stdio::piped())).unwrap()
     });
-    let lines = clients.map(|mut client| {
-        let lines = BufReader::new(client.0.stdout.take().unwrap()).lines();
+    let lines = clients.map(|mut process| {
+        let lines = BufReader::new(process.0.stdout.take().unwrap()).lines();
         lines.map_while(Result::ok).collect::<Vec<_>>()
     });
-    for lines in &lines {
+    for client_lines in &lines {
         let greeting = [
             "protocol 1, device Ademan, 6 axes, 4 buttons",
             "sensitivity 0",
             "ids -1, type 0, settings -1",
         ];
-        assert_eq!(lines[..3], greeting);
+        assert_eq!(client_lines[..3], greeting);
     }
     println!("{:#?}", lines[0]);
     Some(lines.map(|lines| lines[3..].to_vec()))
@@ -323,9 +324,10 @@ fn libspnav_clients_receive_the_lever_at_their_own_sensitivity() {
         assert_eq!(words[0], "motion", "{line}");
         words[2].parse().expect("a number")
     };
-    let [plain, sensitive] = lines.map(|lines| lines.iter().map(height).collect::<Vec<_>>());
+    let [plain, sensitive] =
+        lines.map(|client_lines| client_lines.iter().map(height).collect::<Vec<_>>());
     assert_lifted(&plain);
-    let twice: Vec<_> = plain.iter().map(|height| 2 * height).collect();
+    let twice: Vec<_> = plain.iter().map(|lifted| 2 * lifted).collect();
     assert_eq!(sensitive, twice);
 }
 
@@ -335,14 +337,14 @@ fn libspnav_clients_receive_buttons() {
     let Some(lines) = lines_of_two_clients("game", source) else {
         return;
     };
-    for lines in lines {
+    for client_lines in lines {
         let expected = [
             "button 0 down",
             "button 0 up",
             "button 3 down",
             "button 3 up",
         ];
-        let buttons: Vec<_> = lines
+        let buttons: Vec<_> = client_lines
             .iter()
             .filter(|line| line.starts_with("button"))
             .collect();

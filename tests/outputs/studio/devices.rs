@@ -98,7 +98,7 @@ impl Keyboard {
             Some(index) => (index, false),
             None => (find(1).expect("a key"), true),
         };
-        let code = |index: usize| self.first + u8::try_from(index).expect("a code");
+        let code = |key_index: usize| self.first + u8::try_from(key_index).expect("a code");
         let shift = code(
             self.keysyms
                 .iter()
@@ -141,8 +141,8 @@ fn a_missing_port_leaves_the_session_and_another_source_replaces_it() {
     keyboard.toggle_devices();
     keyboard.enter("serial:/dev/no-such-port");
     session.wait_for_typing();
-    let armed = |session: &Session| {
-        let lines = session.program.stderr_lines();
+    let armed = |counted: &Session| {
+        let lines = counted.program.stderr_lines();
         lines.iter().filter(|line| line.contains("armed")).count()
     };
     assert_eq!(armed(&session), 1, "{:#?}", session.program.stderr_lines());

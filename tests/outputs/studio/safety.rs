@@ -34,8 +34,8 @@ impl Session {
         let path = folder.path().display().to_string();
         let setup = format!("Setup(output: \"{output}\")");
         fs::write(folder.path().join("setup.ron"), setup).expect("space on the disk");
-        let setup = format!("{path}/setup.ron");
-        let mut command = studio(&server, &[&setup, "--allow-root"]);
+        let setup_path = format!("{path}/setup.ron");
+        let mut command = studio(&server, &[&setup_path, "--allow-root"]);
         command.env("XDG_STATE_HOME", &path);
         change(&mut command);
         let program = Program::from_command(command);

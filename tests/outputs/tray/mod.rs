@@ -168,8 +168,8 @@ fn the_menu_refuses_another_user() {
     let (is_executed, error) = click_as("65534", &bus, service);
     assert!(!is_executed && error.contains("AccessDenied"), "{error}");
     assert_eq!(run.state()["paused"], false);
-    let (is_executed, error) = click_as("0", &bus, service);
-    assert!(is_executed, "{error}");
+    let (is_executed_as_root, root_error) = click_as("0", &bus, service);
+    assert!(is_executed_as_root, "{root_error}");
     assert!(wait_for(|| run.state()["paused"] == true));
     run.end();
 }
@@ -257,9 +257,9 @@ fn a_desktop_that_starts_later_shows_the_icon_and_what_is_missing_is_said_once()
     assert_eq!(run.program.count_lines("no icon in the tray"), 1);
     run.end();
 
-    let run = Run::start("unix:path=/nowhere/bus");
-    run.program
+    let lone = Run::start("unix:path=/nowhere/bus");
+    lone.program
         .wait_for_line("the session bus of the desktop cannot be reached", 1);
-    run.assert_types();
-    run.end();
+    lone.assert_types();
+    lone.end();
 }

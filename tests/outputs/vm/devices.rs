@@ -34,9 +34,9 @@ pub fn all(scene: &mut Scene) {
     steers(scene, &gamepad);
     scene.end_program();
 
-    let [pointer, gamepad] = play(scene, FEW, ON_FEW, ["pointer", "gamepad"]);
-    points(scene, &pointer);
-    is_joystick(scene, &gamepad);
+    let [lone_pointer, small_gamepad] = play(scene, FEW, ON_FEW, ["pointer", "gamepad"]);
+    points(scene, &lone_pointer);
+    is_joystick(scene, &small_gamepad);
     scene.report("a pointer without a mouse and a gamepad with one button are recognized");
     scene.end_program();
 }

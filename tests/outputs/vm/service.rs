@@ -141,10 +141,13 @@ fn keys_are_released_when_systemd_kills_the_unit() {
     session.wait_for_line("the program exited; released its keys (1)");
     session.wait_for_press("restarted by the unit");
 
-    let group = session
+    let restarted_group = session
         .machine
         .run(&format!("{SYSTEMCTL} show -P ControlGroup ademan"));
-    let kill = format!("echo 1 >/sys/fs/cgroup{}/cgroup.kill", group.trim());
+    let kill = format!(
+        "echo 1 >/sys/fs/cgroup{}/cgroup.kill",
+        restarted_group.trim()
+    );
     session.check_release("control group killed", &kill);
     session.wait_for_line("the program exited; released its keys (1)");
     session.wait_for_press("restarted by the unit");
@@ -156,21 +159,21 @@ fn keys_are_released_when_systemd_kills_the_unit() {
     session.machine.run(&limit("infinity"));
     session.wait_for_press("restarted by the unit");
 
-    let [program, watchdog] = session.processes();
+    let [restarted_program, restarted_watchdog] = session.processes();
     session.check_release(
         "program and watchdog killed",
-        &format!("kill -KILL {watchdog} {program}"),
+        &format!("kill -KILL {restarted_watchdog} {restarted_program}"),
     );
     session.wait_for_line("released the keys of a killed run (1)");
     session.wait_for_press("restarted by the unit");
 
-    let [_, watchdog] = session.processes();
+    let [_, last_watchdog] = session.processes();
     session.check_release("systemctl stop", &format!("{SYSTEMCTL} stop ademan"));
     session
         .machine
         .wait_for("the end of the watchdog", |machine| {
             machine
-                .run(&format!("ls /proc | grep -x {watchdog}"))
+                .run(&format!("ls /proc | grep -x {last_watchdog}"))
                 .is_empty()
                 .then_some(())
         });

@@ -73,12 +73,12 @@ impl Compositor {
         command.stdout(Stdio::null()).stderr(log);
         let process = Process::start(&mut command).expect("the compositor starts");
         let mut socket = None;
-        let log = || fs::read_to_string(folder.path().join("log")).unwrap_or_default();
+        let read_log = || fs::read_to_string(folder.path().join("log")).unwrap_or_default();
         let is_up = || {
             socket = socket_in(folder.path());
             socket.is_some()
         };
-        assert!(wait_for(is_up), "no socket: {}", log());
+        assert!(wait_for(is_up), "no socket: {}", read_log());
         Some(Self {
             socket: socket.expect("it exists"),
             folder,

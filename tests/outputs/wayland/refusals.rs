@@ -30,12 +30,18 @@ fn a_compositor_without_virtual_keyboards_is_an_error_and_the_doctor_reports_it(
     );
     assert!(text.ends_with(&expected), "{text}");
     assert_eq!(code, Some(2));
-    let (code, text, _) = run_to_end(compositor.ademan(DOCTOR));
-    let expected = format!("missing      compositor   needed  weston {why}\n");
-    assert!(text.contains(&expected), "{text}");
-    assert!(text.contains("use the output `uinput`"), "{text}");
-    assert!(text.contains("fails        desktop      tested"), "{text}");
-    assert_eq!(code, Some(1));
+    let (doctor_code, doctor_text, _) = run_to_end(compositor.ademan(DOCTOR));
+    let doctor_expected = format!("missing      compositor   needed  weston {why}\n");
+    assert!(doctor_text.contains(&doctor_expected), "{doctor_text}");
+    assert!(
+        doctor_text.contains("use the output `uinput`"),
+        "{doctor_text}"
+    );
+    assert!(
+        doctor_text.contains("fails        desktop      tested"),
+        "{doctor_text}"
+    );
+    assert_eq!(doctor_code, Some(1));
 }
 
 #[test]

@@ -35,9 +35,9 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
         .stderr(stderr);
     let mut program = Process::start(&mut command).expect("the program starts");
     let key = [x11_code("H")];
-    let hold = |glove: &Glove| {
+    let hold = |used: &Glove| {
         assert!(wait_for(|| {
-            glove.play(&press.approach);
+            used.play(&press.approach);
             wait_at_most(Duration::from_secs(5), || server.pressed_keys() == key)
         }));
     };
@@ -46,10 +46,10 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
     glove.play(&press.lift);
     wait_for_release(&server, start, "lifted");
     hold(&glove);
-    let start = Instant::now();
+    let unplugged_at = Instant::now();
     glove.unplug();
-    wait_for_release(&server, start, "unplugged");
-    let start = Instant::now();
+    wait_for_release(&server, unplugged_at, "unplugged");
+    let killed_at = Instant::now();
     let process = program.0.id().to_string();
     let kill = std::process::Command::new("kill").arg(&process).status();
     assert!(kill.expect("kill exists").success());
@@ -58,7 +58,7 @@ fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_en
         status = program.0.try_wait().expect("a child process");
         status.is_some()
     });
-    println!("ended after {:.1?}", start.elapsed());
+    println!("ended after {:.1?}", killed_at.elapsed());
     let status = status.expect("the program ends");
     assert_eq!(
         status.code(),

@@ -115,11 +115,11 @@ fn keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_o
         !files.iter().any(|name| name.starts_with("pressed-")),
         "{files:?}"
     );
-    let output = killed
+    let again = killed
         .command(["release-keys"])
         .output()
         .expect("it starts");
-    assert!(output.stderr.is_empty(), "{output:?}");
+    assert!(again.stderr.is_empty(), "{again:?}");
 }
 
 #[test]

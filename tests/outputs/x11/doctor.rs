@@ -38,11 +38,14 @@ fn the_doctor_finds_a_display_and_leaves_it_unchanged() {
     assert_eq!(after, before);
     assert_eq!(log.events(), []);
 
-    let (code, out) = doctor(":65000");
+    let (missing_code, missing_out) = doctor(":65000");
     let missing = "missing      display      needed  no X server answers at `:65000`\n";
-    assert!(out.contains(missing), "{out}");
-    assert!(out.contains("fails        desktop      tested"), "{out}");
-    assert_eq!(code, Some(1), "{out}");
+    assert!(missing_out.contains(missing), "{missing_out}");
+    assert!(
+        missing_out.contains("fails        desktop      tested"),
+        "{missing_out}"
+    );
+    assert_eq!(missing_code, Some(1), "{missing_out}");
 }
 
 #[test]

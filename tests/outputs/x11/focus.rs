@@ -169,8 +169,8 @@ fn held_keys_are_released_before_the_profile_of_another_application_and_a_choice
     manager.activate(plain);
     views.wait_for_profile("main");
     assert_eq!(views.profiles(), ["main", "code", "sofa", "main"]);
-    let state = request(control, r#"{"command":"state"}"#);
-    assert_eq!(state.get("application"), None, "no rule holds");
+    let last_state = request(control, r#"{"command":"state"}"#);
+    assert_eq!(last_state.get("application"), None, "no rule holds");
 
     program.signal(&["TERM"]);
     assert_eq!(program.wait_for_exit().code(), Some(0));

@@ -32,19 +32,19 @@ fn after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clea
     glove.unplug();
     wait_for_release(&server, start, "unplugged");
     let log = KeyLog::start(&server);
-    let glove = Glove::plug_in(&port, press.pressed());
+    let replugged = Glove::plug_in(&port, press.pressed());
     program.wait_for_line("reconnected to", 1);
     thread::sleep(Duration::from_secs(1));
     assert_eq!(log.presses_after(0), 0, "{:?}", log.events());
 
     let times_armed = program.count_lines("armed");
-    let start = Instant::now();
-    glove.play(&[press.clear()]);
+    let lifted_at = Instant::now();
+    replugged.play(&[press.clear()]);
     program.wait_for_line("armed", times_armed + 1);
-    let took = start.elapsed();
+    let took = lifted_at.elapsed();
     println!("off all keys: armed after {took:.1?}");
     assert!(took >= NEUTRAL, "{took:?}");
-    hold(&server, &program, &glove, &press, &[x11_code("H")]);
-    glove.play(&press.lift);
+    hold(&server, &program, &replugged, &press, &[x11_code("H")]);
+    replugged.play(&press.lift);
     assert!(server.wait_for_keys(&[]));
 }

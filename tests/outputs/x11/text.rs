@@ -59,7 +59,7 @@ fn a_sequence_arrives_in_order_and_leaves_no_key_pressed() {
     );
 }
 
-/// What a text field shows after these bytes of a terminal.
+/// Returns the text that a text field shows after these bytes of a terminal.
 fn shown(bytes: &str) -> String {
     let mut text = String::new();
     for character in bytes.chars() {

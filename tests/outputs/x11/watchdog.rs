@@ -302,14 +302,14 @@ fn a_kill_of_all_processes_with_the_name_of_the_program_leaves_the_watchdog() {
     let [watchdog] = program.children()[..] else {
         panic!("one child: {:?}", program.children());
     };
-    for file in ["comm", "cmdline"] {
-        let text = fs::read_to_string(format!("/proc/{watchdog}/{file}")).expect("it runs");
-        assert!(!text.contains("ademan"), "{file}: {text:?}");
+    for entry in ["comm", "cmdline"] {
+        let text = fs::read_to_string(format!("/proc/{watchdog}/{entry}")).expect("it runs");
+        assert!(!text.contains("ademan"), "{entry}: {text:?}");
     }
     let mut pkill = Command::new("pkill");
     let killed = Process::start(pkill.args(["-KILL", "-f", &name]));
     match killed {
-        Ok(mut pkill) => _ = pkill.0.wait().expect("pkill exits"),
+        Ok(mut started) => _ = started.0.wait().expect("pkill exits"),
         Err(error) => {
             println!("SKIPPED: pkill: {error}");
             program.signal(&["KILL"]);

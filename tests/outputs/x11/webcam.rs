@@ -1,4 +1,4 @@
-//! A hand in front of a webcam: `ademan webcam` with the bridge, its results those of a hand that is not simulated here.
+//! A hand in front of a webcam: `ademan webcam` with the bridge, on recorded results of a real hand.
 
 use std::fs;
 use std::path::Path;

@@ -70,9 +70,9 @@ fn a_disc_has_no_corners() {
         "within the margin"
     );
     assert_eq!(index.step([7.2, 7.2, 2.0], None), "cancelled:0=0.00");
-    let mut index = IndexFinger::over(disc());
-    assert_eq!(index.step([5.8, 5.8, 15.0], None), "");
-    assert_eq!(index.step([5.8, 5.8, 2.0], None), "");
+    let mut corner = IndexFinger::over(disc());
+    assert_eq!(corner.step([5.8, 5.8, 15.0], None), "");
+    assert_eq!(corner.step([5.8, 5.8, 2.0], None), "");
 }
 
 #[test]
@@ -165,10 +165,10 @@ fn a_finger_that_slid_off_does_not_press_a_lower_neighbor() {
             .starts_with("touched:1=0.00 pressed:1=0.50")
     );
 
-    let mut index = slid_off();
-    assert_eq!(index.step([76.0, 0.0, 2.0], None), "");
+    let mut far = slid_off();
+    assert_eq!(far.step([76.0, 0.0, 2.0], None), "");
     assert!(
-        index.step([76.0, 0.0, -6.0], None).starts_with("touched:2"),
+        far.step([76.0, 0.0, -6.0], None).starts_with("touched:2"),
         "it counts again far from the position to which it slid"
     );
 }

@@ -104,7 +104,7 @@ fn a_layer_changes_the_actions_of_keys_while_it_is_held() {
             "thumb layer1 up; thumb layer1 down; index q tap; index e tap; thumb layer1 up; index q tap"
         ),
         "dn:1 up:1 dn:E up:E dn:Q up:Q",
-        "a key without an action in the layer has that of the base layer"
+        "a key without an action in the layer has the action of the base layer"
     );
 }
 

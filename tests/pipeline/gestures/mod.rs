@@ -51,9 +51,9 @@ fn chatter_between_press_and_release_depth_is_one_press() {
     let chatter = "index w 2.1; index w 1.9; ".repeat(20);
     let script = format!("index w up; {chatter}; index w up");
     assert_eq!(simulate_keys(BOARD, &script), "dn:W up:W");
-    let chatter = "index w 1.5; index w 0.2; ".repeat(20);
-    let script = format!("index w up; {chatter}; index w up");
-    assert_eq!(simulate_keys(BOARD, &script), "", "not deep enough");
+    let shallow = "index w 1.5; index w 0.2; ".repeat(20);
+    let shallow_script = format!("index w up; {shallow}; index w up");
+    assert_eq!(simulate_keys(BOARD, &shallow_script), "", "not deep enough");
 }
 
 #[test]

@@ -53,7 +53,7 @@ impl RandomFingers {
                 };
             }
             let fraction = between(random, 0.3, 1.0) as f32;
-            let tremor = |random: &mut Rng| between(random, -3e-4, 3e-4) as f32;
+            let tremor = |generator: &mut Rng| between(generator, -3e-4, 3e-4) as f32;
             *pad = pad.lerp(*goal, fraction);
             *pad += Vec3::new(tremor(random), tremor(random), tremor(random));
         }

@@ -234,10 +234,15 @@ fn i2_nothing_stays_pressed_or_off_center_unless_the_pipeline_runs() {
         let result = pipeline.release_all(state, &[]);
         assert_eq!(result, Err(Violation::NotReleased(key("A"), state)));
 
-        let mut pipeline = FakePipeline::running();
-        pipeline.step(&[EventKind::Axis(Axis::LeftX, 1.0)]).unwrap();
-        let result = pipeline.release_all(state, &[]);
-        assert_eq!(result, Err(Violation::AxisNotCentered(Axis::LeftX, state)));
+        let mut deflected = FakePipeline::running();
+        deflected
+            .step(&[EventKind::Axis(Axis::LeftX, 1.0)])
+            .unwrap();
+        let axis_result = deflected.release_all(state, &[]);
+        assert_eq!(
+            axis_result,
+            Err(Violation::AxisNotCentered(Axis::LeftX, state))
+        );
     }
 }
 
@@ -413,16 +418,16 @@ fn i5_the_pointer_moves_at_most_its_maximum_distance_per_step() {
     );
     pipeline.step(&[EventKind::MoveBy(-40, 30)]).unwrap();
 
-    let mut pipeline = FakePipeline::running();
-    pipeline.step(&[EventKind::MoveTo(0.9, 0.9)]).unwrap();
-    pipeline.step(&[EventKind::MoveTo(0.9, 0.8)]).unwrap();
-    let result = pipeline.fork().step(&[EventKind::MoveTo(0.8, 0.8)]);
+    let mut placed = FakePipeline::running();
+    placed.step(&[EventKind::MoveTo(0.9, 0.9)]).unwrap();
+    placed.step(&[EventKind::MoveTo(0.9, 0.8)]).unwrap();
+    let result = placed.fork().step(&[EventKind::MoveTo(0.8, 0.8)]);
     assert!(
         matches!(result, Err(Violation::PointerTooFast(..))),
         "{result:?}"
     );
-    pipeline.oracle.replace(0, rules());
-    let anywhere = pipeline.step(&[EventKind::MoveTo(0.1, 0.1)]);
+    placed.oracle.replace(0, rules());
+    let anywhere = placed.step(&[EventKind::MoveTo(0.1, 0.1)]);
     anywhere.expect("a new pointer begins anywhere");
 }
 
@@ -442,6 +447,6 @@ fn every_violation_names_its_invariant() {
         text.starts_with("I6: the index finger of the right hand"),
         "{text}"
     );
-    let text = Violation::PressedTwice(key("A")).to_string();
-    assert_eq!(text, "I2: `A` was pressed twice");
+    let twice = Violation::PressedTwice(key("A")).to_string();
+    assert_eq!(twice, "I2: `A` was pressed twice");
 }

@@ -57,10 +57,10 @@ fn play(mode: &str, side: Side, moved: (Vec3, Rot3), finger: Vec3) -> Vec<(Axis,
         (start, Vec3::ZERO, 60.0),
         (end, finger, 60.0),
     ];
-    for (index, (place, finger, ring)) in steps.into_iter().enumerate() {
+    for (index, (place, fingertip, ring)) in steps.into_iter().enumerate() {
         let mut angles = JointAngles::default();
         angles.set(Dof::RingMcpFlexion, f64::to_radians(ring));
-        let pose = pose(index as u64 * 10_000, side, place, finger);
+        let pose = pose(index as u64 * 10_000, side, place, fingertip);
         let input = DeviceInput {
             scene: &layout.scene,
             bends: &Default::default(),

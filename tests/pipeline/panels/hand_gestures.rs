@@ -164,13 +164,13 @@ fn a_finger_that_is_not_measured_or_not_trusted_makes_no_fist() {
         "",
         "the thumb is unknown"
     );
-    let script = format!(
+    let doubted = format!(
         "{}; wait 50; {}; wait 100; doubt little; trust little; wait 500",
         bend_all(Finger::ALL, 20),
         bend_all(Finger::ALL, 80),
     );
     assert_eq!(
-        simulate_layout(BOARD, FIST, &script),
+        simulate_layout(BOARD, FIST, &doubted),
         "dn:X value:Fist=1.000 up:X value:Fist=0.000"
     );
 }

@@ -12,8 +12,8 @@ fn refusal(fields: &str) -> (usize, usize, String) {
         error.line().expect("a line"),
         error.column().expect("a column"),
     );
-    let text = error.to_string();
-    let message = text.lines().next().expect("a line");
+    let shown = error.to_string();
+    let message = shown.lines().next().expect("a line");
     let message = message.splitn(4, ':').nth(3).expect("after the position");
     (position.0, position.1, message.trim().to_owned())
 }

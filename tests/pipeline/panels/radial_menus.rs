@@ -66,9 +66,9 @@ fn the_menu_is_around_the_fingertip() {
         "value:M=0.143 dn:C up:C value:M=0.000",
         "away from the press, and to the right of the middle"
     );
-    let script = "index M 11 0 up; index M 11 0 down; index M -4 0 down; index M -4 0 up";
+    let dragged = "index M 11 0 up; index M 11 0 down; index M -4 0 down; index M -4 0 up";
     assert_eq!(
-        simulate(MENU, script),
+        simulate(MENU, dragged),
         "value:M=0.571 value:M=0.000",
         "beyond the dead zone around the press"
     );

@@ -44,8 +44,8 @@ impl Board {
     /// Builds a keyboard of its shorthand.
     pub fn parse(keys: &str) -> Self {
         let (mut names, mut targets, mut bindings) = (Vec::new(), Vec::new(), Vec::new());
-        for (row, keys) in keys.split('/').enumerate() {
-            for (column, key) in keys.split_whitespace().enumerate() {
+        for (row, row_keys) in keys.split('/').enumerate() {
+            for (column, key) in row_keys.split_whitespace().enumerate() {
                 let center = Vec3::new(column as f32 * PITCH, -(row as f32) * PITCH, 0.0);
                 bindings.push(binding(key, TargetId(targets.len() as u32)));
                 let pose = Pose::from_translation(center);

@@ -117,13 +117,13 @@ fn write_words(f: &mut fmt::Formatter<'_>, words: &[String]) -> fmt::Result {
 pub fn difference(expected: &str, found: &str) -> String {
     let mut differences = String::new();
     let expected_scenarios: Vec<&str> = expected.split("\n## ").collect();
-    for (index, found) in found.split("\n## ").enumerate() {
-        let expected = expected_scenarios.get(index).copied().unwrap_or_default();
-        if expected.trim_end() != found.trim_end() {
+    for (index, scenario) in found.split("\n## ").enumerate() {
+        let wanted = expected_scenarios.get(index).copied().unwrap_or_default();
+        if wanted.trim_end() != scenario.trim_end() {
             differences += &format!(
                 "expected {}\nfound {}\n\n",
-                expected.trim_end(),
-                found.trim_end()
+                wanted.trim_end(),
+                scenario.trim_end()
             );
         }
     }

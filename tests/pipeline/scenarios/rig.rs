@@ -298,10 +298,10 @@ impl<'a> Rig<'a> {
             Err(error) => Err(error.to_string()),
         });
         match controls {
-            Ok((layout, mut controls)) => {
+            Ok((built, mut controls)) => {
                 self.has_new_names = true;
                 self.command(|pipeline, events| {
-                    pipeline.replace_profile(0, &mut controls, &layout, events)
+                    pipeline.replace_profile(0, &mut controls, &built, events)
                 });
             }
             Err(_) => self.transcript.note("(refused)".into()),
@@ -414,9 +414,9 @@ impl<'a> Rig<'a> {
         for (index, body) in bodies.iter().enumerate() {
             let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;
             let after = self.format.transmission_time(after).as_micros() as u64;
-            let simulated = &mut self.gloves[glove];
-            simulated.last = (self.now - after).max(simulated.last + 1);
-            let moment = simulated.last;
+            let dated = &mut self.gloves[glove];
+            dated.last = (self.now - after).max(dated.last + 1);
+            let moment = dated.last;
             let reading = Reading::new(
                 self.time(moment),
                 (self.gloves.len() > 1).then_some(side),

@@ -64,9 +64,9 @@ fn pose_to_attributes(case: &Value, tolerance: &Value) {
     if case["round_trip"] == true {
         let again = HalfPose::from_attributes(&pose.trunk(), &[attributes[0], attributes[1]]);
         let again = again.expect("a pose with these attributes");
-        let tolerance = number(&case["round_trip_tolerance_px"]);
+        let round_trip = number(&case["round_trip_tolerance_px"]);
         for (ours, theirs) in again.rows().into_iter().zip(pose.rows()) {
-            assert_vector(ours, theirs, tolerance, name);
+            assert_vector(ours, theirs, round_trip, name);
         }
     }
 }
@@ -104,13 +104,18 @@ fn assert_attributes(
     let (direction, expected) = (ours.shoulder_direction, theirs.shoulder_direction);
     assert_vector(direction, expected, direction_tolerance, what);
     let relative = number(&tolerance["length_relative"]);
-    for (ours, theirs, length) in [
+    for (our_length, their_length, length) in [
         (ours.upper_arm_length, theirs.upper_arm_length, "upper arm"),
         (ours.forearm_length, theirs.forearm_length, "forearm"),
     ] {
-        assert_close(ours, theirs, relative * theirs, &format!("{what} {length}"));
+        assert_close(
+            our_length,
+            their_length,
+            relative * their_length,
+            &format!("{what} {length}"),
+        );
     }
-    for (ours, theirs, angle) in [
+    for (our_angle, their_angle, angle) in [
         (
             ours.shoulder_rotation,
             theirs.shoulder_rotation,
@@ -125,15 +130,20 @@ fn assert_attributes(
             "wrist inclination",
         ),
     ] {
-        assert_close(ours, theirs, angle_tolerance, &format!("{what} {angle}"));
+        assert_close(
+            our_angle,
+            their_angle,
+            angle_tolerance,
+            &format!("{what} {angle}"),
+        );
     }
     let finger_tolerance = number(&tolerance["finger_vector_px"]);
-    for (ours, theirs) in [
+    for (our_vector, their_vector) in [
         (ours.little_vector, theirs.little_vector),
         (ours.index_vector, theirs.index_vector),
         (ours.thumb_vector, theirs.thumb_vector),
     ] {
-        assert_vector(ours, theirs, finger_tolerance, what);
+        assert_vector(our_vector, their_vector, finger_tolerance, what);
     }
 }
 
@@ -174,7 +184,7 @@ fn vector(value: &Value) -> DVec3 {
 }
 
 fn assert_vector(ours: DVec3, theirs: DVec3, tolerance: f64, what: &str) {
-    for (ours, theirs) in ours.to_array().into_iter().zip(theirs.to_array()) {
-        assert_close(ours, theirs, tolerance, what);
+    for (one, other) in ours.to_array().into_iter().zip(theirs.to_array()) {
+        assert_close(one, other, tolerance, what);
     }
 }

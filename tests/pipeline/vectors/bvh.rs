@@ -27,8 +27,8 @@ pub fn files(file: &Value) -> usize {
         assert_eq!(frames.len() as u64, motion.frame_count, "{name}");
         for (frame, wanted) in frames.iter().enumerate() {
             let positions = bvh.positions(frame as u64, PositionChannels::Add);
-            for (position, wanted) in positions.iter().zip(list(wanted)) {
-                for (ours, theirs) in position.to_array().iter().zip(numbers(wanted)) {
+            for (position, expected) in positions.iter().zip(list(wanted)) {
+                for (ours, theirs) in position.to_array().iter().zip(numbers(expected)) {
                     assert_close(*ours, theirs, tolerance, name);
                 }
             }

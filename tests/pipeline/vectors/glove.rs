@@ -32,7 +32,7 @@ fn arm() -> ArmModel {
 fn dof_of(arm: &ArmModel, link: &str) -> Dof {
     let found = arm.links().iter().find(|other| other.name == link);
     found
-        .and_then(|link| link.dof)
+        .and_then(|found_link| found_link.dof)
         .unwrap_or_else(|| panic!("no link {link}"))
 }
 
@@ -58,8 +58,8 @@ fn centimetres(position: Vec3) -> [f64; 3] {
 }
 
 fn assert_position(ours: Vec3, theirs: &Value, tolerance: f64, what: &str) {
-    for (ours, theirs) in centimetres(ours).iter().zip(numbers(theirs)) {
-        assert_close(*ours, theirs, tolerance, what);
+    for (one, other) in centimetres(ours).iter().zip(numbers(theirs)) {
+        assert_close(*one, other, tolerance, what);
     }
 }
 
@@ -167,20 +167,20 @@ fn as_coded(case: &Value, tolerance: &Value) {
             .iter()
             .map(|byte| i64::from(*byte) - i64::from(*byte > 127))
             .collect();
-        for (reading, slipped) in readings.iter_mut().zip(&slipped) {
-            *reading = (slipped + *reading).div_euclid(2);
+        for (reading, count) in readings.iter_mut().zip(&slipped) {
+            *reading = (count + *reading).div_euclid(2);
         }
         let wanted: Vec<i64> = numbers(&frame["as_coded_readings"])
             .iter()
             .map(|n| *n as i64)
             .collect();
         assert_eq!(readings.to_vec(), wanted, "{name}");
-        for (row, wanted) in rows.iter().zip(numbers(&frame["as_coded_angles"])) {
+        for (row, angle) in rows.iter().zip(numbers(&frame["as_coded_angles"])) {
             let (newer, older) = fed_back[row.channel];
             let x = row.calibration.apply(readings[row.channel] as f64);
             let y = (x + newer + older) / 3.0;
             fed_back[row.channel] = (y, newer);
-            assert_close(y, wanted, number(&tolerance["angles_rad"]), name);
+            assert_close(y, angle, number(&tolerance["angles_rad"]), name);
         }
         let line = frame["as_coded_line_degrees"]
             .as_object()
@@ -196,11 +196,11 @@ fn as_coded(case: &Value, tolerance: &Value) {
             );
         }
         let values: Vec<f64> = slipped.iter().map(|count| *count as f64).collect();
-        for (row, wanted) in maya_rows.iter().zip(numbers(&frame["c_server_maya"])) {
+        for (row, value) in maya_rows.iter().zip(numbers(&frame["c_server_maya"])) {
             let channel = number(&row["channel"]) as usize;
             let mean = (values[channel] + maya_before[channel]) / 2.0;
             let ours = maya_value(row, mean);
-            assert_close(ours, wanted, number(&tolerance["maya"]), name);
+            assert_close(ours, value, number(&tolerance["maya"]), name);
         }
         maya_before = values;
     }
@@ -284,10 +284,10 @@ pub fn forward_kinematics(file: &Value) -> usize {
             angles.set(dof_of(&arm, link), number(angle));
         }
         let poses = arm.link_poses(&angles);
-        let index = |name: &str| {
+        let index = |wanted_name: &str| {
             arm.links()
                 .iter()
-                .position(|link| link.name == name)
+                .position(|link| link.name == wanted_name)
                 .expect("a link")
         };
         for (link, wanted) in case["pivot"].as_object().expect("pivots") {

@@ -98,7 +98,7 @@ fn matrix(value: &Value) -> DMat3 {
 
 fn assert_matrix(ours: &DMat3, theirs: &DMat3, tolerance: f64, what: &str) {
     let pairs = ours.to_cols_array().into_iter().zip(theirs.to_cols_array());
-    for (ours, theirs) in pairs {
-        assert_close(ours, theirs, tolerance, what);
+    for (one, other) in pairs {
+        assert_close(one, other, tolerance, what);
     }
 }

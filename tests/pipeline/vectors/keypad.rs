@@ -63,7 +63,7 @@ pub fn press_through_layouts(file: &Value) -> usize {
             let tips: Vec<Vec<f64>> = list(&sample["tips"]).iter().map(numbers).collect();
             let clamped = sample.get("clamped").unwrap_or(&sample["as_coded"]);
             let wanted = list(clamped);
-            for (number, (button, wanted)) in buttons.iter().zip(wanted).enumerate() {
+            for (number, (button, expected)) in buttons.iter().zip(wanted).enumerate() {
                 if tips
                     .iter()
                     .any(|tip| is_at_an_edge(tip, button, half, height))
@@ -75,7 +75,7 @@ pub fn press_through_layouts(file: &Value) -> usize {
                 assert_button(
                     &target,
                     &tips,
-                    wanted,
+                    expected,
                     height,
                     tolerance,
                     text(&case["name"]),

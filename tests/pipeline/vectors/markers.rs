@@ -11,8 +11,8 @@ fn vector(value: &Value) -> DVec3 {
 }
 
 pub(super) fn assert_vector(ours: DVec3, theirs: &Value, tolerance: f64, what: &str) {
-    for (ours, theirs) in ours.to_array().iter().zip(numbers(theirs)) {
-        assert_close(*ours, theirs, tolerance, what);
+    for (one, other) in ours.to_array().iter().zip(numbers(theirs)) {
+        assert_close(*one, other, tolerance, what);
     }
 }
 

@@ -14,7 +14,7 @@ use image::RgbaImage;
 use crate::picture;
 use crate::window::Opening;
 
-/// The largest difference of a colour channel to that of a scene without the control, at which the control is not seen.
+/// The largest difference of a colour channel from a scene without the control, at which the control is not seen.
 const UNSEEN: i32 = 10;
 
 /// Points of a control that are looked at, as fractions of its half extents.

@@ -112,7 +112,7 @@ fn another_offset_and_gain_change_the_angle_at_once_and_are_saved_with_the_comme
 fn the_panel_is_as_reviewed() {
     let mut window = Opening {
         size: [1280.0, 1180.0],
-        // The latency that the picture shows is that of a hand in its own time.
+        // The picture shows the latency of a hand that moves in real time.
         speed: Some(1.0),
         ..Opening::default()
     }

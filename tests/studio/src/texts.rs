@@ -40,7 +40,7 @@ fn faults(window: &StudioWindow, is_covered: bool) -> Vec<String> {
     let labels = labels(window);
     let mut faults = Vec::new();
     for (index, (words, area)) in labels.iter().enumerate() {
-        // What is below the end of a list is scrolled to.
+        // Labels below the end of a list are scrolled to.
         if !area.is_positive() || area.min.y > screen.max.y {
             continue;
         }

@@ -117,7 +117,7 @@ fn each_panel_is_hidden_and_shown() {
 fn the_whole_window_is_drawn() {
     let opening = Opening {
         readings: 900,
-        // The latency that the picture shows is that of a hand in its own time.
+        // The picture shows the latency of a hand that moves in real time.
         speed: Some(1.0),
         ..Opening::default()
     };

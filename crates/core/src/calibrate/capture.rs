@@ -70,11 +70,11 @@ impl LiveChannel {
         let count = channels.counts.get(self.channel).copied();
         let is_sent = !channels.unsent.contains(self.channel);
         self.count = count.filter(|count| *count != Channels::UNKNOWN && is_sent);
-        let Some(count) = self.count else {
+        let Some(present) = self.count else {
             return;
         };
         self.last.rotate_left(1);
-        self.last[2] = count;
+        self.last[2] = present;
         self.known = (self.known + 1).min(3);
         if self.known == 3 {
             let mut sorted = self.last;
@@ -129,7 +129,7 @@ impl PoseCapture {
         }
         let count = |&channel: &usize| channels.counts.get(channel).copied();
         let counts = self.channels.iter().map(count);
-        let counts = counts.map(|count| count.unwrap_or(Channels::UNKNOWN));
+        let counts = counts.map(|sent| sent.unwrap_or(Channels::UNKNOWN));
         self.window.push_back((time, counts.collect()));
         self.unsent = self.unsent.intersection(channels.unsent);
         let is_due = |checked: Timestamp| time.since(checked) >= CHECK_PERIOD;
@@ -201,8 +201,8 @@ impl PoseCapture {
     }
 }
 
-/// Returns what each channel shows in a window of readings, each a row of counts: the channels that were measured. No reading
-/// carried those of `unsent`.
+/// Returns what each channel shows in a window of readings, each a row of counts of the measured channels. No reading carried the
+/// channels of `unsent`.
 pub(super) fn observe(
     rows: &[&[u16]],
     channels: &[usize],

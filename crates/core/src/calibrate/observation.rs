@@ -17,7 +17,7 @@ pub struct ChannelObservation {
     pub high: f64,
     /// `false` if the channel changed while the others were still.
     pub is_still: bool,
-    /// `false` if no packet carried the channel, whose counts are then those of a sensor at rest.
+    /// `false` if no packet carried the channel, which then has the counts of a sensor at rest.
     pub is_sent: bool,
 }
 
@@ -75,7 +75,7 @@ impl Observations {
     /// Returns `false` for a channel of which all poses show that the glove does not have it.
     pub fn is_sent(&self, channel: usize) -> bool {
         let mut observed = self.poses.iter().filter_map(|pose| pose.channel(channel));
-        observed.clone().next().is_none() || observed.any(|channel| channel.is_sent)
+        observed.clone().next().is_none() || observed.any(|it| it.is_sent)
     }
 
     /// Returns the smallest and the largest median of a channel over all poses: its range without spikes. `None` if it was
@@ -89,8 +89,8 @@ impl Observations {
     }
 }
 
-/// Returns the angles of the hand in the pose [`Rest`](CalibrationPose::Rest), those of its fingers: the arm may lie anywhere. None
-/// are known if that pose was skipped.
+/// Returns the angles of the hand in the pose [`Rest`](CalibrationPose::Rest), but only of its fingers: the arm may lie anywhere.
+/// None are known if that pose was skipped.
 pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
     let mut angles = JointAngles::default();
     let Some(rest) = observations.get(CalibrationPose::Rest) else {

@@ -48,7 +48,7 @@ pub enum Problem {
         /// The change in counts.
         counts: f64,
     },
-    /// The counts change in the other direction than those of the starting glove.
+    /// The counts change in the other direction than in the starting glove.
     InvertedChannel {
         /// The index of the channel.
         channel: usize,

@@ -241,11 +241,8 @@ mod tests {
         procedure.repeat();
         assert_eq!(procedure.pose(), Some(CalibrationPose::Flat));
         assert!(procedure.observations().poses().is_empty() && procedure.marks().is_empty());
-        let captured = run(&mut procedure, 300..700);
-        assert_eq!(
-            captured[..2],
-            [CalibrationPose::Flat, CalibrationPose::Spread]
-        );
+        let later = run(&mut procedure, 300..700);
+        assert_eq!(later[..2], [CalibrationPose::Flat, CalibrationPose::Spread]);
         assert_eq!(procedure.observations().get(CalibrationPose::Rest), None);
     }
 }

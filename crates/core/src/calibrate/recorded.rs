@@ -42,7 +42,7 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
         let [pose, start, end] = line.split(' ').collect::<Vec<_>>()[..] else {
             return Err(invalid(line));
         };
-        let time = |text: &str| text.parse().map(Timestamp).map_err(|_| invalid(line));
+        let time = |word: &str| word.parse().map(Timestamp).map_err(|_| invalid(line));
         let (start, end) = (time(start)?, time(end)?);
         let pose = pose.parse().map_err(|_| invalid(line))?;
         if start <= end {
@@ -57,7 +57,7 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
 /// The time over which stillness is judged.
 const WINDOW: Duration = Duration::from_millis(500);
 
-/// The shortest time between two checks: a fast glove sends several readings meanwhile.
+/// The shortest time between two checks: a fast glove sends several readings in that time.
 const STEP: Duration = Duration::from_millis(15);
 
 /// The shortest still phase that is a pose.
@@ -118,7 +118,7 @@ impl Recording {
             let count = |&channel: &usize| sample.counts.get(channel).copied();
             let counts = channels.iter().map(count);
             counts
-                .map(|count| count.unwrap_or(Channels::UNKNOWN))
+                .map(|sent| sent.unwrap_or(Channels::UNKNOWN))
                 .collect()
         };
         Self {

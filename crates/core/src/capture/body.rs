@@ -19,7 +19,7 @@ pub struct BodyLandmarks {
 
 /// A position with a confidence. As JSON `[x,y,z,confidence]`, or `[x,y,z]` with the confidence 1.
 ///
-/// In single precision, which is that of the models: it keeps readings small.
+/// In single precision, as the models give it: it keeps readings small.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ArrayVec<f32, 4>", into = "[f32; 4]")]
 pub struct Landmark {

@@ -79,7 +79,7 @@ pub enum Sample {
     /// Landmarks of a body with both arms. An estimator uses the arm on the [side](Reading::side) of the reading, the right
     /// one if that has none.
     Body(BodyLandmarks),
-    /// Rotations of the bones of both arms, used as those of a body.
+    /// Rotations of the bones of both arms, used as a body is.
     Bones {
         /// Rotations from the T pose.
         bones: BoneRotations,
@@ -142,7 +142,7 @@ pub struct Channels {
     /// One count per channel, 0..=`full_scale`; [`UNKNOWN`](Self::UNKNOWN) for one that was not measured.
     #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
-    /// Channels that the packet does not carry: their counts are those of a sensor at rest.
+    /// Channels that the packet does not carry: they have the counts of a sensor at rest.
     #[serde(skip)]
     pub unsent: ChannelSet,
 }

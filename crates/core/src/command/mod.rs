@@ -69,7 +69,7 @@ pub enum Command {
         /// Ratio of the new size to the present one.
         factor: f32,
     },
-    /// Makes the present angles of the resting hand those of its rest pose, until the end of the session. From the layout it
+    /// Takes the present angles of the resting hand as its rest pose, until the end of the session. A request of the layout
     /// waits until the hand rests.
     Zero,
     /// Removes what `Zero` has changed.

@@ -55,7 +55,7 @@ impl CommandOrigin {
     }
 
     /// Returns the rank of the side. A suspend ends by itself when the process continues; a pause that was requested
-    /// from elsewhere meanwhile remains.
+    /// from elsewhere in the meantime remains.
     const fn strength(self) -> u8 {
         match self {
             Self::Layout => 0,

@@ -126,7 +126,7 @@ pub const SPECS: &[CommandSpec] = &[
     },
     plain(
         "zero",
-        "Correct a glove that has slipped: make the angles of the resting hand those of its rest pose",
+        "Correct a glove that has slipped: take the angles of the resting hand as its rest pose",
         "Zero",
     ),
     plain(

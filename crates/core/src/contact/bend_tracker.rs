@@ -126,14 +126,14 @@ impl FingerState {
                 step.emit(t, finger, id, Phase::Pressed, target.press_at);
                 step.emit(1.0, finger, id, Phase::Moved, bend);
             }
-            Contact::Pressed(id) if bend <= target.release_at => {
+            Contact::Pressed(pressed) if bend <= target.release_at => {
                 self.contact = Contact::Straight;
                 let t = at(target.release_at);
-                step.emit(t, finger, id, Phase::Released, target.release_at);
-                step.emit(t, finger, id, Phase::Left, 0.0);
+                step.emit(t, finger, pressed, Phase::Released, target.release_at);
+                step.emit(t, finger, pressed, Phase::Left, 0.0);
             }
-            Contact::Pressed(id) if bend != before => {
-                step.emit(1.0, finger, id, Phase::Moved, bend);
+            Contact::Pressed(pressed) if bend != before => {
+                step.emit(1.0, finger, pressed, Phase::Moved, bend);
             }
             Contact::Unknown | Contact::Straight | Contact::Pressed(_) => {}
         }

@@ -10,7 +10,7 @@ pub const MAX_DISTANCE: f32 = 2.0;
 
 /// The pose of a board relative to its anchor; metres and radians.
 ///
-/// The position is that of the board's origin, along axes that the bearing turns about the vertical. Any combination of
+/// The position locates the board's origin, along axes that the bearing turns about the vertical. Any combination of
 /// bearing and tilt can be represented; a sideways roll cannot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoardPose {
@@ -96,14 +96,14 @@ mod tests {
                 tilt: between(-FRAC_PI_2, FRAC_PI_2),
             };
             let found = BoardPose::from_pose(&expected.to_pose());
-            for (found, expected) in [
+            for (part, wanted) in [
                 (found.bearing, expected.bearing),
                 (found.right, expected.right),
                 (found.height, expected.height),
                 (found.forward, expected.forward),
                 (found.tilt, expected.tilt),
             ] {
-                assert!((found - expected).abs() < 2e-6, "{found} for {expected}");
+                assert!((part - wanted).abs() < 2e-6, "{part} for {wanted}");
             }
         }
     }

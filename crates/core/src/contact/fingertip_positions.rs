@@ -72,7 +72,7 @@ impl Fingertips {
 pub(crate) struct FingertipPositions {
     previous: Fingertips,
     current: Fingertips,
-    /// The fingers whose current position is that of the previous pose, because this pose has none.
+    /// The fingers that keep the position of the previous pose, because this pose has none.
     held: FingerSet,
 }
 

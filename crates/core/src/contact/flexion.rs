@@ -37,7 +37,7 @@ impl Flexion {
             let index = finger.index();
             let ends = pose.fingertip(finger).zip(pose.position(knuckle(finger)));
             let height = ends.zip(palmar);
-            let height = height.map(|((tip, knuckle), palmar)| (tip - knuckle).dot(palmar));
+            let height = height.map(|((tip, knuckle), direction)| (tip - knuckle).dot(direction));
             let Some(now) = height.filter(|height| height.is_finite()) else {
                 self.known = self.known.without(finger);
                 self.ways[index] = 0.0;

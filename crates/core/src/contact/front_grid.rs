@@ -9,7 +9,7 @@ use super::target::{Shape, Target};
 /// at 2 m.
 const PADDING: f32 = 1e-5;
 
-/// The largest deviation of a normal from that of the surface, in radians. At a distance of 2 m it moves a crossing by less
+/// The largest deviation of a normal from the surface normal, in radians. At a distance of 2 m it moves a crossing by less
 /// than the padding.
 const MAX_TILT: f32 = 1e-6;
 
@@ -28,7 +28,7 @@ const MAX_FRONTS_OF_CELL: usize = 12;
 
 /// Lists of the fronts that meet each cell of a grid in the plane of a surface.
 ///
-/// The axes of the grid are those of the first front, so that cells and fronts of a turned board are parallel.
+/// The grid has the axes of the first front, so that cells and fronts of a turned board are parallel.
 #[derive(Clone, Debug)]
 pub struct FrontGrid {
     /// The direction of the grid's X axis in the surface's frame.
@@ -255,16 +255,16 @@ fn front(target: &Target, x_axis: Vec2) -> Option<Rectangle> {
         Vec2::new(x_axis.dot(vector), x_axis.perp_dot(vector))
     };
     let (shift, half) = target.entrance();
-    let (x_axis, y_axis) = (in_grid(axes.x_axis), in_grid(axes.y_axis));
+    let (grid_x_axis, grid_y_axis) = (in_grid(axes.x_axis), in_grid(axes.y_axis));
     let extent = match target.shape {
-        Shape::Box(_) => x_axis.abs() * half.x + y_axis.abs() * half.y,
+        Shape::Box(_) => grid_x_axis.abs() * half.x + grid_y_axis.abs() * half.y,
         Shape::Disc(_) => half,
     };
     let center = target.surface_from_target.translation;
     if !center.is_finite() {
         return None;
     }
-    let center = in_grid(center) + x_axis * shift.x + y_axis * shift.y;
+    let center = in_grid(center) + grid_x_axis * shift.x + grid_y_axis * shift.y;
     Some(Rectangle {
         low: center - extent - PADDING,
         high: center + extent + PADDING,

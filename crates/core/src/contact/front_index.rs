@@ -135,7 +135,7 @@ mod tests {
     fn board(columns: u32, rows: u32) -> Vec<Target> {
         let center = |number| Vec3::new((number % columns) as f32, (number / columns) as f32, 0.0);
         let keys = (0..columns * rows).map(center);
-        keys.map(|center| key(Pose::from_translation(center * 0.019)))
+        keys.map(|point| key(Pose::from_translation(point * 0.019)))
             .collect()
     }
 

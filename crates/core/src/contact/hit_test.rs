@@ -360,14 +360,14 @@ mod tests {
                 let rows = rows.as_array().unwrap().iter();
                 for (button, row) in case["buttons_xz"].as_array().unwrap().iter().zip(rows) {
                     let center = Vec3::new(number(&button[0]), number(&button[1]), height);
-                    let button = Target {
+                    let front = Target {
                         travel: height,
                         ..target(
                             Shape::Box(Vec2::splat(half)),
                             Pose::from_translation(center),
                         )
                     };
-                    let found = deepest_pad(&button, &tips);
+                    let found = deepest_pad(&front, &tips);
                     let expected = row[0].as_bool().unwrap().then(|| row[1].as_u64().unwrap());
                     assert_eq!(
                         found.map(|pad| pad.index as u64),

@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_press_has_its_time_point_depth_and_speed() {
-        // From 6 mm above to 2 mm behind key 1 in 10 ms, 5 mm to the right and 1 mm up meanwhile.
+        // From 6 mm above to 2 mm behind key 1 in 10 ms, 5 mm to the right and 1 mm up in the same time.
         let (from, to) = (
             Vec3::new(0.017, 0.0, 0.006),
             Vec3::new(0.022, 0.001, -0.002),
@@ -211,8 +211,8 @@ mod tests {
         let found: Vec<u32> = press.neighbors.iter().map(|near| near.target.0).collect();
         assert_eq!(found, [4, 2, 5]);
         let expected = [0.004, 0.005, (0.005_f32.powi(2) + 0.004_f32.powi(2)).sqrt()];
-        for (near, expected) in press.neighbors.iter().zip(expected) {
-            assert!((near.distance - expected).abs() < 1e-5, "{near:?}");
+        for (near, distance) in press.neighbors.iter().zip(expected) {
+            assert!((near.distance - distance).abs() < 1e-5, "{near:?}");
         }
     }
 }

@@ -125,8 +125,8 @@ mod tests {
     fn a_ray_means_the_front_that_it_meets_first() {
         let at = |x: f32, z: f32| target(Pose::from_translation(Vec3::new(x, 0.0, z)));
         let scene = scene(vec![at(0.0, 0.0), at(0.0, 0.02), at(0.03, 0.0)]);
-        let front = |at: Vec3| {
-            let ray = ray(Vec3::new(0.0, -0.1, 0.3), at);
+        let front = |toward: Vec3| {
+            let ray = ray(Vec3::new(0.0, -0.1, 0.3), toward);
             let hit = ray.front_of(&scene.surfaces()[0], &Pose::IDENTITY, REACH)?;
             Some((hit.target.0, hit.beside))
         };

@@ -41,10 +41,10 @@ impl StepContext<'_> {
         let at = other
             .surface_from_target
             .inverse_transform_point(on_surface);
-        let surface = location.surface;
+        let surface_index = location.surface;
         Some((
             TargetLocation {
-                surface,
+                surface: surface_index,
                 target: id,
             },
             other,
@@ -140,7 +140,7 @@ enum Decision {
     Press(TargetLocation, Vec3),
     /// It is not known yet.
     Wait,
-    /// Nothing until the fingertip is above the front again.
+    /// Ignore the fingertip until it is above the front again.
     Never,
 }
 
@@ -169,8 +169,8 @@ fn decide(
     if has_turned {
         let turn = stroke.turn();
         let found = step.target_at(stroke.location, target, turn);
-        let (location, _, at) = found.unwrap_or((stroke.location, target, turn));
-        return Decision::Press(location, at);
+        let (location, _, place) = found.unwrap_or((stroke.location, target, turn));
+        return Decision::Press(location, place);
     }
     let now = step.target_at(stroke.location, target, at);
     let end = step.target_at(stroke.location, target, stroke.end_of_way(at, target));

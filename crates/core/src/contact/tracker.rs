@@ -128,8 +128,8 @@ impl ContactTracker {
         centers: impl Iterator<Item = [Vec3; 2]>,
         touches: &mut Touches,
     ) -> bool {
-        for (positions, centers) in self.positions.iter_mut().zip(centers) {
-            positions.set(finger, centers);
+        for (positions, ends) in self.positions.iter_mut().zip(centers) {
+            positions.set(finger, ends);
         }
         let (fingers, mut step) = self.begin_step(scene, hand, touches);
         let state = &mut fingers[finger.index()];

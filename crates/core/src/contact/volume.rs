@@ -250,9 +250,9 @@ mod tests {
         for number in 0..500 {
             let from = center(number * 19) + Vec3::new(0.31, 0.23, 0.47);
             let to = from + Vec3::new(0.9, -1.3, (number % 7) as f32 * 0.3);
-            let entries = volumes.iter().enumerate().filter_map(|(index, volume)| {
-                let [t, _] = volume.intersect_segment([from, to], 0.0)?;
-                let center_distance = from.lerp(to, t).distance(volume.center);
+            let entries = volumes.iter().enumerate().filter_map(|(index, candidate)| {
+                let [t, _] = candidate.intersect_segment([from, to], 0.0)?;
+                let center_distance = from.lerp(to, t).distance(candidate.center);
                 Some(VolumeEntry {
                     index,
                     t,

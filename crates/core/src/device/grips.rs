@@ -1,4 +1,4 @@
-//! Which fingertip holds which control.
+//! The controls that fingertips hold, and their holders.
 
 use arrayvec::ArrayVec;
 
@@ -7,7 +7,7 @@ use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 
 /// The controls that fingertips hold.
 ///
-/// A control has at most one holder. Other fingers that press it meanwhile are ignored.
+/// A control has at most one holder. Other fingers that press it at the same time are ignored.
 #[derive(Clone, Debug)]
 pub(super) struct Grips<T>(ArrayVec<Grip<T>, FINGERS_OF_BOTH_HANDS>);
 

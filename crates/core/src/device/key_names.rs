@@ -167,7 +167,10 @@ mod tests {
             for alias in key.aliases() {
                 assert_eq!(keys.insert(*alias, key), None, "{alias}");
                 assert_eq!(alias.parse::<KeyCode>(), Ok(key), "{alias}");
-                assert!(KeyCode::all().all(|key| key.name() != *alias), "{alias}");
+                assert!(
+                    KeyCode::all().all(|other| other.name() != *alias),
+                    "{alias}"
+                );
             }
         }
         for other in OTHER_NAMES {

@@ -13,7 +13,7 @@ use crate::names::UnknownName;
 /// A code is a position, not a character: the keymap of the receiver decides which character it types. The
 /// names are the `code` values of the W3C UI Events specification, for letters and digits without prefix
 /// (`Q`, `1`); the prefix (`KeyQ`, `Digit1`) and [aliases](Self::aliases) such as `Ctrl` are accepted when
-/// parsing. Button names begin with `Mouse` or `Pad`; those of a gamepad describe their position on it.
+/// parsing. Button names begin with `Mouse` or `Pad`; the names of gamepad buttons describe their position on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyCode(u16);
 
@@ -52,7 +52,7 @@ const fn key(
     }
 }
 
-/// All keys, in order of code. The characters are those of a US keymap with Num Lock on.
+/// All keys, in order of code. The characters follow a US keymap with Num Lock on.
 #[rustfmt::skip]
 const KEYS: &[KeyEntry] = &[
     key(1, "Escape", "Esc", None, None),

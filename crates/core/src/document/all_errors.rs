@@ -58,7 +58,7 @@ fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(Stri
     None
 }
 
-/// Returns `true` if the brackets and commas around the error are those of its author.
+/// Returns `true` if the author wrote the brackets and commas around the error.
 fn is_about_content(error: &Error) -> bool {
     matches!(
         error,
@@ -95,7 +95,7 @@ fn is_consequence(text: &str, next: &SpannedError, start: usize, element: &Eleme
     if next_start == start || element.range.contains(&next_start) {
         return true;
     }
-    // What is wrong with parentheses as a whole is reported at their end, and a part of them is gone.
+    // A fault of parentheses as a whole is reported at their end, and a part of them is gone.
     next_start == element.inside.end
         && matches!(
             &next.code,

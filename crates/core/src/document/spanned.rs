@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 /// A quoted text together with its position in the document.
 ///
-/// The position is that of the borrowed slice, so the text must be written without escapes. It is not empty and contains no
+/// The borrowed slice gives the position, so the text must be written without escapes. It is not empty and contains no
 /// control characters other than line breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spanned<'a> {

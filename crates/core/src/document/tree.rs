@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::scan::{Token, TokenKind, tokens};
 
-/// The maximum nesting that is read, as that of [`parse_ron`](super::parse_ron).
+/// The maximum nesting that is read, the same as in [`parse_ron`](super::parse_ron).
 const MAX_DEPTH: usize = 128;
 
 /// A value in a text.

@@ -126,14 +126,14 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             let layers = draft
                 .field(Part::Layout, "layers")
                 .map_or(0, |it| it.items().len());
-            let mut names = (0..layers)
+            let mut layer_names = (0..layers)
                 .filter_map(|layer| {
                     super::names::name_of(draft.text(), draft.tree(), Part::Layer(layer))
                 })
                 .collect();
             let text = format!(
                 "(name: {}, keys: {{}})",
-                quote(&unique(&mut names, "layer"))
+                quote(&unique(&mut layer_names, "layer"))
             );
             (Part::Layout, "layers", text)
         }

@@ -161,8 +161,8 @@ fn prepare(
         .iter()
         .any(|part| part.board().is_none() || part.board() != parts[0].board())
     {
-        let message = "these parts are not all on one board; select controls of one board";
-        return Err(EditError::Selection(message));
+        let reason = "these parts are not all on one board; select controls of one board";
+        return Err(EditError::Selection(reason));
     }
     let extents: Result<_, _> = parts.iter().map(|part| extent(draft, *part)).collect();
     Ok((parts, extents?))

@@ -115,15 +115,15 @@ fn bind_hold(
     binding: Option<&Binding>,
 ) -> Result<Vec<Part>, EditError> {
     let parts = take_out(draft, &[part], false)?;
-    let part = require_key(parts[0])?;
+    let key_part = require_key(parts[0])?;
     match binding {
         None => {
-            draft.unset(part, "hold")?;
-            draft.unset(part, "hold_after_ms")?;
+            draft.unset(key_part, "hold")?;
+            draft.unset(key_part, "hold_after_ms")?;
         }
         Some(binding @ (Binding::Key(_) | Binding::Layer(_))) => {
             let (field, value) = binding.to_field();
-            draft.set(part, "hold", &format!("({field}: {value})"))?;
+            draft.set(key_part, "hold", &format!("({field}: {value})"))?;
         }
         Some(_) => {
             let message = "a held key presses a key or activates a layer; choose one of them";
@@ -149,19 +149,19 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
         return Ok(vec![part]);
     }
     let parts = take_out(draft, &[part], false)?;
-    let part = require_key(parts[0])?;
-    let is_numbered_copy = is_numbered_copy(draft, part, &old);
-    set_action(draft, part, binding)?;
-    let is_implied = draft.field(part, "name").is_none();
+    let key_part = require_key(parts[0])?;
+    let is_numbered_copy = is_numbered_copy(draft, key_part, &old);
+    set_action(draft, key_part, binding)?;
+    let is_implied = draft.field(key_part, "name").is_none();
     if is_implied || is_numbered_copy {
         match new {
             Some(new) if !is_implied => {
-                draft.unset(part, "name")?;
+                draft.unset(key_part, "name")?;
                 rename_mentions(draft, &old, &new)?;
             }
             Some(new) if new == old => {}
             Some(new) => rename_mentions(draft, &old, &new)?,
-            None if is_implied => draft.set(part, "name", &quote(&old))?,
+            None if is_implied => draft.set(key_part, "name", &quote(&old))?,
             None => {}
         }
     }
@@ -232,8 +232,8 @@ fn bind_in_layer(
             draft.replace(range, quote(code));
         }
         (None, Some(Binding::Key(code))) => {
-            let entry = format!("{}: {}", quote(&name), quote(code));
-            draft.push_entry(&map, &entry);
+            let new_entry = format!("{}: {}", quote(&name), quote(code));
+            draft.push_entry(&map, &new_entry);
         }
         (Some(index), None) => draft.remove(&map, index),
         (None, None) => {}

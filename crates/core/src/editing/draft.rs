@@ -116,9 +116,9 @@ impl Draft {
         let Some(old) = self.numbers::<N>(part, field)? else {
             return self.set(part, field, &format!("({})", new.map(written).join(", ")));
         };
-        for (index, (old, new)) in old.into_iter().zip(new).enumerate() {
-            if written(old) != written(new) {
-                self.set(part, &format!("{field}.{index}"), &written(new))?;
+        for (index, (before, after)) in old.into_iter().zip(new).enumerate() {
+            if written(before) != written(after) {
+                self.set(part, &format!("{field}.{index}"), &written(after))?;
             }
         }
         Ok(())

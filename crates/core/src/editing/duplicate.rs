@@ -113,8 +113,8 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
                 lists.entry(ControlKind::Key).or_default().push(key);
             }
             Part::Control { kind, .. } => {
-                let text = draft.node(part).ok()?.text(draft.text());
-                lists.entry(kind).or_default().push(text.to_owned());
+                let control_text = draft.node(part).ok()?.text(draft.text());
+                lists.entry(kind).or_default().push(control_text.to_owned());
             }
             Part::RadioOption { board, radio, .. } => {
                 let group = Part::Control {
@@ -122,10 +122,10 @@ pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
                     kind: ControlKind::Radio,
                     index: radio,
                 };
-                let text = draft.node(group).ok()?.text(draft.text()).to_owned();
+                let group_text = draft.node(group).ok()?.text(draft.text()).to_owned();
                 let groups = lists.entry(ControlKind::Radio).or_default();
-                if !groups.contains(&text) {
-                    groups.push(text);
+                if !groups.contains(&group_text) {
+                    groups.push(group_text);
                 }
             }
             _ => {}
@@ -157,8 +157,8 @@ pub(super) fn paste(
     let mut names = taken(draft);
     let mut new_parts = Vec::new();
     for &kind in ControlKind::ALL {
-        let count = |draft: &Draft, board| {
-            let list = draft.field(Part::Board(board), kind.list());
+        let count = |counted: &Draft, counted_board| {
+            let list = counted.field(Part::Board(counted_board), kind.list());
             list.map_or(0, |list| list.items().len())
         };
         let first = count(draft, board);
@@ -230,14 +230,14 @@ fn copy(
     shift_copy(&mut patch, text, &tree, by_mm);
     for option in tree.field(text, "options").map_or(&[][..], Node::items) {
         let option = option.value.in_some(text);
-        let name = option
+        let option_name = option
             .field(text, "name")
-            .and_then(|name| name.string(text));
-        let new = set_name(&mut patch, text, option, name, names);
+            .and_then(|node| node.string(text));
+        let new = set_name(&mut patch, text, option, option_name, names);
         shift_copy(&mut patch, text, option, by_mm);
         let initial = tree.field(text, "initial");
         if let (Some(initial), Some(new)) = (initial, new)
-            && initial.string(text) == name
+            && initial.string(text) == option_name
         {
             patch.replace(initial.range.clone(), quote(&new));
         }
@@ -259,7 +259,7 @@ fn set_name(
         return Some(new);
     }
     match (node.field(text, "name"), node.items().first()) {
-        (Some(name), _) => patch.replace(name.range.clone(), quote(&new)),
+        (Some(written_name), _) => patch.replace(written_name.range.clone(), quote(&new)),
         (None, Some(first)) => {
             let end = first.value.range.end;
             patch.replace(end..end, format!(", name: {}", quote(&new)));
@@ -278,11 +278,11 @@ fn shift_copy(patch: &mut Patch, text: &str, node: &Node, [x, y]: [f64; 2]) {
         3 => [x, 0.0, -y],
         _ => [x, y, 0.0],
     };
-    for (item, by) in at.items().iter().zip(by) {
+    for (item, shift) in at.items().iter().zip(by) {
         if let Some(old) = item.value.number(text)
-            && by != 0.0
+            && shift != 0.0
         {
-            patch.replace(item.value.in_some(text).range.clone(), written(old + by));
+            patch.replace(item.value.in_some(text).range.clone(), written(old + shift));
         }
     }
 }

@@ -117,9 +117,9 @@ fn fields(table: &'static Table) -> Vec<FieldSpec> {
             Some(Shape::List(_) | Shape::Map(_)) if has_parts => {}
             Some(Shape::Table("Pointer")) => {}
             Some(Shape::Table("Pose")) if has_parts => {
-                let pose = tables().iter().find(|table| table.name == "Pose");
+                let pose = tables().iter().find(|candidate| candidate.name == "Pose");
                 let rows = pose.map_or(&[][..], |pose| &pose.rows);
-                fields.extend(rows.iter().filter_map(|row| field(row, "pose.")));
+                fields.extend(rows.iter().filter_map(|pose_row| field(pose_row, "pose.")));
             }
             Some(Shape::Table("BoardShape")) => {
                 let shape = field(row, "");
@@ -128,7 +128,7 @@ fn fields(table: &'static Table) -> Vec<FieldSpec> {
                     ..field
                 }));
                 let radius = field_row("BoardShape", "Arc(radius_mm)");
-                fields.extend(radius.and_then(|row| field(row, "shape.")));
+                fields.extend(radius.and_then(|radius_row| field(radius_row, "shape.")));
             }
             Some(_) => fields.extend(field(row, "")),
         }
@@ -170,7 +170,7 @@ fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
             let words = words.iter().map(|(word, _)| word.as_str());
             (choice(words.map(str::to_owned)), "")
         }
-        Shape::Names(names, _) => (choice(names.iter().map(|name| quote(name))), ""),
+        Shape::Names(names, _) => (choice(names.iter().map(|word| quote(word))), ""),
         Shape::Tuple(parts) if parts.iter().all(|it| matches!(it, Shape::Number { .. })) => {
             let count = parts.len();
             (FieldType::Point { count }, "")
@@ -292,14 +292,14 @@ mod tests {
         let FieldType::Choice(shapes) = shape.field_type else {
             panic!("{shape:?}");
         };
-        for shape in shapes {
+        for shape_name in shapes {
             let parts = vec![Part::Board(0)];
-            let (field, value) = ("shape".to_owned(), Some((*shape).to_owned()));
+            let (path, value) = ("shape".to_owned(), Some((*shape_name).to_owned()));
             let edited = edit(
                 BOARD,
                 &Edit::SetField {
                     parts,
-                    field,
+                    field: path,
                     value,
                 },
             )

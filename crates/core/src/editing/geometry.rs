@@ -31,7 +31,7 @@ pub struct Place {
 
 /// The fields with the size of a part.
 enum SizeFields {
-    /// `size_mm`, which defaults to that of the board.
+    /// `size_mm`, which defaults to the size of the board.
     Outline,
     /// A length and a width.
     Track,
@@ -370,7 +370,7 @@ fn size_fields(part: Part) -> Option<SizeFields> {
     .find_map(|(name, fields)| has(name).then_some(fields))
 }
 
-/// Returns the value with the outline: the part's own, or that of its board.
+/// Returns the value with the outline: the part's own, or its board's.
 fn outline(draft: &Draft, part: Part) -> Option<&crate::document::Node> {
     let own = draft.field(part, "size_mm");
     own.or_else(|| draft.field(Part::Board(part.board()?), "size_mm"))

@@ -137,8 +137,8 @@ mod tests {
         };
         let after = edited(text, &shift);
         // To the right of the world is forward of the bearing, which the tilt turns up.
-        let center = |text: &str| {
-            let layout = Layout::parse(text, "a.ron").unwrap();
+        let center = |layout_text: &str| {
+            let layout = Layout::parse(layout_text, "a.ron").unwrap();
             let space = &layout.spaces[0].space;
             let volume = space.volumes.iter().next().unwrap();
             space.frame.anchor_from_frame * volume.center * 1e3

@@ -105,7 +105,7 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     let name_in = |name: &str| {
         let canonical = canonical(name);
         let own = [name.to_owned(), canonical];
-        own.into_iter().find(|name| names.contains(name))
+        own.into_iter().find(|spelling| names.contains(spelling))
     };
     let layers = draft
         .field(Part::Layout, "layers")
@@ -138,7 +138,7 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     mentions
 }
 
-/// Returns the lists of chords: that of the layout, and those of layers.
+/// Returns the lists of chords: the layout's own, and one for each layer that has chords.
 pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
     let text = draft.text();
     let layers = draft

@@ -10,7 +10,7 @@ use crate::layout::controls::{self, with_control_kinds};
 pub enum Part {
     /// The layout as a whole: `name`, `description`, `chord_timeout_ms`.
     Layout,
-    /// A board: its fields and those of its `pose`.
+    /// A board: its fields and the fields of its `pose`.
     Board(usize),
     /// A row of keys.
     Row {
@@ -187,7 +187,7 @@ impl Part {
         }
     }
 
-    /// Returns its value in the tree of a layout. That of a key of a row is the row.
+    /// Returns its value in the tree of a layout. A key of a row has the value of the row.
     pub fn node<'t>(self, text: &str, tree: &'t Node) -> Option<&'t Node> {
         match self {
             Self::Layout => return Some(tree.in_some(text)),
@@ -320,7 +320,7 @@ fn row_part_at(text: &str, tree: &Node, board: usize, row: usize, offset: usize)
     let part = Part::Row { board, row };
     let keys = part
         .node(text, tree)
-        .and_then(|row| row.field(text, "keys"));
+        .and_then(|node| node.field(text, "keys"));
     let words = keys.map_or(Vec::new(), |keys| words(text, keys));
     let holds = |word: &std::ops::Range<usize>| word.contains(&offset);
     match words.iter().position(holds) {

@@ -35,9 +35,9 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
         return Err(EditError::Name(name.to_owned()));
     }
     let parts = take_out(draft, &[part], false)?;
-    let part = parts[0];
+    let taken = parts[0];
     if let Some(old) = old {
-        match part {
+        match taken {
             Part::Control {
                 kind: ControlKind::Key,
                 ..
@@ -62,7 +62,7 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
             _ => {}
         }
     }
-    draft.set(part, "name", &quote(name))?;
+    draft.set(taken, "name", &quote(name))?;
     draft.commit()?;
     Ok(parts)
 }

@@ -24,13 +24,13 @@ pub(super) fn take_out(
     }
     let mut new_parts: BTreeMap<Part, Part> = BTreeMap::new();
     let mut new_keys: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-    // Rows that a row adds to those of its board, less those that it removes.
+    // By board and row: the rows that the split of a row adds to its board, −1 if the row disappears.
     let mut added_rows: BTreeMap<(usize, usize), isize> = BTreeMap::new();
-    for ((board, row), columns) in columns {
+    for ((board, row), row_columns) in columns {
         let source = SourceRow::read(draft, board, row)?;
         let part = Part::Row { board, row };
-        if whole_rows && columns.len() == source.words.len() {
-            for column in columns {
+        if whole_rows && row_columns.len() == source.words.len() {
+            for column in row_columns {
                 new_parts.insert(Part::RowKey { board, row, column }, part);
             }
             continue;
@@ -38,7 +38,7 @@ pub(super) fn take_out(
         let keys = new_keys.entry(board).or_default();
         let list = draft.field(Part::Board(board), ControlKind::Key.list());
         let first = list.map_or(0, |list| list.items().len());
-        for &column in &columns {
+        for &column in &row_columns {
             let key = Part::Control {
                 board,
                 kind: ControlKind::Key,
@@ -47,7 +47,7 @@ pub(super) fn take_out(
             new_parts.insert(Part::RowKey { board, row, column }, key);
             keys.push(source.key(column)?);
         }
-        let segments = source.split(draft, &columns)?;
+        let segments = source.split(draft, &row_columns)?;
         added_rows.insert((board, row), segments as isize - 1);
     }
     for (board, keys) in new_keys {

@@ -48,8 +48,8 @@ impl BendRanges {
         ranges
     }
 
-    /// Returns the ranges of a glove: those of its calibration, or else those that its channels can measure, within the ranges
-    /// of motion. Joints without a channel do not count.
+    /// Returns the ranges of a glove: its calibrated ranges, or else the ranges that its channels can measure, within the
+    /// ranges of motion. Joints without a channel do not count.
     pub fn of_glove(map: &ChannelMap) -> Self {
         let human = Self::human();
         let mut ranges = Self([None; Dof::COUNT]);

@@ -15,7 +15,7 @@ const THUMB_ANGLE: f64 = -FRAC_PI_4;
 /// The length of every bone, in metres. Only directions matter.
 const LENGTH: f64 = 0.03;
 
-/// The distance of the knuckle of each finger from that of the middle finger, to the little finger, in metres.
+/// The distance of each knuckle from the knuckle of the middle finger, positive towards the little finger, in metres.
 const KNUCKLES: [f64; Finger::COUNT] = [-0.03, -0.02, 0.0, 0.02, 0.04];
 
 /// Smallest sine of the angle between a forearm and the vertical at which the palm can face down.
@@ -51,19 +51,20 @@ fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
         Dof::ForearmSupination => known(ArmBone::LowerArm) && known(ArmBone::Hand),
         Dof::WristDeviation | Dof::WristFlexion => known(ArmBone::Hand),
         _ => dof.finger().is_some_and(|finger| {
-            let mut bones = (0..ArmBone::PER_FINGER).map(|index| ArmBone::of_finger(finger, index));
-            bones.all(|bone| bone.is_some_and(known))
+            let mut finger_bones =
+                (0..ArmBone::PER_FINGER).map(|index| ArmBone::of_finger(finger, index));
+            finger_bones.all(|bone| bone.is_some_and(known))
         }),
     }
 }
 
-/// The bones of one arm; unknown rotations are those of the T pose.
+/// The bones of one arm; unknown rotations are taken from the T pose.
 struct Arm<'a> {
     bones: &'a ArmRotations,
     side: Side,
-    /// From the frame of the lower arm to that of the upper arm.
+    /// From the frame of the lower arm to the frame of the upper arm.
     lower_arm: DQuat,
-    /// From the frame of the hand to that of the upper arm.
+    /// From the frame of the hand to the frame of the upper arm.
     hand: DQuat,
 }
 
@@ -311,11 +312,8 @@ mod tests {
                     ArmBone::LowerArm,
                     bend * glam::Quat::from_rotation_x(turn - quarter),
                 );
-                let found = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
-                assert!(
-                    (found.to_degrees() - expected).abs() < 1e-3,
-                    "{side} {found}"
-                );
+                let bent = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
+                assert!((bent.to_degrees() - expected).abs() < 1e-3, "{side} {bent}");
             }
         }
     }

@@ -133,8 +133,8 @@ impl ChannelMap {
         self
     }
 
-    /// Sets whether counts are at the ends of their range in normal use, as those of a glove that scales them itself. In
-    /// other gloves such a count is a broken wire.
+    /// Sets whether counts are at the ends of their range in normal use, as in a glove that scales them itself. In other
+    /// gloves such a count is a broken wire.
     #[must_use]
     pub fn with_full_range(self, uses_full_range: bool) -> Self {
         Self {

@@ -135,8 +135,8 @@ pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, Dela
     let correlations: Vec<f64> = (-longest..=longest)
         .map(|shift| correlation(&first, &second, shift))
         .collect();
-    let best =
-        (1..correlations.len() - 1).max_by(|&a, &b| correlations[a].total_cmp(&correlations[b]));
+    let best = (1..correlations.len() - 1)
+        .max_by(|&one, &other| correlations[one].total_cmp(&correlations[other]));
     let best = best.expect("there are more than two shifts");
     let [left, peak, right] = [best - 1, best, best + 1].map(|index| correlations[index]);
     if peak < MIN_CORRELATION {
@@ -157,7 +157,7 @@ pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, Dela
 
 /// Returns the correlation of `first[i]` with `second[i + shift]`.
 fn correlation(first: &[f64], second: &[f64], shift: isize) -> f64 {
-    let skip = |shift: isize| shift.max(0) as usize;
+    let skip = |lag: isize| lag.max(0) as usize;
     let count = first.len() - shift.unsigned_abs();
     let first = &first[skip(-shift)..][..count];
     let second = &second[skip(shift)..][..count];
@@ -230,8 +230,11 @@ mod tests {
         let error = estimate_delay(&fast, &still).unwrap_err();
         assert_eq!(error, DelayError::NoMovement { is_first: false });
         let other = activity(30.0, 0.0, |moved_at| camera((moved_at * 7.9).powi(2)));
-        let error = estimate_delay(&fast, &other).unwrap_err();
-        assert!(matches!(error, DelayError::NoAgreement { .. }), "{error}");
+        let disagreement = estimate_delay(&fast, &other).unwrap_err();
+        assert!(
+            matches!(disagreement, DelayError::NoAgreement { .. }),
+            "{disagreement}"
+        );
         let late = activity(175.0, 9.0, glove);
         assert_eq!(estimate_delay(&fast, &late), Err(DelayError::TooShort));
         assert_eq!(

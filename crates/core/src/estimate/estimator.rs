@@ -22,7 +22,7 @@ const CONSISTENT_READINGS: u8 = 3;
 /// measured time between two readings can be far too short.
 const MIN_PLAUSIBLE_ROTATION: f64 = 0.3;
 
-/// The highest speed of a measured joint that moves with the whole hand, in m/s: more than that of a fast reach, so that a
+/// The highest speed of a measured joint that moves with the whole hand, in m/s: faster than a fast reach, so that a
 /// tracker that takes one hand for the other is noticed.
 const MAX_HAND_SPEED: f64 = 4.0;
 
@@ -205,7 +205,7 @@ impl Estimator {
         }
     }
 
-    /// Makes the present angles those of the [rest pose](EstimatorSettings::rest_pose), by offsets that last until
+    /// Turns the present angles into the [rest pose](EstimatorSettings::rest_pose), by offsets that last until
     /// [`undo_zero`](Self::undo_zero). The next estimate jumps. Refused unless the hand is still.
     pub fn zero(&mut self) -> Result<(), ZeroError> {
         if !self.measures_angles {
@@ -310,9 +310,9 @@ impl Estimator {
 
 /// The largest plausible change from one reading to another.
 struct Reach {
-    /// Of each angle, in radians.
+    /// The change of each angle, in radians.
     rotation: f64,
-    /// Of a measured position, in metres.
+    /// The change of a measured position, in metres.
     distance: f64,
 }
 
@@ -336,8 +336,8 @@ impl RawAngles {
     /// Returns whether neither the measured position of a later reading nor an angle is out of reach. Those that are known in
     /// only one of both do not count.
     ///
-    /// Of measured fingertips at least one must be within reach. Their angles do not count: those of a straight finger turn
-    /// by much when its measured length changes by little.
+    /// Of measured fingertips at least one must be within reach. Their angles do not count: the angles of a straight finger
+    /// change much when its measured length changes little.
     fn is_within(
         &self,
         reach: &Reach,

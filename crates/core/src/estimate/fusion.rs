@@ -99,7 +99,7 @@ impl FusedEstimator {
     pub fn lose(&mut self, part: HandPart) -> Option<&Estimate> {
         self.parts[part.index()].seen_at = None;
         self.fuse(self.estimate.time, true);
-        let is_seen = self.parts.iter().any(|part| part.seen_at.is_some());
+        let is_seen = self.parts.iter().any(|it| it.seen_at.is_some());
         is_seen.then_some(&self.estimate)
     }
 
@@ -155,7 +155,8 @@ impl FusedEstimator {
 /// Adds the fingers to an arm, and the angles of the arm that only their source measures.
 fn add_fingers(fingers: &Estimate, estimate: &mut Estimate) {
     for (dof, radians) in fingers.angles.known() {
-        let is_free = |dof: Dof| dof.finger().is_some() || !estimate.angles.is_known(dof);
+        let is_free =
+            |candidate: Dof| candidate.finger().is_some() || !estimate.angles.is_known(candidate);
         if is_free(dof) {
             estimate.angles.set(dof, radians);
         }

@@ -7,19 +7,19 @@ use crate::hand::{Dof, Finger, Joint, JointAngles, JointPositions, Side};
 /// Smallest sine of an angle between two directions that determine a plane.
 const MIN_SINE: f64 = 0.05;
 
-/// Weight of a bend across the palm in the direction in which a thumb flexes; that of a bend towards the palm is 1.
+/// Weight of a bend across the palm in the direction in which a thumb flexes; a bend towards the palm has weight 1.
 const THUMB_ACROSS: f64 = 2.0;
 
-/// Smallest cosine of the angle between the axis of a bend and that of flexion at which all of the bend is flexion. Below it the
+/// Smallest cosine of the angle between the axis of a bend and the flexion axis at which all of the bend is flexion. Below it the
 /// bone goes sideways, and flexion and extension pass into each other.
 const MIN_COSINE: f64 = 0.2;
 
 /// Returns the angles between the bones whose joints are known, in radians.
 ///
 /// Directions of the palm: along it from the wrist to the knuckle of the middle finger, across it from the knuckle of the
-/// little finger to that of the index finger. Supination is 0 if the palm faces away from the direction in which the
+/// little finger to the knuckle of the index finger. Supination is 0 if the palm faces away from the direction in which the
 /// elbow bends, as on a table, and unknown while the arm is straight; the two sides of the wrist show it better than the palm does,
-/// and without one. Shoulder angles are those of the upper arm in the
+/// and without one. Shoulder angles describe the upper arm in the
 /// world, 0 if it points straight forward. The angle of a hinge joint, one beyond the knuckle of a finger or the base of the
 /// thumb, is that between its two bones, whatever the direction of its axis; the palm decides only which way is flexion.
 pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
@@ -180,7 +180,7 @@ fn set_supination(
     angles.set(Dof::ForearmSupination, supination.atan2(away));
 }
 
-/// Sets the angles of a finger: abduction about the palm's Y and flexion of the first bone, then those of the hinge joints.
+/// Sets the angles of a finger: abduction about the palm's Y and flexion of the first bone, then the flexion of the hinge joints.
 fn set_finger(angles: &mut JointAngles, palm: &Palm, bones: &Bones, finger: Finger) {
     let tip = Joint::tip(finger).index();
     let joints = &Joint::ALL[tip - 3..=tip];

@@ -45,7 +45,7 @@ impl HandEstimator {
         }
     }
 
-    /// Makes the present angles those of the rest pose: see [`Estimator::zero`]. Of two parts, the fingers are zeroed.
+    /// Turns the present angles into the rest pose: see [`Estimator::zero`]. Of two parts, the fingers are zeroed.
     pub fn zero(&mut self) -> Result<(), ZeroError> {
         self.fingers_mut().zero()
     }

@@ -48,7 +48,7 @@ impl LearnedRange {
         self.below.max(self.above)
     }
 
-    /// Returns the map from the linear counts of the wider range to those of the calibrated one, whose ends are `low` and `high`.
+    /// Returns the map from linear counts of the wider range to the calibrated range, whose ends are `low` and `high`.
     pub(super) fn correction(&self, (low, high): CountRange) -> AffineMap {
         let gain = 1.0 / (1.0 + self.below + self.above);
         let new_low = low - self.below * (high - low);
@@ -116,7 +116,7 @@ impl RangeLearner {
         &self.learned
     }
 
-    /// Returns the map from linear counts to those of the calibrated range.
+    /// Returns the map from linear counts to the calibrated range.
     pub(super) fn correction(&self) -> AffineMap {
         self.learned.correction(self.ends)
     }
@@ -297,8 +297,8 @@ mod tests {
         assert!((end - 150.0).abs() < 1e-9, "{end}");
         assert!((own.correction().apply(50.0) - 50.0).abs() < 1e-9);
         let mut far = learner();
-        let stretch = [(100.0, 50), (166.4, 50)];
-        assert_eq!(learn(&mut far, &stretch.repeat(40)), (0, 15));
+        let wide_stretch = [(100.0, 50), (166.4, 50)];
+        assert_eq!(learn(&mut far, &wide_stretch.repeat(40)), (0, 15));
         far.undo();
         assert_eq!(far.correction(), AffineMap::IDENTITY);
     }

@@ -65,7 +65,7 @@ pub struct Estimate {
     pub root: Option<Pose>,
     /// The displacement of the arm or the hand from the pose that its angles give it.
     pub displacement: Option<Displacement>,
-    /// The joint positions that the sensor measures directly. They override those of forward kinematics.
+    /// The joint positions that the sensor measures directly. They override the positions of forward kinematics.
     pub measured: MeasuredJoints,
     /// The sticks, triggers and buttons of a glove.
     pub inputs: InputValues,
@@ -186,7 +186,7 @@ named_enum! {
     pub enum Rejection ("reason") {
         /// The reading has too few channels, no angles or no joints, or no glove is configured for its channels.
         WrongShape = "wrong-shape",
-        /// Its time stamp is not later than that of the previous reading.
+        /// Its time stamp is not later than the time stamp of the previous reading.
         OutOfOrder = "out-of-order",
         /// An angle is not a finite number.
         NotFinite = "not-finite",

@@ -9,7 +9,7 @@ use crate::hand::Joint;
 
 /// Settings for landmarks that a network finds in an image, with 1.5 mm of noise; `beta` in Hz per m/s.
 ///
-/// `beta` is that of MediaPipe for world landmarks, and the cutoff at rest that of the filter's authors. The cutoff of the
+/// MediaPipe uses this `beta` for world landmarks, and the filter's authors the cutoff at rest. The cutoff of the
 /// speed lets a tap of 100 ms through: at 30 images per second, 0.7 mm of the noise remain, and a tap lags by 13 ms.
 pub const LANDMARK_SMOOTHING: OneEuroSettings = OneEuroSettings {
     min_cutoff_hz: 1.0,

@@ -138,7 +138,7 @@ impl BodyPoints {
             .midpoint(self.get(BodyPoint::RightHip))
     }
 
-    /// Returns the lengths of the bones in the order of [`BodyJoint::ALL`]; that of the root is the distance between the hips.
+    /// Returns the lengths of the bones in the order of [`BodyJoint::ALL`]; for the root, the distance between the hips.
     pub fn lengths(&self) -> [f64; BodyJoint::COUNT] {
         let mut lengths = [0.0; BodyJoint::COUNT];
         for &joint in BodyJoint::ALL {

@@ -11,7 +11,7 @@ use crate::hand::{Finger, FingerSet, Joint};
 const FINGER_LENGTH: f64 = 0.09;
 const HAND_LENGTH: f64 = 0.2;
 
-/// The fewest fingertips whose common movement is taken for that of the hand.
+/// The fewest fingertips whose common movement counts as a movement of the hand.
 const MIN_TIPS_OF_HAND: usize = 3;
 
 /// The positions of the measured fingertips, in metres.

@@ -1,4 +1,4 @@
-//! Zeroing: offsets that turn the present angles of a resting hand into those of its rest pose.
+//! Zeroing: offsets that turn the present angles of a resting hand into the angles of its rest pose.
 
 use std::fmt;
 use std::time::Duration;
@@ -19,7 +19,7 @@ const STILL_RANGE: f64 = 0.052;
 /// Reason why a hand cannot be zeroed. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ZeroError {
-    /// The source gives positions or displacements, whose zero is not that of a joint.
+    /// The source gives positions or displacements, whose zero says nothing about the zero of a joint.
     #[error(
         "the source measures positions, not joint angles, and has no zero; use `recenter` to move the boards"
     )]
@@ -54,7 +54,7 @@ pub struct Zeroed {
     pub count: usize,
     /// The angle with the largest offset.
     pub largest: Dof,
-    /// That offset, in radians.
+    /// Its offset, in radians.
     pub radians: f64,
 }
 

@@ -197,8 +197,8 @@ mod tests {
             DVec3::new(node.sin() * sin_i, -node.cos() * sin_i, cos_i),
         );
         let found = EulerOrder::Zxz.angles(&orbit).expect("finite");
-        for (found, expected) in found.into_iter().zip([node, inclination, argument]) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        for (angle, expected) in found.into_iter().zip([node, inclination, argument]) {
+            assert!((angle - expected).abs() < 1e-12, "{angle} {expected}");
         }
     }
 

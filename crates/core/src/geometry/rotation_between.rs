@@ -7,7 +7,7 @@ use super::unit;
 /// The largest sine of an angle that counts as 0 or half a turn: its axis is lost in rounding.
 const MIN_SINE: f64 = 1e-9;
 
-/// Returns the rotation without twist that takes the direction of `from` onto that of `to`; `None` if a vector is zero
+/// Returns the rotation without twist that takes the direction of `from` onto the direction of `to`; `None` if a vector is zero
 /// or not finite. The lengths do not matter.
 ///
 /// Rodrigues' formula R = I + s K + (1 − c) K², with s and c the sine and cosine of the angle and K the cross-product

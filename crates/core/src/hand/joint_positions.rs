@@ -62,8 +62,8 @@ impl JointPositions {
         self.predicted = bits & ((1 << Joint::COUNT) - 1);
     }
 
-    /// Sets the direction across the wrist, from its side of the little finger to that of the thumb, of any length. It turns with
-    /// the forearm.
+    /// Sets the direction across the wrist, from the side of the little finger to the side of the thumb, of any length. It turns
+    /// with the forearm.
     pub fn set_wrist_axis(&mut self, axis: DVec3) {
         self.wrist_axis = Some(axis);
     }
@@ -170,13 +170,14 @@ mod tests {
         assert_eq!(read, positions);
         positions.set_wrist_axis(DVec3::new(0.0, 0.0, -1.0));
         positions.set_predicted(Joint::IndexTip);
-        let json = serde_json::to_string(&positions).unwrap();
+        let predicted_json = serde_json::to_string(&positions).unwrap();
         assert!(
-            json.ends_with(r#""wrist-axis":[0.0,0.0,-1.0],"predicted":["index-finger-tip"]}"#),
-            "{json}"
+            predicted_json
+                .ends_with(r#""wrist-axis":[0.0,0.0,-1.0],"predicted":["index-finger-tip"]}"#),
+            "{predicted_json}"
         );
         assert_eq!(
-            serde_json::from_str::<JointPositions>(&json).unwrap(),
+            serde_json::from_str::<JointPositions>(&predicted_json).unwrap(),
             positions
         );
         assert!(serde_json::from_str::<JointPositions>(r#"{"wirst":[0,0,0]}"#).is_err());

@@ -139,9 +139,9 @@ impl ArmModel {
         poses
     }
 
-    /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces that of the model, a
-    /// displaced joint takes what lies beyond it along, and
-    /// measured joint positions replace the computed ones; those of shoulder, elbow and wrist move what lies beyond them.
+    /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces the root pose of the
+    /// model, a displaced joint takes what lies beyond it along, and measured joint positions replace the computed ones; measured
+    /// positions of shoulder, elbow and wrist move what lies beyond them.
     /// No joint of a hand that is [nowhere](Estimate::is_placed) is known.
     pub fn forward(&self, estimate: &Estimate) -> HandPose {
         let mut hand = HandPose::new(estimate.time, self.side, self.tip_radius);
@@ -241,8 +241,8 @@ mod tests {
         assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
         assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::X + Vec3::Y));
         estimate.measured.set(Joint::IndexTip, Vec3::Z);
-        let pose = rod().forward(&estimate);
-        assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
-        assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::Z));
+        let measured_pose = rod().forward(&estimate);
+        assert_eq!(measured_pose.position(Joint::Elbow), Some(Vec3::Y));
+        assert_eq!(measured_pose.fingertip(Finger::Index), Some(Vec3::Z));
     }
 }

@@ -1,6 +1,6 @@
 //! Forward kinematics of four fingers at once: one finger in each lane of a vector register.
 //!
-//! The lanes are [`Vec4`]s, which have the operations of every machine with 128-bit vectors. The order of the operations is that
+//! The lanes are [`Vec4`]s, which have the operations of every machine with 128-bit vectors. The operations have the order
 //! of a product of two `Quat`s and of a `Quat` and a vector, without the terms that are 0: the results are equal to those of
 //! [`ArmModel::link_poses`](super::ArmModel::link_poses).
 
@@ -162,7 +162,9 @@ impl Row {
                 .iter()
                 .all(|offset| offset.y == 0.0 && offset.z == 0.0),
             axis,
-            senses: Vec4::from_array(axes.map(|axis| axis.map_or(1.0, |(_, sense)| sense))),
+            senses: Vec4::from_array(
+                axes.map(|lane_axis| lane_axis.map_or(1.0, |(_, sense)| sense)),
+            ),
             angles: links.map(|link| dof(link).unwrap_or(NO_ROTATION)),
             joints: links.map(|link| link?.joint),
         })
@@ -198,8 +200,8 @@ impl LanePoses {
                 across * scale + z * twice_dot + (x * up - along * y) * twice_w,
             ]
         };
-        for (translation, moved) in self.translation.iter_mut().zip(moved) {
-            *translation += moved;
+        for (translation, shift) in self.translation.iter_mut().zip(moved) {
+            *translation += shift;
         }
     }
 
@@ -217,8 +219,8 @@ impl LanePoses {
     fn to_poses(self) -> [Pose; LANES] {
         let [x, y, z, w] = self.rotation;
         let rotations = Mat4::from_cols(x, y, z, w).transpose();
-        let [x, y, z] = self.translation;
-        let translations = Mat4::from_cols(x, y, z, Vec4::ZERO).transpose();
+        let [along_x, along_y, along_z] = self.translation;
+        let translations = Mat4::from_cols(along_x, along_y, along_z, Vec4::ZERO).transpose();
         std::array::from_fn(|lane| {
             let rotation = Quat::from_vec4(rotations.col(lane));
             Pose::from_parts(translations.col(lane).truncate(), rotation)

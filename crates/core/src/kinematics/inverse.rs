@@ -67,7 +67,7 @@ pub struct IkSolution {
 /// Finds values of `variables` that move the center of a fingertip to `target` (world, metres).
 ///
 /// Uses damped least squares with the variables clamped to their ranges, and pulls them towards their rest values in
-/// the null space. Starts at `start`; angles that no variable drives are those of `fixed`. Always returns the best
+/// the null space. Starts at `start`; angles that no variable drives come from `fixed`. Always returns the best
 /// values found: check [`IkSolution::distance`].
 ///
 /// # Panics
@@ -211,7 +211,7 @@ struct ChainLink {
 /// The rotation of a link.
 enum Turn {
     Fixed(Option<Quat>),
-    /// By the value of a variable, about an axis of the frame of the link if there is one.
+    /// Turned by the value of a variable, about an axis of the frame of the link if there is one.
     Driven(usize, AffineMap, Option<(PrincipalAxis, f32)>),
 }
 

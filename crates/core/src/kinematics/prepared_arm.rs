@@ -13,7 +13,7 @@ use crate::hand::{Dof, Joint};
 
 /// The links of an arm that a joint or fingertip depends on, with what follows from them alone.
 ///
-/// The results are equal to those of [`ArmModel::link_poses`](super::ArmModel::link_poses), in half the time.
+/// The results are equal to the results of [`ArmModel::link_poses`](super::ArmModel::link_poses), in half the time.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedArm {
     /// The links that are not in `fingers`, parents before children.
@@ -24,7 +24,7 @@ pub(super) struct PreparedArm {
 #[derive(Clone, Debug)]
 struct PreparedLink {
     parent: Parent,
-    /// `None` if the pivot is that of the parent.
+    /// `None` if the link turns about the pivot of its parent.
     offset: Option<Vec3>,
     turn: Turn,
     joint: Option<Joint>,

@@ -24,8 +24,8 @@ impl PrincipalAxis {
         }
     }
 
-    /// Returns the product of `rotation` and a rotation about the axis by the sine and cosine of half an angle: that of the two
-    /// quaternions without the terms that are 0, in the same order.
+    /// Returns the product of `rotation` and a rotation about the axis by the sine and cosine of half an angle: the
+    /// product of the two quaternions without the terms that are 0, in the same order.
     pub fn rotate(self, rotation: Quat, sine: f32, cosine: f32) -> Quat {
         let q = Vec4::from(rotation);
         let turned = match self {

@@ -17,8 +17,8 @@ pub struct HandReach {
     pub from_wrist: Vec3,
     /// The distance from the wrist to the index fingertip of a flat hand.
     pub length: f32,
-    /// The fingertips of a half bent hand relative to the wrist, thumb first; that of the index finger for a finger
-    /// that the model lacks.
+    /// The fingertips of a half bent hand relative to the wrist, thumb first. The index fingertip stands in for
+    /// a finger that the model lacks.
     pub half_bent: [Vec3; 5],
 }
 
@@ -41,9 +41,9 @@ impl ArmModel {
             from_wrist: tip - typing.position(Joint::Wrist)?,
             length: reach.length(),
             half_bent: std::array::from_fn(|finger| {
-                let tip = half_bent.fingertip(Finger::ALL[finger]);
-                let tip = tip.zip(half_bent.position(Joint::Wrist));
-                tip.map_or(index, |(tip, wrist)| tip - wrist)
+                let bent_tip = half_bent.fingertip(Finger::ALL[finger]);
+                let bent_tip = bent_tip.zip(half_bent.position(Joint::Wrist));
+                bent_tip.map_or(index, |(bent_tip, wrist)| bent_tip - wrist)
             }),
         })
     }

@@ -1,4 +1,4 @@
-//! Comparison of forward kinematics with that of the links one by one.
+//! Comparison of forward kinematics with the poses of the links computed one by one.
 
 use parry3d::math::Vec3;
 
@@ -37,8 +37,8 @@ fn check(arm: &ArmModel, has_lanes: bool) {
         let (found, expected) = (hand.known(), expected(arm, &angles));
         let pairs: Vec<_> = found.zip(expected.known()).collect();
         assert_eq!(pairs.len(), expected.known().count());
-        for ((joint, found), (same, pose)) in pairs {
-            assert_eq!((joint, found), (same, pose), "round {round}");
+        for ((joint, computed), (same, pose)) in pairs {
+            assert_eq!((joint, computed), (same, pose), "round {round}");
         }
     }
 }

@@ -136,7 +136,7 @@ fn deepest<'b, 'a>(
             .filter(|found| is_touching(block, found.min, found.max))
         {
             let depth = depth(block, found);
-            if depth > deepest.map_or(TOLERANCE, |(depth, _, _)| depth) {
+            if depth > deepest.map_or(TOLERANCE, |(largest, _, _)| largest) {
                 deepest = Some((depth, block, found));
             }
         }
@@ -156,7 +156,7 @@ fn depth(one: &Block, other: &Block) -> f32 {
     let offset = other.pose.translation - one.pose.translation;
     let across = axes
         .iter()
-        .flat_map(|axis| other_axes.map(|other| axis.cross(other)));
+        .flat_map(|axis| other_axes.map(|edge| axis.cross(edge)));
     let all = axes.iter().copied().chain(other_axes).chain(across);
     // The product of parallel edges is no axis.
     let depths = all.filter_map(Vec3::try_normalize).map(|axis| {

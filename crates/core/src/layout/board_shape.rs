@@ -1,6 +1,6 @@
 //! Flat and curved boards: from row coordinates to the board's frame and back.
 //!
-//! Row coordinates are those of a layout file: x along the key's own row, y across the rows, in metres.
+//! Layout files have row coordinates: x along the key's own row, y across the rows, in metres.
 
 use std::f32::consts::PI;
 
@@ -45,8 +45,8 @@ impl BoardShape {
             Self::Arc(radius_at_zero) => {
                 let radius = radius_at_zero + row_position.y;
                 let size = match shape {
-                    Shape::Box(half) => half.length(),
-                    Shape::Disc(radius) => radius,
+                    Shape::Box(extents) => extents.length(),
+                    Shape::Disc(disc_radius) => disc_radius,
                 };
                 let angle = row_position.x / radius;
                 if radius <= size || angle.abs() > PI {

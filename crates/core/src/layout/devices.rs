@@ -12,7 +12,7 @@ use crate::device::{Capabilities, VirtualDevice};
 impl Layout {
     /// Returns the devices that handle the touches: one for all keys, and one for each other kind of control that is present.
     ///
-    /// Their order is that of their events within a step.
+    /// Their events within a step have the same order.
     pub fn devices(&self) -> Vec<Box<dyn VirtualDevice>> {
         let mut devices = Vec::from_iter([self.keyboard()]);
         devices.extend(self.pressure_device());

@@ -275,10 +275,10 @@ Layout(
                 pose.tilt = between(-90.0, 90.0).to_radians();
             }
             let edited = move_boards(&document(&text), &expected, &Fit::default()).unwrap();
-            for (read, expected) in poses(&edited).iter().zip(&expected) {
-                let error = (read.to_pose().translation - expected.to_pose().translation).abs();
-                assert!(error.max_element() < 1e-5, "{read:?} for {expected:?}");
-                assert!((read.tilt - expected.tilt).abs() < 1e-4);
+            for (read, wanted) in poses(&edited).iter().zip(&expected) {
+                let error = (read.to_pose().translation - wanted.to_pose().translation).abs();
+                assert!(error.max_element() < 1e-5, "{read:?} for {wanted:?}");
+                assert!((read.tilt - wanted.tilt).abs() < 1e-4);
             }
             let again = move_boards(&document(&edited), &expected, &Fit::default()).unwrap();
             assert_eq!(again, edited, "a second edit changes nothing");

@@ -80,18 +80,18 @@ mod tests {
                 );
                 check(Value::Object(wrong));
                 for (name, field) in fields {
-                    with_a_wrong_field(field, &mut |wrong| {
+                    with_a_wrong_field(field, &mut |wrong_field| {
                         let mut fields = fields.clone();
-                        fields.insert(name.clone(), wrong);
+                        fields.insert(name.clone(), wrong_field);
                         check(Value::Object(fields));
                     });
                 }
             }
             Value::Array(items) => {
                 for (index, item) in items.iter().enumerate() {
-                    with_a_wrong_field(item, &mut |wrong| {
+                    with_a_wrong_field(item, &mut |wrong_field| {
                         let mut items = items.clone();
-                        items[index] = wrong;
+                        items[index] = wrong_field;
                         check(Value::Array(items));
                     });
                 }
@@ -114,10 +114,10 @@ mod tests {
             );
             let mut count = 0;
             with_a_wrong_field(&form, &mut |wrong| {
-                let json = wrong.to_string();
+                let wrong_json = wrong.to_string();
                 assert!(
-                    serde_json::from_str::<LayoutSchema>(&json).is_err(),
-                    "{json}"
+                    serde_json::from_str::<LayoutSchema>(&wrong_json).is_err(),
+                    "{wrong_json}"
                 );
                 count += 1;
             });

@@ -62,7 +62,7 @@ impl Default for Fit {
 }
 
 impl Fit {
-    /// Returns the fit to the hand of `arm`, and to that of `other` if the setup has two hands.
+    /// Returns the fit to the hand of `arm`, and to the hand of `other` if the setup has two hands.
     ///
     /// A model without an elbow, a wrist or an index fingertip has the fit of the design hand.
     pub fn new(arm: &ArmModel, other: Option<&ArmModel>) -> Result<Self, DocumentError> {
@@ -168,7 +168,7 @@ impl PoseFit {
     }
 }
 
-/// Returns the factor for sizes of a hand by the ratio of its length to that of the design hand.
+/// Returns the factor for sizes of a hand by the ratio of its length to the length of the design hand.
 ///
 /// A short finger needs keys that are nearer to each other, in proportion to its length. A long finger reaches them in
 /// any case, and its keys grow half as much: the keys of keyboards for all adults are 19 mm apart.

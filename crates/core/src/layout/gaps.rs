@@ -56,7 +56,7 @@ impl<'a> Neighborhood<'a> {
         Share { low, high }
     }
 
-    /// Iterates over the outlines whose left and right edges are within `distance` of those of an outline.
+    /// Iterates over the outlines whose left and right edges are within `distance` of the edges of an outline.
     fn near(&self, index: usize, distance: f32) -> impl Iterator<Item = &'a Outline> + '_ {
         let outline = &self.outlines[index];
         let half = outline.aabb_half_extents().x + distance;

@@ -28,20 +28,20 @@ pub fn write_calibration(
         edits.push((byte_range(&document.text, field), new.to_string()));
     };
     let enabled = raw.rows.iter().filter(|row| row.disabled.is_none());
-    for ((raw, old), new) in enabled.zip(old.rows()).zip(map.rows()) {
-        if old.calibration == new.calibration {
+    for ((raw_row, old_row), new) in enabled.zip(old.rows()).zip(map.rows()) {
+        if old_row.calibration == new.calibration {
             continue;
         }
-        let offset_rad: f64 = parse_ron(raw.offset_rad.get_ron(), &document.file)?;
+        let offset_rad: f64 = parse_ron(raw_row.offset_rad.get_ron(), &document.file)?;
         let gain = written_gain(new.calibration.gain * full_scale);
-        edit(raw.full_scale_rad, gain);
+        edit(raw_row.full_scale_rad, gain);
         edit(
-            raw.offset_counts,
+            raw_row.offset_counts,
             offset_counts(new, gain / full_scale, offset_rad),
         );
     }
-    let mut set = |name: &str, old: Option<&RawValue>, entries: Vec<String>| {
-        edits.push(set_field(document, &raw, (name, old), &entries));
+    let mut set = |name: &str, old_value: Option<&RawValue>, entries: Vec<String>| {
+        edits.push(set_field(document, &raw, (name, old_value), &entries));
     };
     if old.curvatures() != map.curvatures() {
         let entry =
@@ -97,7 +97,7 @@ fn set_field(
 /// Returns an angle in degrees with one decimal, within the limits of its joint.
 fn degrees(dof: Dof, radians: f64) -> f64 {
     let (low, high) = JointLimits::human().range(dof);
-    let tenths = |radians: f64| radians.to_degrees() * 10.0;
+    let tenths = |angle: f64| angle.to_degrees() * 10.0;
     let (low, high) = ((tenths(low) - 1e-6).ceil(), (tenths(high) + 1e-6).floor());
     tenths(radians).round().clamp(low, high) / 10.0 + 0.0
 }
@@ -195,9 +195,12 @@ Glove(
             text,
             COMMENTED.replace("full_scale_counts: 255 /* 8 bits */", added)
         );
-        let curved = Document::new("mine.ron", text);
-        let text = write(&curved, &map());
-        assert!(text.contains("curvature_counts: {} /* 8 bits */"), "{text}");
+        let edited = Document::new("mine.ron", text);
+        let cleared = write(&edited, &map());
+        assert!(
+            cleared.contains("curvature_counts: {} /* 8 bits */"),
+            "{cleared}"
+        );
     }
 
     #[test]
@@ -210,8 +213,11 @@ Glove(
         );
         let read = Document::new("mine.ron", text);
         assert_eq!(Glove::parse(&read).unwrap().map.ranges(), ranged.ranges());
-        let text = write(&read, &map());
-        assert!(text.contains("range_counts: {} /* 8 bits */"), "{text}");
+        let cleared = write(&read, &map());
+        assert!(
+            cleared.contains("range_counts: {} /* 8 bits */"),
+            "{cleared}"
+        );
     }
 
     #[test]
@@ -240,10 +246,11 @@ Glove(
             let new = map().with_calibrations(&[calibration(), calibration()]);
             let text = write(&document(), &new);
             let read = Glove::parse(&Document::new("mine.ron", text)).unwrap().map;
-            for (read, new) in read.rows().iter().zip(new.rows()) {
+            for (read_row, new_row) in read.rows().iter().zip(new.rows()) {
                 for count in [0.0, 255.0] {
-                    let error = read.calibration.apply(count) - new.calibration.apply(count);
-                    assert!(error.abs() < 1e-3, "{read:?} for {new:?}");
+                    let error =
+                        read_row.calibration.apply(count) - new_row.calibration.apply(count);
+                    assert!(error.abs() < 1e-3, "{read_row:?} for {new_row:?}");
                 }
             }
         }

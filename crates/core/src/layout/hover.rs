@@ -21,8 +21,8 @@ pub struct Hover {
 }
 
 impl Layout {
-    /// Returns the position of each tracked fingertip over each board. `scene` is that of the layout, with the present
-    /// poses of the boards.
+    /// Returns the position of each tracked fingertip over each board. `scene` is the scene of the layout, with the
+    /// present poses of the boards.
     pub fn hovers(&self, scene: &Scene, pose: &HandPose) -> Vec<Hover> {
         let mut hovers = Vec::new();
         let boards = self.boards.iter().zip(scene.surfaces()).enumerate();

@@ -149,7 +149,7 @@ macro_rules! board_schema {
             }
         }
 
-        /// Returns the structures whose fields are easily taken for those of another one.
+        /// Returns the structures whose fields are easily taken for the fields of another one.
         pub(super) fn structures() -> Vec<Structure> {
             vec![
                 Structure::of::<LayoutSchema>("Layout"),
@@ -250,7 +250,7 @@ impl<'a> LayoutSchema<'a> {
             let labelled = builder.set_label(name.text, &label.0);
             builder.collect(labelled)?;
         }
-        // The indices of declared layers are those of the file.
+        // Declared layers have their indices from the file.
         let has_all_layers = builder.layers().len() == self.layers.len() + 1;
         if has_all_layers {
             for (index, layer) in self.layers.iter().enumerate() {

@@ -92,7 +92,7 @@ impl<'a> Edits<'a> {
                 self.replace(x.to_deg, x.from_deg.trim().get_ron().to_owned());
                 Ok(())
             }
-            // The motions are those of the world, and a stick is not mirrored with the hand.
+            // The motions are in the frame of the world, and a stick is not mirrored with the hand.
             RawMode::Arm {}
             | RawMode::Rate {
                 input: RawDisplacement::Stick,
@@ -274,7 +274,7 @@ mod tests {
             match mirror_layout(&document) {
                 Ok(text) => {
                     let other = Layout::parse(&text, name).unwrap();
-                    let targets = |layout: &Layout| (layout.keys.len(), layout.controls.len());
+                    let targets = |counted: &Layout| (counted.keys.len(), counted.controls.len());
                     assert_eq!(targets(&other), targets(&layout), "{name}");
                     assert!(!layout.has_board_for(Side::Left), "{name}");
                 }

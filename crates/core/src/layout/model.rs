@@ -373,7 +373,7 @@ impl Layout {
         let has_key = |board: &&Board| {
             self.keys[board.keys.clone()]
                 .iter()
-                .any(|key| key.face.target == target)
+                .any(|own| own.face.target == target)
         };
         let board = self.boards.iter().find(has_key);
         board.expect("every key of a layout is on a board")

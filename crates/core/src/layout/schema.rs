@@ -96,7 +96,7 @@ schema! {
         /// The pose fits the hand.
         #[default]
         Hand,
-        /// All lengths are those of the file.
+        /// All lengths stay as the file states them.
         Off,
     }
 }
@@ -109,7 +109,7 @@ schema! {
         /// A fingertip touches a key.
         #[default]
         Touch,
-        /// A finger bends, wherever the hand is: each key is that of a finger.
+        /// A finger bends, wherever the hand is: each key belongs to a finger.
         Bend,
     }
 }
@@ -143,7 +143,7 @@ schema! {
 }
 
 schema! {
-    /// The point that a board moves with. It follows the position only: the axes stay those of the world.
+    /// The point that a board moves with. It follows the position only: its axes stay aligned with the world.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
     #[serde(rename = "Anchor", rename_all = "lowercase")]
     pub enum AnchorSchema {

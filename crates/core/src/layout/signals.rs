@@ -85,7 +85,7 @@ impl<'a> SignalSchema<'a> {
             address: self.osc.map(|address| address.text.to_owned()),
             range: (low as f32, high as f32),
             channel: self.channel.get() as u8 - 1,
-            midi: midi.map(|(number, kind)| kind(number as u8)),
+            midi: midi.map(|(number, message)| message(number as u8)),
         };
         builder.add_signal(name, target, signal)
     }

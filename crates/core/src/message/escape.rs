@@ -2,7 +2,7 @@
 //!
 //! A name in a layout, a file name or the text of a peer may contain escape sequences, line breaks that start a false
 //! message, characters that reverse the direction of the text, or a megabyte. [`escape`], or [`escape_path`], is applied
-//! to each such field where it becomes part of a message: later, its line breaks look like those of the message.
+//! to each such field where it becomes part of a message: later, its line breaks look like line breaks of the message.
 //! [`escape_line`] and [`escape_lines`] are applied to finished messages, and [`escape_json`] to JSON on a terminal.
 
 use std::borrow::Cow;
@@ -159,10 +159,10 @@ mod tests {
         assert!(matches!(escape(&field), Cow::Borrowed(_)));
         for long in ["x", "字", "\u{1b}"].map(|part| part.repeat(1 << 20)) {
             let line = format!("a{long}");
-            let (field, line) = (escape(&line), escape_line(&line));
-            assert!(field.len() <= MAX_FIELD_BYTES && field.len() > MAX_FIELD_BYTES - 12);
+            let (cut_field, line) = (escape(&line), escape_line(&line));
+            assert!(cut_field.len() <= MAX_FIELD_BYTES && cut_field.len() > MAX_FIELD_BYTES - 12);
             assert!(line.len() <= MAX_LINE_BYTES && line.len() > MAX_LINE_BYTES - 12);
-            assert!(field.starts_with('a') && field.ends_with('…'));
+            assert!(cut_field.starts_with('a') && cut_field.ends_with('…'));
         }
         let lines = format!("{}\nb", "x".repeat(3_000));
         assert!(escape_lines(&lines).ends_with("x…\nb"));

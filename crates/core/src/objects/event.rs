@@ -15,7 +15,7 @@ pub struct EventObject<'a> {
 }
 
 impl<'a> EventObject<'a> {
-    /// Creates the object of an event. `names` are those of the targets.
+    /// Creates the object of an event. `names` has the names of the targets.
     pub fn new(event: &OutputEvent, names: &'a TargetNames) -> Self {
         Self {
             time_us: event.time,

@@ -1,7 +1,7 @@
 //! The object of a pose.
 //!
 //! It has 182 numbers. Without the generic serialization of maps and names it takes half the time, and the numbers of a joint
-//! that turns with the one before it, as those of a fingertip do, are copied.
+//! that turns with the one before it, as a fingertip does, are copied.
 
 use std::ops::Range;
 
@@ -31,12 +31,12 @@ fn write_joints<const N: usize>(
 ) {
     // The numbers of the joint before, and their list in `out`.
     let mut before: Option<([u32; N], Range<usize>)> = None;
-    for (joint, pose) in pose.known() {
+    for (joint, joint_pose) in pose.known() {
         let separator: &[u8] = if before.is_none() { b"\"" } else { b",\"" };
         out.extend_from_slice(separator);
         out.extend_from_slice(joint.name().as_bytes());
         out.extend_from_slice(b"\":");
-        let numbers = numbers(pose);
+        let numbers = numbers(joint_pose);
         // Bits, because 0 and −0 are written differently.
         let bits = numbers.map(f32::to_bits);
         let start = out.len();

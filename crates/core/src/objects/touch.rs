@@ -19,7 +19,7 @@ pub struct TouchObject<'a> {
 }
 
 impl<'a> TouchObject<'a> {
-    /// Creates the object of a touch. `names` are those of the targets.
+    /// Creates the object of a touch. `names` has the names of the targets.
     pub fn new(touch: &Touch, names: &'a TargetNames) -> Self {
         Self {
             time_us: touch.time,

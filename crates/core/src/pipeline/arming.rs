@@ -29,7 +29,7 @@ impl Pipeline {
         let hand = &mut self.hands[index];
         let layout = &self.profiles[self.active_profile].layout;
         hand.is_clear = layout.is_clear(&hand.output.pose, &hand.output.bends);
-        let is_clear = self.hands.iter().any(|hand| hand.is_clear);
+        let is_clear = self.hands.iter().any(|it| it.is_clear);
         if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
             self.clear_since = None;
             return;

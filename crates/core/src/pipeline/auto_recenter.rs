@@ -51,12 +51,12 @@ struct RestDetector {
 }
 
 impl AutoRecenterState {
-    /// Creates the state; `settings[i]` are those of board `i`, `None` if it stays.
+    /// Creates the state; `settings[i]` applies to board `i`, which stays with `None`.
     pub fn new(settings: impl IntoIterator<Item = Option<AutoRecenter>>) -> Self {
-        let board = |(surface, settings): (usize, Option<AutoRecenter>)| {
+        let board = |(surface, board_settings): (usize, Option<AutoRecenter>)| {
             Some(RecenteredBoard {
                 surface,
-                settings: settings?,
+                settings: board_settings?,
                 offset: Vec2::ZERO,
             })
         };
@@ -89,9 +89,9 @@ impl AutoRecenterState {
         hand.is_near = is_near(scene, pose);
         let elapsed = hand.update(pose);
         let resting_since = hand.resting_since;
-        if is_touched || self.hands.iter().any(|hand| hand.is_near) {
-            for hand in &mut self.hands {
-                hand.resting_since = None;
+        if is_touched || self.hands.iter().any(|it| it.is_near) {
+            for other in &mut self.hands {
+                other.resting_since = None;
             }
             return;
         }

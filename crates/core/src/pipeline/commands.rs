@@ -148,9 +148,9 @@ impl Pipeline {
         let offset = layout.recenter_offset(pose)?;
         layout.check_move(BoardMove::Recenter(offset, pose))?;
         self.release_all(self.time, events);
-        let pose = &self.hands[index].output.pose;
-        let layout = &mut self.profiles[self.active_profile].layout;
-        layout.apply_move(BoardMove::Recenter(offset, pose));
+        let recenter = BoardMove::Recenter(offset, &self.hands[index].output.pose);
+        let active = &mut self.profiles[self.active_profile];
+        active.layout.apply_move(recenter);
         Ok(())
     }
 

@@ -24,7 +24,7 @@ use crate::time::Timestamp;
 /// The presses that the sources of the hands permit in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressRules {
-    /// By side, whether the hand may point but not type.
+    /// The hand may point but not type, by side.
     pub(super) pointer_only: [bool; Side::COUNT],
     /// Time between two presses of a sequence that the hand of the step has started.
     pub(super) sequence_gap: Duration,
@@ -35,7 +35,7 @@ pub struct LayoutInstance {
     pub(super) scene: Scene,
     target_names: TargetNames,
     trackers: [ContactTracker; Side::COUNT],
-    /// Whether fingers press targets by bending, instead of by touch.
+    /// Fingers press targets by bending, instead of by touch.
     is_bent: bool,
     /// Targets or devices depend on the bends of the fingers.
     needs_bends: bool,
@@ -128,7 +128,7 @@ impl LayoutInstance {
         }
     }
 
-    /// Sets the auto-recentering of the boards; `settings[i]` are those of board `i`, `None` if it stays.
+    /// Sets the auto-recentering of the boards; `settings[i]` applies to board `i`, which stays with `None`.
     #[must_use]
     pub fn with_auto_recenter(
         self,
@@ -163,7 +163,7 @@ impl LayoutInstance {
         (self.filter.as_deref_mut(), &self.scene)
     }
 
-    /// Sets the mode of the text decoder to that of the layout before.
+    /// Takes over the mode of the text decoder from the layout before.
     pub(super) fn keep_text_mode(&mut self, before: &Self) {
         let mode = before.filter().and_then(PressFilter::text_state);
         if let Some((filter, state)) = self.filter.as_mut().zip(mode) {

@@ -86,7 +86,7 @@ pub struct Pipeline {
     state: PipelineState,
     /// The latest time of an accepted reading.
     time: Timestamp,
-    /// The origin of a requested pause. `state` changes meanwhile, but not to `Running`.
+    /// The origin of a requested pause. `state` may change during the pause, but not to `Running`.
     paused_by: Option<CommandOrigin>,
     clear_since: Option<Timestamp>,
     /// The time until which a hand that comes to rest is zeroed, because the layout asked for it.
@@ -223,7 +223,7 @@ impl Pipeline {
     }
 
     /// Releases everything and emits no events until [`resume`](Self::resume), whatever happens to the
-    /// readings or the layouts meanwhile. If the pipeline is paused already, the stronger origin applies.
+    /// readings or the layouts until then. If the pipeline is paused already, the stronger origin applies.
     pub fn pause(&mut self, origin: CommandOrigin, events: &mut Events) {
         if self.state == PipelineState::Stopped {
             return;
@@ -391,8 +391,8 @@ impl Pipeline {
     /// Returns what the sources permit in a step of the hand with this index.
     fn press_rules(&self, index: usize) -> PressRules {
         let mut pointer_only = [false; Side::COUNT];
-        for (index, hand) in self.hands.iter().enumerate() {
-            pointer_only[hand.side().index()] = !self.gate.allows_keys(index);
+        for (other, hand) in self.hands.iter().enumerate() {
+            pointer_only[hand.side().index()] = !self.gate.allows_keys(other);
         }
         PressRules {
             pointer_only,

@@ -26,8 +26,8 @@ pub struct FilterInput<'a> {
     pub time: Timestamp,
     /// The hand.
     pub side: Side,
-    /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as that of a
-    /// chord.
+    /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as the
+    /// press of a chord.
     pub presses: &'a [Press],
     /// The keys that the devices hold before the events of this step.
     pub held: &'a PressedKeys,
@@ -147,9 +147,9 @@ impl PressFilters {
             let later = &filtered[index + 1..];
             self.push(event, later, events);
         }
-        let presses =
-            |events: &[OutputEvent]| events.iter().filter(|event| is_press(event)).count();
-        presses(&events[first..]).saturating_sub(presses(&emitted))
+        let press_count =
+            |list: &[OutputEvent]| list.iter().filter(|event| is_press(event)).count();
+        press_count(&events[first..]).saturating_sub(press_count(&emitted))
     }
 
     /// Appends an event, and its release if nothing else would release the key.
@@ -158,11 +158,9 @@ impl PressFilters {
             let _ = events.try_push(event);
             return;
         };
-        let is_released_later = later
-            .iter()
-            .any(|event| event.kind == EventKind::KeyUp(key));
+        let is_released_later = later.iter().any(|it| it.kind == EventKind::KeyUp(key));
         let is_tap = !self.held.contains(key) && !is_released_later;
-        let releases = later.iter().filter(|event| is_release(event)).count();
+        let releases = later.iter().filter(|it| is_release(it)).count();
         if events.remaining_capacity() < 1 + usize::from(is_tap) + releases {
             return;
         }

@@ -52,12 +52,12 @@ mod tests {
         let mut events: Vec<_> = words.map(|(time, word)| event(time as u64, word)).collect();
         move_releases_first(&mut events);
         assert!(events.windows(2).all(|pair| pair[0].time <= pair[1].time));
-        let words = events.iter().map(|event| match event.kind {
+        let signs = events.iter().map(|event| match event.kind {
             EventKind::KeyDown(code) => format!("+{code}"),
             EventKind::KeyUp(code) => format!("-{code}"),
             _ => unreachable!(),
         });
-        words.collect::<Vec<_>>().join(" ")
+        signs.collect::<Vec<_>>().join(" ")
     }
 
     #[test]

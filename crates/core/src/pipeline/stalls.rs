@@ -31,8 +31,8 @@ impl Pipeline {
     /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
     /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
     ///
-    /// The result is that of the first later reading, which would detect the same gap, so that a replay emits the same
-    /// events whether it waits for that reading or not.
+    /// The first later reading would detect the same gap with the same result, so that a replay emits the same events whether
+    /// it waits for that reading or not.
     pub fn stall_if_overdue(&mut self, time: Timestamp, events: &mut Events) -> bool {
         let last = self
             .hands

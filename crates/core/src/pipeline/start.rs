@@ -99,12 +99,12 @@ impl Pipeline {
             return;
         };
         hand.start.reset();
-        // Pointers and fingertips start anew in what has just appeared around them.
+        // Pointers and fingertips start over in controls that have just appeared around them.
         self.release_all(self.time, events);
         let start = &mut self.hands[index].output.pose.start;
         start.own = Some(place);
-        for hand in &mut self.hands {
-            hand.output.pose.start.shared.get_or_insert(place);
+        for other in &mut self.hands {
+            other.output.pose.start.shared.get_or_insert(place);
         }
     }
 

@@ -129,7 +129,7 @@ impl LayoutInstance {
         // Joint angles move a cursor in the spaces, and not the fingertip.
         let has_fingertip = !pointer.is_some_and(|it| matches!(it.mode, PointingMode::Joint(_)));
         let spaces = layout.into_iter().filter(|_| has_fingertip);
-        let spaces = spaces.flat_map(|layout| &layout.spaces);
+        let spaces = spaces.flat_map(|it| &it.spaces);
         let in_spaces = spaces.flat_map(|space| {
             let space = &space.space;
             let frame = space.frame.world_from_frame(pose).into_iter();
@@ -165,7 +165,7 @@ fn way_to_range(mode: &PointingMode, pose: &HandPose, tip: Vec3) -> Option<Vec3>
     Some(frame * local.clamp(-half, half) - tip)
 }
 
-/// Returns the index fingertip, or that of another finger.
+/// Returns the index fingertip, or else the tip of another finger.
 fn any_fingertip(pose: &HandPose) -> Option<Vec3> {
     let fingers = [Finger::Index].iter().chain(Finger::ALL);
     let mut tips = fingers.filter_map(|&finger| trusted_fingertip(pose, finger));

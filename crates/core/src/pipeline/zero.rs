@@ -10,7 +10,7 @@ use crate::estimate::{Estimator, Zeroed};
 const REST_TIMEOUT: Duration = Duration::from_secs(5);
 
 impl Pipeline {
-    /// Makes the present angles of the hand that was tracked last those of its rest pose. Everything is released, and output
+    /// Zeroes the hand that was tracked last: its present angles become its rest pose. Everything is released, and output
     /// is armed again after the hand has been clear of every control, as the fingertips jump.
     ///
     /// Refused without a tracked hand that is still, while a key is down, and for a change that no slipped glove explains.
@@ -57,7 +57,7 @@ impl Pipeline {
     }
 
     /// Carries out a request of the layout once the hand is at rest and no key is down. A hand that is still in another pose,
-    /// such as that of the gesture, is not at rest.
+    /// such as the pose of the gesture, is not at rest.
     pub(super) fn zero_if_at_rest(&mut self, events: &mut Events) {
         let Some(deadline) = self.zero_until else {
             return;

@@ -94,8 +94,8 @@ impl LaneSurface {
         let [lowest, highest] = self.heights.map(f32x8::splat);
         let radius = f32x8::splat(self.tip_radius);
         let tips = previous.iter().zip(current);
-        for (lanes, (previous, current)) in candidates.iter_mut().zip(tips) {
-            let (from, to) = (f32x8::new(previous[2]), f32x8::new(current[2]));
+        for (lanes, (last_tip, tip)) in candidates.iter_mut().zip(tips) {
+            let (from, to) = (f32x8::new(last_tip[2]), f32x8::new(tip[2]));
             let (from_pad, to_pad) = (from - radius, to - radius);
             // A comparison with NaN is false: a fingertip that is not known enters nothing.
             let are_candidates = if self.is_flat {
@@ -124,7 +124,7 @@ pub(super) struct Block {
     time: Timestamp,
     /// The fingertips on each surface.
     tips: Vec<AllTips>,
-    /// Room for those of the next pose.
+    /// Room for the fingertips of the next pose.
     next_tips: Vec<AllTips>,
 }
 
@@ -150,8 +150,8 @@ impl Block {
     ) -> Vec<HandTouch> {
         let mut all = Vec::new();
         let mut hands = LaneHands::new();
-        for (&time, angles) in times.iter().zip(angles) {
-            arm.forward_into(angles, &mut hands);
+        for (&time, pose) in times.iter().zip(angles) {
+            arm.forward_into(pose, &mut hands);
             self.step(board, &hands, time, &mut all);
         }
         all

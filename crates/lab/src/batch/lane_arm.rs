@@ -51,7 +51,7 @@ pub(super) struct LaneHands {
 struct Turn {
     sines: f32x8,
     cosines: f32x8,
-    /// All angles are 0, as those that a glove does not measure.
+    /// All angles are 0, as in a glove that does not measure them.
     is_none: bool,
 }
 
@@ -81,7 +81,7 @@ pub(super) struct LaneArm {
 /// One link, for all hands.
 struct LaneLink {
     parent: Parent,
-    /// `None` if the pivot is that of the parent.
+    /// `None` if the link turns about the pivot of its parent.
     offset: Option<Offset>,
     /// The axis, the sense of the rotation, ±1, and the index of the angle.
     turn: Option<(PrincipalAxis, f32, usize)>,

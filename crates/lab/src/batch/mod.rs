@@ -31,7 +31,7 @@ pub const LANES: usize = 8;
 /// Reason why hands cannot be computed together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BatchError {
-    /// A joint turns about an axis between those of its frame.
+    /// A joint turns about an axis between the axes of its frame.
     #[error(
         "link `{}` turns about an axis that is not X, Y or Z of its frame; use one of these axes",
         escape(.0)
@@ -117,14 +117,14 @@ impl HandBatch {
     pub fn forward(&self, angles: &[LaneAngles], tips: &mut [LaneTips]) {
         assert_eq!(angles.len(), tips.len(), "one element for each");
         let mut hands = LaneHands::new();
-        for (angles, tips) in angles.iter().zip(tips) {
-            self.arm.forward_into(angles, &mut hands);
-            *tips = hands.tips;
+        for (pose, pose_tips) in angles.iter().zip(tips) {
+            self.arm.forward_into(pose, &mut hands);
+            *pose_tips = hands.tips;
         }
     }
 
-    /// Moves all hands through poses at `times` and returns their touches, by hand and time. `angles` has those of the first
-    /// block at all times, then those of the second block, and so on. The blocks are distributed over `threads` threads; the
+    /// Moves all hands through poses at `times` and returns their touches, by hand and time. `angles` has the angles of the first
+    /// block at all times, then of the second block, and so on. The blocks are distributed over `threads` threads; the
     /// result does not depend on their number.
     ///
     /// The hands go on from the end of an earlier call.
@@ -151,18 +151,18 @@ impl HandBatch {
         let per_thread = self.blocks.len().div_ceil(threads.max(1));
         let parts = self.blocks.chunks_mut(per_thread);
         let parts = parts.zip(angles.chunks(per_thread * times.len()));
-        let run_part = |(blocks, angles): (&mut [Block], &[LaneAngles])| {
+        let run_part = |(blocks, part_angles): (&mut [Block], &[LaneAngles])| {
             let mut touches = Vec::new();
-            for (block, angles) in blocks.iter_mut().zip(angles.chunks(times.len())) {
-                touches.push(block.run(arm, board, times, angles));
+            for (block, block_angles) in blocks.iter_mut().zip(part_angles.chunks(times.len())) {
+                touches.push(block.run(arm, board, times, block_angles));
             }
             touches
         };
         let of_blocks: Vec<_> = thread::scope(|scope| {
-            let threads: Vec<_> = parts
+            let handles: Vec<_> = parts
                 .map(|part| scope.spawn(move || run_part(part)))
                 .collect();
-            let results = threads.into_iter().map(|thread| thread.join());
+            let results = handles.into_iter().map(|thread| thread.join());
             results
                 .flat_map(|part| part.expect("a block does not panic"))
                 .collect()

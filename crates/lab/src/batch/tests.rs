@@ -107,14 +107,18 @@ fn fingertips_have_the_bits_of_those_of_one_hand_at_a_time() {
         let all = lane_angles();
         let mut tips = vec![LaneTips::default(); all.len()];
         batch.forward(&all, &mut tips);
-        for (index, tips) in tips.iter().enumerate() {
+        for (index, lane_tips) in tips.iter().enumerate() {
             for lane in 0..LANES {
                 let hand = index / FRAMES * LANES + lane;
                 let angles = angles(hand, index % FRAMES);
                 let pose = arm.forward(&Estimate::new(Timestamp(0), angles));
                 for &finger in Finger::ALL {
                     let expected = pose.fingertip(finger);
-                    assert_eq!(tips.get(lane, finger), expected, "{index} {lane} {finger}");
+                    assert_eq!(
+                        lane_tips.get(lane, finger),
+                        expected,
+                        "{index} {lane} {finger}"
+                    );
                 }
             }
         }
@@ -179,9 +183,9 @@ fn an_angle_that_is_no_number_cancels_the_touches_of_its_hand_only() {
     let arm = &arms()[0];
     let scene = scene(arm);
     let (times, mut all) = (times(), lane_angles());
-    let run = |all: &[LaneAngles]| {
+    let run = |given: &[LaneAngles]| {
         let mut batch = HandBatch::new(arm, &scene, LANES).unwrap();
-        let touches = batch.run(&times, &all[..FRAMES], 1);
+        let touches = batch.run(&times, &given[..FRAMES], 1);
         let (own, others): (Vec<HandTouch>, Vec<HandTouch>) =
             touches.into_iter().partition(|touch| touch.hand == HAND);
         let own: Vec<Touch> = own.into_iter().map(|touch| touch.touch).collect();

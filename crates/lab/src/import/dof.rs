@@ -78,7 +78,7 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
         let count = other_shifts(&rows, &shifted);
         if count > 0 {
             grid.notes.push(format!(
-                "{count} keys type something else with Shift than on a US keymap: Shift is that of the receiver's keymap"
+                "{count} keys type something else with Shift than on a US keymap: the receiver's keymap decides what Shift types"
             ));
         }
     }

@@ -22,7 +22,7 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (number, line) in lines.iter().enumerate() {
         let row = row(line);
-        let is_one_word = |line: &&str| !line.contains(char::is_whitespace);
+        let is_one_word = |candidate: &&str| !candidate.contains(char::is_whitespace);
         if number == 0 && is_one_word(line) && !lines.get(1).is_some_and(is_one_word) {
             grid.name = (*line).to_owned();
             continue;

@@ -110,8 +110,8 @@ fn place_thumbs(
     }
     let code = |name: &str| Action::Code(name.to_owned());
     let space = code("Space");
-    let on_boards = |name: &str, boards: &[BoardText]| {
-        let mut all = boards.iter().flat_map(|board| &board.keys);
+    let on_boards = |name: &str, placed: &[BoardText]| {
+        let mut all = placed.iter().flat_map(|board| &board.keys);
         all.any(|key| key.action == code(name))
     };
     // Each hand has a space bar, as on a keyboard.
@@ -158,16 +158,16 @@ fn place_thumbs(
         });
         edge -= width + GAP;
     }
-    let mut edge = -inner;
+    let mut right_edge = -inner;
     let last = boards.len() - 1;
     for action in right {
         let width = width(&action);
         boards[last].keys.push(Placed {
-            at: [edge + width / 2.0, y],
+            at: [right_edge + width / 2.0, y],
             action,
             width,
         });
-        edge += width + GAP;
+        right_edge += width + GAP;
     }
 }
 

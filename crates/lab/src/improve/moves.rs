@@ -416,10 +416,10 @@ impl Finder<'_> {
             }
             let size = node.field(self.text, "size_mm");
             let sides = size.filter(|size| size.name(self.text) == Some("Box"));
-            let side = |index: usize| sides?.items().get(index)?.value.number(self.text);
-            if let Some(size) = side(0).zip(side(1)) {
+            let side = |axis: usize| sides?.items().get(axis)?.value.number(self.text);
+            if let Some(extent) = side(0).zip(side(1)) {
                 for axis in 0..2 {
-                    add(part, Change::Outline(axis, size.into()), SIZE_STEP);
+                    add(part, Change::Outline(axis, extent.into()), SIZE_STEP);
                 }
             }
         }
@@ -456,8 +456,8 @@ impl Finder<'_> {
             ('0'..='9').collect()
         };
         let character = |code: KeyCode| {
-            let mut all = characters.iter().copied();
-            all.find(|it| KeyCode::for_us_character(*it).any(|(own, _)| own == code))
+            let mut candidates = characters.iter().copied();
+            candidates.find(|it| KeyCode::for_us_character(*it).any(|(own, _)| own == code))
         };
         let slot = |range: Range<usize>, code: KeyCode| {
             let character = character(code)?;

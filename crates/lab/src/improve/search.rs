@@ -251,14 +251,14 @@ impl Search<'_> {
             let is_taken = scores.is_some();
             self.moves.learn(&mut current.state, step, is_taken);
             if let Some(scores) = scores {
-                let steps = current.state.clone();
+                let learned = current.state.clone();
                 let is_better = self.value(&scores) > self.value(&best.scores);
                 current = Tried {
                     state,
                     text,
                     scores,
                 };
-                self.moves.keep_steps(&mut current.state, &steps);
+                self.moves.keep_steps(&mut current.state, &learned);
                 if is_better {
                     best = current.clone();
                 }
@@ -334,7 +334,7 @@ impl Search<'_> {
                 return Ok(None);
             }
         }
-        // What cannot be typed makes no errors.
+        // Characters that cannot be typed make no errors.
         let characters =
             |people: &[PersonScore]| people.iter().map(|it| it.characters).sum::<u64>();
         let is_reached = characters(&scores) >= characters(&self.original)

@@ -101,7 +101,7 @@ pub struct Comparison {
     pub median_hand_mm: f64,
     /// The differences of all people.
     pub differences: Vec<Difference>,
-    /// Those of people with short and with long hands.
+    /// The differences of people with short and with long hands.
     pub groups: Vec<HandGroup>,
 }
 
@@ -209,10 +209,10 @@ impl Comparison {
         };
         let reversed = self.groups.iter().filter(|group| {
             let pairs = group.differences.iter().zip(&self.differences).take(2);
-            pairs.into_iter().any(|(own, all)| {
+            pairs.into_iter().any(|(own, overall)| {
                 own.interval.excludes_zero()
-                    && all.interval.excludes_zero()
-                    && own.interval.value.signum() != all.interval.value.signum()
+                    && overall.interval.excludes_zero()
+                    && own.interval.value.signum() != overall.interval.value.signum()
             })
         });
         let reversed: Vec<String> = reversed

@@ -65,7 +65,7 @@ pub struct Movement {
 /// Deviations in the effective width: √(2πe), the entropy of a normal distribution. Such a width holds 96 % of the clicks.
 const WIDTH_IN_DEVIATIONS: f64 = 4.132_731;
 
-/// Smallest deviation, in pixels: that of clicks at one pixel, which are rounded (1/√12).
+/// Smallest deviation, in pixels: clicks at one pixel are rounded and deviate by 1/√12.
 const MIN_DEVIATION: f64 = 0.289;
 
 impl PointingResult {

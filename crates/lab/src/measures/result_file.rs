@@ -16,7 +16,7 @@ const VERSION: u32 = 2;
 /// The hash of phrases, in hexadecimal digits.
 pub type CorpusHash = String;
 
-/// Who typed.
+/// The people who typed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PeopleSpec {
@@ -46,7 +46,7 @@ pub struct LabResult {
     pub layout_file: String,
     /// The text of the layout.
     pub layout: String,
-    /// Who typed.
+    /// The people who typed.
     pub people: PeopleSpec,
     /// The tier; `None` for the errors of the people.
     pub tier: Option<String>,

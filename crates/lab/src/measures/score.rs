@@ -74,7 +74,7 @@ pub struct PersonScore {
     /// makes. `None` if the layout has chords.
     #[serde(default)]
     pub nearest_errors: Option<u64>,
-    /// The same for the places at which the pipeline shows the fingertip at the lowest point of each stroke: with the errors of
+    /// The errors for the places at which the pipeline shows the fingertip at the lowest point of each stroke: with the errors of
     /// the sensors and of the assumed hand.
     #[serde(default)]
     pub shown_errors: Option<u64>,

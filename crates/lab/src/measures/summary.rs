@@ -29,7 +29,7 @@ pub struct Summary {
     /// without a decoder. `None` if the layout has chords.
     #[serde(default)]
     pub nearest_cer: Option<Interval>,
-    /// The same for the taps as the pipeline shows them.
+    /// The rate of [`nearest_cer`](Self::nearest_cer) for the taps as the pipeline shows them.
     #[serde(default)]
     pub shown_cer: Option<Interval>,
     /// Words of correct text per minute, the mean of the people.
@@ -52,7 +52,7 @@ pub struct Summary {
     pub worst_cer: f64,
     /// The speed of the slowest tenth of the people, at least one, in words per minute.
     pub worst_wpm: f64,
-    /// Of pairs of strokes on two targets: by the same finger, by two hands, by two fingers of one hand, and rolls that change
+    /// Parts of pairs of strokes on two targets: by the same finger, by two hands, by two fingers of one hand, and rolls that change
     /// direction.
     pub pairs: [f64; 4],
     /// The part of the strokes of each finger, thumb first.
@@ -160,7 +160,7 @@ impl PersonScore {
 
 /// Returns the figures of people.
 pub fn summarize(people: &[PersonScore]) -> Summary {
-    // A rate of all people is that of their sums; a speed is the mean of the people.
+    // A rate of all people is computed from their sums; a speed is the mean of the people.
     let rate = |part: fn(&PersonScore) -> f64, all: fn(&PersonScore) -> f64| {
         bootstrap(people, |people| {
             let parts: f64 = people.iter().map(|it| part(it)).sum();
@@ -232,20 +232,20 @@ fn summarize_pointing(people: &[PersonScore]) -> Option<PointingSummary> {
         .collect();
     let first = scores.iter().find(|score| score.clicks() > 0)?;
     let mean = |value: &dyn Fn(&PointingScore) -> f64| {
-        bootstrap(&scores, |people| {
-            let sum: f64 = people.iter().map(|it| value(it)).sum();
-            ratio(sum, people.len() as f64)
+        bootstrap(&scores, |sample| {
+            let sum: f64 = sample.iter().map(|it| value(it)).sum();
+            ratio(sum, sample.len() as f64)
         })
     };
     // A rate by the clicks of all series, or of one of them.
     let rate = |of: Option<usize>,
                 part: &dyn Fn(&PointingSeries) -> f64,
                 all: &dyn Fn(&PointingSeries) -> f64| {
-        bootstrap(&scores, |people| {
-            let series = people.iter().flat_map(|it| it.series.iter().enumerate());
+        bootstrap(&scores, |sample| {
+            let series = sample.iter().flat_map(|it| it.series.iter().enumerate());
             let own = series.filter(|(index, _)| of.is_none_or(|of| of == *index));
-            let (parts, whole) = own.fold((0.0, 0.0), |sum, (_, series)| {
-                (sum.0 + part(series), sum.1 + all(series))
+            let (parts, whole) = own.fold((0.0, 0.0), |sum, (_, run)| {
+                (sum.0 + part(run), sum.1 + all(run))
             });
             ratio(parts, whole)
         })

@@ -61,9 +61,9 @@ pub fn watch_worst_phrase(
     }
     let mut observed = Observed::default();
     let mut worst: Option<WatchedPhrase> = None;
-    for (index, phrase) in conditions.phrases_of(person).enumerate() {
+    for (number, phrase) in conditions.phrases_of(person).enumerate() {
         let mut watch = Watch::default();
-        let seed = conditions.seed_of(person, index);
+        let seed = conditions.seed_of(person, number);
         let (presented, typed) =
             station.type_watched(phrase, &strokes, seed, &mut observed, Some(&mut watch));
         let errors = EditCounts::new(&presented, &typed).errors();
@@ -84,7 +84,7 @@ pub fn watch_worst_phrase(
         };
         let failed = watch.strokes.iter().filter(|stroke| has_failed(stroke));
         worst = Some(WatchedPhrase {
-            index,
+            index: number,
             presented,
             typed,
             errors,

@@ -99,9 +99,9 @@ impl Participant {
 
     /// Returns the standard deviations of end points at a target of a size in metres, in metres.
     pub fn deviation_at(&self, size: Vec2) -> Vec2 {
-        let at = |axis: usize, size: f32| {
+        let at = |axis: usize, extent: f32| {
             let own = (self.scatter[axis] * 1e-3).powi(2);
-            let of_size = self.scatter_parts[axis] * f64::from(size).powi(2);
+            let of_size = self.scatter_parts[axis] * f64::from(extent).powi(2);
             (own + of_size).sqrt() as f32
         };
         Vec2::new(at(0, size.x), at(1, size.y))

@@ -13,7 +13,7 @@ const FOREARM: f64 = 1.352;
 /// The range of hand lengths, in millimetres.
 const HANDS: (f64, f64) = (165.0, 205.0);
 
-/// Who types.
+/// The people who type.
 #[derive(Clone, Debug)]
 pub enum People {
     /// A number of people of the general population.
@@ -59,7 +59,7 @@ fn general(number: u32, seed: u64) -> Participant {
     let hand = (mean + 9.0 * body.normal()).clamp(HANDS.0, HANDS.1) * 1e-3;
     let forearm = hand * FOREARM * (1.0 + 0.03 * body.normal().clamp(-2.0, 2.0));
     let assumed = BoneLengths::from_hand_and_forearm(hand, forearm);
-    let assumed = assumed.expect("the lengths are those of people");
+    let assumed = assumed.expect("the lengths are in the range of people");
     let (fingers, pace): (&[Finger], _) = match body.index(3) {
         0 => (&[Finger::Index], (12.0, 30.0)),
         1 => (&[Finger::Index, Finger::Middle], (18.0, 38.0)),
@@ -196,9 +196,9 @@ mod tests {
     fn a_tier_sets_the_scatter_and_leaves_the_hands_and_the_pace() {
         let own = population(&People::Drawn(4), None, 1);
         let tiered = population(&People::Drawn(4), Some(Tier::T3), 1);
-        for (own, tiered) in own.iter().zip(&tiered) {
-            assert_eq!((own.own, own.pace_wpm), (tiered.own, tiered.pace_wpm));
-            assert_eq!(tiered.scatter, [8.0; 2]);
+        for (plain, changed) in own.iter().zip(&tiered) {
+            assert_eq!((plain.own, plain.pace_wpm), (changed.own, changed.pace_wpm));
+            assert_eq!(changed.scatter, [8.0; 2]);
         }
     }
 }

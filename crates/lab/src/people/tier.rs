@@ -5,8 +5,8 @@ use crate::hand::Finger;
 use crate::names::named_enum;
 
 named_enum! {
-    /// A tier of quality: the scatter, the missed and the spurious taps, as in `docs/typing.md`. What a tier does not set is
-    /// that of the person.
+    /// A tier of quality: the scatter, the missed and the spurious taps, as in `docs/typing.md`. What a tier does not set
+    /// comes from the person.
     pub enum Tier ("tier") {
         /// 3 mm.
         T0 = "T0",
@@ -53,7 +53,7 @@ impl Tier {
         }
     }
 
-    /// Sets what the tier is about. `direction` is that of the offset, in radians.
+    /// Gives a person the scatter, the offset and the faults of the tier. `direction` is the direction of the offset, in radians.
     pub(super) fn apply(self, person: &mut Participant, direction: f64) {
         let offset = match self {
             Self::Toff => OFFSET,

@@ -121,8 +121,8 @@ impl Lexicon {
             let (word, probability) = &self.words[index];
             let limit = best.map_or(f32::NEG_INFINITY, |(score, _)| score);
             let mut score = *probability;
-            for (letter, costs) in word.iter().zip(&costs) {
-                score -= costs.get(letter).copied().unwrap_or(f32::INFINITY);
+            for (letter, letter_costs) in word.iter().zip(&costs) {
+                score -= letter_costs.get(letter).copied().unwrap_or(f32::INFINITY);
                 if score <= limit {
                     break;
                 }
@@ -147,7 +147,7 @@ fn distance(a: &[char], b: &[char], limit: usize) -> Option<usize> {
     let start = a.iter().zip(b).take_while(|(a, b)| a == b).count();
     let (a, b) = (&a[start..], &b[start..]);
     let end = a.iter().rev().zip(b.iter().rev());
-    let end = end.take_while(|(a, b)| a == b).count();
+    let end = end.take_while(|(left, right)| left == right).count();
     let (a, b) = (&a[..a.len() - end], &b[..b.len() - end]);
     let distance = match (a, b) {
         ([], rest) | (rest, []) => rest.len(),

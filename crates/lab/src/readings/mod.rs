@@ -120,8 +120,8 @@ fn add(scores: &mut Vec<ReadingScore>, presented: &str, readings: &[&str; READER
 /// Returns a text in lower case, without double spaces and punctuation at its end.
 pub(crate) fn plain(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let text = words.join(" ").to_lowercase();
-    text.trim_end_matches(['.', '!', '?']).to_owned()
+    let joined = words.join(" ").to_lowercase();
+    joined.trim_end_matches(['.', '!', '?']).to_owned()
 }
 
 #[cfg(test)]

@@ -51,12 +51,12 @@ impl PlaneCrossing {
                 let last = &mut self.last[hand * boards + board][finger.index()];
                 let before = last.replace((id, pad));
                 let passed = before.filter(|(_, before)| before.z > 0.0 && pad.z <= 0.0);
-                let Some((_, before)) = passed else { continue };
+                let Some((_, above)) = passed else { continue };
                 // Of two frames, if the nearest target has changed; they differ by less than a key then.
                 let is_same = last.is_some_and(|(now, _)| before_id(passed) == Some(now));
-                let part = before.z / (before.z - pad.z);
+                let part = above.z / (above.z - pad.z);
                 let at = if is_same {
-                    before.truncate().lerp(pad.truncate(), part)
+                    above.truncate().lerp(pad.truncate(), part)
                 } else {
                     pad.truncate()
                 };

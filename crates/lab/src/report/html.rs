@@ -30,7 +30,7 @@ th[scope=col]{color:$muted;font-size:.85rem}
 .band{fill:$accent;opacity:.2}.line{stroke:$accent;stroke-width:2;fill:none}.dot{fill:$accent}
 ";
 
-/// Returns a report of one result, or of several layouts that the same people used. `layouts` are those of the results.
+/// Returns a report of one result, or of several layouts that the same people used. `layouts` are the layouts of the results.
 pub fn to_html(results: &[LabResult], layouts: &[Layout]) -> Result<String, TooManyShapes> {
     let drawings: Result<Vec<Vec<String>>, TooManyShapes> = results
         .iter()
@@ -64,7 +64,7 @@ pub fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
             None => of_tasks.push((&task.name, task.done, task.tries)),
         }
     }
-    let tasks = of_tasks.into_iter().filter_map(|(name, done, tries)| {
+    let task_heats = of_tasks.into_iter().filter_map(|(name, done, tries)| {
         let rate = 1.0 - done as f64 / tries.max(1) as f64;
         Some(Heat {
             target: names.find(name)?,
@@ -72,7 +72,7 @@ pub fn heats(layout: &Layout, people: &[PersonScore]) -> Vec<Heat> {
             words: format!("{name}: {done} of {tries} done"),
         })
     });
-    keys.chain(tasks).collect()
+    keys.chain(task_heats).collect()
 }
 
 fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String) -> fmt::Result {
@@ -94,11 +94,11 @@ fn write_page(results: &[LabResult], drawings: &[Vec<String>], page: &mut String
     for comparison in results.iter().filter_map(|it| it.comparison.as_ref()) {
         write_comparison(comparison, page)?;
     }
-    for (result, drawings) in results.iter().zip(drawings) {
+    for (result, own_drawings) in results.iter().zip(drawings) {
         if results.len() > 1 {
             writeln!(page, "<h2>{}</h2>", escape_markup(&result.layout_file))?;
         }
-        write_result(result, drawings, page)?;
+        write_result(result, own_drawings, page)?;
     }
     writeln!(page, "</body>\n</html>")
 }

@@ -103,7 +103,7 @@ impl Plan {
 
     /// Returns the indices of the people of a shard, which is below [`shards`](Self::shards).
     pub fn people_of(&self, shard: usize) -> Range<usize> {
-        let start = |shard: usize| self.people * shard / self.shards;
+        let start = |index: usize| self.people * index / self.shards;
         start(shard)..start(shard + 1)
     }
 
@@ -149,8 +149,8 @@ impl Plan {
                 .flat_map(|shard| shard.scores[index].iter().cloned())
                 .collect();
             let own = scores.iter().filter_map(|score| {
-                let index = usize::try_from(score.number).ok()?;
-                participants.get(index).cloned()
+                let position = usize::try_from(score.number).ok()?;
+                participants.get(position).cloned()
             });
             LabResult {
                 summary: summarize(&scores),

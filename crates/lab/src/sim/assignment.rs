@@ -64,10 +64,10 @@ impl FingerAssignment<'_> {
         let side = surface.side()?;
         let mut home = self.keys.home.iter();
         let home = home.find_map(|home| surface.target(*home))?;
-        let position = |target: &Target| target.surface_from_target.translation;
+        let position = |key: &Target| key.surface_from_target.translation;
         let home = position(home);
-        let beside = surface.targets().filter_map(|(_, target)| {
-            let offset = position(target) - home;
+        let beside = surface.targets().filter_map(|(_, other)| {
+            let offset = position(other) - home;
             (offset.y.abs() < SAME_ROW && offset.x.abs() > SAME_ROW).then_some(offset.x.abs())
         });
         let pitch = beside.fold(f32::INFINITY, f32::min);
@@ -83,17 +83,17 @@ impl FingerAssignment<'_> {
 
     /// Returns the X of a target relative to the middle finger, in metres, as far as the fingers span the board.
     fn column(&self, surface: &Surface, target: TargetId, fingers: FingerSet) -> Option<f32> {
-        let x_of = |target: &Target| target.surface_from_target.translation.x;
+        let x_of = |key: &Target| key.surface_from_target.translation.x;
         let own = x_of(surface.target(target)?);
-        let xs = surface.targets().map(|(_, target)| x_of(target));
+        let xs = surface.targets().map(|(_, other)| x_of(other));
         let (min, max) = xs.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| {
             (min.min(x), max.max(x))
         });
         let pressing = fingers.without(Finger::Thumb);
-        let fingers = Finger::ALL
+        let candidates = Finger::ALL
             .iter()
             .filter(|finger| pressing.contains(**finger));
-        let span = fingers
+        let span = candidates
             .filter_map(|finger| self.finger_x(surface, *finger))
             .fold(0.0_f32, |span, x| span.max(x.abs()));
         let half_width = (max - min) / 2.0;
@@ -105,8 +105,8 @@ impl FingerAssignment<'_> {
     fn finger_x(&self, surface: &Surface, finger: Finger) -> Option<f32> {
         let pose = self.hand.half_bent_pose();
         let world_from_surface = surface.world_from_surface(&pose)?;
-        let x_of = |finger| {
-            let tip = pose.fingertip(finger)?;
+        let x_of = |digit| {
+            let tip = pose.fingertip(digit)?;
             Some(world_from_surface.inverse_transform_point(tip).x)
         };
         Some(x_of(finger)? - x_of(Finger::Middle)?)

@@ -6,7 +6,7 @@ use crate::hand::FingerSet;
 use crate::kinematics::half_bent_fingers;
 
 impl TypingHand {
-    /// Becomes a hand whose joints have these limits, beside those of its sensors.
+    /// Becomes a hand whose joints have these limits, besides the limits of its sensors.
     #[must_use]
     pub fn with_limits(mut self, limits: &JointLimits) -> Self {
         if *limits == JointLimits::human() {

@@ -10,7 +10,7 @@ use crate::hand::{Dof, Input};
 #[derive(Clone)]
 pub(super) struct GloveSensor {
     full_scale: u16,
-    /// The counts before the angles are added: those of the inputs, and of converters without a sensor.
+    /// The counts before the angles are added: the counts of the inputs, and of converters without a sensor.
     other_counts: GloveCounts,
     inputs: Vec<InputRow>,
     channels: Vec<SensedChannel>,
@@ -96,7 +96,7 @@ impl GloveSensor {
 }
 
 impl SensedChannel {
-    /// Returns the count of a channel without curvature: the mean of its angles, which are those of one bend.
+    /// Returns the count of a channel without curvature: the mean over its angles, which describe the same bend.
     fn linear_count(&self, angles: &JointAngles) -> f64 {
         let counts = self.mappings.iter();
         let counts = counts.map(|(dof, map)| map.apply_inverse(angles.get(*dof)));

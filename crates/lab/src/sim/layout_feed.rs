@@ -73,7 +73,7 @@ impl LayoutFeed {
         state.is_changing = true;
         state.lifted = 0;
         self.0.version.fetch_add(1, Ordering::Release);
-        let is_waiting = |state: &mut FeedState| state.lifted < state.hands;
+        let is_waiting = |feed: &mut FeedState| feed.lifted < feed.hands;
         let waited = self
             .0
             .lifted

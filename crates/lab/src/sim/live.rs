@@ -260,8 +260,8 @@ impl LiveTask {
     }
 }
 
-/// Returns the index of the step from which an interrupted step `index` is done again: that of the press, if the hand presses
-/// and drags.
+/// Returns the index of the step from which an interrupted step `index` is done again: the step of the press, if the hand
+/// presses and drags.
 pub(super) fn rewound(steps: &[TaskStep], index: usize, hands: &[SensedHand]) -> usize {
     let is_down = hands.iter().any(|hand| hand.hand.is_down());
     let action = |step: &TaskStep| step.actions.first().cloned();

@@ -23,7 +23,7 @@ pub struct TypingKeys {
     pub home: Vec<TargetId>,
 }
 
-/// How a hand goes to targets.
+/// The motor control of a hand: its motion to targets, and the fingers that it uses.
 #[derive(Clone, Debug)]
 pub(super) struct Motor {
     motion: Motion,

@@ -16,7 +16,7 @@ pub(super) struct Movement {
     pub(super) path: Option<TipPath>,
     /// An input that is set at the start.
     pub(super) input: Option<InputChange>,
-    /// What moves along the path.
+    /// The finger or the hand that moves along the path.
     pub(super) effector: Effector,
     /// `true` if the thumb stays at the index finger.
     pub(super) is_pinched: bool,

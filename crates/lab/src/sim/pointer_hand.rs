@@ -13,10 +13,10 @@ const HOVER_M: f32 = 0.012;
 /// Depth of a press below the end of the travel, in metres.
 const BOTTOM_M: f32 = 0.0005;
 
-/// Speed across the board and towards it, in metres per second: those of a quick hand.
+/// Speed across the board and towards it, in metres per second: a quick hand.
 const SPEED_M_S: [f32; 2] = [1.6, 0.35];
 
-/// What a pointer points at.
+/// The aim of a pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pointed {
     /// A point on the front of a board or key, in the world (metres).
@@ -29,13 +29,13 @@ pub struct Pointed {
     pub is_down: bool,
 }
 
-/// A hand whose index finger follows a pointer. Arm and finger reach for it as those of a person.
+/// A hand whose index finger follows a pointer. Arm and finger reach for it as a person's do.
 pub struct PointerHand {
     hand: TypingHand,
     side: Side,
     values: Vec<f64>,
     pointed: Option<Pointed>,
-    /// Where the pad of the fingertip is: at which point, and how high above it.
+    /// The point below the pad of the fingertip, and the height of the pad above it.
     pad: Option<(Vec3, f32)>,
     /// A press that has not reached its bottom: a click may be shorter than the way there.
     is_pressing: bool,

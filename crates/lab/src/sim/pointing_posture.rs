@@ -26,9 +26,9 @@ impl TypingHand {
             Some(finger) if finger == effector.finger && effector.flexes() => self.flexed(index),
             _ => rest[index],
         };
-        let is_far = |&(index, value): &(usize, f64)| {
+        let is_far = |&(index, wanted): &(usize, f64)| {
             let (low, high) = self.variables[index].range;
-            (values[index] - value).abs() > (high - low) * 1e-3
+            (values[index] - wanted).abs() > (high - low) * 1e-3
         };
         let all = (0..self.variables.len()).map(|index| (index, value(index)));
         all.filter(is_far).collect()

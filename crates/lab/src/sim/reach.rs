@@ -156,8 +156,8 @@ impl TypingHand {
     }
 }
 
-/// Returns the fingers that may press a target: the one that the layout names, or else those of a person, `pressing`. If that is empty,
-/// the index finger, and any finger on a board that moves with the wrist.
+/// Returns the fingers that may press a target: the one that the layout names, or else a person's, `pressing`. If that is empty, the
+/// index finger, and any finger on a board that moves with the wrist.
 pub fn pressing_fingers(scene: &Scene, target: TargetId, pressing: FingerSet) -> FingerSet {
     let named = scene.finger(target);
     let named = named.filter(|finger| pressing.is_empty() || pressing.contains(*finger));

@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Vec3};
 
 use super::action::TargetPoint;
 
-/// A target that the fingertip can press. Heights are those of the fingertip's pad above the front of the target.
+/// A target that the fingertip can press. Heights are measured from the front of the target to the fingertip's pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ReachTarget {
     /// Pose of the target in the world.

@@ -47,11 +47,11 @@ impl EditCounts {
         let mut row: Vec<Self> = std::iter::successors(Some(first), |before| Some(delete(*before)))
             .take(presented.len() + 1)
             .collect();
-        for typed in typed.chars() {
+        for found in typed.chars() {
             let mut diagonal = row[0];
             row[0] = insert(row[0]);
             for (index, &wanted) in presented.iter().enumerate() {
-                let paired = if wanted == typed {
+                let paired = if wanted == found {
                     Self {
                         correct: diagonal.correct + 1,
                         ..diagonal
@@ -109,7 +109,7 @@ pub fn kept_characters(presented: &str, typed: &str) -> Vec<bool> {
     let mut distances = vec![0_usize; (presented.len() + 1) * width];
     for i in (0..=presented.len()).rev() {
         for j in (0..=typed.len()).rev() {
-            let at = |i: usize, j: usize| distances[i * width + j];
+            let at = |row: usize, column: usize| distances[row * width + column];
             distances[i * width + j] = match (presented.get(i), typed.get(j)) {
                 (None, _) => typed.len() - j,
                 (_, None) => presented.len() - i,
@@ -227,8 +227,8 @@ mod tests {
         };
         for _ in 0..300 {
             let (presented, typed) = (text(), text());
-            let kept = kept_characters(&presented, &typed);
-            let count = kept.iter().filter(|is_kept| **is_kept).count();
+            let flags = kept_characters(&presented, &typed);
+            let count = flags.iter().filter(|is_kept| **is_kept).count();
             let distance = strsim::levenshtein(&presented, &typed);
             // Without the kept characters, each edit is an insertion, a deletion or both at once.
             let longer = presented.len().max(typed.len());

@@ -25,12 +25,12 @@ pub enum JointSensor {
     Angles,
     /// Positions of all joints.
     Positions,
-    /// Landmarks of a body. Those of thumb, index and little finger are the fingertips, because they are what touches a key.
+    /// Landmarks of a body. The landmarks of thumb, index and little finger are the fingertips, because these touch the keys.
     Body,
     /// Rotations of the bones.
     Bones,
     /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip has
-    /// the same path as that of a bending hand.
+    /// the same path as in a bending hand.
     Displacement,
 }
 
@@ -61,7 +61,7 @@ impl JointSensor {
         angles: &JointAngles,
         posture: &BodyPosture,
     ) -> Sample {
-        let pose_of = |angles| arm.forward(&Estimate::new(Timestamp(0), angles));
+        let pose_of = |joints| arm.forward(&Estimate::new(Timestamp(0), joints));
         match self {
             Self::Angles => Sample::Angles { angles: *angles },
             Self::Positions => Sample::Joints {
@@ -74,7 +74,7 @@ impl JointSensor {
                 Sample::Bones { bones }
             }
             Self::Displacement => {
-                let tip = |angles| pose_of(angles).fingertip(Finger::Index).unwrap_or_default();
+                let tip = |joints| pose_of(joints).fingertip(Finger::Index).unwrap_or_default();
                 let translation = tip(*angles) - tip(JointAngles::default());
                 let displacement = Displacement::new(Joint::Wrist, translation, Quat::IDENTITY);
                 Sample::Displacement { displacement }
@@ -153,7 +153,7 @@ const UPPER_ARM: f32 = 0.3;
 /// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.
 const FIRST_PAIR: usize = 11;
 
-/// Returns the landmarks of an upright person who faces the camera. Those of the other arm are not visible.
+/// Returns the landmarks of an upright person who faces the camera. The landmarks of the other arm are not visible.
 fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {
     let get = |joint| pose.position(joint).unwrap_or_default();
     let shoulder = pose.position(Joint::Shoulder);
@@ -194,8 +194,8 @@ fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {
         let position = from_neck(arm[pair]);
         set(index(pair, other), position.with_x(-position.x));
     }
-    for (index, position) in posture.head() {
-        set(index, position);
+    for (landmark, position) in posture.head() {
+        set(landmark, position);
     }
     for side in [Side::Left, Side::Right] {
         let hip = outwards(side) - Vec3::Y * TRUNK;

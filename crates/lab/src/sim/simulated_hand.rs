@@ -50,7 +50,7 @@ pub(super) struct SimulatedHand {
     body: BodyPosture,
 }
 
-/// What measures the joint angles of a hand.
+/// The sensor of the joint angles of a hand.
 #[derive(Clone)]
 enum HandSensor {
     Glove(GloveSensor),

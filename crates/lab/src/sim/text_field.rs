@@ -37,7 +37,7 @@ impl UsTextField {
         }
     }
 
-    /// Handles an event. Events other than those of keys are ignored.
+    /// Handles an event. Events other than key events are ignored.
     pub fn handle(&mut self, event: &OutputEvent) {
         match event.kind {
             EventKind::KeyDown(key) => {
@@ -52,7 +52,7 @@ impl UsTextField {
 
     fn edit(&mut self, key: KeyCode) {
         let shifts = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT];
-        let is_shortcut = |key: KeyCode| key.is_modifier() && !shifts.contains(&key);
+        let is_shortcut = |held: KeyCode| held.is_modifier() && !shifts.contains(&held);
         if self.pressed.release_order().any(is_shortcut) {
             return;
         }

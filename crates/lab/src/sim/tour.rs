@@ -139,8 +139,8 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
             let rim = millimetres(radius);
             drag(format!(" {rim} 0; arc -{TURN_DEG}; arc {TURN_DEG}; lift"))
         }
-        Handle::Stick { half } => {
-            let end = millimetres(half);
+        Handle::Stick { half: reach } => {
+            let end = millimetres(reach);
             drag(format!(
                 "; slide {end} 0; slide -{end} 0; slide 0 {end}; slide 0 -{end}; lift"
             ))

@@ -67,7 +67,7 @@ pub struct SimulatedTypist {
     pending: VecDeque<Reading>,
 }
 
-/// What the hands do.
+/// A part of the motion of the hands.
 enum Part {
     /// A list of actions that was planned as a whole.
     Planned(Planned),

@@ -106,10 +106,10 @@ impl Unsteadiness {
     }
 
     fn enslave(&self, flexions: &Flexions, moved: &mut JointAngles) {
-        for (master, flexions) in Finger::ALL.iter().zip(flexions) {
+        for (master, bends) in Finger::ALL.iter().zip(flexions) {
             for &slave in Finger::ALL {
                 let share = self.enslaving * SHARES[master.index()][slave.index()];
-                let joints = Finger::FLEXIONS[slave.index()].into_iter().zip(flexions);
+                let joints = Finger::FLEXIONS[slave.index()].into_iter().zip(bends);
                 for (dof, flexion) in joints {
                     moved.set(dof, moved.get(dof) + share * flexion);
                 }

@@ -83,9 +83,9 @@ pub fn study_curves(trials: &[Trial], layout: &str, with_practice: bool) -> Vec<
     names.sort_unstable();
     names.dedup();
     let curve = |name: &str, value: fn(&Trial) -> Option<f64>| {
-        let of_participant = |name: &&str| {
-            let trials = own.iter().filter(|it| it.participant == *name);
-            trials
+        let of_participant = |participant: &&str| {
+            let theirs = own.iter().filter(|it| it.participant == *participant);
+            theirs
                 .filter_map(|trial| value(trial))
                 .collect::<Vec<f64>>()
         };
@@ -96,8 +96,8 @@ pub fn study_curves(trials: &[Trial], layout: &str, with_practice: bool) -> Vec<
         }
         let point = |index: usize| {
             let there = values.iter().filter_map(|it| it.get(index).copied());
-            let interval: Interval = bootstrap(&there.collect::<Vec<_>>(), |values| {
-                values.iter().copied().sum::<f64>() / values.len() as f64
+            let interval: Interval = bootstrap(&there.collect::<Vec<_>>(), |sample| {
+                sample.iter().copied().sum::<f64>() / sample.len() as f64
             });
             ([index + 1; 2], interval)
         };

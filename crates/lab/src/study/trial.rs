@@ -68,7 +68,7 @@ pub struct Trial {
     pub deletions: Option<usize>,
     /// Keys that went down.
     pub keystrokes: Option<usize>,
-    /// Of these, presses of Backspace.
+    /// The presses of Backspace among them.
     pub backspaces: Option<usize>,
     /// Words of correct text per minute.
     pub wpm: Option<f64>,

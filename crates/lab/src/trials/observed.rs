@@ -40,7 +40,7 @@ pub struct Stroke {
     pub distance: f64,
     /// The place of the tap from the center of the target, in metres; zero for bends.
     pub point: Vec2,
-    /// The same place as the pipeline shows it at the lowest point, if it showed the finger.
+    /// The place as the pipeline shows it at the lowest point, if it showed the finger.
     pub shown: Option<Vec2>,
     /// The targets that were pressed, with the place from the center of the meant one in metres.
     pub presses: Vec<(TargetId, Vec2)>,
@@ -70,7 +70,7 @@ pub struct Observed {
     pub edits: EditCounts,
     /// Wrong characters of the text that the nearest keys of the taps type.
     pub nearest_errors: usize,
-    /// The same for the places of the taps as the pipeline shows them.
+    /// The errors for the places of the taps as the pipeline shows them.
     pub shown_errors: usize,
     /// The number of characters that were to be typed.
     pub characters: usize,
@@ -111,11 +111,11 @@ pub struct Observed {
 pub struct Pairs {
     /// All pairs.
     pub all: u64,
-    /// By one finger of one hand.
+    /// Pairs by one finger of one hand.
     pub same_finger: u64,
-    /// By two hands.
+    /// Pairs by two hands.
     pub alternating: u64,
-    /// By two fingers of one hand, none of them the thumb.
+    /// Pairs by two fingers of one hand, none of them the thumb.
     pub rolls: u64,
     /// Two rolls of one hand in opposite directions.
     pub redirects: u64,

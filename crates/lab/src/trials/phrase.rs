@@ -21,7 +21,7 @@ use crate::sim::{EditCounts, HandAction, taps_for_text, words_per_minute};
 
 /// The time for which the hand is clear of all keys at the start, in seconds: output is armed after 0.3 s.
 const CLEAR: f64 = 0.6;
-/// The same on a board that waits for the open hand.
+/// The time for which the hand is clear at the start on a board that waits for the open hand, in seconds.
 const START: f64 = 2.2;
 /// The time after the last stroke, in seconds.
 const AFTER: f64 = 0.5;
@@ -229,7 +229,7 @@ impl Station {
         );
         observed.keystrokes += session.keystrokes;
         observed.phrases += 1;
-        let span = session.span.map(|(first, last)| last.since(first));
+        let span = session.span.map(|(start, last)| last.since(start));
         let seconds = span.unwrap_or_default().as_secs_f64();
         observed.seconds += seconds;
         let characters = meant.chars().count();
@@ -353,11 +353,13 @@ impl Station {
             is_shallow: false,
             ..tap
         };
-        let hand = &mut self.hands[step.hand];
-        let further = is_followed.then(|| hand.tap(scene, spurious)).flatten();
+        let tapping_hand = &mut self.hands[step.hand];
+        let further = is_followed
+            .then(|| tapping_hand.tap(scene, spurious))
+            .flatten();
         session.add(step, kind, &plan);
-        if let Some(plan) = further {
-            session.add(step, StrokeKind::Spurious, &plan);
+        if let Some(spurious_plan) = further {
+            session.add(step, StrokeKind::Spurious, &spurious_plan);
         }
     }
 }

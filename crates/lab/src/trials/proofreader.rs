@@ -145,11 +145,11 @@ mod tests {
         assert_eq!(decide("abc", 2.0, 1.9), Decision::Type);
         // A character too many.
         assert_eq!(decide("abcc", 2.1, 2.1), Decision::Type);
-        let correct = Decision::Correct {
+        let removed = Decision::Correct {
             backspaces: 1,
             from: 3,
         };
-        assert_eq!(decide("abcc", 2.6, 2.1), correct);
+        assert_eq!(decide("abcc", 2.6, 2.1), removed);
     }
 
     #[test]

@@ -103,7 +103,7 @@ struct FingerState {
 pub struct Retracer<'a> {
     layout: &'a Layout,
     first: Option<Timestamp>,
-    /// By hand, finger and board.
+    /// The fingers, by hand, finger and board.
     fingers: BTreeMap<(usize, usize, usize), FingerState>,
     field: UsTextField,
     found: Retraced,
@@ -131,7 +131,7 @@ impl<'a> Retracer<'a> {
     pub fn see(&mut self, time: Timestamp, side: Side, output: &StepOutput, events: &Events) {
         self.found.readings += 1;
         let first = *self.first.get_or_insert(time);
-        let since = |time: Timestamp| time.since(first).as_secs_f64();
+        let since = |moment: Timestamp| moment.since(first).as_secs_f64();
         self.found.seconds = since(time);
         for event in events {
             self.field.handle(event);
@@ -240,16 +240,16 @@ impl<'a> Retracer<'a> {
     ) {
         let height = below.map_or(f32::INFINITY, |(_, height, _)| height);
         match (&mut state.approach, below) {
-            (None, Some((target, height, _))) if height < NEAR => {
+            (None, Some((target, tip_height, _))) if tip_height < NEAR => {
                 state.approach = Some(Approach {
                     target,
                     time,
-                    lowest: height,
+                    lowest: tip_height,
                     has_pressed: false,
                 });
             }
-            (Some(approach), Some((target, height, _))) if height < approach.lowest => {
-                (approach.target, approach.time, approach.lowest) = (target, time, height);
+            (Some(approach), Some((target, tip_height, _))) if tip_height < approach.lowest => {
+                (approach.target, approach.time, approach.lowest) = (target, time, tip_height);
             }
             (Some(approach), _) if height > LEFT => {
                 let ended = *approach;

@@ -117,7 +117,6 @@ impl Station {
                     session.presses.push((at, touch.target, place));
                 }
                 if let Some(plane) = &mut session.plane {
-                    let scene = &self.layout.scene;
                     let recorder = self.recorder.as_ref().map(SharedRecorder::lock);
                     if let Some(recorder) = recorder {
                         plane.see(scene, recorder.keys(), hand.side(), &output.pose);

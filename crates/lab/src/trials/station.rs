@@ -76,11 +76,11 @@ impl Station {
             _ => StartPosture::Relaxed,
         };
         let all = assumed.iter().zip(&own).zip(&maps);
-        let hands = all.map(|((assumed, own), map)| {
+        let hands = all.map(|((assumed_arm, own_arm), channel_map)| {
             let setup = HandSetup {
-                assumed,
-                own,
-                map: map.as_ref(),
+                assumed: assumed_arm,
+                own: own_arm,
+                map: channel_map.as_ref(),
                 source,
             };
             FluentHand::new(setup, person, &keys, posture)

@@ -143,7 +143,7 @@ impl Station {
     /// Plays a script with the errors of the person, or without any for `None`; `None` if the hand cannot play it.
     fn play(&self, script: &str, seed: Option<u64>) -> Option<Played> {
         let document = Document::new("task", script);
-        let script = Script::parse(document, &self.layout.target_names()).ok()?;
+        let parsed = Script::parse(document, &self.layout.target_names()).ok()?;
         let settings = TypistSettings {
             name: "task".to_owned(),
             packet_period: Duration::from_secs_f64(1.0 / self.source.rate_hz()),
@@ -168,7 +168,7 @@ impl Station {
             (own, sensor)
         });
         let hands: Vec<_> = hands.collect();
-        let actions: Vec<_> = script.actions().to_vec();
+        let actions: Vec<_> = parsed.actions().to_vec();
         let actions: Vec<_> = actions
             .into_iter()
             .map(|action| action.placed(&self.layout.fit))
@@ -227,7 +227,9 @@ impl Station {
                         person.scatter_parts[1] as f32,
                     ),
                 },
-                offsets: person.offsets.map(|[x, y]| Vec2::new(metres(x), metres(y))),
+                offsets: person
+                    .offsets
+                    .map(|[across, along]| Vec2::new(metres(across), metres(along))),
                 tremor: Tremor {
                     amplitude: person.tremor * 1e-3,
                     frequency_hz: person.tremor_hz,
@@ -272,6 +274,6 @@ fn value_result(
             .as_ref()
             .map_or(0, |it| it.pressed.iter().filter(is_other).count()),
         seconds: done.as_ref().map_or(0.0, |it| it.seconds),
-        error: values.map(|(wanted, done)| f64::from((wanted - done).abs())),
+        error: values.map(|(goal, reached)| f64::from((goal - reached).abs())),
     }
 }

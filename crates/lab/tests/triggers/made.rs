@@ -35,7 +35,7 @@ fn check_detection(rig: &Rig, name: &str, hold: Duration, what: &str) {
     let is_later = |times: &Vec<Timestamp>| times.iter().any(|time| time.seconds() > 1.0);
     let later = rig.on.iter().filter(|(_, times)| is_later(times));
     assert_eq!(
-        later.map(|(name, _)| name).collect::<Vec<_>>(),
+        later.map(|(seen, _)| seen).collect::<Vec<_>>(),
         [name],
         "{what}"
     );

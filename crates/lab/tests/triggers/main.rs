@@ -336,11 +336,11 @@ fn shapes_of_recorded_hands_are_recognised() {
         let mut rig = Rig::new(&[arm(Side::Right)], &[], true);
         for number in 0..120_u64 {
             let positions = if number < 30 { victory } else { shown };
-            let sample = Sample::Joints { positions };
+            let joints = Sample::Joints { positions };
             rig.see(&Reading::new(
                 Timestamp(number * 33_333),
                 Some(Side::Right),
-                sample,
+                joints,
             ));
         }
         let on: Vec<&str> = rig.on.keys().map(String::as_str).collect();
@@ -422,11 +422,11 @@ impl Reach {
                 0 => draw.between(0.15, 0.5),
                 _ => draw.between(kind.0, kind.1),
             });
-            let up = draw.between(0.015, 0.04);
+            let beat_height = draw.between(0.015, 0.04);
             let beat = DVec3::new(
-                draw.between(-0.5, 0.5) * up,
-                up,
-                draw.between(-0.5, 0.5) * up,
+                draw.between(-0.5, 0.5) * beat_height,
+                beat_height,
+                draw.between(-0.5, 0.5) * beat_height,
             );
             let beats = draw.between(0.0, 1.0) < 0.4;
             let beat = if beats { beat } else { DVec3::ZERO };
@@ -461,16 +461,16 @@ fn hands_that_reach_hold_rest_and_talk_show_no_shape_and_no_motion_more_than_onc
             let mut draw = Draw::new(person.seed, 21 + side.index() as u64);
             let seconds = 360.0;
             let reaches = Reach::draw(seconds, &mut draw);
-            let bends = |seconds: f64| {
-                let (reach, done) = Reach::at(&reaches, seconds);
+            let bends = |elapsed: f64| {
+                let (reach, done) = Reach::at(&reaches, elapsed);
                 let [from, to] = reach.bends;
                 std::array::from_fn(|it| from[it] + done * (to[it] - from[it]))
             };
             let way = |since_begin: f64| {
-                let seconds = since_begin + 1.0;
-                let (reach, done) = Reach::at(&reaches, seconds);
+                let since_start = since_begin + 1.0;
+                let (reach, done) = Reach::at(&reaches, since_start);
                 let (beat, hertz) = reach.beat;
-                let phase = (seconds - reach.begin) * hertz * std::f64::consts::TAU;
+                let phase = (since_start - reach.begin) * hertz * std::f64::consts::TAU;
                 reach.from.lerp(reach.to, done) + beat * done * phase.sin()
             };
             let mut rig = Rig::with_all(std::slice::from_ref(&assumed), &[], true);

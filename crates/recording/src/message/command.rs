@@ -64,5 +64,5 @@ pub fn decode_external_command(data: &[u8]) -> Result<Option<Command>, WireError
         fields.insert(field.name.to_owned(), value);
     }
     let known = serde_json::from_value(Value::Object(fields)).ok();
-    Ok(known.filter(|command: &Command| is_external && command.check().is_ok()))
+    Ok(known.filter(|candidate: &Command| is_external && candidate.check().is_ok()))
 }

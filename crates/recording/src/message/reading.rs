@@ -17,7 +17,7 @@ use ademan_core::hand::{
 };
 use ademan_core::time::Timestamp;
 
-/// Field of the direction across the wrist, after those of the joints.
+/// Field of the direction across the wrist, after the fields of the joints.
 const WRIST_AXIS: u32 = Joint::COUNT as u32 + 1;
 
 /// Field of the joints that are predicted.
@@ -195,10 +195,10 @@ fn bones(fields: Fields) -> Result<BoneRotations, WireError> {
         let Some(side) = element(field, Side::ALL) else {
             continue;
         };
-        for field in message(field)? {
-            let field = field?;
-            if let Some(bone) = element(field, ArmBone::ALL) {
-                bones.arm_mut(side).set(bone, rotation(field)?);
+        for bone_field in message(field)? {
+            let bone_field = bone_field?;
+            if let Some(bone) = element(bone_field, ArmBone::ALL) {
+                bones.arm_mut(side).set(bone, rotation(bone_field)?);
             }
         }
     }

@@ -169,9 +169,9 @@ fn declared(kind: &str, name: &str) -> Vec<(String, usize)> {
     let lines = body.lines().filter_map(|line| line.split_once(" = "));
     lines
         .map(|(field, number)| {
-            let name = field.split_whitespace().last().expect("it has a name");
+            let label = field.split_whitespace().last().expect("it has a name");
             let number = number.strip_suffix(';').expect("it ends");
-            (name.to_owned(), number.parse().expect("a number"))
+            (label.to_owned(), number.parse().expect("a number"))
         })
         .collect()
 }

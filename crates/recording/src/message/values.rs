@@ -65,8 +65,8 @@ pub fn angles(fields: Fields) -> Result<JointAngles, WireError> {
 /// Appends a position in double precision.
 pub fn put_position(out: &mut Vec<u8>, field: u32, position: DVec3) {
     put_message(out, field, |out| {
-        for (value, field) in position.to_array().into_iter().zip(1..) {
-            put_nonzero_double(out, field, value);
+        for (value, number) in position.to_array().into_iter().zip(1..) {
+            put_nonzero_double(out, number, value);
         }
     });
 }
@@ -74,10 +74,10 @@ pub fn put_position(out: &mut Vec<u8>, field: u32, position: DVec3) {
 /// Decodes a position in double precision.
 pub fn position(field: Field) -> Result<DVec3, WireError> {
     let mut position = [0.0; 3];
-    for field in message(field)? {
-        let field = field?;
-        if let Some(value) = position.get_mut(field.0 as usize - 1) {
-            *value = double(field)?;
+    for part in message(field)? {
+        let part = part?;
+        if let Some(value) = position.get_mut(part.0 as usize - 1) {
+            *value = double(part)?;
         }
     }
     Ok(DVec3::from_array(position))
@@ -86,8 +86,8 @@ pub fn position(field: Field) -> Result<DVec3, WireError> {
 /// Appends a message of numbers in single precision.
 pub fn put_floats<const N: usize>(out: &mut Vec<u8>, field: u32, numbers: [f32; N]) {
     put_message(out, field, |out| {
-        for (value, field) in numbers.into_iter().zip(1..) {
-            put_nonzero_float(out, field, value);
+        for (value, number) in numbers.into_iter().zip(1..) {
+            put_nonzero_float(out, number, value);
         }
     });
 }
@@ -95,10 +95,10 @@ pub fn put_floats<const N: usize>(out: &mut Vec<u8>, field: u32, numbers: [f32; 
 /// Decodes a message of numbers in single precision.
 pub fn floats<const N: usize>(field: Field) -> Result<[f32; N], WireError> {
     let mut numbers = [0.0; N];
-    for field in message(field)? {
-        let field = field?;
-        if let Some(value) = numbers.get_mut(field.0 as usize - 1) {
-            *value = float(field)?;
+    for part in message(field)? {
+        let part = part?;
+        if let Some(value) = numbers.get_mut(part.0 as usize - 1) {
+            *value = float(part)?;
         }
     }
     Ok(numbers)

@@ -37,7 +37,7 @@ pub struct PointGroup {
     pub length: Option<f64>,
     /// `true` if the places are known.
     pub is_fixed: bool,
-    /// What cameras see of them.
+    /// The pixels at which cameras see them.
     pub marks: Vec<Mark>,
 }
 
@@ -180,7 +180,7 @@ fn step(
     Some((new_cameras.collect(), new_groups.collect()))
 }
 
-/// Adds the equations of the marks of a group to those of the cameras, and returns those of its points.
+/// Adds the equations of the marks of a group to the equations of the cameras, and returns the equations of its points.
 fn equations(
     cameras: &[Camera],
     group: &PointGroup,

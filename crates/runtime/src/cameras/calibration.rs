@@ -16,7 +16,7 @@ pub const MIN_WAND_FRAMES: usize = 8;
 /// Fewest marks of a camera whose lens is adjusted.
 const MIN_LENS_MARKS: usize = 40;
 
-/// What cameras see at one instant: the pixel of each label, by camera.
+/// The view of all cameras at one instant: the pixel of each label, by camera.
 pub type Frame = Vec<BTreeMap<String, DVec2>>;
 
 /// Calibrated cameras.
@@ -72,8 +72,8 @@ pub enum CalibrationError {
     NothingShared,
 }
 
-/// Calibrates cameras that see the ends of a wand of a length in metres. The world is that of the first camera: X to its
-/// right, Y up and −Z along its view. The lenses begin with those of `start`, and are kept if `keeps_lenses`.
+/// Calibrates cameras that see the ends of a wand of a length in metres. The world is the frame of the first camera: X to
+/// its right, Y up and −Z along its view. The lenses begin with the lenses of `start`, and are kept if `keeps_lenses`.
 pub fn from_wand(
     start: &[Camera],
     frames: &[Frame],
@@ -168,10 +168,10 @@ pub fn refine(
     let mut cameras = start.to_vec();
     adjust(&mut cameras, &mut groups, places);
     let mut calibration = finish(cameras, groups, places, keeps_lenses)?;
-    let [first, second] = [0, 1].map(|index| calibration.cameras[index].position());
-    let scale = distance / first.distance(second);
+    let [first_place, second_place] = [0, 1].map(|index| calibration.cameras[index].position());
+    let scale = distance / first_place.distance(second_place);
     for camera in &mut calibration.cameras {
-        let position = first + scale * (camera.position() - first);
+        let position = first_place + scale * (camera.position() - first_place);
         camera.translation = -(camera.rotation * position);
     }
     Ok(calibration)
@@ -244,12 +244,18 @@ fn placed_by_wand(
     while placed.len() < cameras.len() {
         let open = (0..cameras.len()).filter(|camera| !placed.contains(camera));
         let pairs = open.flat_map(|open| placed.iter().map(move |&known| (known, open)));
-        let counted =
-            pairs.map(|(known, open)| (shared(frames, [known, open], ends).len(), known, open));
-        let best =
-            counted.max_by_key(|&(count, known, open)| (count, std::cmp::Reverse((known, open))));
-        let (found, known, open) = best.expect("a camera is open");
-        let names = [&start[known].name, &start[open].name];
+        let counted = pairs.map(|(known, candidate)| {
+            (
+                shared(frames, [known, candidate], ends).len(),
+                known,
+                candidate,
+            )
+        });
+        let best = counted.max_by_key(|&(count, known, candidate)| {
+            (count, std::cmp::Reverse((known, candidate)))
+        });
+        let (found, known, next) = best.expect("a camera is open");
+        let names = [&start[known].name, &start[next].name];
         if found < MIN_WAND_FRAMES {
             let [first, second] = names.map(Clone::clone);
             return Err(CalibrationError::TooFewFrames {
@@ -258,18 +264,18 @@ fn placed_by_wand(
                 found,
             });
         }
-        let pixels = shared(frames, [known, open], ends);
+        let pixels = shared(frames, [known, next], ends);
         let ideal = |[first, second]: &[[DVec2; 2]; 2], end: usize| {
             (
                 start[known].ideal(first[end]),
-                start[open].ideal(second[end]),
+                start[next].ideal(second[end]),
             )
         };
         let directions: Vec<(DVec2, DVec2)> = pixels
             .iter()
             .flat_map(|seen| [ideal(seen, 0), ideal(seen, 1)])
             .collect();
-        let beside = camera_from_pair(&start[open], &directions);
+        let beside = camera_from_pair(&start[next], &directions);
         let beside = beside.map_err(|reason| CalibrationError::Camera {
             name: format!("{}` and `{}", names[0], names[1]),
             reason,
@@ -285,8 +291,8 @@ fn placed_by_wand(
         let before = &cameras[known];
         let rotation = beside.rotation * before.rotation;
         let translation = beside.rotation * before.translation + scale * beside.translation;
-        (cameras[open].rotation, cameras[open].translation) = (rotation, translation);
-        placed.push(open);
+        (cameras[next].rotation, cameras[next].translation) = (rotation, translation);
+        placed.push(next);
     }
     Ok(cameras)
 }

@@ -32,9 +32,9 @@ pub struct Camera {
 pub struct Projection {
     /// In pixels.
     pub pixel: DVec2,
-    /// By the turn in the axes of the camera, the translation, the focal lengths, the centre and the distortion.
+    /// The derivatives by the turn in the axes of the camera, the translation, the focal lengths, the centre and the distortion.
     pub by_camera: [DVec2; PARAMETERS],
-    /// By the three coordinates of the point.
+    /// The derivatives by the three coordinates of the point.
     pub by_point: [DVec2; 3],
 }
 

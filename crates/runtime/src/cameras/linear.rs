@@ -93,11 +93,11 @@ pub fn camera_from_points(
         (along, values[3] - along.dot(middle))
     };
     let (last, last_offset) = row(2);
-    let image = |index: usize, middle: f64| {
+    let image = |index: usize, image_middle: f64| {
         let (along, offset) = row(index);
         (
-            pixel_size * along + middle * last,
-            pixel_size * offset + middle * last_offset,
+            pixel_size * along + image_middle * last,
+            pixel_size * offset + image_middle * last_offset,
         )
     };
     let (first, first_offset) = image(0, pixel_middle.x);
@@ -164,7 +164,7 @@ fn null_vector(rows: &DMatrix<f64>) -> Vec<f64> {
     found.eigenvectors.column(least).iter().copied().collect()
 }
 
-/// Returns whether one map between planes takes the points of the first camera into those of the second one, as it does if
+/// Returns whether one map between planes takes the points of the first camera into the points of the second one, as it does if
 /// the points lie in a plane or on a line.
 fn is_flat(directions: &[(DVec2, DVec2)]) -> bool {
     let mut rows = DMatrix::<f64>::zeros(2 * directions.len(), 9);
@@ -204,7 +204,7 @@ pub fn camera_from_pair(
         return Err(LinearError::TooFew { found, needed });
     }
     if is_flat(directions) {
-        let apart = |(first, second): &(DVec2, DVec2)| first.distance(*second);
+        let apart = |(one, other): &(DVec2, DVec2)| one.distance(*other);
         let apart = directions.iter().map(apart).fold(0.0, f64::max);
         return Err(if apart < MIN_APART {
             LinearError::SamePlace
@@ -213,10 +213,13 @@ pub fn camera_from_pair(
         });
     }
     let mut rows = DMatrix::<f64>::zeros(found, 9);
-    for (index, (first, second)) in directions.iter().enumerate() {
-        let (first, second) = (first.extend(1.0).to_array(), second.extend(1.0).to_array());
-        for (row, value) in second.into_iter().enumerate() {
-            for (column, other) in first.into_iter().enumerate() {
+    for (index, (first_ray, second_ray)) in directions.iter().enumerate() {
+        let (first_ray, second_ray) = (
+            first_ray.extend(1.0).to_array(),
+            second_ray.extend(1.0).to_array(),
+        );
+        for (row, value) in second_ray.into_iter().enumerate() {
+            for (column, other) in first_ray.into_iter().enumerate() {
                 rows[(index, 3 * row + column)] = value * other;
             }
         }
@@ -240,8 +243,8 @@ pub fn camera_from_pair(
                 translation,
                 ..second.clone()
             };
-            let is_in_front = |(first, second): &&(DVec2, DVec2)| {
-                let point = crossing(&camera, *first, *second);
+            let is_in_front = |(one, other): &&(DVec2, DVec2)| {
+                let point = crossing(&camera, *one, *other);
                 point.is_some_and(|point| point.z > 0.0 && camera.in_camera(point).z > 0.0)
             };
             let in_front = directions.iter().filter(is_in_front).count();

@@ -117,8 +117,8 @@ impl MarkImage {
     fn centroid(&self, shape: &[usize], level: f32) -> DVec2 {
         let mut inside = shape.to_vec();
         inside.sort_unstable();
-        let is_other = |pixel: usize, inside: &[usize]| {
-            self.values[pixel] >= level && inside.binary_search(&pixel).is_err()
+        let is_other = |pixel: usize, own: &[usize]| {
+            self.values[pixel] >= level && own.binary_search(&pixel).is_err()
         };
         // The edge of a mark beside this one belongs to that one.
         let mut edge = self.around(&inside);
@@ -139,7 +139,7 @@ impl MarkImage {
         let (mut sum, mut total) = (DVec2::ZERO, 0.0);
         for (index, pixel) in inside.into_iter().enumerate() {
             let above = f64::from(self.values[pixel]) - background;
-            // What is darker than the surroundings is noise, and counts at the edge only.
+            // A pixel darker than the surroundings is noise, and counts at the edge only.
             let weight = if index < shape_pixels {
                 above.max(1e-6)
             } else {
@@ -221,11 +221,11 @@ pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
 
 /// Adds a shape as a mark, as several marks, or as one that is none.
 fn add_shape(image: &MarkImage, shape: &[usize], settings: &MarkSettings, found: &mut FoundMarks) {
-    let mark_at = |shape: &[usize], level: f32| {
-        let (center, elongation) = image.moments(shape, level);
+    let mark_at = |part: &[usize], level: f32| {
+        let (center, elongation) = image.moments(part, level);
         // A disc of few pixels is less round.
-        let limit = settings.max_elongation + 1.0 / shape.len() as f64;
-        let pixels = shape.len();
+        let limit = settings.max_elongation + 1.0 / part.len() as f64;
+        let pixels = part.len();
         (elongation <= limit).then_some(FoundMark { center, pixels })
     };
     if let Some(mark) = mark_at(shape, settings.threshold) {
@@ -292,7 +292,7 @@ mod tests {
         let (mut worst, mut squares, mut count) = ([0.0_f64; 3], 0.0, 0);
         for round in 0..150 {
             let [radius, index] = [[3.0, 0.0], [2.0, 1.0], [6.0, 2.0]][round % 3];
-            let place = |random: &mut fastrand::Rng, from: f64| from + 3.0 * random.f64();
+            let place = |generator: &mut fastrand::Rng, from: f64| from + 3.0 * generator.f64();
             let discs: Vec<(DVec2, f64)> = [10.0, 40.0, 70.0]
                 .into_iter()
                 .map(|x| {
@@ -335,8 +335,12 @@ mod tests {
             DVec2::new(20.0, 47.5),
             DVec2::new(39.0, 5.0),
         ] {
-            let found = find_marks(&draw([40, 49], &[(cut, 3.0)], &mut random), &SETTINGS);
-            assert_eq!((found.marks.len(), found.cut), (0, 1), "{found:?}");
+            let found_cut = find_marks(&draw([40, 49], &[(cut, 3.0)], &mut random), &SETTINGS);
+            assert_eq!(
+                (found_cut.marks.len(), found_cut.cut),
+                (0, 1),
+                "{found_cut:?}"
+            );
         }
     }
 
@@ -387,14 +391,21 @@ mod tests {
         values[105] = 1.0;
         values[203..215].fill(1.0);
         values[300] = f32::NAN;
-        let found = find_marks(&MarkImage::new(20, values).unwrap(), &SETTINGS);
-        assert_eq!((found.marks.len(), found.other_size, found.long), (0, 1, 1));
+        let found_long = find_marks(&MarkImage::new(20, values).unwrap(), &SETTINGS);
+        assert_eq!(
+            (
+                found_long.marks.len(),
+                found_long.other_size,
+                found_long.long
+            ),
+            (0, 1, 1)
+        );
         let settings = MarkSettings {
             max_px: 100,
             ..SETTINGS
         };
-        let found = find_marks(&MarkImage::new(20, vec![0.9; 400]).unwrap(), &settings);
-        assert_eq!(found.other_size, 1);
+        let found_large = find_marks(&MarkImage::new(20, vec![0.9; 400]).unwrap(), &settings);
+        assert_eq!(found_large.other_size, 1);
         assert!(MarkImage::new(0, vec![]).is_none() && MarkImage::new(3, vec![0.0; 4]).is_none());
     }
 }

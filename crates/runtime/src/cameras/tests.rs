@@ -92,27 +92,27 @@ fn a_wand_gives_places_lenses_and_scale_of_simulated_cameras() {
     let found = from_wand(&unknown(&exact), &without_noise, ["a", "b"], 0.5, false).unwrap();
     let error = place_error(&found.cameras, &exact);
     assert!(error < 1e-3, "{error}");
-    for (found, exact) in found.cameras.iter().zip(&exact) {
-        assert!((found.focal - exact.focal).length() < 1.0, "{found:?}");
+    for (camera, expected) in found.cameras.iter().zip(&exact) {
+        assert!((camera.focal - expected.focal).length() < 1.0, "{camera:?}");
         assert!(
-            (found.distortion[0] - exact.distortion[0]).abs() < 5e-3,
-            "{found:?}"
+            (camera.distortion[0] - expected.distortion[0]).abs() < 5e-3,
+            "{camera:?}"
         );
     }
     let noisy = wand_frames(&exact, 200, 0.3, 2);
-    let found = from_wand(&unknown(&exact), &noisy, ["a", "b"], 0.5, false).unwrap();
-    let error = place_error(&found.cameras, &exact);
+    let found_noisy = from_wand(&unknown(&exact), &noisy, ["a", "b"], 0.5, false).unwrap();
+    let noisy_error = place_error(&found_noisy.cameras, &exact);
     println!(
         "0.3 px: places {:.1} mm, {:?}",
-        error * 1000.0,
-        found.errors
+        noisy_error * 1000.0,
+        found_noisy.errors
     );
-    assert!(error < 0.02, "{error}");
+    assert!(noisy_error < 0.02, "{noisy_error}");
     assert!(
-        found
+        found_noisy
             .errors
             .iter()
-            .all(|error| error.rms_px < 0.6 && error.marks > 100)
+            .all(|it| it.rms_px < 0.6 && it.marks > 100)
     );
 }
 
@@ -130,38 +130,44 @@ fn a_frame_of_known_points_gives_each_camera_in_its_world() {
             )
         })
         .collect();
-    let known = |points: &[(&str, DVec3)]| -> BTreeMap<String, DVec3> {
-        points
+    let known = |known_points: &[(&str, DVec3)]| -> BTreeMap<String, DVec3> {
+        known_points
             .iter()
             .map(|(name, point)| ((*name).to_owned(), *point))
             .collect()
     };
     let frames = [seen(&exact, &points, 0.0, &mut random)];
     let found = from_points(&unknown(&exact), &frames, &known(&points), false).unwrap();
-    for (found, exact) in found.cameras.iter().zip(&exact) {
+    for (camera, expected) in found.cameras.iter().zip(&exact) {
         assert!(
-            found.position().distance(exact.position()) < 1e-5,
-            "{found:?}"
+            camera.position().distance(expected.position()) < 1e-5,
+            "{camera:?}"
         );
-        assert!((found.center - exact.center).length() < 1e-2, "{found:?}");
-        for (found, exact) in found.distortion.iter().zip(exact.distortion) {
-            assert!((found - exact).abs() < 1e-4, "{found} {exact}");
+        assert!(
+            (camera.center - expected.center).length() < 1e-2,
+            "{camera:?}"
+        );
+        for (term, expected_term) in camera.distortion.iter().zip(expected.distortion) {
+            assert!(
+                (term - expected_term).abs() < 1e-4,
+                "{term} {expected_term}"
+            );
         }
     }
     let flat: Vec<(&str, DVec3)> = points
         .iter()
         .map(|(name, point)| (*name, point.with_y(0.3)))
         .collect();
-    let frames = [seen(&exact, &flat, 0.1, &mut random)];
-    let error = from_points(&unknown(&exact), &frames, &known(&flat), false).unwrap_err();
+    let flat_frames = [seen(&exact, &flat, 0.1, &mut random)];
+    let error = from_points(&unknown(&exact), &flat_frames, &known(&flat), false).unwrap_err();
     assert!(
         error.to_string().contains("in a plane or on a line"),
         "{error}"
     );
-    let frames = [seen(&exact, &points[..5], 0.0, &mut random)];
-    let error = from_points(&unknown(&exact), &frames, &known(&points), false).unwrap_err();
+    let few_frames = [seen(&exact, &points[..5], 0.0, &mut random)];
+    let few_error = from_points(&unknown(&exact), &few_frames, &known(&points), false).unwrap_err();
     assert_eq!(
-        error.to_string(),
+        few_error.to_string(),
         "`cam_01`: 5 points are seen and 6 are needed"
     );
 }
@@ -203,10 +209,10 @@ fn cameras_without_common_frames_are_named_and_a_wand_in_a_plane_is_refused() {
             seen(&exact, &ends, 0.1, &mut random)
         })
         .collect();
-    let error = from_wand(&unknown(&exact), &flat, ["a", "b"], 0.5, false).unwrap_err();
+    let flat_error = from_wand(&unknown(&exact), &flat, ["a", "b"], 0.5, false).unwrap_err();
     assert!(
-        error.to_string().contains("in a plane or on a line"),
-        "{error}"
+        flat_error.to_string().contains("in a plane or on a line"),
+        "{flat_error}"
     );
 }
 
@@ -216,16 +222,16 @@ fn files_of_both_forms_keep_all_numbers_and_others_are_refused() {
     for format in [CamerasFormat::Ron, CamerasFormat::Toml] {
         let text = CamerasFile::new(&cameras).to_text(format);
         let read = CamerasFile::parse(&text, format).unwrap().cameras();
-        for (read, camera) in read.iter().zip(&cameras) {
+        for (read_camera, camera) in read.iter().zip(&cameras) {
             assert!(
-                read.rotation.angle_between(camera.rotation) < 1e-7,
+                read_camera.rotation.angle_between(camera.rotation) < 1e-7,
                 "{text}"
             );
-            let read = Camera {
+            let read_camera = Camera {
                 rotation: camera.rotation,
-                ..read.clone()
+                ..read_camera.clone()
             };
-            assert_eq!(read, *camera, "{text}");
+            assert_eq!(read_camera, *camera, "{text}");
         }
     }
     // As Anipose writes it.

@@ -6,8 +6,8 @@ use std::time::Duration;
 /// is wrong by 100 parts per million err by 2 ms at most.
 const WINDOW: Duration = Duration::from_secs(10);
 
-/// Offset of the clock of a source or a sender from that of the receiver: the smallest difference between the arrival of a reading and
-/// its own time in the last 10 to 20 s. A reading that was delayed on its way does not count as the clock.
+/// Offset of the clock of a source or a sender from the clock of the receiver: the smallest difference between the arrival of a
+/// reading and its own time in the last 10 to 20 s. A reading that was delayed on its way does not count as the clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClockOffset {
     /// Start of the present window on the clock of the receiver, in microseconds.

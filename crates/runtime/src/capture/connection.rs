@@ -107,7 +107,7 @@ impl Connection {
         self.bytes.read(buffer)
     }
 
-    /// Reads the bytes that are available, without waiting for them. Errors are those of [`read`](Self::read).
+    /// Reads the bytes that are available, without waiting for them. Fails as [`read`](Self::read) does.
     pub fn read_available(&mut self, buffer: &mut [u8]) -> Result<usize> {
         let result = self.bytes.read(buffer);
         if let Err(error) = &result

@@ -116,8 +116,8 @@ pub(super) struct EventQueue<B> {
 }
 
 impl<B: EventBuffer> EventQueue<B> {
-    /// Creates a queue from an empty buffer. That of a live source drops its oldest readings when it is full and counts them
-    /// in [`SourceStats::dropped`](super::SourceStats::dropped).
+    /// Creates a queue from an empty buffer. The queue of a live source drops its oldest readings when it is full and counts
+    /// them in [`SourceStats::dropped`](super::SourceStats::dropped).
     pub fn new(buffer: B, is_live: bool) -> Self {
         Self {
             buffer,

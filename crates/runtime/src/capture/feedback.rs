@@ -10,7 +10,7 @@ pub use ademan_core::capture::feedback::*;
 /// The writing end of a connection. Each write ends within a tenth of a second.
 type Writer = Arc<Mutex<Box<dyn Write + Send>>>;
 
-/// The identity of a connection, which does not keep it open. The default is that of none.
+/// The identity of a connection, which does not keep it open. The default identifies no connection.
 #[derive(Clone, Default)]
 pub struct ConnectionId(Weak<Mutex<Box<dyn Write + Send>>>);
 
@@ -20,7 +20,7 @@ impl PartialEq for ConnectionId {
     }
 }
 
-/// The writing end of a source, whichever connection it has at present. Clones are of the same source.
+/// The writing end of a source on its present connection. Clones belong to the same source.
 #[derive(Clone)]
 pub struct FeedbackDevice {
     /// The form of the messages. Locked for a moment only.

@@ -27,11 +27,14 @@ impl Headset {
     /// Creates a headset. `name` is shortened and escaped.
     pub fn new(name: &str, address: IpAddr) -> Self {
         let short: String = name.chars().take(MAX_NAME).collect();
-        let name = match short.trim() {
+        let shown = match short.trim() {
             "" => UNNAMED.to_owned(),
-            name => escape(name).into_owned(),
+            own => escape(own).into_owned(),
         };
-        Self { name, address }
+        Self {
+            name: shown,
+            address,
+        }
     }
 }
 

@@ -186,7 +186,7 @@ pub trait Source: Send {
         None
     }
 
-    /// Ends the capture: nothing is read any more, and the [statistics](Self::stats) become those of everything that was. The
+    /// Ends the capture: nothing is read any more, and the [statistics](Self::stats) cover everything that was read. The
     /// default changes nothing. It may wait for a second.
     fn stop(&mut self) {}
 
@@ -254,7 +254,7 @@ impl Source for Box<dyn Source> {
     }
 }
 
-/// The wait of a [polled](Source::set_polled) source: for bytes or a time, whichever comes first.
+/// The wait of a [polled](Source::set_polled) source: for bytes, until a time at the latest.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceWait<'a> {
     /// Reports bytes; `None` if none can arrive.

@@ -158,7 +158,7 @@ mod tests {
     fn play(times: &[u64], speed: f64) -> (Vec<Duration>, Vec<u64>) {
         let mut paced = PacedSource::new(TimedSource(times.to_vec()), speed);
         let start = Instant::now();
-        let (mut returned_at, mut times) = (Vec::new(), Vec::new());
+        let (mut returned_at, mut played) = (Vec::new(), Vec::new());
         loop {
             let called_at = Instant::now();
             let event = paced.next().unwrap();
@@ -170,11 +170,11 @@ mod tests {
             match event {
                 SourceEvent::Reading(reading) => {
                     returned_at.push(start.elapsed());
-                    times.push(reading.time.0 / 1000);
+                    played.push(reading.time.0 / 1000);
                 }
                 SourceEvent::Command(command) => panic!("nothing was recorded: {command}"),
                 SourceEvent::Idle => assert!(called_at.elapsed() >= MAX_SLEEP),
-                SourceEvent::End => return (returned_at, times),
+                SourceEvent::End => return (returned_at, played),
             }
         }
     }
@@ -183,11 +183,8 @@ mod tests {
     fn readings_are_not_early_at_any_speed() {
         let (returned_at, times) = play(&[500, 600, 620, 920], 2.0);
         assert_eq!(times, [500, 600, 620, 920]);
-        for (returned_at, earliest) in returned_at.iter().zip([0, 50, 60, 210]) {
-            assert!(
-                *returned_at >= Duration::from_millis(earliest),
-                "{returned_at:?}"
-            );
+        for (moment, earliest) in returned_at.iter().zip([0, 50, 60, 210]) {
+            assert!(*moment >= Duration::from_millis(earliest), "{moment:?}");
         }
     }
 

@@ -71,7 +71,7 @@ mod tests {
             panic!("not live");
         };
         let now = opened + Duration::from_secs(1);
-        let mut stamp = |now, bytes| clock.stamp(now, bytes, &format, None).0;
+        let mut stamp = |at, bytes| clock.stamp(at, bytes, &format, None).0;
         assert_eq!(stamp(now, 96), 900_000);
         assert_eq!(stamp(now, 30), 968_750);
         assert_eq!(stamp(now, 96), 968_751);

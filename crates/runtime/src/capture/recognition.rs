@@ -26,7 +26,7 @@ pub fn camera() -> Option<&'static Path> {
     camera.exists().then_some(camera)
 }
 
-/// What a serial port sends.
+/// The source that the bytes of a serial port look like.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Recognition {
     /// Packets of one of these sources, which differ in their format only.

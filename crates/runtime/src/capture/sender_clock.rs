@@ -11,18 +11,18 @@ pub(super) const DEFAULT_MAX_AGE: Duration = Duration::from_millis(200);
 /// Time in which the clock of a sender has to keep pace before readings are judged by it.
 const TRIAL: Duration = Duration::from_secs(2);
 
-/// Most that the smallest delay of the second half of a trial may exceed that of the first half. A clock that loses 3 % or
-/// counts other units than microseconds never passes.
+/// The most by which the smallest delay of the second half of a trial may exceed the smallest delay of the first half. A clock
+/// that loses 3 % or counts other units than microseconds never passes.
 const TRIAL_TOLERANCE: Duration = Duration::from_millis(25);
 
-/// Time without a young reading after which the clock is tried anew: it may have been set, or have stood still.
+/// Time without a young reading after which the clock is tried again: it may have been set, or have stood still.
 const MAX_LATENESS: Duration = Duration::from_secs(10);
 
 /// The clock of a sender, by which readings are recognised that a congested network has delayed.
 ///
 /// The age of a reading is its delay less the smallest delay of the last 10 to 20 s, so that the two clocks need no common
-/// origin. A steady delay is therefore not recognised, only one that has grown. A clock that does not keep pace with that
-/// of the receiver is not used.
+/// origin. A steady delay is therefore not recognised, only one that has grown. A clock that does not keep pace with the
+/// receiver's is not used.
 #[derive(Debug)]
 pub(super) struct SenderClock {
     max_age: Duration,

@@ -16,12 +16,12 @@ use ademan_core::hand::Side;
 pub struct SidedSource {
     source: Box<dyn Source>,
     sides: ArrayVec<Side, { Side::COUNT }>,
-    /// Sensor channels are those of both gloves.
+    /// Readings have the sensor channels of both gloves.
     has_two_gloves: bool,
     /// The latest reading, and the sides for which it was not returned.
     pending: Option<Reading>,
     remaining: ArrayVec<Side, { Side::COUNT }>,
-    /// Readings returned beyond those of the source.
+    /// Readings returned beyond the readings of the source.
     repeated: u64,
     /// Readings of the source that were left out.
     left_out: u64,
@@ -41,7 +41,7 @@ impl SidedSource {
         }
     }
 
-    /// Creates a source whose sensor channels are those of the gloves of all `sides`.
+    /// Creates a source with the sensor channels of the gloves of all `sides`.
     pub fn with_two_gloves(source: Box<dyn Source>, sides: impl IntoIterator<Item = Side>) -> Self {
         Self {
             has_two_gloves: true,

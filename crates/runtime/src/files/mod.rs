@@ -69,7 +69,7 @@ pub enum FileError {
     OpenFolder(PathBuf),
     /// Other users may read the file.
     #[error(
-        "other users may read it, so that its secret may be known; make it private and its tokens anew: chmod 600 {path}",
+        "other users may read it, so that its secret may be known; make it private and replace its tokens: chmod 600 {path}",
         path = shell_word(&.0.to_string_lossy())
     )]
     Exposed(PathBuf),

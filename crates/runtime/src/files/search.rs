@@ -95,7 +95,9 @@ pub(super) fn is_path(name: &str) -> bool {
 /// Returns the file with a name in a folder, with or without `.ron`, and its name.
 fn file_in(folder: &Path, name: &str) -> Option<(PathBuf, String)> {
     let names = [name.to_owned(), format!("{name}{EXTENSION}")];
-    let mut files = names.into_iter().map(|name| (folder.join(&name), name));
+    let mut files = names
+        .into_iter()
+        .map(|file_name| (folder.join(&file_name), file_name));
     files.find(|(path, _)| is_no_directory(path))
 }
 
@@ -126,7 +128,7 @@ pub(super) fn not_found(folder: &Path, name: &str) -> DocumentError {
     }
     let own: Vec<String> = FOLDERS
         .iter()
-        .flat_map(|folder| own_names(folder))
+        .flat_map(|searched| own_names(searched))
         .collect();
     DocumentError::no_such_file(name, &own)
 }

@@ -126,7 +126,8 @@ fn links_and_files_of_other_users_are_not_written() {
 fn a_file_is_trusted_if_no_other_user_can_write_or_replace_it() {
     let folder = Folder::new();
     let path = folder.file("layout", 0o644);
-    let set = |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    let set =
+        |target: &Path, mode| fs::set_permissions(target, Permissions::from_mode(mode)).unwrap();
     for (mode, is_trusted) in [(0o644, true), (0o600, true), (0o646, false), (0o666, false)] {
         set(&path, mode);
         assert_eq!(open_trusted(&path).is_ok(), is_trusted, "{mode:o}");
@@ -206,10 +207,10 @@ fn a_device_or_a_pipe_is_not_replaced_by_a_file() {
             matches!(refused, Err(FileError::NotRegular(_))),
             "{refused:?}"
         );
-        let refused = replace(folder.0.path(), "new");
+        let refused_folder = replace(folder.0.path(), "new");
         assert!(
-            matches!(refused, Err(FileError::IsDirectory)),
-            "{refused:?}"
+            matches!(refused_folder, Err(FileError::IsDirectory)),
+            "{refused_folder:?}"
         );
         let file = folder.file("file", 0o644);
         replace(&file, "new").unwrap();

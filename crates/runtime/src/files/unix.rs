@@ -88,7 +88,7 @@ pub fn copy_attributes(path: &Path, replaced: &Metadata, new: &File) -> io::Resu
     let is_kept = |name: &&[u8]| !name.is_empty() && (keeps_group || *name != ACCESS_LIST);
     for name in names.filter(is_kept) {
         let copied = copy_attribute(path, name, new);
-        // The system sets those of its security modules, and permits few users to change them.
+        // The system sets the attributes of its security modules, and permits few users to change them.
         if !name.starts_with(b"security.") {
             copied?;
         }

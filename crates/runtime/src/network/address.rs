@@ -22,7 +22,7 @@ pub fn parse_loopback(text: &str) -> Option<SocketAddr> {
 
 /// Checks the address of a server. `Err` states the reason and what to do.
 ///
-/// Beyond the loopback address TLS is required, and the address has to be that of one interface: a server at `0.0.0.0`
+/// Beyond the loopback address TLS is required, and the address has to belong to one interface: a server at `0.0.0.0`
 /// would also listen on the networks that a person has forgotten.
 pub fn check_listen_address(address: SocketAddr, is_secure: bool) -> Result<(), &'static str> {
     let ip = canonical(address).ip();

@@ -48,11 +48,11 @@ use ademan_core::names::named_enum;
 named_enum! {
     /// The permission that a token grants. Each includes the ones before it.
     pub enum TokenRole ("role") {
-        /// To receive shared data; as the token of a source, nothing more than to move the hand on the screen.
+        /// Receives shared data; as the token of a source, only moves the hand on the screen.
         See = "see",
-        /// To move the pointer and press mouse and gamepad buttons.
+        /// Moves the pointer and presses mouse and gamepad buttons.
         Point = "point",
-        /// To press keys.
+        /// Presses keys.
         Type = "type",
     }
 }

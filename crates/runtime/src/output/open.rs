@@ -16,7 +16,7 @@ struct NamedOutput<'a> {
 
 /// Opens the outputs in a list of names separated by commas.
 ///
-/// A name is that of a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
+/// A name stands for a [`Backend`], optionally followed by a colon and an argument that contains no comma. With
 /// several outputs, each capability is carried by the first output that supports it (see [`Router`]). Nothing is
 /// opened if a required capability is not supported by any of them.
 pub fn open(names: &str, required: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
@@ -155,7 +155,7 @@ fn routes(outputs: &[NamedOutput]) -> Vec<Route> {
 
 /// Returns the required capabilities that the output at `index` carries.
 fn routed_to(routes: &[Route], index: usize, required: &Capabilities) -> Capabilities {
-    let is_routed_here = |required: &Capability| route(routes, *required) == Some(index);
+    let is_routed_here = |capability: &Capability| route(routes, *capability) == Some(index);
     required.iter().filter(is_routed_here).collect()
 }
 
@@ -286,8 +286,8 @@ mod tests {
             Capabilities::default(),
             Capabilities::from_iter([Capability::Text]),
         ];
-        for (index, expected) in expected.iter().enumerate() {
-            assert_eq!(routed_to(&routes, index, &required), *expected, "{index}");
+        for (index, wanted) in expected.iter().enumerate() {
+            assert_eq!(routed_to(&routes, index, &required), *wanted, "{index}");
         }
     }
 }

@@ -142,7 +142,7 @@ impl Osc {
     }
 }
 
-/// What a value is.
+/// The meaning of a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
     Value,
@@ -155,8 +155,8 @@ impl SignalMessages {
         let Some(address) = &signal.address else {
             return Self::default();
         };
-        let message = |address: &str| Message {
-            datagram: osc::encode(address, None, &[], &[0.0]),
+        let message = |path: &str| Message {
+            datagram: osc::encode(path, None, &[], &[0.0]),
             range: signal.range,
             is_held: false,
             due: None,
@@ -184,7 +184,7 @@ impl Message {
             // The answer to an earlier message, when nobody listened; this one was not sent.
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
                 match socket.send(&self.datagram) {
-                    Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => Ok(0),
+                    Err(again) if again.kind() == io::ErrorKind::ConnectionRefused => Ok(0),
                     sent => sent,
                 }
             }
@@ -379,10 +379,10 @@ mod tests {
         drop(receiver);
         sink.send(&[event(1, EventKind::Value(TargetId(1), 0.1))])
             .unwrap();
-        let receiver = UdpSocket::bind(address).unwrap();
-        receiver.set_nonblocking(true).unwrap();
+        let later_receiver = UdpSocket::bind(address).unwrap();
+        later_receiver.set_nonblocking(true).unwrap();
         sink.send(&[event(1, EventKind::Value(TargetId(1), 1.0))])
             .unwrap();
-        assert_eq!(received(&receiver), [("/mixer/1".to_owned(), 0.0)]);
+        assert_eq!(received(&later_receiver), [("/mixer/1".to_owned(), 0.0)]);
     }
 }

@@ -302,10 +302,13 @@ mod tests {
         assert_eq!(error.to_string(), "the output `desktop` failed: gone");
         let expected = ["transcript -A -PadSouth", "desktop -A", "uinput -PadSouth"];
         assert_eq!(lines(&log), expected);
-        let error = router.close().unwrap_err();
-        assert_eq!(error.to_string(), "the output `transcript` failed: gone");
-        let expected = ["transcript closed", "desktop closed", "uinput closed"];
-        assert_eq!(lines(&log), expected);
+        let close_error = router.close().unwrap_err();
+        assert_eq!(
+            close_error.to_string(),
+            "the output `transcript` failed: gone"
+        );
+        let expected_closes = ["transcript closed", "desktop closed", "uinput closed"];
+        assert_eq!(lines(&log), expected_closes);
     }
 
     #[test]

@@ -90,7 +90,7 @@ fn two_transcripts_receive_the_same_events() {
     let mut sink = open(&names, &Capabilities::default()).unwrap();
     sink.send(&[down(1_000, "A"), up(1_000, "A")]).unwrap();
     sink.close().unwrap();
-    let text = |path| std::fs::read_to_string(path).unwrap();
+    let text = |file| std::fs::read_to_string(file).unwrap();
     assert_eq!(text(&a), "       1.000 down A\n       1.000 up   A\n");
     assert_eq!(text(&a), text(&b));
     assert!(open_error("none,desktp").starts_with("unknown output `desktp`"));

@@ -184,8 +184,8 @@ impl<W: Write> Container<W> {
         });
         let end = self.record.len() - 4;
         self.checksum.update(&self.record[..end]);
-        let checksum = self.checksum.clone().finalize().to_le_bytes();
-        self.record[end..].copy_from_slice(&checksum);
+        let file_checksum = self.checksum.clone().finalize().to_le_bytes();
+        self.record[end..].copy_from_slice(&file_checksum);
         self.out.write_all(&self.record)?;
         self.out.write_all(MAGIC)?;
         self.out.flush()

@@ -2,7 +2,8 @@
 //!
 //! A recording is an MCAP file as described in [`capture::recording`](crate::capture::recording). Its messages are protocol
 //! buffers with their schema, which Foxglove and the packages of MCAP read. There is a channel for each stage but
-//! [`Stage::Pose`](crate::trace::Stage::Pose): poses follow from the readings and the setup. The time of a message is that of the source, in nanoseconds.
+//! [`Stage::Pose`](crate::trace::Stage::Pose): poses follow from the readings and the setup. Messages have the time
+//! of the source, in nanoseconds.
 
 mod container;
 mod messages;

@@ -41,8 +41,8 @@ pub struct CommandSender {
 }
 
 impl CommandSender {
-    /// Returns a sender to the same session whose commands have this origin. That of a new channel is
-    /// [`Client`](CommandOrigin::Client).
+    /// Returns a sender to the same session whose commands have this origin. The sender of a new channel has the
+    /// origin [`Client`](CommandOrigin::Client).
     #[must_use]
     pub fn with_origin(&self, origin: CommandOrigin) -> Self {
         Self {

@@ -60,7 +60,7 @@ pub(super) struct LayoutSwap {
     pub layout: Box<LayoutInstance>,
     /// Index of the profile whose layout it replaces.
     pub profile: usize,
-    /// `true` if the boards keep their present poses instead of those of the file.
+    /// `true` if the boards keep their present poses instead of the poses of the file.
     pub keep_board_poses: bool,
     /// Receives the old layout after the swap, so that another thread than the loop frees it.
     pub retired: Sender<Box<LayoutInstance>>,
@@ -147,14 +147,14 @@ impl LayoutLink {
         }
         self.waker.wake();
         let old = select! {
-            recv(old) -> old => old.map_err(|_| SessionEnded)?,
+            recv(old) -> received => received.map_err(|_| SessionEnded)?,
             recv(self.ended) -> _ => return Err(SessionEnded),
         };
-        if let Some((change, mut layout)) = followed.zip(layout_of_hands) {
+        if let Some((change, mut followed_layout)) = followed.zip(layout_of_hands) {
             if keep_board_poses {
-                copy_board_poses(&old, Arc::make_mut(&mut layout));
+                copy_board_poses(&old, Arc::make_mut(&mut followed_layout));
             }
-            change.activate(layout);
+            change.activate(followed_layout);
         }
         Ok(())
     }

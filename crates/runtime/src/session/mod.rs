@@ -187,9 +187,9 @@ impl Session {
             .transpose()?;
         if options.use_panic_keys {
             let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
-            let commands = command_sender.with_origin(CommandOrigin::PanicKeys);
+            let pause_commands = command_sender.with_origin(CommandOrigin::PanicKeys);
             // A full queue means that the loop stands still; then the watchdog releases everything.
-            panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
+            panic_keys::watch(&keys, move || _ = pause_commands.send(Command::Pause))?;
         }
         let layout = Arc::new(setup.layout.clone());
         let rule = ActiveRule::new(&setup.setup.profiles_by_application);
@@ -263,7 +263,7 @@ impl Session {
         if is_live && !self.options.lossless_snapshots {
             sink.drop_when_full();
         }
-        // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
+        // A replay may wait for its observers as long as nothing outside can stay pressed.
         let has_effect = sink.has_effect();
         let may_wait = !is_live && !has_effect;
         let failures = self.write_failures.clone();
@@ -294,9 +294,9 @@ impl Session {
             // The owner may have dropped its end.
             let _ = signal.send(());
         }
-        let notices = self.notices.sender();
+        let notice_sender = self.notices.sender();
         let reports = self.options.report_status;
-        let mut status = reports.then(|| StatusNotices::new(has_effect, notices));
+        let mut status = reports.then(|| StatusNotices::new(has_effect, notice_sender));
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let mut observers: Vec<&mut dyn Observer> = vec![
             &mut haptics,

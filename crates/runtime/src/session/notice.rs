@@ -26,7 +26,7 @@ const QUEUE_LENGTH: usize = 64;
 /// Longest wait at the end of a session for notices that the user's receiver has not handled yet.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// What a person does at the start of a layout that is placed by the hand.
+/// The instruction at the start of a layout that is placed by the hand.
 pub const AWAITING_HAND: &str =
     "hold your hand open and still for a second: the layout is placed there";
 
@@ -108,7 +108,7 @@ pub enum Notice {
     FileIncomplete(String),
     /// Outcome of a change to a layout.
     Layout(LayoutReport),
-    /// What a simulated hand leaves out, and why.
+    /// The parts that a simulated hand leaves out, and the reason.
     SimulatedHand(String),
     /// Notices of one kind and source that were held back, as there was one of them a short time ago.
     HeldBack(Box<HeldBack<Notice>>),

@@ -17,13 +17,13 @@ pub type NoticeReceiver = Box<dyn FnMut(Notice) + Send>;
 /// Options of a session. The default is a session without control socket, recording, watched files or messages.
 #[derive(Default)]
 pub struct SessionOptions {
-    /// Source that replaces that of the setup.
+    /// Source in place of the setup's.
     pub source: Option<Box<dyn Source>>,
     /// Playback speed of a source that is not live, 1 for real time; `None` for as fast as possible.
     pub speed: Option<f64>,
     /// Waits for a device that cannot be opened yet.
     pub wait_for_source: bool,
-    /// Output that replaces that of the setup. It is not checked against the layouts.
+    /// Output in place of the setup's. It is not checked against the layouts.
     pub output: Option<Box<dyn Sink>>,
     /// Program that releases keys when this process cannot.
     pub watchdog: Option<WatchdogProgram>,

@@ -25,7 +25,7 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
 
-/// Frames after which a BVH file is complete again: those of one second.
+/// Frames after which a BVH file is complete again: one second.
 const FRAMES_PER_BLOCK: u64 = 100;
 
 /// Room for the frames of a block: they reach the disk together with their number.

@@ -34,9 +34,9 @@ pub fn replay(
     let mut views = ReplayViews::new(names, Arc::new(setup.layout.clone()));
     let mut pipeline = setup.pipeline();
     let mut sink = output::open(NO_OUTPUT, &setup.required_capabilities())?;
-    let mut observe = |step: &StepView, _: Instant, pipeline: &Pipeline| {
-        let view = views.update(step, pipeline);
-        observe(step, pipeline, view);
+    let mut observe = |step: &StepView, _: Instant, replayed: &Pipeline| {
+        let view = views.update(step, replayed);
+        observe(step, replayed, view);
     };
     run_observed(source, &mut pipeline, &mut *sink, commands, &mut observe)
 }

@@ -150,8 +150,8 @@ mod tests {
     fn the_calibration_of_a_recorded_session_stays() {
         let (setup, options) = typing();
         let session = Session::start(setup, options).unwrap();
-        let setup = Arc::clone(&session.sensors().setup);
-        let link = SensorLink::new(setup, session.commands().clone(), true);
+        let loaded = Arc::clone(&session.sensors().setup);
+        let link = SensorLink::new(loaded, session.commands().clone(), true);
         let refused = link.replace(None, &JointAngles::default(), Smoothing::Off);
         assert!(
             matches!(refused, Err(RequestError::Refused(_))),

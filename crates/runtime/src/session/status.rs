@@ -35,9 +35,9 @@ struct StatusLog {
     is_awaiting: bool,
     /// A hand that reaches nothing was reported.
     is_unreached: bool,
-    /// By side.
+    /// The fingers that are not trusted, by side.
     untrusted: [FingerSet; Side::COUNT],
-    /// By side.
+    /// The hand is lost, by side.
     lost_hands: [bool; Side::COUNT],
 }
 
@@ -62,7 +62,7 @@ enum Topic {
     Stalled,
 }
 
-/// What a person has to do before the layout works, as the pipeline has it after a step.
+/// The actions of a person that the layout waits for, as the pipeline has them after a step.
 #[derive(Clone, Copy, Debug)]
 struct Hints {
     /// Fingers that must be straightened before the output is armed.
@@ -299,8 +299,9 @@ impl StatusLog {
         };
         if is_pause {
             // The person who pauses waits for the notices that follow.
-            self.limits
-                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Bent | Topic::Stalled));
+            self.limits.restart(|limited| {
+                matches!(limited, Topic::Disarmed | Topic::Bent | Topic::Stalled)
+            });
         }
         report(notice);
     }

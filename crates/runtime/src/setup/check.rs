@@ -51,7 +51,7 @@ impl Setup {
                 application,
                 profile,
             } = rule;
-            let names = self.profiles.iter().map(|profile| profile.name.as_str());
+            let names = self.profiles.iter().map(|it| it.name.as_str());
             let mut names = std::iter::once(MAIN_PROFILE).chain(names);
             let reason = if application.trim().is_empty() {
                 "the name of an application is empty; `xprop WM_CLASS`, or `swaymsg -t get_tree` on sway, prints the names".into()
@@ -61,9 +61,9 @@ impl Setup {
             {
                 format!("two rules for `{}`", escape(application))
             } else if !names.any(|name| name == profile) {
-                let names = self.profiles.iter().map(|profile| profile.name.as_str());
-                let names = std::iter::once(MAIN_PROFILE).chain(names);
-                let unknown = UnknownName::new("profile", profile, names);
+                let known = self.profiles.iter().map(|it| it.name.as_str());
+                let known = std::iter::once(MAIN_PROFILE).chain(known);
+                let unknown = UnknownName::new("profile", profile, known);
                 format!("{unknown}; add it to `profiles`")
             } else {
                 continue;

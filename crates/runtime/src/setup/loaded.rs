@@ -30,7 +30,7 @@ pub struct LoadedSetup {
     pub other_hand: Option<GloveAndArm>,
     /// The person; the default one if the setup names none.
     pub person: Person,
-    /// The person who is simulated, whose hand may differ from that of the setup.
+    /// The person who is simulated, whose hand may differ from the hand of the setup.
     pub simulated_person: Person,
     /// The layout that is active at the start.
     pub layout: Layout,
@@ -68,7 +68,7 @@ pub struct Profile {
     pub name: String,
     /// The layout.
     pub layout: Layout,
-    /// The mode of the text decoder, if it differs from that of the setup.
+    /// The mode of the text decoder, if it differs from the mode of the setup.
     pub text: Option<TextMode>,
 }
 
@@ -115,7 +115,9 @@ impl Loader<'_> {
     ) -> Result<ArmModel, SetupError> {
         match arm {
             ArmSetup::Person => match person.arm(side) {
-                Some(arm) => arm.map_err(|error| SetupError::Value(error.to_string())),
+                Some(person_arm) => {
+                    person_arm.map_err(|error| SetupError::Value(error.to_string()))
+                }
                 None => self.arm_model(kind, DEFAULT_ARM, side),
             },
             ArmSetup::Model(name) => self.arm_model(kind, name, side),
@@ -226,8 +228,8 @@ impl LoadedSetup {
         loaded.check_parts()?;
         loaded.check_ranges()?;
         loaded.setup.check_position_filter()?;
-        for layout in loaded.layouts() {
-            loaded.check_layout(layout)?;
+        for checked in loaded.layouts() {
+            loaded.check_layout(checked)?;
         }
         Ok(loaded)
     }
@@ -394,7 +396,7 @@ impl LoadedSetup {
         arm_source: Option<&SourceUri>,
     ) -> HandEstimator {
         let rest_pose = glove.map(|glove| glove.rest_pose).unwrap_or_default();
-        let settings = |source| self.estimator_settings(source, &rest_pose);
+        let settings = |uri| self.estimator_settings(uri, &rest_pose);
         let fingers = Estimator::new(settings(source));
         let fingers = match glove {
             Some(glove) => fingers.with_channels(&glove.map),
@@ -411,7 +413,7 @@ impl LoadedSetup {
     }
 
     /// Returns the estimator of the first hand, or of its fingers if the arm has a source of its own, with another glove and
-    /// filter than those of the setup.
+    /// filter than the setup names.
     pub(crate) fn finger_estimator(
         &self,
         map: Option<&ChannelMap>,

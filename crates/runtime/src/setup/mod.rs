@@ -373,7 +373,7 @@ impl Setup {
 
     /// Returns the setup with simulated gloves that have a stick and buttons, the first one for a hand of `side`.
     fn with_simulated_inputs(self, side: Side) -> Self {
-        let glove = |side| Some(of_side(DEFAULT_LUCIDGLOVES, side).to_owned());
+        let glove = |worn| Some(of_side(DEFAULT_LUCIDGLOVES, worn).to_owned());
         Self {
             glove: glove(side),
             other_hand: self.other_hand.map(|hand| OtherHand {

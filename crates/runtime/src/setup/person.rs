@@ -6,7 +6,7 @@ use ademan_core::layout::{HandUse, Person};
 use ademan_core::message::escape;
 
 impl Setup {
-    /// Refuses a person whose hands are not those of the gloves and sources.
+    /// Refuses a person whose hands do not match the gloves and sources.
     pub(super) fn check_person(
         &self,
         person: &Person,

@@ -77,8 +77,8 @@ impl Hands {
 }
 
 impl HandReach {
-    /// Returns the targets on boards out of reach, nearest first. The rules are those of [`LoadedSetup::reach_report`]. Takes about
-    /// 0.1 ms for each target.
+    /// Returns the targets on boards out of reach, nearest first. Follows the rules of [`LoadedSetup::reach_report`]. Takes
+    /// about 0.1 ms for each target.
     pub fn on_boards(&self, layout: &Layout) -> Vec<TargetOutOfReach> {
         let found = on_boards_out_of_reach(layout, &layout.scene, &self.0);
         let mut found: Vec<_> = found
@@ -107,7 +107,7 @@ impl LoadedSetup {
 
     /// Returns the report about a layout of the setup, or `None` if its hands reach everything.
     ///
-    /// Tests the finger that the layout names for a target, or those of the person, or else the index finger, and any finger on a
+    /// Tests the finger that the layout names for a target, or the person's fingers, or else the index finger, and any finger on a
     /// board that moves with the wrist, within the range of the sensors of each hand. Boards that are reserved for a hand that the setup
     /// lacks are tested with the mirror image of the other one. Includes both ends of the track of a slider or lever, and the
     /// centers of targets in space that a fingertip selects. Excludes keys of chords, because each has a finger of its own, and
@@ -164,7 +164,7 @@ impl LoadedSetup {
 
     fn reaching_hands(&self) -> Hands {
         let side = self.arm.side();
-        let own = |side| self.typing_hand(side);
+        let own = |own_side| self.typing_hand(own_side);
         match self.other_hand {
             Some(_) => Hands {
                 fingers: self.person.fingers,
@@ -288,7 +288,7 @@ fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, M
             };
             let misses: Option<Vec<Miss>> = hands.own.iter().map(miss).collect();
             let nearest = misses.and_then(|misses| misses.into_iter().reduce(nearer));
-            found.extend(nearest.map(|miss| (name.as_str(), miss)));
+            found.extend(nearest.map(|missed| (name.as_str(), missed)));
         }
     }
     found
@@ -296,8 +296,8 @@ fn spaces_out_of_reach<'a>(layout: &'a Layout, hands: &Hands) -> Vec<(&'a str, M
 
 /// Returns the commands that bring all targets on boards within reach: `recenter`, a `scale`, or both.
 fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
-    let is_reached = |layout: &Layout, scene: &Scene| {
-        on_boards_out_of_reach(layout, scene, hands)
+    let is_reached = |candidate: &Layout, scene: &Scene| {
+        on_boards_out_of_reach(candidate, scene, hands)
             .next()
             .is_none()
     };
@@ -310,12 +310,15 @@ fn remedy(layout: &Layout, hands: &Hands) -> Option<String> {
         Some((factor, layout.with_text(&text).ok()?))
     };
     let candidates: Vec<(f32, Layout)> = SCALES.into_iter().filter_map(scaled).collect();
-    let is_enough = |(_, layout): &&(f32, Layout)| is_reached(layout, &layout.scene);
+    let is_enough =
+        |(_, scaled_layout): &&(f32, Layout)| is_reached(scaled_layout, &scaled_layout.scene);
     if let Some((factor, _)) = candidates.iter().find(is_enough) {
         return Some(format!("`ademan ctl scale {factor}`"));
     }
-    let is_enough = |(_, layout): &&(f32, Layout)| is_reached(layout, &recentered(layout, hands));
-    let (factor, _) = candidates.iter().find(is_enough)?;
+    let is_enough_recentered = |(_, scaled_layout): &&(f32, Layout)| {
+        is_reached(scaled_layout, &recentered(scaled_layout, hands))
+    };
+    let (factor, _) = candidates.iter().find(is_enough_recentered)?;
     Some(format!(
         "`ademan ctl scale {factor}`, then `ademan ctl recenter`"
     ))

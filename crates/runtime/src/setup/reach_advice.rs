@@ -109,7 +109,7 @@ pub(super) fn by_direction<'a>(misses: impl Iterator<Item = &'a Miss>) -> String
 pub(super) fn without_arm(layouts: &[&str]) -> String {
     let names = layouts.iter().take(MAX_LAYOUTS);
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
-    let layouts = if names.is_empty() {
+    let remedy = if names.is_empty() {
         "choose a layout whose keys are below the fingers".to_owned()
     } else {
         format!(
@@ -118,7 +118,7 @@ pub(super) fn without_arm(layouts: &[&str]) -> String {
         )
     };
     format!(
-        "this glove measures no arm, so the hand stays at one place: {layouts}, or add a source for the arm, `arm_source`"
+        "this glove measures no arm, so the hand stays at one place: {remedy}, or add a source for the arm, `arm_source`"
     )
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A recording may come from anybody, so it is data and nothing else. Only the documents that it contains are used: no file
 //! is opened because a recording names it, and none is written. If the events have an effect on other programs, the
-//! permissions are those of the person who replays it.
+//! permissions of the person who replays it apply.
 
 use ron::ser::PrettyConfig;
 
@@ -18,8 +18,8 @@ pub struct ReplaySettings<'a> {
     pub glove: Option<&'a str>,
     /// The layout that replaces the recorded one: a shipped name or a path.
     pub layout: Option<&'a str>,
-    /// The setup whose permissions apply. Without one, those of the recording do, which repeats the recorded session
-    /// exactly; events must have no effect then.
+    /// The setup whose permissions apply. Without one, the permissions of the recording do, which repeats the recorded
+    /// session exactly; events must have no effect then.
     pub permissions: Option<&'a Setup>,
 }
 
@@ -56,7 +56,7 @@ impl LoadedSetup {
                 _ => None,
             };
             match (replacement, document(kind)) {
-                (Some(name), _) => Document::open(name),
+                (Some(other_name), _) => Document::open(other_name),
                 (None, Some(document)) => Ok(document),
                 (None, None) => Document::shipped(name).map_err(|_| not_contained(kind, name)),
             }
@@ -90,9 +90,9 @@ fn not_contained(kind: &str, name: &str) -> DocumentError {
 }
 
 impl Setup {
-    /// Replaces all permissions by those of `own`. Returns the names of the fields that differ.
+    /// Replaces all permissions by the permissions of `own`. Returns the names of the fields that differ.
     ///
-    /// The defaults are those of a source on this machine, whatever source the recording names.
+    /// The defaults are the permissions of a source on this machine, whatever source the recording names.
     fn replace_permissions(&mut self, own: &Self) -> Vec<&'static str> {
         let other = self.other_hand.as_ref();
         let other_roles = other.map_or([None; 2], |hand| [hand.role, hand.arm_role]);
@@ -123,8 +123,8 @@ impl Setup {
         let permissions = own.permissions(None, own.role);
         let role = Some(permissions.role);
         (self.role, self.arm_role) = (role, role);
-        if let Some(other) = &mut self.other_hand {
-            (other.role, other.arm_role) = (role, role);
+        if let Some(other_hand) = &mut self.other_hand {
+            (other_hand.role, other_hand.arm_role) = (role, role);
         }
         self.max_presses_per_second = Some(permissions.rate_limit.per_second);
         self.stall_timeout_ms = own.stall_timeout_ms;

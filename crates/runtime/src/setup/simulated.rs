@@ -298,7 +298,7 @@ mod tests {
             _ => None,
         };
         let readings: Vec<Reading> = std::iter::from_fn(next).take(3 * count).collect();
-        assert!(readings.is_sorted_by(|one, next| one.time < next.time));
+        assert!(readings.is_sorted_by(|one, other| one.time < other.time));
         let samples: Vec<_> = readings.iter().map(|reading| &reading.sample).collect();
         assert_eq!(samples[..count], samples[count..2 * count]);
         assert_eq!(samples[..count], samples[2 * count..]);

@@ -32,7 +32,7 @@ struct OpenedPart<'a> {
 }
 
 impl Setup {
-    /// Gives each source without a role that of its token. Reads the token files, which only the setup of the person who runs
+    /// Gives each source without a role the role of its token. Reads the token files, which only the setup of the person who runs
     /// the program may name.
     pub fn use_token_roles(&mut self) -> Result<(), SetupError> {
         use_token_role(&self.source, &mut self.role)?;
@@ -77,7 +77,7 @@ enum PacketPeriod {
 }
 
 impl LoadedSetup {
-    /// Returns all sources, at most four: the first source, that of its arm, and those of the other hand.
+    /// Returns all sources, at most four: the first source, the source of its arm, and both of the other hand.
     pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
         let setup = &self.setup;
         let named = |uri, role, remedy| NamedSource {
@@ -97,16 +97,16 @@ impl LoadedSetup {
             let source = hand.source.as_ref();
             let remedy = "`role: Both` next to this source in the setup";
             let source = source.map(|uri| named(Some(uri), hand.role, remedy));
-            let arm = hand.arm_source.as_ref();
-            let remedy = "`arm_role: Both` next to this source in the setup";
-            let arm = arm.map(|uri| named(Some(uri), hand.arm_role, remedy));
-            source.into_iter().chain(arm)
+            let other_arm = hand.arm_source.as_ref();
+            let other_arm_remedy = "`arm_role: Both` next to this source in the setup";
+            let other_arm = other_arm.map(|uri| named(Some(uri), hand.arm_role, other_arm_remedy));
+            source.into_iter().chain(other_arm)
         });
         std::iter::once(first).chain(arm).chain(other)
     }
 
-    /// Returns the sources of fingers with the permissions of their hands: the first source, then that of the other hand if
-    /// it has one. A hand may cause only what the source of its arm may cause too.
+    /// Returns the sources of fingers with the permissions of their hands: the first source, then the source of the other
+    /// hand if it has one. A hand may cause only what the source of its arm may cause too.
     pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
         let setup = &self.setup;
         let mut first = setup.permissions(setup.source.as_ref(), setup.role);
@@ -172,7 +172,7 @@ impl LoadedSetup {
         }
     }
 
-    /// Returns the source of the other hand's arm: its own, or that of the first hand if that shows both arms.
+    /// Returns the source of the other hand's arm: its own, or the arm source of the first hand if it shows both arms.
     pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
         let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();
         let first = self.setup.arm_source.as_ref();
@@ -233,7 +233,7 @@ impl LoadedSetup {
             return Ok(());
         };
         let mut channels = first.map.channels();
-        match channels.find(|channel| second.map.channels().any(|other| other == *channel)) {
+        match channels.find(|channel| second.map.channels().any(|it| it == *channel)) {
             None => Ok(()),
             Some(channel) => Err(SetupError::Value(format!(
                 "`other_hand` has no `source`, and both gloves have channel {channel} of the first one, so that one hand would move the \
@@ -267,8 +267,8 @@ impl LoadedSetup {
         ));
         add(first, [Some(first_side), shared], part);
         if let Some(arm) = &setup.arm_source {
-            let shared = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
-            add(arm, [Some(first_side), shared], Some(HandPart::Arm));
+            let both = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
+            add(arm, [Some(first_side), both], Some(HandPart::Arm));
         }
         if let Some(source) = second_source {
             add(
@@ -304,10 +304,10 @@ impl LoadedSetup {
             }
             SourceUri::Typist {
                 text,
-                format: Some(format),
+                format: Some(given),
             } => {
-                let stream = Box::new(self.encoded_typist(text, format, 0.0, 0)?);
-                if format.protocol.has_both_hands {
+                let stream = Box::new(self.encoded_typist(text, given, 0.0, 0)?);
+                if given.protocol.has_both_hands {
                     Box::new(SidedSource::new(stream, sides))
                 } else {
                     stream

@@ -15,7 +15,7 @@ use ademan_core::layout::{BoardShape, Layout, ReachArea, Wearer};
 /// The distance of the area beyond the outermost targets of a board, in metres: inside the panel of the drawing.
 const MARGIN: f32 = 0.004;
 
-/// Half the distance between the elbows of two hands, in metres: that of a person who types. No source measures it.
+/// Half the distance between the elbows of two hands, in metres: as when a person types. No source measures it.
 const HALF_DISTANCE: f32 = 0.2;
 
 /// The largest number of samples along each side of a board.
@@ -28,8 +28,8 @@ const MIN_STEP: f32 = 0.004;
 const BISECTIONS: usize = 4;
 
 impl LoadedSetup {
-    /// Returns the hands at rest with the part of each board that their fingers reach, and the targets out of reach. The fingers are
-    /// those of [`reach_report`](Self::reach_report), and all that the layout names on the board.
+    /// Returns the hands at rest with the part of each board that their fingers reach, and the targets out of reach. It tests the
+    /// fingers of [`reach_report`](Self::reach_report), and all that the layout names on the board.
     ///
     /// A cylinder has no such part, because its targets are not in one plane, and neither has a board whose keys are pressed by
     /// bending.

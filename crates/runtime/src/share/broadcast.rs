@@ -132,8 +132,8 @@ impl Broadcast {
             return true;
         }
         loop {
-            let clients = self.clients.iter().enumerate();
-            let silent = clients
+            let numbered = self.clients.iter().enumerate();
+            let silent = numbered
                 .filter(|(_, client)| !is_server_full || client.server == server)
                 .filter_map(|(index, client)| Some((client.silent_since()?, index)));
             let Some((_, index)) = silent.min() else {

@@ -64,7 +64,7 @@ pub(super) enum LineKind {
 }
 
 impl LineKind {
-    /// Returns whether it is that of clients without requests.
+    /// Returns whether clients without requests receive it.
     pub const fn is_plain(self) -> bool {
         !matches!(self, Self::Object(_))
     }

@@ -117,7 +117,7 @@ impl LineEncoder {
         })
     }
 
-    /// Returns the number of the active layout, which is that of no other one.
+    /// Returns the number of the active layout. No other layout has the same number.
     pub fn layout_number(&self) -> u64 {
         self.layouts
     }
@@ -143,7 +143,7 @@ impl LineEncoder {
         }
     }
 
-    /// Writes a text line, which is that of the first hand.
+    /// Writes a text line, which shows the first hand.
     fn write_text_line(
         &mut self,
         angles: &JointAngles,

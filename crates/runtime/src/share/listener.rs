@@ -78,8 +78,8 @@ pub(super) fn listen(
 ) -> Result<AcceptThread, ShareError> {
     let listen_error = |error| ShareError::Listen { address, error };
     let listener = TcpListener::bind(address).map_err(listen_error)?;
-    let address = listener.local_addr().map_err(listen_error)?;
-    AcceptThread::start("share-accept", listener, address, move |stream, client| {
+    let bound = listener.local_addr().map_err(listen_error)?;
+    AcceptThread::start("share-accept", listener, bound, move |stream, client| {
         if let Some(keeper) = &keeper {
             admit(keeper, stream, client.ip(), server, &connections);
         } else if let Ok(stream) = open(stream)
@@ -119,8 +119,11 @@ fn admit(
         let name = &admitted.token.name;
         tracing::info!("a client at {client} has connected with the token {name}");
         if admitted.stream.set_nonblocking(true).is_ok() {
-            let stream = admitted.stream;
-            let _ = connections.send(Connection { server, stream });
+            let admitted_stream = admitted.stream;
+            let _ = connections.send(Connection {
+                server,
+                stream: admitted_stream,
+            });
         }
     });
 }

@@ -20,7 +20,7 @@ const READ_TIMEOUT: Duration = Duration::from_secs(1);
 /// Chunks of one write.
 const CHUNKS_PER_WRITE: usize = 128;
 
-/// Lines that are written together. The bytes are those of all clients.
+/// Lines that are written together. All clients share the bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Chunk {
     /// The lines with their ends.
@@ -88,9 +88,9 @@ impl Outbox {
         while (self.bytes > MAX_BYTES || self.chunks.len() > MAX_CHUNKS)
             && self.chunks.len() > first + 1
         {
-            if let Some(chunk) = self.chunks.remove(first) {
-                self.bytes -= chunk.bytes.len();
-                self.dropped += chunk.lines;
+            if let Some(oldest) = self.chunks.remove(first) {
+                self.bytes -= oldest.bytes.len();
+                self.dropped += oldest.lines;
             }
         }
     }
@@ -162,9 +162,16 @@ mod tests {
         assert!(outbox.flush(&mut stream).is_ok());
         assert!(outbox.is_empty());
         let received = String::from_utf8(stream.take_received()).unwrap();
-        let first: String = received.lines().map(|line| &line[..1]).collect();
+        let first: String = received
+            .lines()
+            .map(|received_line| &received_line[..1])
+            .collect();
         assert_eq!(first, "067");
-        assert!(received.lines().all(|line| line.len() == MAX_BYTES / 4));
+        assert!(
+            received
+                .lines()
+                .all(|received_line| received_line.len() == MAX_BYTES / 4)
+        );
     }
 
     #[test]

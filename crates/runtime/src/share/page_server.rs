@@ -32,11 +32,11 @@ impl PageServer {
             return Err(listen_error(ErrorKind::AddrNotAvailable.into()));
         }
         let listener = TcpListener::bind(address).map_err(listen_error)?;
-        let address = listener.local_addr().map_err(listen_error)?;
+        let bound = listener.local_addr().map_err(listen_error)?;
         let pages = Pages::Folder(Arc::new(folder));
         let clients = Arc::new(AtomicUsize::new(0));
-        let thread = AcceptThread::start("page", listener, address, move |stream, _| {
-            serve(stream, address, &pages, &clients);
+        let thread = AcceptThread::start("page", listener, bound, move |stream, _| {
+            serve(stream, bound, &pages, &clients);
             ControlFlow::Continue(())
         })?;
         Ok(Self(thread))

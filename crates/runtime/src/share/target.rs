@@ -108,7 +108,7 @@ fn parse(text: &str) -> Result<ShareTarget, String> {
     };
     let (format, link) = match form.split_once('+') {
         Some((format, link)) => (format, Some(link)),
-        // A key of zenoh is that of one hand, and the text line is the form that a source reads.
+        // A key of zenoh carries one hand, and the text line is the form that a source reads.
         None if form == "zenoh" => (ShareFormat::TextLine.name(), Some(form)),
         None => (form, None),
     };
@@ -145,7 +145,7 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
     }
     if format.is_datagram() && address.port() == 0 {
         return Err(format!(
-            "`{format}` is sent to a port; write that of the receiver"
+            "`{format}` is sent to a port; write the port of the receiver"
         ));
     }
     Ok(ShareTarget {
@@ -249,8 +249,8 @@ mod tests {
         }
         let mapped: ShareTarget = "web:[::ffff:127.0.0.1]:1".parse().unwrap();
         assert_eq!(mapped.to_string(), "web:127.0.0.1:1");
-        let mapped = error("pose:[::ffff:192.0.2.2]:1");
-        assert!(mapped.contains("ssh -L"), "{mapped}");
+        let refused = error("pose:[::ffff:192.0.2.2]:1");
+        assert!(refused.contains("ssh -L"), "{refused}");
         for datagrams in ["vmc:192.168.1.2:1", "opentrack+tls:192.0.2.2:1"] {
             let error = error(datagrams);
             assert!(error.contains("text-line+tls"), "{error}");
@@ -265,6 +265,6 @@ mod tests {
         assert!(error("zenoh:lab?router=192.0.2.2:7447").contains("with TLS"));
         let short: ShareTarget = "zenoh:lab/right".parse().unwrap();
         assert_eq!(short.to_string(), "text-line+zenoh:lab/right");
-        assert!(error("vmc:127.0.0.1:0").contains("that of the receiver"));
+        assert!(error("vmc:127.0.0.1:0").contains("the port of the receiver"));
     }
 }

@@ -56,12 +56,12 @@ impl SimulatedStream {
             packet_period: period,
             count_packets: &|| typist.count_packets(),
         };
-        let stream = |side: Option<Side>, format: StreamFormat| {
+        let stream = |side: Option<Side>, own_format: StreamFormat| {
             Ok(Stream {
                 side,
-                encoder: format.encoder(&plan)?,
-                decoder: format.decoder(),
-                is_datagram: format.protocol.carriers == Carriers::Datagrams,
+                encoder: own_format.encoder(&plan)?,
+                decoder: own_format.decoder(),
+                is_datagram: own_format.protocol.carriers == Carriers::Datagrams,
                 period,
                 packets: 0,
                 bytes: Vec::new(),

@@ -9,7 +9,7 @@ use ademan_core::pipeline::PipelineState;
 use ademan_core::snapshot::{Snapshot, Stats};
 
 named_enum! {
-    /// A click, named as the sound server keeps it. Of those of one step, the first in this order is heard.
+    /// A click, named as the sound server keeps it. Of the clicks of one step, the first in this order is heard.
     pub enum Click ("click") {
         /// A key or a switch was pressed.
         Key = "key",

@@ -164,7 +164,7 @@ impl PlayerEnd {
                 Ok(it)
             });
             match played {
-                Ok(connected) => server = Some(connected),
+                Ok(playing) => server = Some(playing),
                 Err(error) => self.report(error),
             }
         }

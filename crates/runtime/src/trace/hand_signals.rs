@@ -16,7 +16,7 @@ use ademan_core::snapshot::Snapshot;
 /// A second pipeline without filters gets the same readings.
 pub struct HandSignals {
     unfiltered: Pipeline,
-    /// By side.
+    /// The signals of each hand, by side.
     hands: [HandSignal; Side::COUNT],
 }
 

@@ -126,7 +126,7 @@ pub fn pose_json<'a>(pose: &HandPose, buffer: &'a mut Vec<u8>) -> &'a [u8] {
     buffer
 }
 
-/// Returns one object of [`Stage::Events`] without a line end. `names` are those of the targets; `buffer` is overwritten.
+/// Returns one object of [`Stage::Events`] without a line end. `names` has the names of the targets; `buffer` is overwritten.
 pub fn event_json<'a>(
     event: &OutputEvent,
     names: &TargetNames,
@@ -365,8 +365,8 @@ mod tests {
             ],
             &[r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#],
         ];
-        for (stage, expected) in Stage::ALL.iter().zip(expected) {
-            assert_eq!(lines(*stage, &snapshot()), expected, "{stage}");
+        for (stage, wanted) in Stage::ALL.iter().zip(expected) {
+            assert_eq!(lines(*stage, &snapshot()), wanted, "{stage}");
         }
     }
 

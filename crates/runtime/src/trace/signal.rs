@@ -2,8 +2,8 @@
 //!
 //! - **Jitter**: the root mean square of the deviation from the mean of each window of [`WINDOW`], over the quietest fifth of
 //!   the windows. A slow movement within a window counts as jitter.
-//! - **Lag**: the shift at which the speeds of the filtered values correlate best with those of the raw ones, with a parabola
-//!   through the best shift and its neighbours. It needs movement and evenly spaced readings. It is that of the filters alone:
+//! - **Lag**: the shift at which the speeds of the filtered values correlate best with the speeds of the raw ones, with a
+//!   parabola through the best shift and its neighbours. It needs movement and evenly spaced readings. Only the filters cause it:
 //!   the delay of the sensor is not in the readings.
 
 use std::collections::VecDeque;
@@ -75,8 +75,10 @@ impl SignalStats {
             self.restart_window(time, raw.len());
         }
         self.window_readings += 1;
-        for (sums, (&raw, &filtered)) in self.sums.iter_mut().zip(raw.iter().zip(filtered)) {
-            for (sum, value) in sums.iter_mut().zip([raw, filtered]) {
+        for (sums, (&raw_value, &filtered_value)) in
+            self.sums.iter_mut().zip(raw.iter().zip(filtered))
+        {
+            for (sum, value) in sums.iter_mut().zip([raw_value, filtered_value]) {
                 sum[0] += value;
                 sum[1] += value * value;
             }
@@ -98,8 +100,8 @@ impl SignalStats {
         let count = f64::from(self.window_readings);
         let mut variance = [0.0; 2];
         for sums in &self.sums {
-            for (variance, [sum, squares]) in variance.iter_mut().zip(sums) {
-                *variance += (squares / count - (sum / count).powi(2)).max(0.0);
+            for (part, [sum, squares]) in variance.iter_mut().zip(sums) {
+                *part += (squares / count - (sum / count).powi(2)).max(0.0);
             }
         }
         let values = self.sums.len().max(1) as f64;
@@ -117,11 +119,9 @@ impl SignalStats {
             return;
         }
         let seconds = gap.as_secs_f64();
-        let speeds = |now: &[f64], before: &[f64]| -> Vec<f64> {
-            let pairs = now.iter().zip(before);
-            pairs
-                .map(|(now, before)| (now - before) / seconds)
-                .collect()
+        let speeds = |now: &[f64], earlier: &[f64]| -> Vec<f64> {
+            let pairs = now.iter().zip(earlier);
+            pairs.map(|(new, old)| (new - old) / seconds).collect()
         };
         self.raw_speeds.push_front(speeds(raw, last_raw));
         self.raw_speeds.truncate(MAX_SHIFT);
@@ -131,9 +131,9 @@ impl SignalStats {
         let Some(filtered) = self.filtered_speed.replace(speeds(filtered, last_filtered)) else {
             return;
         };
-        for (shift, raw) in self.raw_speeds.iter().enumerate() {
-            self.products[shift] += dot(&filtered, raw);
-            self.squares[shift] += dot(raw, raw);
+        for (shift, earlier_raw) in self.raw_speeds.iter().enumerate() {
+            self.products[shift] += dot(&filtered, earlier_raw);
+            self.squares[shift] += dot(earlier_raw, earlier_raw);
         }
         self.elapsed += gap;
         self.differences += 1;

@@ -110,9 +110,9 @@ impl StudioApp {
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
         let setup = self.sensors.setup();
-        if let Some(path) = setup.layout_path(&setup.layout) {
-            let path = PathBuf::from(path);
-            self.panels.settings().recent_layouts.push(&path);
+        if let Some(layout_path) = setup.layout_path(&setup.layout) {
+            let layout_path = PathBuf::from(layout_path);
+            self.panels.settings().recent_layouts.push(&layout_path);
         }
         self
     }
@@ -243,7 +243,7 @@ impl StudioApp {
             moves.into_iter().for_each(|change| player.apply(change));
         }
         match watch {
-            Some(WatchChange::Start(watched)) => self.watching = Some(Watching::new(*watched)),
+            Some(WatchChange::Start(started)) => self.watching = Some(Watching::new(*started)),
             Some(WatchChange::End) => self.watching = None,
             None => {}
         }
@@ -311,7 +311,7 @@ impl StudioApp {
         let Some(sound) = &mut self.sound else {
             return;
         };
-        let message = |sound: &Sound| sound.error().map(ToString::to_string);
+        let message = |checked: &Sound| checked.error().map(ToString::to_string);
         let before = message(sound);
         sound.apply(self.panels.settings().sound);
         let now = message(sound);

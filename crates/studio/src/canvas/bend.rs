@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec2;
 
-/// Range of the radius, in millimetres: that of the file format.
+/// Range of the radius, in millimetres: the range of the file format.
 pub const RADII: (f32, f32) = (20.0, 2000.0);
 
 /// The largest angle to each side that is drawn, in radians: three quarters of a turn in all.

@@ -45,7 +45,7 @@ impl BoardItems {
             let can_turn = matches!(control.kind.handle(), Handle::Line { .. });
             control.faces.iter().map(move |face| (face, can_turn))
         });
-        let controls = faces.map(|(face, can_turn)| {
+        let placed = faces.map(|(face, can_turn)| {
             let marks = layout.front_marks(face.target, None);
             let item = Item {
                 marks: marks.unwrap_or_default(),
@@ -53,7 +53,7 @@ impl BoardItems {
             };
             (face.target, item)
         });
-        let (targets, items) = keys.chain(controls).unzip();
+        let (targets, items) = keys.chain(placed).unzip();
         // The radius of a board does not scale with what is on it.
         let radius = match board.shape {
             BoardShape::Flat => None,

@@ -92,7 +92,7 @@ pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &Scene
             *own = shape;
         }
     }
-    // What is dragged is above everything, and what is selected above the rest.
+    // Dragged items are above everything, and selected ones above the rest.
     let is_dragged = |index: usize| scene.preview.shapes.iter().any(|(own, _)| *own == index);
     let mut order: Vec<usize> = (0..shapes.len()).collect();
     order.sort_by_key(|&index| (scene.selected.contains(index), is_dragged(index)));
@@ -370,7 +370,7 @@ impl Pen<'_> {
     }
 }
 
-/// Returns half the width of the row that shows the bend: that of the items, and at least 60 mm.
+/// Returns half the width of the row that shows the bend: half the width of the items, and at least 60 mm.
 pub fn bend_half_width(items: &[Item]) -> f32 {
     let bounds = Bounds::around(items.iter().map(|item| &item.shape));
     let reach = bounds.map_or(0.0, |bounds| bounds.max.x.abs().max(bounds.min.x.abs()));

@@ -11,7 +11,7 @@ const TURN_DISTANCE: f32 = 22.0;
 /// Distance from the middle of a handle at which it is hit, in points.
 const HIT_RADIUS: f32 = 8.0;
 
-/// Smallest and largest size of an item, in millimetres: those of the file format.
+/// Smallest and largest size of an item, in millimetres: the limits of the file format.
 const SIZES: (f32, f32) = (1.0, 500.0);
 
 /// Angle at which an item that is turned snaps, in degrees.

@@ -1,7 +1,7 @@
 //! The flat picture of a board on which a layout is edited: positions as written in the file, without a window.
 //!
 //! Lengths are in millimetres in row coordinates, +X along a row to the right and +Y away from the wearer, so that arcs and
-//! cylinders are unrolled. An [`Item`] is a key or a control; indices are those of the list of items of one board.
+//! cylinders are unrolled. An [`Item`] is a key or a control; indices are positions in the list of items of one board.
 
 pub mod bend;
 pub mod board;

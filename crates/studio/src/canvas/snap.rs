@@ -112,13 +112,13 @@ fn attraction(
     let own = lines(target);
     let mut best: Option<(f32, f32, Bounds)> = None;
     for &other in near {
-        for (own_kind, own) in own.into_iter().enumerate() {
+        for (own_kind, own_line) in own.into_iter().enumerate() {
             for (kind, line) in lines(other).into_iter().enumerate() {
                 // A center on an edge is chance, not alignment.
                 if (own_kind == 1) != (kind == 1) {
                     continue;
                 }
-                let shift = line - own;
+                let shift = line - own_line;
                 let is_nearer = best.is_none_or(|(shortest, ..)| shift.abs() < shortest.abs());
                 if shift.abs() <= reach_mm && is_nearer {
                     best = Some((shift, line, other));

@@ -47,8 +47,8 @@ fn an_overlap_is_shown_and_moved_apart() {
     let by_mm = [0.0; 2];
     editor.apply(&Edit::Duplicate { parts, by_mm }).unwrap();
     assert_eq!(editor.layout().unwrap().keys.len(), 4);
-    let parts = editor.selection().to_vec();
-    editor.apply(&Edit::Delete { parts }).unwrap();
+    let copies = editor.selection().to_vec();
+    editor.apply(&Edit::Delete { parts: copies }).unwrap();
     move_by(&mut editor, key(1), 20.0);
     assert_eq!(editor.problems(), []);
     assert!(editor.is_valid());
@@ -167,9 +167,9 @@ fn controls_are_pasted_as_text_under_free_names() {
     };
     source.select([row_key, slider]);
     let text = source.copied().unwrap();
-    let paste = |text: &str, y: f64| Edit::Paste {
+    let paste = |copy: &str, y: f64| Edit::Paste {
         board: 0,
-        text: text.to_owned(),
+        text: copy.to_owned(),
         by_mm: [0.0, y],
     };
     let mut other = editor("keys: [(code: \"C\", at_mm: (0, 0))]");
@@ -185,14 +185,14 @@ fn controls_are_pasted_as_text_under_free_names() {
     assert_eq!(names, ["C", "B", "fade"]);
     assert_eq!(other.selection().len(), 2);
     other.apply(&paste(&text, 120.0)).unwrap();
-    let names: Vec<String> = other
+    let all_names: Vec<String> = other
         .layout()
         .unwrap()
         .target_names()
         .iter()
         .map(str::to_owned)
         .collect();
-    assert_eq!(names, ["C", "B", "B 2", "fade", "fade 2"]);
+    assert_eq!(all_names, ["C", "B", "B 2", "fade", "fade 2"]);
     for nonsense in ["", "hello", "(", "(keys: [])", "[1, 2]"] {
         assert!(other.apply(&paste(nonsense, 0.0)).is_err(), "{nonsense}");
     }

@@ -14,7 +14,7 @@ use ademan_runtime::files::{self, FileError, OpenDocument};
 pub(super) struct EditedFile {
     name: String,
     path: Option<PathBuf>,
-    /// The text of the file, or that of the layout that an unsaved copy was made of.
+    /// The text of the file, or of the layout that an unsaved copy was made of.
     saved: String,
     stamp: Option<Stamp>,
     conflict: Option<Conflict>,
@@ -171,7 +171,7 @@ fn stamp(path: &Path) -> Option<Stamp> {
 }
 
 impl LayoutEditor {
-    /// Returns `true` if the text differs from that which was opened or saved last.
+    /// Returns `true` if the text differs from the text that was opened or saved last.
     pub fn is_modified(&self) -> bool {
         self.text != self.file.saved_text()
     }
@@ -253,7 +253,7 @@ impl LayoutEditor {
         let Some(path) = self.file.path.clone() else {
             return Err(SaveError::NoFile);
         };
-        // Some file systems count seconds: the stamp may be that of the last save.
+        // Some file systems count seconds: the stamp may equal the stamp of the last save.
         self.file.stamp = None;
         match self.poll() {
             Some(Change::Conflict) => return Err(SaveError::Conflict(self.file.name.clone())),
@@ -308,7 +308,7 @@ impl LayoutEditor {
     }
 }
 
-/// Replaces the words of the system for a full disk by those of a person.
+/// Replaces the words of the system for a full disk by plain ones.
 fn explain(error: FileError) -> FileError {
     match error {
         FileError::Io(error) if error.kind() == io::ErrorKind::StorageFull => {

@@ -240,22 +240,22 @@ fn unsaved_work_is_offered_at_the_next_start_and_gone_after_a_save() {
     move_key(&mut editor, 0, 5.0);
     let text = editor.text().to_owned();
     drop(editor);
-    let (mut editor, work) = reopen(&path, &recovery);
+    let (mut reopened, work) = reopen(&path, &recovery);
     let work = work.unwrap();
     let name = path.to_str().unwrap().to_owned();
     assert_eq!((&work.name, &work.text), (&name, &text));
-    editor.restore(&work);
-    assert_eq!(editor.text(), text);
-    editor.save().unwrap();
-    drop(editor);
-    let (editor, work) = reopen(&path, &recovery);
-    assert_eq!(work, None);
-    drop(editor);
+    reopened.restore(&work);
+    assert_eq!(reopened.text(), text);
+    reopened.save().unwrap();
+    drop(reopened);
+    let (last, left_work) = reopen(&path, &recovery);
+    assert_eq!(left_work, None);
+    drop(last);
     let left = fs::read_dir(&recovery).unwrap().flatten();
     let left: Vec<_> = left.map(|entry| entry.path()).collect();
     assert!(
         left.iter()
-            .all(|path| path.extension().is_some_and(|it| it == "lock")),
+            .all(|rest| rest.extension().is_some_and(|it| it == "lock")),
         "{left:?}"
     );
 }

@@ -73,7 +73,7 @@ pub struct LayoutEditor {
     layout: Option<Arc<Layout>>,
     /// The targets of `layout` in its text.
     layout_targets: Vec<Part>,
-    /// `layout` is that of the present text.
+    /// `layout` was read from the present text.
     is_read: bool,
     problems: Vec<Problem>,
     /// The parts with an error.
@@ -153,7 +153,7 @@ impl LayoutEditor {
         self.layout.as_ref()
     }
 
-    /// Returns `true` if [`layout`](Self::layout) is that of the present text.
+    /// Returns `true` if [`layout`](Self::layout) was read from the present text.
     pub fn is_read(&self) -> bool {
         self.is_read
     }
@@ -223,9 +223,9 @@ impl LayoutEditor {
         editing::places(&self.text, missing)
     }
 
-    /// Returns the targets of a part: one, those of a row, board or radio group, or none.
+    /// Returns the targets of a part: one, all of a row, board or radio group, or none.
     pub fn targets_of(&self, part: Part) -> Vec<TargetId> {
-        let ancestors = |own: Part| std::iter::successors(Some(own), |part| part.parent());
+        let ancestors = |own: Part| std::iter::successors(Some(own), |child| child.parent());
         let targets = self.layout_targets.iter().enumerate();
         targets
             .filter(|(_, own)| ancestors(**own).any(|own| own == part))
@@ -233,13 +233,13 @@ impl LayoutEditor {
             .collect()
     }
 
-    /// Returns the part at a byte of the text, such as that of the cursor.
+    /// Returns the part at a byte of the text, such as the byte at the cursor.
     pub fn part_at(&self, offset: usize) -> Option<Part> {
         let tree = self.tree.as_ref()?;
         Some(editing::part_at(&self.text, tree, offset))
     }
 
-    /// Returns the bytes of a part in the text. Those of a key of a row are the row.
+    /// Returns the bytes of a part in the text. A key of a row has the bytes of the row.
     pub fn range_of(&self, part: Part) -> Option<std::ops::Range<usize>> {
         Some(self.node(part)?.range.clone())
     }

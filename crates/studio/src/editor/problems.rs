@@ -38,7 +38,7 @@ pub(super) fn of_error(error: &DocumentError, text: &str, tree: Option<&Node>) -
     faults.map(|fault| of_fault(fault, text, tree)).collect()
 }
 
-/// Returns the faults of a layout, and a warning for each pair of boards in one place. `parts` are those of its targets.
+/// Returns the faults of a layout, and a warning for each pair of boards in one place. `parts` has the part of each target.
 pub(super) fn of_draft(
     draft: &LayoutDraft,
     parts: &[Part],

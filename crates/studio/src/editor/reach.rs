@@ -57,7 +57,7 @@ impl ReachCheck {
                 }
                 Ok(_) => {}
             }
-            self.checked = self.job.take().map(|(checked, _)| checked);
+            self.checked = self.job.take().map(|(layout_checked, _)| layout_checked);
         }
         let is_checked = |checked: &Arc<Layout>| Arc::ptr_eq(checked, layout);
         if !self.checked.as_ref().is_some_and(is_checked) {
@@ -80,14 +80,14 @@ impl ReachCheck {
 
 fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Problem> {
     let names = layout.target_names();
-    let warning = |found: &TargetOutOfReach| {
-        let (target, metres) = (found.target, found.metres());
+    let warning = |target_found: &TargetOutOfReach| {
+        let (target, metres) = (target_found.target, target_found.metres());
         let name = names.get(target);
         let message = if metres.is_finite() {
             format!(
                 "`{name}` is {:.0} mm out of reach of the hand; move it or its board {}",
                 metres * 1e3,
-                found.step()
+                target_found.step()
             )
         } else {
             format!("`{name}` is out of reach: its board has no position without a second hand")

@@ -153,13 +153,15 @@ fn run(jobs: &Receiver<Job>, path: &Path, error: &Mutex<Option<String>>) {
         let outcome = match job {
             Job::Write(text) => files::replace_private_text(path, &text),
             Job::Remove => match fs::remove_file(path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
+                Err(failure) if failure.kind() != std::io::ErrorKind::NotFound => {
+                    Err(failure.into())
+                }
                 _ => Ok(()),
             },
         };
-        let message = outcome.err().map(|error| {
+        let message = outcome.err().map(|failure| {
             format!(
-                "unsaved work is not kept: {error}; save the layout soon: {}",
+                "unsaved work is not kept: {failure}; save the layout soon: {}",
                 escape_path(path)
             )
         });

@@ -321,14 +321,13 @@ fn deleted_keys_leave_no_mention() {
     assert!(editor.is_valid(), "{:?}", editor.problems());
     assert!(!editor.text().contains("\"T I\""));
     assert!(editor.text().contains("// Chords of bent fingers"));
-    let mut editor = shipped("qwerty-two-arc");
-    editor
-        .apply(&Edit::Delete {
-            parts: vec![in_row(2)],
-        })
-        .unwrap();
-    assert!(editor.is_valid(), "{:?}", editor.problems());
-    assert!(!editor.text().contains("\"E\": "));
+    let mut arc = shipped("qwerty-two-arc");
+    arc.apply(&Edit::Delete {
+        parts: vec![in_row(2)],
+    })
+    .unwrap();
+    assert!(arc.is_valid(), "{:?}", arc.problems());
+    assert!(!arc.text().contains("\"E\": "));
 }
 
 #[test]
@@ -438,8 +437,8 @@ fn all_errors_are_problems_with_the_part_at_their_position() {
         })
         .unwrap();
     let problems = editor.problems();
-    let parts: Vec<_> = problems.iter().map(|problem| problem.part).collect();
-    assert_eq!(parts, [Some(in_row(1)), Some(key(0))]);
+    let faulty: Vec<_> = problems.iter().map(|problem| problem.part).collect();
+    assert_eq!(faulty, [Some(in_row(1)), Some(key(0))]);
     assert_eq!(&editor.text()[problems[0].range.clone()], "Bx");
 }
 
@@ -475,11 +474,11 @@ fn a_field_of_a_form_exists_in_the_format() {
                 if !seen.insert((part.kind_name(), spec.name)) {
                     continue;
                 }
-                let parts = vec![part];
+                let changed = vec![part];
                 let field = spec.name.to_owned();
                 let value = Some("Nothing".to_owned());
                 let set = Edit::SetField {
-                    parts,
+                    parts: changed,
                     field,
                     value,
                 };

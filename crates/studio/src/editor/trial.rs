@@ -22,7 +22,7 @@ pub struct EditorTrial {
 }
 
 impl EditorTrial {
-    /// Creates the trial in place of the layout that the session has, which may be another one than that of the editor.
+    /// Creates the trial in place of the layout that the session has, which may differ from the editor's.
     pub fn new(used: &Layout, is_on: bool) -> Self {
         Self {
             file: used.file.clone(),

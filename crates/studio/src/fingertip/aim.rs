@@ -276,11 +276,11 @@ mod tests {
         );
         // Beyond the ends of the fader.
         let (to, end) = scene.place(fader, Vec3::new(0.06, 0.0, 0.0));
-        let (_, pointed) = single(&scene.follow(scene.mouse(to, false, true)));
-        assert!(pointed.is_down && scene.aim.has_button());
-        assert!(pointed.point.distance(end) < 1e-4 && end.distance(start) > 0.05);
-        let (_, pointed) = single(&scene.follow(scene.mouse(to, false, false)));
-        assert!(!pointed.is_down && !scene.aim.has_button());
+        let (_, dragged) = single(&scene.follow(scene.mouse(to, false, true)));
+        assert!(dragged.is_down && scene.aim.has_button());
+        assert!(dragged.point.distance(end) < 1e-4 && end.distance(start) > 0.05);
+        let (_, lifted) = single(&scene.follow(scene.mouse(to, false, false)));
+        assert!(!lifted.is_down && !scene.aim.has_button());
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub use self::search::{Port, Search};
 /// A page. Each has a proposal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Page {
-    /// What was found: the sources.
+    /// The sources that were found.
     #[default]
     Source,
     /// The hand that is measured.
@@ -97,7 +97,7 @@ impl FirstStart {
         }
     }
 
-    /// Receives what the search has found meanwhile. Does not wait.
+    /// Receives what the search has found since the last call. Does not wait.
     pub fn update(&mut self) {
         self.search.update();
     }
@@ -266,9 +266,9 @@ mod tests {
         assert!(answers.is_kept && answers.is_calibrated);
         *first.is_kept() = false;
         first.choose_layout("numpad");
-        let answers = first.answers().unwrap();
-        assert!(!answers.is_kept);
-        assert_eq!(answers.setup.layout, "numpad");
+        let changed = first.answers().unwrap();
+        assert!(!changed.is_kept);
+        assert_eq!(changed.setup.layout, "numpad");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use ademan_runtime::capture::recognition::{self, Recognition, port_names, recogn
 pub struct Port {
     /// Its path or name.
     pub name: String,
-    /// What it sends, or the reason why it cannot be listened to.
+    /// The source that it looks like, or the reason why it cannot be listened to.
     pub heard: Option<Result<Recognition, String>>,
 }
 
@@ -40,8 +40,11 @@ impl Search {
                 // Nobody waits for it once the window is closed.
                 let _ = sender.send((index, recognize(&port)));
             });
-            let heard = listened.err().map(|error| Err(error.to_string()));
-            Port { name, heard }
+            let refusal = listened.err().map(|error| Err(error.to_string()));
+            Port {
+                name,
+                heard: refusal,
+            }
         };
         Self {
             ports: ports.into_iter().enumerate().map(start).collect(),
@@ -50,7 +53,7 @@ impl Search {
         }
     }
 
-    /// Receives what was heard meanwhile. Does not wait.
+    /// Receives what was heard since the last call. Does not wait.
     pub fn update(&mut self) {
         for (index, heard) in self.heard.try_iter() {
             self.ports[index].heard = Some(heard);

@@ -21,7 +21,7 @@ use ademan_runtime::priority;
 /// The layout and the people that are scored.
 #[derive(Clone, Debug)]
 pub struct LabRequest {
-    /// Who types what.
+    /// The people, and the texts that they type.
     pub settings: LabSettings,
     /// The layout of the editor.
     pub layout: Document,

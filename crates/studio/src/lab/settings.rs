@@ -73,7 +73,7 @@ impl LabDecoder {
     }
 }
 
-/// Who types what, and how it is measured.
+/// The people, the texts that they type, and the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabSettings {
     /// Number of people of the general population, 1 to 1000.

@@ -164,11 +164,11 @@ fn setup(
     // Lengths in millimetres are rounded; the boards fit exactly the arms of the lab.
     let fit = Fit::new(&arms[0], arms.get(1)).map_err(|error| error.to_string())?;
     loaded.layout = Layout::for_hands(layout.clone(), fit).map_err(|error| error.to_string())?;
-    for arm in arms {
-        let is_left = arm.side() == Side::Left;
+    for own in arms {
+        let is_left = own.side() == Side::Left;
         match &mut loaded.other_hand {
-            Some(other) if is_left => other.arm = arm.clone(),
-            _ => loaded.arm = arm.clone(),
+            Some(other) if is_left => other.arm = own.clone(),
+            _ => loaded.arm = own.clone(),
         }
     }
     if settings.source != SourceKind::Glove {
@@ -221,9 +221,9 @@ mod tests {
     /// Watches a person of a run, and returns the person and the text that the pipeline of the player has typed.
     fn played(request: LabRequest, index: usize) -> (WatchedPerson, String) {
         let outcome = finish(&LabRun::start(request)).expect("a result");
-        let (request, people, score) = outcome.to_watch(index).expect("a person");
+        let (watched_request, people, score) = outcome.to_watch(index).expect("a person");
         let (watched, recording) =
-            watch(&request, &people, (index, &score)).expect("a person types");
+            watch(&watched_request, &people, (index, &score)).expect("a person types");
         let mut model = recording.first_model();
         let mut player = Player::open(recording).expect("a thread");
         let deadline = Instant::now() + Duration::from_secs(60);

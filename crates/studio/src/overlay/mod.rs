@@ -56,7 +56,7 @@ pub struct OverlayBoards {
 struct PlacedBoard {
     items: BoardItems,
     bounds: Bounds,
-    /// Distance of its left edge from that of the first board, in millimetres.
+    /// Distance of its left edge from the left edge of the first board, in millimetres.
     left_mm: f32,
 }
 
@@ -85,7 +85,7 @@ impl OverlayBoards {
         }
     }
 
-    /// Returns whether the boards are those of this layout.
+    /// Returns whether the boards belong to this layout.
     pub fn are_of(&self, layout: &Arc<Layout>) -> bool {
         Arc::ptr_eq(&self.layout, layout)
     }

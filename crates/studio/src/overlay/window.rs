@@ -23,7 +23,7 @@ use ademan_core::snapshot::Snapshot;
 use ademan_runtime::session::SessionHandle;
 use ademan_runtime::session::view::{View, Viewer};
 
-/// Time between two pictures: that of two views.
+/// Time between two pictures, equal to the time between two views.
 const PICTURE_PERIOD: Duration = Duration::from_millis(33);
 
 /// Distance to the lower edge of the screen before the overlay was placed, in points.
@@ -260,7 +260,7 @@ impl Overlay {
 /// Width of a character of the text so far, in points, with some room.
 const TYPED_WIDTH: f32 = 8.2;
 
-/// Returns the size of the window: that of the boards, and the strips above and below them with their words.
+/// Returns the size of the window: the boards, and the strips above and below them with their words.
 fn window_size(boards: &OverlayBoards, ability: Ability, is_being_placed: bool) -> Vec2 {
     let size = boards.size(ability != Ability::Transparent);
     let words = if is_being_placed { 680.0 } else { 320.0 };

@@ -35,10 +35,10 @@ fn show_sliders(ui: &mut egui::Ui, hand: &mut HandSettings) {
     let slider = egui::Slider::new(&mut hand.speed, slowest..=fastest).suffix(" ×");
     ui.add(slider.logarithmic(true)).labelled_by(name.id);
     let (least, most) = HAND_NOISES;
-    let name = ui.label(text("hand-noise"));
-    let slider = egui::Slider::new(&mut hand.noise, least..=most).fixed_decimals(1);
-    let slider = ui.add(slider).labelled_by(name.id);
-    slider.on_hover_text(text("hand-noise-hint"));
+    let noise_name = ui.label(text("hand-noise"));
+    let noise_slider = egui::Slider::new(&mut hand.noise, least..=most).fixed_decimals(1);
+    let noise_slider = ui.add(noise_slider).labelled_by(noise_name.id);
+    noise_slider.on_hover_text(text("hand-noise-hint"));
 }
 
 fn show_people(ui: &mut egui::Ui, hand: &mut HandSettings) {

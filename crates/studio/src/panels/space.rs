@@ -57,7 +57,7 @@ const KEYS: [(Modifiers, Key, CameraStep); 11] = [
     (Modifiers::NONE, Key::Minus, CameraStep::Zoom(-1.0)),
 ];
 
-/// Draws the 3D view. `has_focus` is that of its panel.
+/// Draws the 3D view. `has_focus` tells whether its panel has the focus.
 pub(super) fn show(
     ui: &mut egui::Ui,
     state: &mut PanelState,
@@ -67,11 +67,11 @@ pub(super) fn show(
     let size = ui.available_size();
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     look::name_image(&response, text("panel-space"));
-    let size = Vec2::new(area.width(), area.height());
-    if size.min_element() < 1.0 {
+    let extent = Vec2::new(area.width(), area.height());
+    if extent.min_element() < 1.0 {
         return;
     }
-    place_camera(state, context, size);
+    place_camera(state, context, extent);
     let has_button = follow_mouse(ui, area, &response, state, context);
     let drag = response.drag_delta();
     let drag = Vec2::new(drag.x, drag.y);
@@ -80,7 +80,7 @@ pub(super) fn show(
     } else if response.dragged_by(PointerButton::Primary) {
         state.camera.orbit(drag);
     } else if response.dragged() {
-        state.camera.pan(drag, size.y);
+        state.camera.pan(drag, extent.y);
     }
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
@@ -89,12 +89,12 @@ pub(super) fn show(
     if has_focus || response.has_focus() {
         look::keep_arrow_keys(ui);
         for step in pressed_keys(ui) {
-            state.camera.step(step, size.y);
+            state.camera.step(step, extent.y);
         }
     }
     let has_high_contrast = state.settings.has_high_contrast;
     let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
-    let picture = scene::draw(context.model, &state.camera, size, &colors, state.scene);
+    let picture = scene::draw(context.model, &state.camera, extent, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
     let background = color32(colors.background).gamma_multiply(0.7);
     let hint = match context.fingertip {

@@ -107,13 +107,13 @@ fn show_settings_menu(ui: &mut egui::Ui, state: &mut PanelState) {
     ui.checkbox(&mut settings.has_high_contrast, text("theme-contrast"));
     ui.separator();
     let scale = ui.ctx().zoom_factor();
-    for (name, scale) in [
+    for (name, factor) in [
         ("scale-larger", scale * SCALE_STEP),
         ("scale-smaller", scale / SCALE_STEP),
         ("scale-normal", 1.0),
     ] {
         if ui.button(text(name)).clicked() {
-            ui.ctx().set_zoom_factor(scale.clamp(0.5, 3.0));
+            ui.ctx().set_zoom_factor(factor.clamp(0.5, 3.0));
         }
     }
     ui.separator();

@@ -50,7 +50,7 @@ pub fn default_name(recording: &Path) -> PathBuf {
         _ => recording.with_file_name(format!("{stem}-part-{number}.mcap")),
     };
     let mut names = (1..1000).map(name);
-    names.find(|name| !name.exists()).unwrap_or_else(|| name(1))
+    names.find(|free| !free.exists()).unwrap_or_else(|| name(1))
 }
 
 /// Writes the steps of a recording within a range of time to a recording of their own, with the same setup. Returns the number
@@ -66,7 +66,7 @@ pub fn export(
     if !path.exists() {
         return write(recording, range, path);
     }
-    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    let canonical = |named: &Path| fs::canonicalize(named).ok();
     if canonical(path) == canonical(&recording.path) {
         return Err(ExportError::SameFile(path.to_owned()));
     }

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The player shows a step by starting at a keyframe, a copy of the model, and applying the steps from there, so that the
-//! pictures are those of playing from the start. It keeps at most [`MAX_STEPS`] steps (75 MB, 4 minutes at 100 readings per
+//! pictures are the same as when playing from the start. It keeps at most [`MAX_STEPS`] steps (75 MB, 4 minutes at 100 readings per
 //! second) and the times of all. For a step outside, the thread plays the recording from the start again and sends the
 //! steps around that one.
 

@@ -16,13 +16,13 @@ pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0];
 /// A change of the position, or of how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
-    /// To the step with this index, and pause.
+    /// Go to the step with this index, and pause.
     Step(usize),
-    /// By a number of steps, and pause.
+    /// Go on by a number of steps, and pause.
     By(isize),
-    /// To the latest step at or before a time, and pause.
+    /// Go to the latest step at or before a time, and pause.
     Time(Timestamp),
-    /// By a time in seconds, and pause.
+    /// Go on by a time in seconds, and pause.
     BySeconds(f64),
     /// Play, from the start if the position is at the end.
     Play,
@@ -282,7 +282,7 @@ impl Player {
         self.speed
     }
 
-    /// Returns whether the model is that of the position.
+    /// Returns whether the model belongs to the wanted position.
     pub fn is_shown(&self) -> bool {
         self.shown == Some(self.wanted)
     }

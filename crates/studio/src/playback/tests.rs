@@ -115,7 +115,7 @@ fn straight(path: &Path, indices: &[usize]) -> Vec<Content> {
         if let Some(view) = view {
             model.view = view;
         }
-        // The time that this replay takes is not that of the recorded session.
+        // This replay takes another time than the recorded session did.
         model.update(&Snapshot {
             latency: None,
             ..step.to_snapshot()
@@ -170,8 +170,8 @@ fn scrubbing_back_and_forth_shows_what_a_straight_replay_shows() {
     // One of them is within a press: a letter takes 75 readings, a press at least 15.
     indices.extend((0..5).map(|step| last / 2 + 15 * step));
     let expected = straight(&path, &indices);
-    for (&index, expected) in indices.iter().zip(&expected) {
-        assert!(shown.show(index) == *expected, "step {index} of {last}");
+    for (&index, wanted) in indices.iter().zip(&expected) {
+        assert!(shown.show(index) == *wanted, "step {index} of {last}");
     }
     let is_pressed = |content: &Content| content.state.contains("is_pressed: true");
     assert!(expected.iter().any(is_pressed));
@@ -191,12 +191,12 @@ fn playing_reaches_the_end_and_starts_again() {
     let played = player.time().since(start).as_secs_f64();
     assert!((0.9..=1.0).contains(&played), "{played} s");
     shown.advance(Duration::from_secs(3600));
-    let player = &mut shown.player;
-    assert_eq!((player.time(), player.is_playing()), (end, false));
-    player.apply(Move::Play);
+    let ended = &mut shown.player;
+    assert_eq!((ended.time(), ended.is_playing()), (end, false));
+    ended.apply(Move::Play);
     shown.advance(Duration::ZERO);
-    let player = &shown.player;
-    assert_eq!((player.time(), player.is_playing()), (start, true));
+    let restarted = &shown.player;
+    assert_eq!((restarted.time(), restarted.is_playing()), (start, true));
 }
 
 #[test]
@@ -288,6 +288,6 @@ fn two_layouts_are_compared_on_the_same_readings() {
     let [same, only_a, only_b] = compare(&own, &own).counts();
     assert_eq!((only_a, only_b), (0, 0));
     assert!(same >= 5, "{same} presses");
-    let [_, only_a, only_b] = compare(&own, &other).counts();
-    assert!(only_a > 0 && only_b > 0);
+    let [_, other_a, other_b] = compare(&own, &other).counts();
+    assert!(other_a > 0 && other_b > 0);
 }

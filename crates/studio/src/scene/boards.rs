@@ -158,8 +158,8 @@ fn add_key(
     }
     let outline = outline(target);
     let at = |point: Vec2, z: f32| {
-        let projected = canvas.project(*pose * point.extend(z))?;
-        Some(projected.position)
+        let on_screen = canvas.project(*pose * point.extend(z))?;
+        Some(on_screen.position)
     };
     let front: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
     let Some(front) = front else {
@@ -178,7 +178,7 @@ fn add_key(
     if let Some(marks) = layout.front_marks(id, state.value) {
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);
-    } else if let Some(text) = layout.face(id).map(|face| &face.label) {
+    } else if let Some(text) = layout.face(id).map(|shown| &shown.label) {
         add_label(
             canvas,
             text,
@@ -246,11 +246,11 @@ fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, fro
         let rightward = |(right, _, _): &(Vec2, Vec2, Vec2)| right.x / right.length().max(1e-6);
         rightward(a).total_cmp(&rightward(b))
     });
-    let Some((right, down, half)) = best else {
+    let Some((right, down, seen_half)) = best else {
         return;
     };
-    let width = 1.7 * half.x / (LETTER_WIDTH * text.chars().count().max(1) as f32);
-    let size = (half.y * 1.1).min(width).min(MAX_LABEL);
+    let width = 1.7 * seen_half.x / (LETTER_WIDTH * text.chars().count().max(1) as f32);
+    let size = (seen_half.y * 1.1).min(width).min(MAX_LABEL);
     if size * down.length().min(right.length()) >= MIN_LABEL_PT {
         canvas.picture.labels.push(Label {
             position: center.position,

@@ -164,12 +164,12 @@ pub(super) fn finger_sections(pose: &HandPose, finger: Finger) -> Vec<Section> {
         let along = next.unwrap_or(Vec3::ZERO) + before.unwrap_or(Vec3::ZERO);
         sections.push(section(point, along, lateral, [tip_radius * ratio; 2]));
     }
-    if let Some((inside, start)) = inside {
+    if let Some((inside, share)) = inside {
         let along = first - inside;
         let sizes = [tip_radius * radii[0] * START_RADIUS; 2];
-        let mut start = section(first - along * start, along, lateral, sizes);
-        start.opacity = 0.0;
-        sections.insert(0, start);
+        let mut cap = section(first - along * share, along, lateral, sizes);
+        cap.opacity = 0.0;
+        sections.insert(0, cap);
     }
     let mut sections = subdivided(&sections);
     let end = *sections.last().expect("a finger has two joints");
@@ -181,7 +181,7 @@ pub(super) fn finger_sections(pose: &HandPose, finger: Finger) -> Vec<Section> {
     sections
 }
 
-/// Returns the radius of a fingertip in relation to that of the middle finger.
+/// Returns the radius of a fingertip as a fraction of the middle fingertip's.
 fn tip_ratio(finger: Finger) -> f32 {
     match finger {
         Finger::Thumb => 1.2,

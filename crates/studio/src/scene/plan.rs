@@ -103,9 +103,9 @@ fn add_item(canvas: &mut Canvas, scene: &PlanScene, item: &PlanItem) {
             for strip in board.strips() {
                 let corners = strip.map(|corner| canvas.project(corner));
                 if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-                    let corners = [a, b, c, d].map(|corner| corner.position);
+                    let positions = [a, b, c, d].map(|corner| corner.position);
                     let color = canvas.colors.board;
-                    canvas.picture.below.add_quad(corners, color);
+                    canvas.picture.below.add_quad(positions, color);
                 }
             }
             let state = |_| FrontState::default();
@@ -127,7 +127,7 @@ fn add_item(canvas: &mut Canvas, scene: &PlanScene, item: &PlanItem) {
     }
 }
 
-/// What marks items, above all of them.
+/// The marks of items, drawn above all items.
 struct Marks<'a> {
     canvas: Canvas<'a>,
     scene: &'a PlanScene<'a>,
@@ -227,10 +227,10 @@ impl Marks<'_> {
                     let radius = handles::drawn_radius_mm(board.shape).unwrap_or_default();
                     let curve = handles::bend_curve(board, view, radius);
                     self.add_lines(&curve, false, BEND, ring.with_opacity(0.7));
-                    if let Some(radius) = board.radius_mm {
+                    if let Some(written) = board.radius_mm {
                         let beside = self.to_screen(at) + Vec2::X * LETTERS_DISTANCE;
                         let color = self.canvas.colors.label;
-                        self.add_letters(beside, color, format!("R {radius:.0} mm"));
+                        self.add_letters(beside, color, format!("R {written:.0} mm"));
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! Skin as an image: triangles with a depth buffer, so that of two surfaces the nearer one is seen at each pixel.
+//! Skin as an image: triangles with a depth buffer, so that the nearer of two surfaces is seen at each pixel.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub(super) struct Corner {
     pub is_front: bool,
 }
 
-/// Surfaces of limbs. Those of one limb do not blend with each other.
+/// Surfaces of limbs. Surfaces of the same limb do not blend with each other.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
     triangles: Vec<([Corner; 3], u8)>,
@@ -64,8 +64,8 @@ impl Mesh {
         }
         let density = (MAX_PIXELS / (extent.x * extent.y)).sqrt().min(DENSITY);
         let mut buffer = Buffer::new(low, extent, density);
-        for (corners, limb) in &self.triangles {
-            buffer.fill(corners, *limb);
+        for (triangle, limb) in &self.triangles {
+            buffer.fill(triangle, *limb);
         }
         Some(buffer.into_image(opacity))
     }
@@ -153,7 +153,7 @@ impl Buffer {
             self.colors[index] = mixed.with_opacity(old_opacity);
             return;
         }
-        // What is behind the surface of a limb is not the limb itself.
+        // A surface does not blend with another surface of its own limb.
         self.colors[index] = if is_other {
             let mixed = old_color.mix(own, share * opacity);
             mixed.with_opacity(opacity + old_opacity * (1.0 - opacity))
@@ -240,8 +240,8 @@ mod tests {
         let far = triangle([0.8; 3], BLUE);
         let image = draw(&[far, near], 0.5);
         assert_eq!(color(&image, 3.0, 3.0), RED.with_opacity(0.5));
-        let image = draw(&[near, far], 0.5);
-        assert_eq!(color(&image, 3.0, 3.0), RED.with_opacity(0.5));
+        let reversed = draw(&[near, far], 0.5);
+        assert_eq!(color(&reversed, 3.0, 3.0), RED.with_opacity(0.5));
     }
 
     #[test]

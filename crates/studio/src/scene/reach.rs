@@ -70,11 +70,12 @@ pub(super) fn add_reach(canvas: &mut Canvas, pose: &HandPose) {
             let facet = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| corner(column + x, row + y));
             if let [Some(a), Some(b), Some(c), Some(d)] = facet {
                 let first = below.vertices.len() as u32;
-                let shaded = [a, b, c, d].map(|(at, opacity)| (at, color.with_opacity(opacity)));
+                let shaded =
+                    [a, b, c, d].map(|(place, opacity)| (place, color.with_opacity(opacity)));
                 below.vertices.extend(shaded);
                 below
                     .indices
-                    .extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+                    .extend([0, 1, 2, 0, 2, 3].map(|index| first + index));
             }
         }
     }

@@ -73,8 +73,8 @@ fn add_mesh(canvas: &mut Canvas, mesh: &TriangleMesh, vertices: &[Vec3]) {
         let to_eye = canvas.projection.to_eye(a);
         let normal = normal * normal.dot(to_eye).signum();
         let lit = [a, b, c].map(|point| skin::corner(canvas, point, normal, colors, 1.0));
-        if let [Some(a), Some(b), Some(c)] = lit {
-            canvas.skin.add([a, b, c]);
+        if let [Some(first), Some(second), Some(third)] = lit {
+            canvas.skin.add([first, second, third]);
         }
     }
 }

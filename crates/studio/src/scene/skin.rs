@@ -78,7 +78,7 @@ pub(super) fn add(canvas: &mut Canvas, sections: &[Section], sides: usize) {
     for ring in 0..last {
         for side in 0..sides {
             let next = (side + 1) % sides;
-            let of = |ring: usize, side: usize| corners[ring * sides + side];
+            let of = |row: usize, column: usize| corners[row * sides + column];
             let [a, b, c, d] = [
                 of(ring, side),
                 of(ring, next),
@@ -86,8 +86,8 @@ pub(super) fn add(canvas: &mut Canvas, sections: &[Section], sides: usize) {
                 of(ring + 1, side),
             ];
             for triangle in [[a, b, c], [a, c, d]] {
-                if let [Some(a), Some(b), Some(c)] = triangle {
-                    canvas.skin.add([a, b, c]);
+                if let [Some(first), Some(second), Some(third)] = triangle {
+                    canvas.skin.add([first, second, third]);
                 }
             }
         }

@@ -149,8 +149,8 @@ fn with_hand(mut model: StudioModel, degrees: &[(Dof, f64)]) -> StudioModel {
     let bones = BoneLengths::from_hand_and_forearm(0.19, 0.26).unwrap();
     let arm = ArmModel::anthropometric(Side::Right, &bones).unwrap();
     let mut angles = JointAngles::default();
-    for &(dof, degrees) in degrees {
-        angles.set(dof, degrees.to_radians());
+    for &(dof, angle) in degrees {
+        angles.set(dof, angle.to_radians());
     }
     let pose = arm.forward(&Estimate::new(Timestamp(0), angles));
     model.poses[Side::Right.index()] = Some(pose);

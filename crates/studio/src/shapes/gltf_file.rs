@@ -57,7 +57,10 @@ fn add_node(
         .checked_sub(1)
         .ok_or_else(|| invalid("its nodes are nested too deeply"))?;
     let scene_from_node = parent * glam::Mat4::from_cols_array_2d(&node.transform().matrix());
-    let primitives = node.mesh().into_iter().flat_map(|mesh| mesh.primitives());
+    let primitives = node
+        .mesh()
+        .into_iter()
+        .flat_map(|node_mesh| node_mesh.primitives());
     for primitive in primitives {
         if primitive.mode() != Mode::Triangles {
             continue;

@@ -199,19 +199,19 @@ fn an_arm_file_has_meshes_for_its_limbs() {
     let path = path.to_str().unwrap();
     fs::write(path, format!("{}{shapes}", &shipped[..end])).unwrap();
     fs::write(folder.path().join("a.obj"), PYRAMID).unwrap();
-    let mut shapes = Shapes::default();
-    shapes.set_arm(&Document::from_path(path).unwrap());
-    let limbs: Vec<_> = shapes
+    let mut loaded = Shapes::default();
+    loaded.set_arm(&Document::from_path(path).unwrap());
+    let limbs: Vec<_> = loaded
         .limbs()
         .map(|(shape, mesh)| (shape.joint, mesh.triangles.len()))
         .collect();
     assert_eq!(limbs, [(ademan_core::hand::Joint::Wrist, 6)]);
     assert!(
-        shapes
+        loaded
             .errors()
             .next()
             .is_some_and(|error| error.starts_with("cannot draw b.obj"))
     );
-    shapes.set_arm(&Document::shipped("unam").unwrap());
-    assert_eq!((shapes.limbs().len(), shapes.errors().count()), (0, 0));
+    loaded.set_arm(&Document::shipped("unam").unwrap());
+    assert_eq!((loaded.limbs().len(), loaded.errors().count()), (0, 0));
 }

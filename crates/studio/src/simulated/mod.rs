@@ -81,12 +81,15 @@ impl HandControl {
         self.setup.simulate(&person)?;
         self.person = person;
         self.applied = settings.clone();
-        let mut person = self.setup.simulated_person.clone();
-        let speed = person.motion.speed * f64::from(settings.speed);
-        person.motion.speed = speed.clamp(SPEEDS.0, SPEEDS.1);
+        let mut moved = self.setup.simulated_person.clone();
+        let speed = moved.motion.speed * f64::from(settings.speed);
+        moved.motion.speed = speed.clamp(SPEEDS.0, SPEEDS.1);
         let noise = f64::from(settings.noise);
         // A session that has ended has no hand.
-        let _ = self.changes.send(HandChange { person, noise });
+        let _ = self.changes.send(HandChange {
+            person: moved,
+            noise,
+        });
         Ok(())
     }
 }

@@ -57,7 +57,7 @@ struct Catalog {
 impl Catalog {
     fn new(language: Language) -> Self {
         let source = language.source();
-        // What follows a mistake in a file is still read; a test finds the mistake.
+        // The text after a mistake in a file is still read; a test finds the mistake.
         let resource = match FluentResource::try_new(source.to_owned()) {
             Ok(resource) | Err((resource, _)) => resource,
         };

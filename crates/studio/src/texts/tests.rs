@@ -54,7 +54,7 @@ fn code() -> String {
     code
 }
 
-/// The keys in calls of `text` and `text_with`, and other literals that begin like a key: those of tables.
+/// The keys in calls of `text` and `text_with`, and other literals that begin like a key, such as in tables.
 fn used_keys(code: &str) -> BTreeSet<&str> {
     let english = keys(Language::English.source());
     let groups: BTreeSet<&str> = english

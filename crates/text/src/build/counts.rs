@@ -7,7 +7,7 @@ use crate::model::lexicon::Case;
 
 /// The longest word in letters.
 const MAX_LETTERS: usize = 30;
-/// How often a word has to occur in the texts to be taken without being in a list.
+/// The fewest occurrences in the texts of a word that no list has.
 const MIN_UNLISTED: u32 = 2;
 /// The least ratio of a name to the same word in lower case at which the word is written as a name: a fox is no `Fox`.
 const COMMON_AS_NAME: u32 = 10;
@@ -15,7 +15,7 @@ const COMMON_AS_NAME: u32 = 10;
 /// The word that stands for the start of a sentence in pairs.
 pub const SENTENCE_START: &str = "";
 
-/// What is known about a spelling.
+/// The counts of a spelling.
 #[derive(Clone, Debug, Default)]
 struct Spelled {
     /// The weight in the lists.

@@ -8,12 +8,12 @@ use crate::model::alphabet::{Alphabet, Symbol};
 
 /// The most letters before the next one.
 const ORDER: usize = 4;
-/// How many different words a state of the most letters is seen in at least.
+/// The fewest different words in which a state of the most letters is seen.
 const MIN_WORDS: u32 = 25;
 /// The letter before the first one.
 const BEFORE: Symbol = 0xff;
 
-/// What follows some letters.
+/// The counts of the letters that follow some letters.
 #[derive(Default)]
 struct Context {
     words: u32,

@@ -9,7 +9,7 @@ use crate::logarithm::quantize;
 use crate::model::bigrams::{CONTEXT_BYTES, NO_ROW, ROW_BYTES};
 use crate::model::lexicon::ROOT;
 
-/// What is taken from each count for words that were not seen.
+/// The discount of each count in favour of words that were not seen.
 const DISCOUNT: f64 = 0.75;
 /// The most pairs, and the most threes: rarer ones of a longer text are left out.
 const MAX_PAIRS: usize = 250_000;
@@ -117,7 +117,7 @@ fn triples(
     rows: &BTreeMap<u32, Row>,
     pair: impl Fn(u32, u32) -> f64,
 ) -> (Vec<u8>, Vec<u8>) {
-    // The index of the entry of each pair, and that of the row of each word.
+    // The index of the entry of each pair, and the index of the row of each word.
     let mut places: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     let mut row_of: BTreeMap<u32, u32> = BTreeMap::new();
     for (index, (&before, row)) in (0..).zip(rows) {

@@ -29,7 +29,7 @@ use swiped::Swiped;
 pub(crate) use tail::ends_word;
 use tail::{Difference, difference};
 
-/// How presses become text.
+/// The way in which presses become text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
@@ -62,7 +62,7 @@ struct Undo {
     is_possible: bool,
     /// The characters that the correction typed.
     corrected: usize,
-    /// What they replaced.
+    /// The text that they replaced.
     typed: String,
 }
 
@@ -192,7 +192,7 @@ impl<'m> Corrector<'m> {
         let taps = self.decoder.taps();
         let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
-            // What is shown is final; the person is learned from what was most probably meant.
+            // The shown text is final; the person is learned from the text that was most probably meant.
             self.decoder.commit();
             self.shown.clear();
         }

@@ -28,7 +28,7 @@ impl Corrector<'_> {
         if self.shown.is_empty() {
             self.decoder.start_behind(self.decoder.before());
         } else {
-            // What stands before is final.
+            // The text before is final.
             self.decoder.commit_behind(Some(&self.shown));
         }
         let before = self.decoder.before();

@@ -436,12 +436,14 @@ impl Expansion<'_, '_> {
             }
             for second in lexicon.children(first) {
                 let symbol = lexicon.node(second).symbol();
-                let touch = self.touches.letter_at(previous, symbol, &token.drift);
-                let Some((touch, _)) = touch else { continue };
+                let second_touch = self.touches.letter_at(previous, symbol, &token.drift);
+                let Some((second_touch, _)) = second_touch else {
+                    continue;
+                };
                 let mut next = *token;
-                next.score = score + touch - self.best(first) + self.best(second);
+                next.score = score + second_touch - self.best(first) + self.best(second);
                 next.place = Place::Word(second);
-                let letter = |symbol| self.model.alphabet.letter(symbol);
+                let letter = |letter_symbol| self.model.alphabet.letter(letter_symbol);
                 let emission = Emission::NOTHING
                     .with(letter(first_symbol), From::This, Case::Lower)
                     .with(letter(symbol), From::Previous, Case::Lower);

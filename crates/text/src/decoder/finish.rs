@@ -51,7 +51,7 @@ pub fn finish(
             });
         }
     };
-    let best = |node: u32| options.language * model.lexicon.node(node).best();
+    let best = |prefix: u32| options.language * model.lexicon.node(prefix).best();
     if node == ROOT {
         return found(Finished {
             score: token.score - best(ROOT),
@@ -60,19 +60,19 @@ pub fn finish(
     }
     // Without the part that stands for the word to come.
     let score = token.score - best(node);
-    let mut word = |node: u32, cost: f32, omitted: Option<char>| {
-        let contents = model.lexicon.node(node);
+    let mut word = |end: u32, cost: f32, omitted: Option<char>| {
+        let contents = model.lexicon.node(end);
         let Some(alone) = contents.word() else { return };
         let most = options.language * (alone + GAIN).min(0.0);
         if score + most + cost < worst {
             return;
         }
-        let probability = options.language * model.bigrams.after(token.row, node, alone);
+        let probability = options.language * model.bigrams.after(token.row, end, alone);
         found(Finished {
             score: score + probability + cost,
             omitted,
             case: contents.case(),
-            word: Some(node),
+            word: Some(end),
             ..plain
         });
     };

@@ -30,7 +30,7 @@ impl WordRates {
         self.unknown = self.unknown * WORD_MEMORY + f32::from(u8::from(is_unknown));
     }
 
-    /// Returns the log-probability of an unknown word, given that of before.
+    /// Returns the log-probability of an unknown word, given the one that applied before.
     fn cost(&self, before: f32) -> f32 {
         let prior = before.exp();
         ((self.unknown + prior * PRIOR_WORDS) / (self.words + PRIOR_WORDS))

@@ -9,7 +9,7 @@ use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
 use crate::model::spelling::START;
 
-/// What the typed characters of the current word are.
+/// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Word {
     /// The node of the lexicon, if the word can still become one of its words.

@@ -13,7 +13,7 @@
 //! each tap the best [`Options::beam`] are kept (Viterbi search, as in Goodman et al. 2002 and VelociTap, Vertanen et al. 2015). A
 //! hypothesis is made only if its bound reaches the limit, which rises while better ones are found.
 //!
-//! What was typed is a hypothesis of its own, which is never dropped.
+//! The typed characters are a hypothesis of their own, which is never dropped.
 
 mod beam;
 mod candidate;

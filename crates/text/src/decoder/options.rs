@@ -1,4 +1,4 @@
-//! What the decoder believes about errors, in nats.
+//! The costs that the decoder gives to errors, in nats.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ pub struct Options {
     pub missing_space: f32,
     /// An apostrophe was left out.
     pub silent: f32,
-    /// A letter with a key of its own was typed on that of its plain letter.
+    /// A letter with a key of its own was typed on the key of its plain letter.
     pub plain: f32,
     /// A word that the lexicon has not, among words that it has.
     pub unknown: f32,
@@ -36,7 +36,7 @@ pub struct Options {
     pub punctuation: f32,
     /// A word with digits or signs starts.
     pub verbatim: f32,
-    /// How much likelier than what was typed a correction has to be.
+    /// The least advantage of a correction over the typed word.
     pub margin: f32,
     /// Sentences start with a capital.
     pub capitals: bool,
@@ -87,11 +87,11 @@ impl Options {
             (&mut self.punctuation, default.punctuation),
             (&mut self.verbatim, default.verbatim),
         ];
-        for (cost, default) in costs {
+        for (cost, usual) in costs {
             *cost = if cost.is_finite() {
                 cost.min(0.0)
             } else {
-                default
+                usual
             };
         }
         let positive = [
@@ -99,11 +99,11 @@ impl Options {
             (&mut self.language, default.language),
             (&mut self.margin, default.margin),
         ];
-        for (value, default) in positive {
+        for (value, usual) in positive {
             *value = if value.is_finite() {
                 value.max(0.0)
             } else {
-                default
+                usual
             };
         }
         self.beam = self.beam.clamp(1, MAX_BEAM);

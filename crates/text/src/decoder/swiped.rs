@@ -6,7 +6,7 @@ use crate::model::bigrams::Row;
 use crate::model::lexicon::Case;
 use crate::swipe::Swipes;
 
-/// What a decoder knows of the text before a word.
+/// The text before a word, as far as a decoder needs it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Before {
     row: Row,
@@ -34,7 +34,7 @@ impl<'m> Decoder<'m> {
         let letters = || keys.iter().filter(|key| is_letter(key.character));
         let narrowest = letters().map(|key| key.size[0].min(key.size[1]));
         let width = narrowest.fold(f32::INFINITY, f32::min);
-        // Where the person taps a key says where the finger passes over it.
+        // A finger passes over a key where the person taps it.
         let center = |letter: char| {
             let index = self.keyboard.index(letter)?;
             Some(self.touch.spreads(&self.keyboard).nth(index)?.mean)

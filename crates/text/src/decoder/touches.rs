@@ -31,7 +31,7 @@ pub struct Carried {
     last: Option<(Millimetres, Millimetres)>,
 }
 
-/// The keys on which a letter is typed: its own one, that of its plain letter, or both.
+/// The keys on which a letter is typed: its own key, the key of its plain letter, or both.
 #[derive(Clone, Copy, Debug, Default)]
 struct LetterKeys {
     own: Option<u8>,
@@ -80,7 +80,7 @@ pub const SLACK: f32 = 1.0;
 const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
 
-/// A key whose likelihood is this much worse than that of the likeliest is not near.
+/// A key that is this much less likely than the likeliest one is not near.
 const NEAR: f32 = 8.0;
 
 impl Touches {
@@ -166,17 +166,17 @@ impl Touches {
         }
         for key in &mut self.keys {
             let [xx, yy, xy] = key.spread.covariance;
-            let drift = self.carried.variance[key.hand];
+            let variance = self.carried.variance[key.hand];
             for axis in 0..2 {
-                let spread = drift + key.spread.covariance[axis];
+                let spread = variance + key.spread.covariance[axis];
                 key.gain[axis] = if key.wide && axis == 0 {
                     0.0
                 } else {
-                    drift / spread
+                    variance / spread
                 };
                 key.reach[axis] = 3.0 * spread.sqrt();
             }
-            let (xx, yy) = (xx + drift, yy + drift);
+            let (xx, yy) = (xx + variance, yy + variance);
             let determinant = xx * yy - xy * xy;
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());

@@ -41,7 +41,7 @@ pub(super) fn append(
     let Some(kinds) = kinds(edits, keys, held) else {
         return false;
     };
-    // Releases precede presses, so that of a held Shift cannot follow a press of this step.
+    // Releases precede presses, so the release of a held Shift cannot follow a press of this step.
     let is_pressed = |event: &OutputEvent| !matches!(event.kind, EventKind::KeyUp(_));
     let releases_first = matches!(kinds.first(), Some(EventKind::KeyUp(_)));
     if releases_first && events.iter().any(is_pressed) {

@@ -18,10 +18,10 @@ const MIN_LETTERS: usize = 10;
 /// The distance between boards in the plane of the decoder, in millimetres: too far for a tap to miss its board.
 const BOARD_GAP: f32 = 200.0;
 
-/// Where keys are in the plane of the decoder that have no place of their own, such as `?` above `/`, in millimetres.
+/// The coordinate of keys without a place in the plane of the decoder, such as `?` above `/`, in millimetres.
 const ELSEWHERE: f32 = 20_000.0;
 
-/// How a character is typed.
+/// The way in which a character is typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Typed {
     /// By a key, with Shift or without.
@@ -43,7 +43,7 @@ struct Place {
     width: f32,
     /// The index of its board, if fingers swipe over that.
     swiped_board: Option<usize>,
-    /// From the frame of the board to that of the key.
+    /// From the frame of the board to the frame of the key.
     target_from_surface: Pose,
 }
 
@@ -108,10 +108,13 @@ impl TextKeys {
             return None;
         }
         add_elsewhere(layout, &mut keys);
-        let letters = ('a'..='z').chain([' ', '\'']);
-        let letters = letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
+        let plain_letters = ('a'..='z').chain([' ', '\'']);
+        let plain_letters =
+            plain_letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
         let of_layout = layout.required_capabilities().keys.into_iter();
-        let mut codes: Vec<KeyCode> = of_layout.chain(letters.map(|(code, _)| code)).collect();
+        let mut codes: Vec<KeyCode> = of_layout
+            .chain(plain_letters.map(|(code, _)| code))
+            .collect();
         codes.dedup();
         Some(Self {
             keyboard: Keyboard::new(keys),

@@ -48,7 +48,7 @@ impl Language {
             Some((_, bytes)) => Ok(Self(check(name, bytes)?)),
             None if name.ends_with(FILE_ENDING) => Self::from_bytes(name, read(Path::new(name))?),
             None => {
-                let names = LANGUAGES.iter().map(|(name, _)| *name);
+                let names = LANGUAGES.iter().map(|(language, _)| *language);
                 let error = UnknownName::new("language", name, names);
                 Err(format!(
                     "{error}; the languages are `en` and `es`, and the path of a model ends in `{FILE_ENDING}`"

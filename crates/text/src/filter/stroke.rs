@@ -14,7 +14,7 @@ use ademan_core::time::Timestamp;
 
 /// The distance from the press, in widths of the key, from which a stroke is a swipe.
 const SWIPE_WIDTHS: f32 = 1.5;
-/// The same for a stroke that has lasted for [`SLOW_TIME`]: a tap is over by then.
+/// The limit for a stroke that has lasted for [`SLOW_TIME`]: a tap is over by then.
 const SLOW_SWIPE_WIDTHS: f32 = 1.0;
 const SLOW_TIME: Duration = Duration::from_millis(150);
 
@@ -54,7 +54,7 @@ pub(super) struct Stroke {
     is_void: bool,
 }
 
-/// What became of a stroke in a step.
+/// The state of a stroke after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Progress {
     /// The finger is down.
@@ -93,7 +93,7 @@ impl Stroke {
         })
     }
 
-    /// Notes that a character was typed. Returns `false` if it is not that of the press, so that it is no letter to be replaced.
+    /// Notes that a character was typed. Returns `false` if it is not the pressed one, so that it is no letter to be replaced.
     pub(super) fn note_typed(&mut self, character: char) -> bool {
         let is_own = !self.is_typed && lower(character) == self.character;
         self.is_typed |= is_own;

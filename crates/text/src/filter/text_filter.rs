@@ -181,7 +181,7 @@ impl TextFilter {
         };
         let is_replaced = tail.is_ok_and(|tail| step.append(&tail, &self.keys, event.time));
         if !is_replaced {
-            // What was typed stays.
+            // The typed text stays.
             self.corrector.start_word();
         }
         step.tap(event);

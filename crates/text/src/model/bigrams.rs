@@ -138,7 +138,7 @@ impl<'a> Bigrams<'a> {
         (row < self.rows.count()).then_some(row)
     }
 
-    /// Returns the log-probability of a word in a row, given that of the word alone.
+    /// Returns the log-probability of a word in a row, given `alone`, the log-probability of the word by itself.
     pub fn after(&self, row: Row, node: u32, alone: f32) -> f32 {
         if row == NO_ROW {
             return alone;

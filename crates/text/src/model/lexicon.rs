@@ -1,8 +1,8 @@
 //! The words: a trie in breadth-first order, six bytes a node.
 //!
-//! The children of a node lie side by side, those of the next node behind them, so that a node holds only the index of its first child.
-//! Besides its letter, a node has the probability of the word that ends there and that of the likeliest word below it, which bounds
-//! what a prefix may become.
+//! The children of a node lie side by side, followed by the children of the next node, so that a node holds only the index of
+//! its first child. Besides its letter, a node has the probability of the word that ends there and of the likeliest word below
+//! it, which bounds what a prefix may become.
 
 use super::ModelError;
 use super::alphabet::Symbol;

@@ -167,7 +167,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Returns the row of the words that follow a word; that of the root follows the start of a sentence.
+    /// Returns the row of the words that follow a word; the row of the root has the words that start a sentence.
     pub fn row(&self, node: u32) -> Row {
         self.bigrams.row(node)
     }

@@ -221,10 +221,10 @@ impl Swipes {
         let at = &self.at[key * MAX_SAMPLES..][..count];
         let line = &self.along[(key * self.key_count + key) * MAX_SAMPLES..][..count];
         let (mut before, mut floor) = (0.0, f32::INFINITY);
-        for ((row, &at), &line) in self.rows.iter_mut().zip(at).zip(line) {
-            *row = before + at;
+        for ((row, &here), &passed) in self.rows.iter_mut().zip(at).zip(line) {
+            *row = before + here;
             floor = row.min(floor);
-            before += line;
+            before += passed;
         }
         floor
     }
@@ -242,11 +242,11 @@ impl Swipes {
         // The lowest cost of the samples before, with the last of them on the line or at the letter before.
         let mut before = f32::INFINITY;
         let mut floor = f32::INFINITY;
-        for (((next, &known), &at), &line) in next.iter_mut().zip(known).zip(at).zip(line) {
+        for (((cell, &entered), &here), &passed) in next.iter_mut().zip(known).zip(at).zip(line) {
             // Both letters may be at one sample, as a finger cuts corners.
-            *next = at + before.min(known);
-            floor = next.min(floor);
-            before = known.min(before + line);
+            *cell = here + before.min(entered);
+            floor = cell.min(floor);
+            before = entered.min(before + passed);
         }
         floor
     }
@@ -263,29 +263,29 @@ impl Swipes {
             self.add(context, &place, alone);
         }
         for node in context.model.lexicon.children(place.node) {
-            let contents = context.model.lexicon.node(node);
-            if place.floor - context.language * contents.best() > self.limit
+            let child = context.model.lexicon.node(node);
+            if place.floor - context.language * child.best() > self.limit
                 || self.row_count >= MAX_ROWS
             {
                 continue;
             }
-            let symbol = contents.symbol();
+            let letter = child.symbol();
             let next = Place { node, ..place };
-            match self.key(symbol) {
-                None if Some(symbol) == self.apostrophe => self.enter(context, next, symbol),
+            match self.key(letter) {
+                None if Some(letter) == self.apostrophe => self.enter(context, next, letter),
                 None => {}
-                Some(key) if key == place.key => self.enter(context, next, symbol),
+                Some(key) if key == place.key => self.enter(context, next, letter),
                 Some(_) if place.depth == MAX_LETTERS => {}
                 Some(key) => {
                     let floor = self.next_row(&place, key);
                     let depth = place.depth + 1;
-                    let next = Place {
+                    let entered = Place {
                         node,
                         depth,
                         key,
                         floor,
                     };
-                    self.enter(context, next, symbol);
+                    self.enter(context, entered, letter);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! What the decoder is compared with: the nearest word of the same length in the flat lexicon, and a spelling corrector that does not
+//! The competitors of the decoder: the nearest word of the same length in the flat lexicon, and a spelling corrector that does not
 //! see positions. Both get the words and probabilities of the model.
 
 use std::collections::BTreeMap;

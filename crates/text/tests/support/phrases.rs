@@ -12,9 +12,9 @@ pub fn phrases(reported: bool) -> Option<Vec<String>> {
         std::fs::read_to_string(shared("data/text/common_voice_en.txt")?).expect("sentences");
     let lines = text.lines().enumerate().filter(|&(line, _)| held_out(line));
     let half = lines.filter(|&(line, _)| (line / 20 % 2 == 1) == reported);
-    let plain = |text: &String| {
+    let plain = |line: &String| {
         let typed = |letter: char| letter.is_ascii_lowercase() || " ',.?-".contains(letter);
-        text.chars().all(typed) && (15..60).contains(&text.len())
+        line.chars().all(typed) && (15..60).contains(&line.len())
     };
     Some(
         half.map(|(_, line)| line.to_lowercase())
@@ -32,8 +32,8 @@ pub fn words(text: &str) -> impl Iterator<Item = &str> {
 
 /// Returns a name, an identifier or a password that the model lacks: syllables, letters, or letters with digits.
 pub fn unknown(random: &mut fastrand::Rng, model: &Model) -> String {
-    let pick = |random: &mut fastrand::Rng, from: &str| {
-        char::from(from.as_bytes()[random.usize(..from.len())])
+    let pick = |generator: &mut fastrand::Rng, from: &str| {
+        char::from(from.as_bytes()[generator.usize(..from.len())])
     };
     loop {
         let length = random.usize(5..11);

@@ -57,8 +57,8 @@ impl Errors {
 /// Returns the text without capitals, double spaces and punctuation at its end.
 pub fn normal(text: &str) -> String {
     let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
-    let text = words.join(" ").to_lowercase();
-    text.trim_end_matches(['.', '!', '?']).to_owned()
+    let joined = words.join(" ").to_lowercase();
+    joined.trim_end_matches(['.', '!', '?']).to_owned()
 }
 
 /// Returns the edit distance.

@@ -1,7 +1,7 @@
 //! A simulated person who taps: made for the tests, and different from what the decoder assumes.
 //!
 //! Scatter has heavier tails than a normal distribution (a third of a normal one with 1.5 times the width, scaled to the given standard
-//! deviation) and is correlated with that of the tap before (0.3); each key has its own offset of 1 mm; spurious taps land near
+//! deviation) and is correlated with the scatter of the tap before (0.3); each key has its own offset of 1 mm; spurious taps land near
 //! the tap before, not anywhere; a missed tap is any one but the first.
 
 use ademan_text::{Key, Keyboard, Tap};
@@ -12,7 +12,7 @@ use super::session::Phrase;
 /// The distance between two keys in mm.
 pub const PITCH: f32 = 19.05;
 
-/// How a simulated person taps.
+/// The taps of a simulated person: their scatter and faults.
 #[derive(Clone, Copy)]
 pub struct Tier {
     pub name: &'static str,

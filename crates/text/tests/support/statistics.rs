@@ -7,7 +7,7 @@ use super::session::{Errors, normal};
 /// The resamplings of an interval.
 const SAMPLES: usize = 1_000;
 
-/// The errors of each phrase, those of all people together.
+/// The errors of each phrase, summed over all people.
 #[derive(Clone, Default)]
 pub struct ByPhrase(pub Vec<Errors>);
 
@@ -118,13 +118,13 @@ impl Kinds {
             let part = |letter: &char| letter.is_alphanumeric() || *letter == '\'';
             word.chars().filter(part).collect()
         };
-        for ((word, typed), read) in meant.iter().zip(as_typed).zip(as_read) {
-            let was_right = typed == Some(*word);
-            let Some(read) = read else {
+        for ((word, typed_word), read_word) in meant.iter().zip(as_typed).zip(as_read) {
+            let was_right = typed_word == Some(*word);
+            let Some(read_word) = read_word else {
                 self.spaces += 1;
                 continue;
             };
-            if read == *word {
+            if read_word == *word {
                 let count = if was_right {
                     &mut self.kept
                 } else {
@@ -135,13 +135,13 @@ impl Kinds {
             }
             let count = if was_right {
                 &mut self.spoiled
-            } else if bare(read) == bare(word) {
+            } else if bare(read_word) == bare(word) {
                 &mut self.punctuation
             } else if model.find(&bare(word)).is_none() {
                 &mut self.unknown
-            } else if typed == Some(read) {
+            } else if typed_word == Some(read_word) {
                 &mut self.left
-            } else if model.find(&bare(read)).is_some() {
+            } else if model.find(&bare(read_word)).is_some() {
                 &mut self.other
             } else {
                 &mut self.letters

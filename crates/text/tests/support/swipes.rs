@@ -100,14 +100,14 @@ impl Swiper {
             moves.push((start, time, step));
             start += time * (1.0 - self.overlap);
         }
-        let end = moves.iter().map(|(start, time, _)| start + time);
+        let end = moves.iter().map(|(begin, time, _)| begin + time);
         let end = end.fold(0.0, f32::max);
         let count = (end * self.rate).ceil() as usize;
         let mut position = |sample: usize| {
             let now = sample as f32 / self.rate;
             std::array::from_fn(|axis| {
-                let moved = moves.iter().map(|&(start, time, step)| {
-                    let s = ((now - start) / time).clamp(0.0, 1.0);
+                let moved = moves.iter().map(|&(begin, time, step)| {
+                    let s = ((now - begin) / time).clamp(0.0, 1.0);
                     step[axis] * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
                 });
                 points[0][axis] + moved.sum::<f32>() + self.jitter * normal(&mut self.random)
@@ -273,10 +273,10 @@ pub fn measure(
                 if let Some(path) = person.swipes(word) {
                     let texts = behind.swipe(path.points(), false).iter();
                     measured.decoded[index].add(word, texts.map(|it| it.text.as_str()));
-                    let texts = alone.swipe(path.points(), false).iter();
-                    measured.alone[index].add(word, texts.map(|it| it.text.as_str()));
-                    let texts = reference.read(&path).into_iter();
-                    measured.nearest[index].add(word, texts);
+                    let lone_texts = alone.swipe(path.points(), false).iter();
+                    measured.alone[index].add(word, lone_texts.map(|it| it.text.as_str()));
+                    let reference_texts = reference.read(&path).into_iter();
+                    measured.nearest[index].add(word, reference_texts);
                 }
                 behind.commit_behind(Some(word));
             }

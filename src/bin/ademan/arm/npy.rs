@@ -5,10 +5,10 @@ use std::io::Read;
 /// First bytes of a file.
 pub const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// Longest header, in bytes; that of an array of numbers takes about 100.
+/// Longest header, in bytes; the header of an array of numbers takes about 100.
 const MAX_HEADER_BYTES: usize = 1 << 16;
 
-/// Most numbers of a file: those of two hours of 33 landmarks at 60 Hz.
+/// Most numbers of a file: two hours of 33 landmarks at 60 Hz.
 const MAX_NUMBERS: usize = 1 << 26;
 
 /// The types of numbers that are read.
@@ -60,8 +60,8 @@ pub fn read(mut file: impl Read) -> Result<Vec<String>, String> {
         return Ok(Vec::new());
     }
     let line = |pose: &[f64]| {
-        let rows: Vec<&[f64]> = pose.chunks(columns).collect();
-        serde_json::to_string(&rows).expect("numbers are JSON")
+        let coordinates: Vec<&[f64]> = pose.chunks(columns).collect();
+        serde_json::to_string(&coordinates).expect("numbers are JSON")
     };
     Ok(numbers.chunks(rows * columns).map(line).collect())
 }

@@ -177,7 +177,7 @@ fn half_pose(
 
 /// Parses the size of an image, such as `1280,720`.
 pub fn image_size(text: &str) -> Result<ImageSize, String> {
-    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let number = |part: &str| part.trim().parse::<f64>().ok();
     let size = text.split_once([',', 'x']);
     match size.map(|(width, height)| (number(width), number(height))) {
         Some((Some(width), Some(height))) if width >= 1.0 && height >= 1.0 => {

@@ -35,7 +35,7 @@ pub struct Args {
     camera: CameraArgs,
 }
 
-/// What the bridge of the webcam reads.
+/// The input of the bridge of the webcam.
 #[derive(Clone, clap::Args)]
 pub struct CameraArgs {
     /// Model file of MediaPipe: hand_landmarker.task, pose_landmarker.task for the arms, or holistic_landmarker.task for both. The
@@ -79,7 +79,7 @@ const KINDS: [Model; 3] = [
 ];
 
 impl Model {
-    /// Returns the kind of a file by its name, and that of hands for any other name.
+    /// Returns the kind of a file by its name, and the kind of hands for any other name.
     fn of(file: &Path) -> &'static Self {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let first_word = |kind: &&Self| {

@@ -71,7 +71,7 @@ impl Destination {
         Ok(true)
     }
 
-    /// Returns a path beside the file for the recording: that of no other file.
+    /// Returns a path beside the file for the recording, at which there is no file yet.
     pub fn free_recording(&self) -> PathBuf {
         let numbered = (2..).map(|number| self.path.with_extension(format!("{number}.mcap")));
         let mut paths = iter::once(self.path.with_extension("mcap")).chain(numbered);

@@ -53,8 +53,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the glove that comes with the program for such a source: its channels of sticks and buttons are those of every glove with
-/// this protocol, and so is the arm that they do not measure.
+/// Returns the glove that comes with the program for such a source: every glove with this protocol has
+/// its channels of sticks and buttons, and the arm that they do not measure.
 fn similar_glove(setup: &LoadedSetup, args: &Args) -> Result<Glove, Failure> {
     let worn = match (args.demo, args.hand) {
         (Some(_), Side::Left) if args.demo_glove.is_none() => Some("unam-hc11-left"),
@@ -67,15 +67,15 @@ fn similar_glove(setup: &LoadedSetup, args: &Args) -> Result<Glove, Failure> {
     })
 }
 
-/// What is known of a glove beside its channels of joints.
+/// The parts of a glove other than its channels of joints.
 struct Known<'a> {
     map: &'a ChannelMap,
     /// Angles that the glove does not measure, in radians.
     assumed: Vec<(Dof, f64)>,
 }
 
-/// Returns the angles of a similar glove for joints that were not found: those that it assumes, and those of its channels that this
-/// glove does not send.
+/// Returns the angles of a similar glove for joints that were not found: the angles that it assumes, and the angles of its channels
+/// that this glove does not send.
 fn assumed_angles(
     discovery: &Discovery,
     like: &ChannelMap,
@@ -121,7 +121,7 @@ fn glove_text(
 ) -> String {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "// Channels found by `ademan calibrate --discover`. Those of one finger are assumed to be in order from the knuckle outwards:\n\
+        "// Channels found by `ademan calibrate --discover`. The channels of a finger are assumed to be in order from the knuckle outwards:\n\
          // exchange the numbers of two channels if a finger bends at the wrong joint.\n\
          Glove(\n    name: {name:?},\n    side: \"{side}\",\n    full_scale_counts: {full_scale},\n"
     );

@@ -1,4 +1,4 @@
-//! The readings of a calibration: those of a source, or those of a simulated person who takes the poses.
+//! The readings of a calibration: from a source, or from a simulated person who takes the poses.
 
 use std::thread;
 use std::time::{Duration, Instant};

@@ -86,8 +86,8 @@ impl Figure {
             .iter()
             .map(|stroke| (stroke.ends.map(place), stroke.width * scale / 2.0))
             .collect();
-        for (ends, radius) in strokes {
-            dots.draw(ends, radius);
+        for (stroke_ends, radius) in strokes {
+            dots.draw(stroke_ends, radius);
         }
         dots.write(buffer, room);
     }

@@ -21,7 +21,7 @@ impl LengthArgs {
     /// Returns the arm for the setup file, or `None` without lengths.
     ///
     /// # Errors
-    /// Fails if one length is missing, or if both together are not those of a person.
+    /// Fails if one length is missing, or if no person has both.
     pub fn both(self) -> Result<Option<String>, Failure> {
         match (self.hand_length, self.forearm_length) {
             (None, None) => Ok(None),

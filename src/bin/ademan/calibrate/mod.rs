@@ -36,7 +36,7 @@ use crate::{complete, messages, signals};
 /// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n\nNothing is typed meanwhile. The readings are kept beside the glove file, and --from calibrates with them again."
+    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n\nNothing is typed during a calibration. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
 pub struct Args {
     /// Setup file
@@ -158,8 +158,8 @@ impl Start {
         println!("{}", text.trim_end());
         println!();
         let rest = calibrate::rest_pose(observations, &result.map);
-        let text = layout::write_calibration(&self.document, &result.map, &rest)?;
-        destination.write(&text)
+        let glove_text = layout::write_calibration(&self.document, &result.map, &rest)?;
+        destination.write(&glove_text)
     }
 }
 

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 /// The time for which positions of a live source are collected.
 const TIME: Duration = Duration::from_secs(5);
 
-/// The radius of a fingertip, in metres: that of arm models from lengths.
+/// The radius of a fingertip, in metres: the radius in arm models from lengths.
 const TIP_RADIUS: f64 = 0.005;
 
 /// Measures the hand of a source and prints what belongs in the setup and the layout.
@@ -51,7 +51,7 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
     }
 }
 
-/// Collects the positions of a live source for a few seconds, those of another one to its end.
+/// Collects the positions of a live source for a few seconds, or of another source to its end.
 fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions>, Failure> {
     let capture = spawn(setup.open_source_alone(source)?)?;
     // A filter delays, and a limit hides movement.

@@ -46,9 +46,9 @@ pub struct Screen<'a> {
 impl Screen<'_> {
     pub fn draw(&self, buffer: &mut Buffer) {
         let window = buffer.area;
-        let line = |row: u16, line: Line, buffer: &mut Buffer| {
+        let line = |row: u16, line: Line, target: &mut Buffer| {
             if row < window.height {
-                line.render(Rect::new(0, row, window.width, 1), buffer);
+                line.render(Rect::new(0, row, window.width, 1), target);
             }
         };
         line(0, self.title(), buffer);
@@ -215,12 +215,15 @@ impl Screen<'_> {
     fn unknown_sensors(&self) -> Vec<Line<'static>> {
         let live = self.procedure.live().iter();
         let mut live: Vec<&LiveChannel> = live.filter(|live| live.count.is_some()).collect();
-        let width = |live: &LiveChannel| live.range.map_or(0, |(low, high)| high - low);
+        let width = |channel: &LiveChannel| channel.range.map_or(0, |(low, high)| high - low);
         live.sort_by_key(|live| std::cmp::Reverse(width(live)));
-        let line = |live: &&LiveChannel| {
-            let name = format!("channel {:<12}", live.channel);
-            let count = live.count.unwrap_or_default();
-            Line::from(format!("{name}{} {count:>4}", bar(live, self.full_scale)))
+        let line = |channel: &&LiveChannel| {
+            let name = format!("channel {:<12}", channel.channel);
+            let count = channel.count.unwrap_or_default();
+            Line::from(format!(
+                "{name}{} {count:>4}",
+                bar(channel, self.full_scale)
+            ))
         };
         live.iter().map(line).collect()
     }

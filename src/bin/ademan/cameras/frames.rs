@@ -51,10 +51,10 @@ impl Frames {
         };
         let mut pictures = Vec::new();
         for entry in fs::read_dir(path).map_err(cannot_read)? {
-            let path = entry.map_err(cannot_read)?.path();
-            let end = path.extension().and_then(|end| end.to_str());
+            let picture = entry.map_err(cannot_read)?.path();
+            let end = picture.extension().and_then(|end| end.to_str());
             if end.is_some_and(|end| PICTURES.iter().any(|it| it.eq_ignore_ascii_case(end))) {
-                pictures.push(path);
+                pictures.push(picture);
             }
         }
         if pictures.is_empty() {

@@ -302,8 +302,8 @@ impl Reader {
     /// Returns the marks of all colours with their labels.
     fn label(&mut self, found: &[(Color, FoundMarks)], args: &Args) -> Vec<LabelledMark> {
         let mut labelled = Vec::new();
-        for (index, (color, found)) in found.iter().enumerate() {
-            let centers: Vec<DVec2> = found.marks.iter().map(|mark| mark.center).collect();
+        for (index, (color, of_color)) in found.iter().enumerate() {
+            let centers: Vec<DVec2> = of_color.marks.iter().map(|mark| mark.center).collect();
             let labels = match &mut self.labels {
                 Some(tracker) => tracker.update(&centers),
                 None if args.color.len() == 1 => vec![None; centers.len()],

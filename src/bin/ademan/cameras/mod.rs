@@ -47,7 +47,7 @@ enum Subcommand {
 /// Calibrate cameras with a wand, with points at known places, or with all that they see
 ///
 /// A line is what each camera sees at one instant: `{"cameras":[{"name":"left","markers":[{"label":"a","image":[u,v]}]}]}`, in pixels
-/// of the image as it is. A wand has the labels `a` and `b` at its ends; the world is then that of the first camera, with Y up.
+/// of the image as it is. A wand has the labels `a` and `b` at its ends; the world is then the frame of the first camera, with Y up.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  ademan cameras calibrate wand.jsonl --wand 500 --size 1280x720 --output cameras.ron\n  ademan cameras calibrate frame.jsonl --points places.ron --size 1280x720 --output cameras.toml\n  ademan cameras calibrate walk.jsonl --refine --cameras Calib.toml --output better.toml"
@@ -104,14 +104,14 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// What cameras see at one instant.
+/// The view of all cameras at one instant.
 #[derive(Deserialize)]
 struct Line {
     time_us: Option<u64>,
     cameras: Vec<View>,
 }
 
-/// What one camera sees.
+/// The view of one camera.
 #[derive(Deserialize)]
 struct View {
     name: String,

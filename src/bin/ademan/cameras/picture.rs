@@ -38,11 +38,11 @@ impl Picture {
         let (width, height) = reader.info().size();
         let [width, height] = checked([width as usize, height as usize])?;
         let size = reader.output_buffer_size();
-        let mut bytes = vec![0; size.ok_or("it is too large")?];
-        let frame = reader.next_frame(&mut bytes).map_err(damaged)?;
-        bytes.truncate(frame.buffer_size());
+        let mut pixels = vec![0; size.ok_or("it is too large")?];
+        let frame = reader.next_frame(&mut pixels).map_err(damaged)?;
+        pixels.truncate(frame.buffer_size());
         let samples = frame.color_type.samples();
-        Self::new([width, height], samples, bytes)
+        Self::new([width, height], samples, pixels)
     }
 
     fn decode_jpeg(bytes: &[u8]) -> Result<Self, String> {
@@ -55,8 +55,8 @@ impl Picture {
         decoder.decode_headers().map_err(damaged)?;
         let (width, height) = decoder.dimensions().ok_or("the JPEG has no size")?;
         let size = checked([width, height])?;
-        let bytes = decoder.decode().map_err(damaged)?;
-        Self::new(size, 3, bytes)
+        let pixels = decoder.decode().map_err(damaged)?;
+        Self::new(size, 3, pixels)
     }
 
     /// Reads the next frame in the format PPM, `P6`; `None` at the end.
@@ -82,8 +82,9 @@ impl Picture {
         if magic != "P6" || depth != "255" {
             return Err("ffmpeg sent no picture".to_owned());
         }
-        let number = |word: String| {
-            word.parse()
+        let number = |digits: String| {
+            digits
+                .parse()
                 .map_err(|_| "ffmpeg sent no picture".to_owned())
         };
         let [width, height] = checked([number(width)?, number(height)?])?;

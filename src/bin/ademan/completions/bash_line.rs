@@ -115,9 +115,9 @@ mod tests {
             (r"ademan run a\ b c", "cé/", Some("cé/")),
             ("ademan run ", "~x", Some(r"\~x")),
         ];
-        for (line, candidate, expected) in table {
+        for (line, name, expected) in table {
             let split = BashLine::new(line, BREAKS).unwrap();
-            assert_eq!(split.inserted(candidate).as_deref(), expected, "{line}");
+            assert_eq!(split.inserted(name).as_deref(), expected, "{line}");
         }
     }
 

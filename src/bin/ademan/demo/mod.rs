@@ -49,7 +49,7 @@ pub struct Args {
     /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
     #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
     script: Option<String>,
-    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page. The default is that of the setup,
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page. The default is the layout of the setup,
     /// or `qwerty-flat`
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
@@ -74,7 +74,7 @@ pub struct Args {
     /// Play faster than real time, without the simulated serial line
     #[arg(long, conflicts_with = "repeat")]
     fast: bool,
-    /// The first hand, for boards that are for either. The default is that of the person, or right
+    /// The first hand, for boards that are for either. The default is the hand of the person, or right
     #[arg(long, value_name = "SIDE", value_parser = PossibleValuesParser::new(["left", "right"]))]
     hand: Option<String>,
     /// Bits per second on the simulated serial line
@@ -276,9 +276,9 @@ fn session_options() -> Result<SessionOptions, Failure> {
 fn watch(args: &Args, session: &SessionHandle, task: &mut Task) {
     let is_drawn = view::is_possible() && !output::uses_stdout(&args.output);
     let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |task: &Task| {
+    let show = |shown: &Task| {
         if let Some(view) = &view {
-            view.task().set(vec![task.goal(), task.result()]);
+            view.task().set(vec![shown.goal(), shown.result()]);
         }
     };
     show(task);

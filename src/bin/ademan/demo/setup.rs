@@ -34,7 +34,7 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
         None => base.layout,
     };
     let layout = Layout::load(&layout_name)?;
-    let glove_of = |side| simulated_glove(&layout, side).to_owned();
+    let glove_of = |worn| simulated_glove(&layout, worn).to_owned();
     let has_other = layout.has_board_for(side.opposite());
     let uses_both = simulated
         .as_ref()

@@ -34,7 +34,7 @@ const MAX_PEOPLE: i64 = 100_000;
 /// The difference between the seeds of held-out people and of the others.
 const HELD_OUT: u64 = 0x4e1d_0075;
 
-/// Who types what, and how it is measured.
+/// The people, the texts that they type, and the measurement.
 #[derive(Clone, clap::Args)]
 pub struct ConditionArgs {
     /// Person: the name of one that comes with the program, or a file. Its size, fingers and errors apply; times and the differences from
@@ -44,7 +44,7 @@ pub struct ConditionArgs {
     /// Number of people; of repetitions with --person, 1 by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_PEOPLE))]
     people: Option<u32>,
-    /// What measures the hands: ideal, camera or glove
+    /// Sensor of the hands: ideal, camera or glove
     #[arg(long, value_name = "SOURCE", default_value = "ideal", value_parser = source())]
     source: SourceKind,
     /// Quality of the touches instead of the people's own: T0 to T4 are 3, 5, 6, 8 and 10 mm of scatter, Toff an offset of 8 mm
@@ -94,7 +94,7 @@ fn probability(text: &str) -> Result<f64, String> {
     number_in(text, 0.0, 1.0, "as a probability")
 }
 
-/// Everything of a run but the layout.
+/// A run without its layout.
 pub struct Prepared {
     people: PeopleSpec,
     tier: Option<Tier>,
@@ -206,10 +206,14 @@ impl Prepared {
             ));
         }
         let drawn = match &people {
-            PeopleSpec::Drawn(count) => People::Drawn(*count),
-            PeopleSpec::Person { file, text, count } => {
+            PeopleSpec::Drawn(number) => People::Drawn(*number),
+            PeopleSpec::Person {
+                file,
+                text,
+                count: repeats,
+            } => {
                 let person = Person::parse(&Document::new(file.as_str(), text.as_str()))?;
-                People::Person(Box::new(person), *count)
+                People::Person(Box::new(person), *repeats)
             }
         };
         let cancel = Arc::new(AtomicBool::new(false));

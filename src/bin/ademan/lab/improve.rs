@@ -30,10 +30,10 @@ pub struct Args {
     /// Layout: the name of one that comes with the program, or a file. It is not changed
     #[arg(add = complete::layout())]
     layout: String,
-    /// What may change: positions of boards, rows and controls; sizes; or which key has which letter. Several with commas
+    /// Parts that may change: positions of boards, rows and controls; sizes; or which key has which letter. Several with commas
     #[arg(long = "move", value_name = "MOVES", required = true, value_delimiter = ',', value_parser = kind())]
     kinds: Vec<MoveKind>,
-    /// What counts: speed, errors or effort, or weights such as speed=1,errors=2
+    /// Objective: speed, errors or effort, or weights such as speed=1,errors=2
     #[arg(long, value_name = "OBJECTIVE", default_value = "speed")]
     objective: Objective,
     /// Controls that stay as they are on their board; `boards` keeps the poses of all boards. Several with blanks
@@ -66,7 +66,7 @@ fn margin(text: &str) -> Result<f64, String> {
     crate::setup_args::number_in(text, 0.0, 500.0, "mm")
 }
 
-/// Where the result goes.
+/// The file of the result.
 enum Destination {
     New(PathBuf),
     Same(PathBuf),

@@ -147,11 +147,11 @@ fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write)
             it.height_mm, it.seconds
         )
     });
-    let count = found.near_misses.len();
+    let miss_count = found.near_misses.len();
     listed(
         out,
-        &format!("approaches that pressed nothing {count}"),
-        count,
+        &format!("approaches that pressed nothing {miss_count}"),
+        miss_count,
         misses,
     )?;
     for (finger, path) in &found.paths {

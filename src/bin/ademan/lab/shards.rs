@@ -134,7 +134,7 @@ fn run_shard(args: &RunArgs, plan: &Plan, shard: usize) -> Result<(), Failure> {
             return Ok(());
         }
         Ok(None) => {}
-        // What was cut off is made again.
+        // A shard that was cut off is made again.
         Err(ShardError::Unreadable(error)) => say!("{shown}: {error}; the shard runs again"),
         Err(error) => return Err(Failure::wrong_use(format!("cannot use {shown}: {error}"))),
     }

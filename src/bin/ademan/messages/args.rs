@@ -45,7 +45,7 @@ impl LogArgs {
             (false, 1) => Some(LevelFilter::DEBUG),
             (false, _) => Some(LevelFilter::TRACE),
         };
-        let from = |level| Targets::new().with_default(level);
+        let from = |limit| Targets::new().with_default(limit);
         let variable = env::var(VARIABLE).ok().filter(|levels| !levels.is_empty());
         let (levels, error) = match (level, variable.as_deref().map(str::parse::<Targets>)) {
             (Some(level), _) => (from(level), None),

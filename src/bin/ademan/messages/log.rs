@@ -65,8 +65,10 @@ impl Subscriber for Log {
         let kind = (metadata.callsite(), fields.source);
         let admitted = limits().admit(kind, 1, message, Instant::now());
         match admitted {
-            Some(message) if *metadata.level() <= Level::WARN => super::print_error(&message),
-            Some(message) => super::print(&message),
+            Some(admitted_message) if *metadata.level() <= Level::WARN => {
+                super::print_error(&admitted_message)
+            }
+            Some(admitted_message) => super::print(&admitted_message),
             None => super::wake(),
         }
     }

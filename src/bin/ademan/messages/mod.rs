@@ -109,7 +109,7 @@ pub fn flush() {
 
 /// Waits until all messages are printed, or the time is over.
 pub fn flush_within(timeout: Duration) {
-    // Those of levels that are not printed were not held back.
+    // Messages of levels that are not printed were not held back.
     let held_back = log::take_all();
     held_back.iter().for_each(|message| print_error(message));
     if let Some(queue) = QUEUE.get() {

@@ -151,7 +151,10 @@ mod tests {
         queue.flush(Duration::from_secs(60));
         drop(queue);
         let text = reader.join().unwrap();
-        let written = text.lines().filter(|line| line.starts_with('x')).count();
+        let written = text
+            .lines()
+            .filter(|read_line| read_line.starts_with('x'))
+            .count();
         assert_eq!(written as u64 + missed, MORE_THAN_FITS as u64);
         let last = text.lines().last().unwrap();
         assert_eq!(

@@ -63,7 +63,7 @@ fn words(line: &str, columns: usize) -> Vec<&str> {
 }
 
 fn word_end(text: &str, columns: usize) -> usize {
-    let blank = |text: &str| text.find(' ').unwrap_or(text.len());
+    let blank = |words: &str| words.find(' ').unwrap_or(words.len());
     let mut end = blank(text);
     if let Some(open) = text[..end].find('`')
         && let Some(length) = text[open + 1..].find('`')

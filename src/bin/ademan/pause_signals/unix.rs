@@ -93,7 +93,7 @@ fn suspend(commands: &CommandSender, last: &LastRequest) {
     }
 }
 
-/// Stops the process until it is continued, unless it was continued already. The view is closed meanwhile.
+/// Stops the process until it is continued, unless it was continued already. The view is closed while the process is stopped.
 fn stop_process(last: &LastRequest) {
     let was_viewed = view::suspend();
     if last.is_stop()

@@ -133,11 +133,11 @@ mod tests {
         assert_eq!(a.label, "A");
         // N is a chord of index and middle finger, and E the index finger.
         let chords = Layout::load("chords-bend").unwrap();
-        let heats = super::heats(&chords, &[score('n', 4, 4), score('e', 2, 0)]);
-        let counts: Vec<_> = heats
+        let chord_heats = super::heats(&chords, &[score('n', 4, 4), score('e', 2, 0)]);
+        let chord_counts: Vec<_> = chord_heats
             .iter()
             .map(|(_, heat)| (heat.attempts, heat.errors))
             .collect();
-        assert_eq!(counts, [(6, 4), (4, 4)]);
+        assert_eq!(chord_counts, [(6, 4), (4, 4)]);
     }
 }

@@ -40,7 +40,7 @@ pub struct SessionResult {
     pub substitutions: usize,
     pub insertions: usize,
     pub deletions: usize,
-    /// The figures of a pointing lesson, in place of those of a text.
+    /// The figures of a pointing lesson, in place of the figures of a text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointing: Option<PointingResult>,
     /// The correct and all attempts of each chord of a lesson of chords.
@@ -118,17 +118,17 @@ impl History {
             sessions: Vec::new(),
             damage: None,
         };
-        let Some(path) = &history.path else {
+        let Some(file) = &history.path else {
             return history;
         };
-        match read_bytes(path) {
+        match read_bytes(file) {
             Ok(bytes) => (history.sessions, history.damage) = parsed(&bytes),
             Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => history.damage = Some(error.to_string()),
         }
         if let Some(damage) = &history.damage {
-            let path = escape_path(path);
-            say!("cannot read all of {path}: {damage}; the file is kept beside the next one");
+            let file = escape_path(file);
+            say!("cannot read all of {file}: {damage}; the file is kept beside the next one");
         }
         history
     }
@@ -332,7 +332,7 @@ fn parsed(bytes: &[u8]) -> (Vec<SessionResult>, Option<String>) {
 /// Returns a name beside the file that no other file has.
 fn free_name(path: &Path) -> PathBuf {
     let numbered = (1..).map(|number| path.with_extension(format!("damaged.{number}.jsonl")));
-    let mut free = numbered.skip_while(|path| path.symlink_metadata().is_ok());
+    let mut free = numbered.skip_while(|used| used.symlink_metadata().is_ok());
     free.next().expect("there are more numbers than files")
 }
 

@@ -52,7 +52,7 @@ pub enum LessonKind {
     English,
     /// Short texts in Spanish, without accents
     Spanish,
-    /// The characters that the layout types by chords, those of few fingers first
+    /// The characters that the layout types by chords, few fingers first
     Chords,
     /// Targets to point at and to click on with the pointer of the layout
     Pointing,
@@ -93,9 +93,9 @@ impl Lesson {
         }
         let strokes = taps_for_text(&text, &layout.key_bindings(), layout.bend_chords());
         strokes.map_err(|error| {
-            let name = escape(&layout.name);
+            let layout_name = escape(&layout.name);
             Failure::wrong_use(format!(
-                "`{name}` cannot type this text: {error}; `ademan layout show` draws its keys"
+                "`{layout_name}` cannot type this text: {error}; `ademan layout show` draws its keys"
             ))
         })?;
         let chords = match args.lesson {
@@ -161,7 +161,7 @@ fn chords(layout: &Layout) -> Result<String, Failure> {
             escape(&layout.name)
         )));
     }
-    chords.sort_by_key(|(fingers, _)| *fingers);
+    chords.sort_by_key(|(count, _)| *count);
     chords.truncate(MAX_CHORDS);
     let groups = chords
         .iter()

@@ -275,18 +275,18 @@ mod tests {
     fn the_line_ends_with_as_many_characters_as_the_text_has() {
         let line = typed("hola", &["H", "O", "K"]);
         assert!(!line.is_complete());
-        let mut line = typed("hola", &["H", "O", "K", "A", "Z"]);
-        assert!(line.is_complete());
-        line.handle(&OutputEvent {
+        let mut wrong_end = typed("hola", &["H", "O", "K", "A", "Z"]);
+        assert!(wrong_end.is_complete());
+        wrong_end.handle(&OutputEvent {
             time: Timestamp(9_000_000),
             kind: EventKind::KeyDown(KeyCode::BACKSPACE),
         });
-        let score = line.score(true);
+        let score = wrong_end.score(true);
         assert_eq!(score.typed, "hoka");
         assert_eq!(score.error_rate, 0.25);
         // Three correct characters, of which the first starts the clock: 2 in 3 s.
         assert!((score.words_per_minute - 8.0).abs() < 1e-9, "{score:?}");
-        assert_eq!(worst(&line, "hola"), [('l', 1, 1)]);
+        assert_eq!(worst(&wrong_end, "hola"), [('l', 1, 1)]);
     }
 
     #[test]
@@ -295,8 +295,8 @@ mod tests {
         assert_eq!(line.score(true).error_rate, 0.0);
         assert_eq!(worst(&line, "hola"), [('o', 1, 2)]);
         // A correct character that is deleted is no error.
-        let line = typed("hola", &["H", "O", "Backspace", "O", "L", "A"]);
-        assert_eq!(worst(&line, "hola"), []);
+        let retyped = typed("hola", &["H", "O", "Backspace", "O", "L", "A"]);
+        assert_eq!(worst(&retyped, "hola"), []);
     }
 
     #[test]

@@ -118,7 +118,7 @@ pub fn perform(exercise: &Exercise, task: &mut impl PracticeTask) -> Result<bool
     let (setup, has_no_source) = load_setup(&args)?;
     if has_no_source && !exercise.is_simulated {
         return Err(Failure::wrong_use(
-            "no source: name that of the participant with --source, or try the study with --simulated",
+            "no source: name the source of the participant with --source, or try the study with --simulated",
         ));
     }
     let format = Hc11Format::default();
@@ -152,7 +152,7 @@ impl Args {
     }
 }
 
-/// What a practice is about: it follows the events of a session until it is complete.
+/// The task of a practice, which follows the events of a session until it is complete.
 pub trait PracticeTask {
     /// Adds an event. Returns whether it changes the lines.
     fn handle(&mut self, event: &OutputEvent) -> bool;
@@ -282,9 +282,9 @@ fn run_task(
 /// Follows the events of a session, on the terminal if it is drawn, and stops the session when the task is complete.
 fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool) {
     let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
-    let show = |task: &dyn PracticeTask| {
+    let show = |shown: &dyn PracticeTask| {
         if let Some(view) = &view {
-            view.task().set(task.lines());
+            view.task().set(shown.lines());
         }
     };
     show(task);
@@ -301,7 +301,7 @@ fn follow(session: &SessionHandle, task: &mut impl PracticeTask, is_drawn: bool)
         }
         show(task);
         if task.is_complete() {
-            // The session may have ended meanwhile.
+            // The session may have ended already.
             let _ = session.commands().send(Command::Stop);
             break;
         }

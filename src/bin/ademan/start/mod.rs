@@ -93,8 +93,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let is_practiced = !args.no_practice && io::stdout().is_terminal();
     if is_practiced && questions.confirm("try it in a practice line")? {
-        let setup = destination.path().to_string_lossy().into_owned();
-        practice::run(practice::Args::for_setup(Some(setup), None))?;
+        let setup_path = destination.path().to_string_lossy().into_owned();
+        practice::run(practice::Args::for_setup(Some(setup_path), None))?;
     }
     println!("practice:  ademan practice{file}");
     println!("next time: ademan run{file} --output desktop");

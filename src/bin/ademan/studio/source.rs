@@ -23,8 +23,8 @@ pub fn load(
     if loaded.setup.source.is_some() {
         return Ok((loaded, None));
     }
-    if let Some(setup) = with_both_hands(&loaded) {
-        loaded = setup.load_files()?;
+    if let Some(both) = with_both_hands(&loaded) {
+        loaded = both.load_files()?;
     }
     let task = if output::has_effect(&loaded.setup.output) {
         looping::typed

@@ -52,9 +52,9 @@ pub fn open(args: Args) -> Result<(), Failure> {
             return show_overlay(sessions.program(|it| Overlay::new(it, is_placed))?);
         }
         let is_replay = player.is_some();
-        let app = sessions.program(|session| match player {
-            Some(player) => Ok(with_settings(StudioApp::new(session)?.with_player(player))),
-            None => live_app(session, hand),
+        let app = sessions.program(|opened| match player {
+            Some(player) => Ok(with_settings(StudioApp::new(opened)?.with_player(player))),
+            None => live_app(opened, hand),
         })?;
         let app = app.with_arm(arm.as_ref()).with_headset(headset);
         show_window(app, (!is_replay).then_some(&sessions), refused.as_deref())

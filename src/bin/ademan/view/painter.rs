@@ -132,7 +132,7 @@ impl Painter {
                 match self.draw(view, &content) {
                     // The view ends before the terminal accepts the picture.
                     Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                    drawn => drawn?,
+                    result => result?,
                 }
                 drawn = Some(content);
                 thread::sleep(PERIOD.saturating_sub(started.elapsed()));
@@ -146,7 +146,7 @@ impl Painter {
         Ok(Content {
             task: self.task.get(),
             messages: match &self.views {
-                // Those of the session, and those of the program around it.
+                // Messages of the session, and of the program around it.
                 Views::Session(_) => messages::latest(MAX_MESSAGES),
                 Views::Remote(_) => view.messages.to_vec(),
             },

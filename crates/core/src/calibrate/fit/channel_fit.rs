@@ -24,7 +24,7 @@ pub(super) struct ChannelFit {
     pub(super) range: Option<(f64, f64)>,
     /// The counts never change, although the poses move the joint.
     pub(super) is_dead: bool,
-    /// The counts fall where those of the starting glove rise.
+    /// The counts fall where the counts of the starting glove rise.
     pub(super) is_inverted: bool,
     /// The joints with a new calibration.
     pub(super) rows: Vec<(Dof, AffineMap)>,
@@ -85,8 +85,8 @@ impl ChannelFit {
         fit.rows = rows()
             .filter_map(|row| {
                 let line = fit.line(row.dof, observations)?;
-                let defined = points(channel, row.dof, observations, true);
-                (has_gain(&defined) && line.map.gain != 0.0).then_some((row.dof, line.map))
+                let row_points = points(channel, row.dof, observations, true);
+                (has_gain(&row_points) && line.map.gain != 0.0).then_some((row.dof, line.map))
             })
             .collect();
         fit
@@ -151,7 +151,7 @@ fn points(channel: usize, dof: Dof, observations: &Observations, is_defined: boo
     poses.filter_map(point).collect()
 }
 
-/// Returns whether a pose moves a joint away from that of the flat hand.
+/// Returns whether a pose moves a joint away from its angle in the flat hand.
 fn moves(pose: CalibrationPose, dof: Dof) -> bool {
     pose.defines(dof) && pose.expected(dof).radians.abs() >= MIN_ANGLE
 }

@@ -81,11 +81,11 @@ fn own_faults(fit: &ChannelFit, observations: &Observations) -> Vec<Problem> {
         problems.push(Problem::InvertedChannel { channel, dof });
     }
     let coarse = fit.rows.iter().find(|(_, map)| map.gain.abs() > COARSEST);
-    if let Some(&(dof, _)) = coarse {
+    if let Some(&(coarse_dof, _)) = coarse {
         let counts = high - low;
         problems.push(Problem::SmallRange {
             channel,
-            dof,
+            dof: coarse_dof,
             counts,
         });
     }
@@ -187,11 +187,11 @@ fn leak(
     let pairs = || own.iter().zip(&other);
     let sum = |value: fn(&Point, &Point) -> f64| -> f64 {
         pairs()
-            .map(|(own, other)| value(own, other) / own.deviation.powi(2))
+            .map(|(point, twin)| value(point, twin) / point.deviation.powi(2))
             .sum()
     };
-    let variance = sum(|_, other| other.y * other.y);
-    let covariance = sum(|own, other| own.y * other.y);
+    let variance = sum(|_, twin| twin.y * twin.y);
+    let covariance = sum(|point, twin| point.y * twin.y);
     let is_independent = variance > INDEPENDENT * constant && variance > 0.0;
     is_independent.then(|| (covariance / variance, covariance * covariance / variance))
 }

@@ -1,7 +1,7 @@
 //! The fit of a glove to a hand: gains, offsets and curvatures, and the faults of its sensors.
 //!
-//! Each pose gives pairs of a count and an angle. The angle is that of a typical adult, with the deviation between people as its
-//! uncertainty, so that a joint which a table holds weighs more than one at the end of its range.
+//! Each pose gives pairs of a count and an angle. The angle is what a typical adult shows, with the deviation between people as
+//! its uncertainty, so that a joint which a table holds weighs more than one at the end of its range.
 
 mod channel_fit;
 mod curvature;
@@ -28,7 +28,7 @@ pub struct CalibrationResult {
     pub problems: Vec<Problem>,
 }
 
-/// The fraction of the joints that may be unusable, beside those of the arm and the index finger, of which none may.
+/// The fraction of the joints that may be unusable, not counting the arm and the index finger, where every joint must be usable.
 const MAX_UNUSABLE: f64 = 0.25;
 
 /// The quality of a joint with an inexact calibration.
@@ -177,8 +177,8 @@ fn add_implausible(map: &ChannelMap, observations: &Observations, problems: &mut
     }
 }
 
-/// Returns the problems for which a calibration is refused: those of the arm and the index finger, which reach the keys, and all
-/// if they are too many of the rows that the glove sends.
+/// Returns the problems for which a calibration is refused: the problems of the arm and the index finger, which reach the
+/// keys, and all problems if they concern too many of the rows that the glove sends.
 fn unusable(problems: &[Problem], rows: usize) -> Vec<Problem> {
     let unusable = problems.iter();
     let unusable: Vec<&Problem> = unusable

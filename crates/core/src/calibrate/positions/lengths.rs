@@ -33,7 +33,7 @@ pub struct HandLengths {
 /// the readings, so that a few wrong ones do not count.
 ///
 /// # Errors
-/// Fails if neither is seen, if one is unsteady, or if one is not that of a person.
+/// Fails if neither is seen, if one is unsteady, or if one is outside the range of people.
 pub fn measure_lengths(readings: &[JointPositions]) -> Result<HandLengths, PositionError> {
     let hand = length(readings, &HAND, "hand")?;
     let forearm = length(readings, &FOREARM, "forearm")?;
@@ -105,12 +105,12 @@ mod tests {
                 0 => CalibrationPose::Flat,
                 _ => CalibrationPose::Pinch,
             };
-            let hand = arm.forward(&Estimate::new(Timestamp(0), pose.angles()));
+            let posed = arm.forward(&Estimate::new(Timestamp(0), pose.angles()));
             let mut positions = JointPositions::default();
-            for (joint, pose) in hand.known() {
-                let noise = DVec3::new(offset(), offset(), offset());
+            for (joint, joint_pose) in posed.known() {
+                let scatter = DVec3::new(offset(), offset(), offset());
                 let scale = if index % 20 == 19 { 1.5 } else { 1.0 };
-                positions.set(joint, pose.translation.as_dvec3() * scale + noise);
+                positions.set(joint, joint_pose.translation.as_dvec3() * scale + scatter);
             }
             readings.push(positions);
         }
@@ -121,7 +121,8 @@ mod tests {
     fn hands_of_all_sizes_are_measured_to_3_percent() {
         for (hand, forearm) in [(0.153, 0.207), (0.176, 0.238), (0.199, 0.269)] {
             let found = measure_lengths(&readings(hand, forearm, 0.002)).unwrap();
-            let error = |found: Option<f64>, length: f64| (found.unwrap() / length - 1.0).abs();
+            let error =
+                |measured: Option<f64>, length: f64| (measured.unwrap() / length - 1.0).abs();
             assert!(error(found.hand, hand) < 0.03, "{found:?}");
             assert!(error(found.forearm, forearm) < 0.01, "{found:?}");
         }

@@ -42,7 +42,7 @@ pub enum PositionError {
         /// Ten to ninety per cent of the readings, in percent of the median.
         percent: f64,
     },
-    /// A length is not that of a person.
+    /// No person has this length.
     #[error("{reason}; check the unit and the scale of the positions")]
     NotHuman {
         /// The length and the limits.

@@ -38,8 +38,8 @@ pub fn measure_palm(readings: &[JointPositions], side: Side) -> Option<Pose> {
     let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
         return None;
     };
-    let joints = [wrist, index, middle, little].map(|it| it.as_vec3());
-    palm_frame(joints, side)
+    let points = [wrist, index, middle, little].map(|it| it.as_vec3());
+    palm_frame(points, side)
 }
 
 /// Returns the frame of the palm relative to the elbow (`elbow_from_palm`, see [`measure_palm`]) in the typing posture with the forearm
@@ -56,6 +56,6 @@ pub fn typing_palm(arm: &ArmModel) -> Option<Pose> {
     let [Some(wrist), Some(index), Some(middle), Some(little)] = joints else {
         return None;
     };
-    let joints = [wrist, index, middle, little].map(|it| it - elbow);
-    palm_frame(joints, arm.side())
+    let points = [wrist, index, middle, little].map(|it| it - elbow);
+    palm_frame(points, arm.side())
 }

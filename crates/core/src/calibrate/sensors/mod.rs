@@ -40,7 +40,7 @@ pub struct SensorRecording {
     channels: Option<Vec<usize>>,
     full_scale: u16,
     times: Vec<Timestamp>,
-    /// By position in `channels`, then by reading.
+    /// The counts by position in `channels`, then by reading.
     counts: Vec<Vec<u16>>,
     ignored: usize,
 }

@@ -128,9 +128,9 @@ impl SensorParameters {
         let (times, products) =
             moments.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
         let slope = products / times;
-        let holds: usize = groups.iter().map(|group| group.0.len()).sum();
+        let hold_count: usize = groups.iter().map(|group| group.0.len()).sum();
         let residuals: f64 = groups.iter().map(|group| group.residuals(slope)).sum();
-        let deviation = (residuals / (holds - groups.len() - 1) as f64).sqrt();
+        let deviation = (residuals / (hold_count - groups.len() - 1) as f64).sqrt();
         parameters.repeatability = Some(deviation);
         parameters.drift = Some(Drift {
             per_minute: slope,

@@ -139,7 +139,7 @@ impl ArmsSkeleton {
         let mut nodes = [None; Joint::COUNT];
         for (joint, parent) in arm.joints() {
             let known = parent.and_then(|parent| nodes[parent.index()]);
-            let place = |joint| arm.rest(joint).unwrap_or_default() * CENTIMETRES;
+            let place = |point| arm.rest(point).unwrap_or_default() * CENTIMETRES;
             let offset = match parent {
                 Some(parent) => place(joint) - place(parent),
                 // Readers differ in what an offset beside position channels means.

@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn errors_name_the_line_and_the_word() {
         let motion = "Frames: 1\nFrame Time: 1\n";
-        for (joints, motion, message) in [
+        for (joints, frames, message) in [
             (
                 "CHANNELS 2 Xposition",
                 motion,
@@ -181,8 +181,8 @@ mod tests {
             ),
             ("}", "", "line 6: expected `MOTION`, not `}`"),
         ] {
-            let found = error(&text(joints, motion));
-            assert!(found.contains(message), "{joints} {motion}: {found}");
+            let found = error(&text(joints, frames));
+            assert!(found.contains(message), "{joints} {frames}: {found}");
         }
         assert_eq!(
             error(""),

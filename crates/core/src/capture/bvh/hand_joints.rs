@@ -106,7 +106,7 @@ impl HandJoints {
         if let Some(other) = self.node(joint)
             && !coincide(nodes, other, node)
         {
-            let name = |node: usize| nodes[node].name.clone().unwrap_or_default();
+            let name = |index: usize| nodes[index].name.clone().unwrap_or_default();
             return Err(HandJointsError::Ambiguous {
                 side,
                 joint,

@@ -95,7 +95,7 @@ fn arm_joint(part: &str) -> Option<(Joint, bool)> {
 /// Returns the joint of a finger, and whether its name is vague.
 fn finger_joint(part: &str) -> Option<(Joint, bool)> {
     let by_palm = [
-        // MakeHuman counts the metacarpals from that of the index finger.
+        // MakeHuman counts the metacarpals from the index finger on.
         ("metacarpal1", Joint::IndexMetacarpal),
         ("metacarpal2", Joint::MiddleMetacarpal),
         ("metacarpal3", Joint::RingMetacarpal),

@@ -241,7 +241,7 @@ impl Reader {
         })
     }
 
-    /// Adds a node below the innermost open one. Its channels follow those of all nodes before it.
+    /// Adds a node below the innermost open one. Its channels follow the channels of all nodes before it.
     fn open_node(&mut self, name: Option<String>) -> Result<(), String> {
         if self.motion.skeleton.nodes().len() == MAX_NODES {
             return Err(format!("there are more than {MAX_NODES} joints"));

@@ -112,7 +112,7 @@ impl Skeleton {
     /// as products of column-vector matrices, so that `Zrotation Xrotation Yrotation` is Rz · Rx · Ry. Position channels
     /// act before the rotations wherever they stand.
     ///
-    /// `values` are those of one frame. `poses` is overwritten.
+    /// `values` are the values of one frame. `poses` is overwritten.
     ///
     /// # Panics
     /// If there are fewer values than channels.
@@ -125,7 +125,7 @@ impl Skeleton {
         poses.clear();
         let mut rest = values;
         for node in &self.nodes {
-            let (values, later) = rest.split_at(node.channels.len());
+            let (own_values, later) = rest.split_at(node.channels.len());
             rest = later;
             let parent = match node.parent {
                 Some(parent) => poses[parent],
@@ -134,9 +134,9 @@ impl Skeleton {
                     position: DVec3::ZERO,
                 },
             };
-            let translation = node.translation(values, positions);
+            let translation = node.translation(own_values, positions);
             poses.push(NodePose {
-                rotation: node.rotated(parent.rotation, values),
+                rotation: node.rotated(parent.rotation, own_values),
                 position: parent.position + parent.rotation * translation,
             });
         }

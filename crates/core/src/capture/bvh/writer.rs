@@ -4,7 +4,7 @@ use std::io::{Result, Seek, SeekFrom, Write};
 
 use super::skeleton::{Node, Skeleton};
 
-/// Width of the number of frames, which is known only at the end: that of [`MAX_FRAMES`](super::MAX_FRAMES).
+/// Width of the number of frames, which is known only at the end: the width of [`MAX_FRAMES`](super::MAX_FRAMES).
 const COUNT_WIDTH: usize = 9;
 
 /// Writer of a skeleton and its frames, one line per frame with six decimals.

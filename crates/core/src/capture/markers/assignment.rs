@@ -66,9 +66,9 @@ fn lone_pairs(costs: &CostMatrix) -> impl Iterator<Item = (usize, usize)> {
     let mut only_columns = vec![None; costs.rows()];
     for (row, only_column) in only_columns.iter_mut().enumerate() {
         let mut pairs = 0;
-        for (column, pairs_of_column) in pairs_of_column.iter_mut().enumerate() {
+        for (column, column_pairs) in pairs_of_column.iter_mut().enumerate() {
             if costs.get(row, column).is_some() {
-                *pairs_of_column += 1;
+                *column_pairs += 1;
                 pairs += 1;
                 *only_column = (pairs == 1).then_some(column);
             }
@@ -120,10 +120,10 @@ impl<'a> Groups<'a> {
         self.is_row_seen[row] = true;
         let (mut searched_rows, mut searched_columns) = (0, 0);
         while searched_rows < rows.len() || searched_columns < columns.len() {
-            if let Some(&row) = rows.get(searched_rows) {
+            if let Some(&searched) = rows.get(searched_rows) {
                 searched_rows += 1;
                 for column in 0..self.costs.columns {
-                    if !self.is_column_seen[column] && self.costs.get(row, column).is_some() {
+                    if !self.is_column_seen[column] && self.costs.get(searched, column).is_some() {
                         self.is_column_seen[column] = true;
                         columns.push(column);
                     }
@@ -131,10 +131,10 @@ impl<'a> Groups<'a> {
             } else {
                 let column = columns[searched_columns];
                 searched_columns += 1;
-                for row in 0..self.costs.rows() {
-                    if !self.is_row_seen[row] && self.costs.get(row, column).is_some() {
-                        self.is_row_seen[row] = true;
-                        rows.push(row);
+                for candidate in 0..self.costs.rows() {
+                    if !self.is_row_seen[candidate] && self.costs.get(candidate, column).is_some() {
+                        self.is_row_seen[candidate] = true;
+                        rows.push(candidate);
                     }
                 }
             }
@@ -181,7 +181,7 @@ fn assign_group(costs: &CostMatrix) -> Vec<Option<usize>> {
 }
 
 /// A partial assignment with its dual variables: no reduced cost `cost − row potential − column potential` is negative,
-/// and that of a pair is 0.
+/// and a pair has a reduced cost of 0.
 struct Search {
     row_potentials: Vec<f64>,
     column_potentials: Vec<f64>,

@@ -7,7 +7,7 @@ use crate::geometry::{angle_between, rotation_between};
 /// Largest angle in radians that counts as straight: its axis is lost in rounding.
 const STRAIGHT: f64 = 1e-9;
 
-/// The rotation that takes the direction of a bone onto that of the next one, without twist.
+/// The rotation that takes the direction of a bone onto the direction of the next bone, without twist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoneRotation {
     /// The angle in radians, 0..=π: 0 if the bones are in line.

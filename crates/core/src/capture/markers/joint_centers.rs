@@ -161,9 +161,9 @@ mod tests {
         assert_eq!(elbow.update(shoulder, on_line, wrist), None);
         let found = elbow.update(shoulder, marker, wrist).unwrap();
         assert!(found.distance(center) < 1e-9, "{found}");
-        for (marker, wrist) in [(marker, shoulder), (on_line, wrist)] {
-            let held = elbow.update(shoulder, marker, wrist).unwrap();
-            assert!(held.distance(marker + 0.04 * normal) < 1e-9, "{held}");
+        for (seen_marker, seen_wrist) in [(marker, shoulder), (on_line, wrist)] {
+            let held = elbow.update(shoulder, seen_marker, seen_wrist).unwrap();
+            assert!(held.distance(seen_marker + 0.04 * normal) < 1e-9, "{held}");
         }
         assert_eq!(elbow.update(shoulder, shoulder, wrist), None);
         elbow.reset();

@@ -142,8 +142,8 @@ impl<'a> Matching<'a> {
     }
 
     pub(super) fn use_all(&mut self, seen: &[Seen]) {
-        for &seen in seen {
-            self.set_used(seen, true);
+        for &sighting in seen {
+            self.set_used(sighting, true);
         }
     }
 
@@ -290,7 +290,7 @@ impl<'a> Matching<'a> {
             }
             let mut labels = seen.iter().filter_map(|&seen| self.observation(seen).label);
             let label = labels.next();
-            let is_other = |other: &str| expected.label.is_some_and(|label| label != other);
+            let is_other = |other: &str| expected.label.is_some_and(|wanted| wanted != other);
             if labels.any(|other| Some(other) != label) || label.is_some_and(is_other) {
                 continue;
             }
@@ -442,15 +442,15 @@ impl<'a> Matching<'a> {
                     if changed.point.distance(fit.point) <= self.max_gap {
                         return false;
                     }
-                    let owner = groups.iter().enumerate().find_map(|(number, group)| {
-                        let place = group.seen.iter().position(|&seen| seen == other)?;
-                        Some((number, place))
+                    let owner = groups.iter().enumerate().find_map(|(number, rival)| {
+                        let rival_place = rival.seen.iter().position(|&seen| seen == other)?;
+                        Some((number, rival_place))
                     });
                     match owner {
                         None => !self.is_used[other.0][other.1] && changed.cost < fit.cost + MARGIN,
-                        Some((number, place)) if place >= groups[number].tied => {
-                            let before = fits[number].map_or(0.0, |fit| fit.cost);
-                            self.fit_with(&groups[number], place, own)
+                        Some((number, rival_place)) if rival_place >= groups[number].tied => {
+                            let before = fits[number].map_or(0.0, |rival_fit| rival_fit.cost);
+                            self.fit_with(&groups[number], rival_place, own)
                                 .is_some_and(|swapped| {
                                     changed.cost + swapped.cost < fit.cost + before + MARGIN
                                 })
@@ -467,7 +467,7 @@ impl<'a> Matching<'a> {
         changed[place] = seen;
         let mut labels = changed
             .iter()
-            .filter_map(|&seen| self.observation(seen).label);
+            .filter_map(|&sighting| self.observation(sighting).label);
         let label = labels.next();
         if labels.any(|other| Some(other) != label) {
             return None;

@@ -149,9 +149,9 @@ mod tests {
             }
             before.push(measured[1].distance(measured[2]));
             after.push(points[1].distance(points[2]));
-            for (joint, exact) in exact.iter().enumerate() {
-                squares[joint][0] += measured[joint].distance_squared(*exact);
-                squares[joint][1] += points[joint].distance_squared(*exact);
+            for (joint, point) in exact.iter().enumerate() {
+                squares[joint][0] += measured[joint].distance_squared(*point);
+                squares[joint][1] += points[joint].distance_squared(*point);
             }
         }
         let (spread_before, spread_after) = (spread(&before) * 1e3, spread(&after) * 1e3);
@@ -167,7 +167,7 @@ mod tests {
         );
         // The median of 300 lengths with 1.4 mm of noise.
         assert!(error < 0.4, "{error}");
-        assert!(rms.iter().all(|[before, after]| after < before), "{rms:?}");
+        assert!(rms.iter().all(|[raw, fitted]| fitted < raw), "{rms:?}");
     }
 
     #[test]
@@ -185,9 +185,9 @@ mod tests {
         }
         // Three readings measure; later ones change nothing.
         for scale in [1.0, 1.0, 3.0, 3.0, 3.0] {
-            let mut points: Vec<DVec3> = exact.iter().map(|point| *point * scale).collect();
-            fit.fit(&mut points, &seen(true));
-            assert!((points[0].distance(points[1]) - 0.3).abs() < 1e-12);
+            let mut scaled: Vec<DVec3> = exact.iter().map(|point| *point * scale).collect();
+            fit.fit(&mut scaled, &seen(true));
+            assert!((scaled[0].distance(scaled[1]) - 0.3).abs() < 1e-12);
         }
     }
 }

@@ -171,7 +171,7 @@ mod tests {
     fn cost(points: &[DVec3], measured: &[DVec3]) -> f64 {
         let pairs = points.iter().zip(measured);
         pairs
-            .map(|(point, measured)| point.distance_squared(*measured))
+            .map(|(point, target)| point.distance_squared(*target))
             .sum()
     }
 
@@ -180,8 +180,8 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(9);
         for round in 0..200 {
             let mut measured = exact(&mut random);
-            for measured in &mut measured {
-                *measured += point(&mut random, 0.01);
+            for position in &mut measured {
+                *position += point(&mut random, 0.01);
             }
             let mut fitted = measured.clone();
             fit_bones(&mut fitted, &bones());
@@ -200,8 +200,8 @@ mod tests {
                     }
                     assert!(cost(&moved, &measured) >= least - 1e-12, "{round}");
                     let shift = point(&mut random, 1e-4);
-                    let moved: Vec<DVec3> = fitted.iter().map(|point| *point + shift).collect();
-                    assert!(cost(&moved, &measured) >= least - 1e-12, "{round}");
+                    let shifted: Vec<DVec3> = fitted.iter().map(|point| *point + shift).collect();
+                    assert!(cost(&shifted, &measured) >= least - 1e-12, "{round}");
                 }
             }
         }

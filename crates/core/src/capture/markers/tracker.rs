@@ -59,7 +59,7 @@ struct Track {
     position: DVec3,
     /// In units per second; unknown after the first position.
     velocity: Option<DVec3>,
-    /// When it was seen last, in seconds.
+    /// The time at which it was seen last, in seconds.
     seen: f64,
 }
 

@@ -335,11 +335,11 @@ mod tests {
             "{reason}"
         );
         assert_eq!(frames, 1);
-        let (frames, reason) = error(&options(&[(&HAND, "left")]), TEXT);
-        assert!(reason.contains("use `hand=right`"), "{reason}");
-        assert_eq!(frames, 0);
-        let (_, reason) = error(&options(&[]), &TEXT.replace("0.02", "0"));
-        assert!(reason.contains("`Frame Time:` is 0"), "{reason}");
+        let (left_frames, left_reason) = error(&options(&[(&HAND, "left")]), TEXT);
+        assert!(left_reason.contains("use `hand=right`"), "{left_reason}");
+        assert_eq!(left_frames, 0);
+        let (_, time_reason) = error(&options(&[]), &TEXT.replace("0.02", "0"));
+        assert!(time_reason.contains("`Frame Time:` is 0"), "{time_reason}");
     }
 
     #[test]

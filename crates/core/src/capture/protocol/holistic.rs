@@ -57,7 +57,7 @@ struct Line {
 }
 
 impl LineParser for HolisticParser {
-    /// The sum of those of both protocols.
+    /// The sum of the limits of both protocols.
     const MAX_LINE_BYTES: usize = 48 * 1024;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {

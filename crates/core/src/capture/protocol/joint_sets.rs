@@ -82,7 +82,7 @@ fn encoder(protocol: &'static Protocol) -> Encoder {
 /// Largest coordinate, in metres: no room is larger.
 const MAX_COORDINATE: f64 = 100.0;
 
-/// Parser of lines of hands with `JOINTS` joints, of which those of [`WEBXR_JOINTS`] are the last.
+/// Parser of lines of hands with `JOINTS` joints, the last of which are [`WEBXR_JOINTS`].
 #[derive(Clone, Debug)]
 struct JointParser<const JOINTS: usize> {
     min_score: f64,

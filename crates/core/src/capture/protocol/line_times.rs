@@ -9,7 +9,8 @@ const MAX_TIME_US: u64 = 1 << 53;
 /// Times that are earlier by up to this many microseconds are of datagrams that overtook each other.
 const MAX_DISORDER_US: u64 = 100_000;
 
-/// Those that are earlier by up to this many were under way too long. Earlier ones are of a sender that has started again.
+/// Microseconds by which a line that was under way too long is earlier, at most. Earlier lines come from a sender that has
+/// started again.
 const MAX_DELAY_US: u64 = 1_000_000;
 
 /// Order of the lines by the times that they state.
@@ -37,7 +38,7 @@ impl LineTimes {
                 return Ok(Some(Timestamp(time)));
             }
         };
-        let text = "`time_us` is not later than that of an earlier line";
+        let text = "`time_us` is not later than in an earlier line";
         Err(PacketError::new(reason, text))
     }
 }

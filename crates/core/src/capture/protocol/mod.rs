@@ -275,7 +275,7 @@ pub struct Packet {
     pub sample: Sample,
     /// Offset of the first byte after the packet, counted from the start of the stream.
     pub end: u64,
-    /// Time by which files play, if the format has one: the time that the packet states, or that of its number.
+    /// Time by which files play, if the format has one: stated by the packet, or derived from its number.
     pub time: Option<Timestamp>,
     /// Time at which the values were complete on the clock of the sender, if the packet states it.
     pub sent_at: Option<Timestamp>,
@@ -355,7 +355,7 @@ pub trait Decoder: Send {
         None
     }
 
-    /// Returns the feedback that the sender of the latest packet reads, if its packets tell. The default is that of the protocol.
+    /// Returns the feedback that the sender of the latest packet reads, if its packets tell. The default is the protocol's.
     fn feedback(&self) -> Option<&'static FeedbackFormat> {
         None
     }

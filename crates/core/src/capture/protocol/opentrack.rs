@@ -114,7 +114,7 @@ fn parse(datagram: &[u8]) -> Result<[f64; 6], PacketError> {
     let numbers = datagram.as_chunks().0;
     let pose: [f64; 6] = std::array::from_fn(|index| f64::from_le_bytes(numbers[index]));
     let (position, angles) = pose.split_at(3);
-    let is_within = |numbers: &[f64], limit: f64| numbers.iter().all(|it| it.abs() <= limit);
+    let is_within = |values: &[f64], limit: f64| values.iter().all(|it| it.abs() <= limit);
     if is_within(position, MAX_POSITION) && is_within(angles, MAX_ANGLE) {
         Ok(pose)
     } else {
@@ -180,10 +180,10 @@ mod tests {
             ([0.0, 0.0, 90.0], Vec3::NEG_X, Vec3::NEG_Y),
         ] {
             let [yaw, pitch, roll] = angles;
-            let datagram = encode(&[0.0, 0.0, 0.0, yaw, pitch, roll]);
-            let found = decode(&mut decoder, &[&datagram]);
-            let turned = found[0].rotation().expect("a rotation") * axis;
-            assert!(turned.distance(expected) < 1e-6, "{angles:?}: {turned}");
+            let turn_only = encode(&[0.0, 0.0, 0.0, yaw, pitch, roll]);
+            let decoded = decode(&mut decoder, &[&turn_only]);
+            let rotated = decoded[0].rotation().expect("a rotation") * axis;
+            assert!(rotated.distance(expected) < 1e-6, "{angles:?}: {rotated}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::capture::protocol::{InvalidPacket, PacketError};
 
-/// Deepest nesting of bundles: that of VMC is two.
+/// The deepest nesting of bundles; VMC nests two.
 const MAX_DEPTH: usize = 8;
 
 /// Header of a bundle; a time follows.
@@ -63,7 +63,7 @@ impl<'a> Message<'a> {
     }
 }
 
-/// Passes the messages of a datagram to `handle`, those of nested bundles too. Returns the error of the first part that
+/// Passes the messages of a datagram to `handle`, also from nested bundles. Returns the error of the first part that
 /// cannot be read; the other parts are read.
 pub(super) fn messages<'a>(
     datagram: &'a [u8],

@@ -12,7 +12,7 @@ use crate::capture::Sample;
 use crate::hand::{JointPositions, Side};
 use crate::time::Timestamp;
 
-/// Most hands in a line: those of two people.
+/// The most hands in a line: two people have four.
 pub(super) const MAX_HANDS: usize = 4;
 
 /// The lowest confidence of a hand that is used.
@@ -171,7 +171,7 @@ impl TrackedHands {
 /// The times of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineTime {
-    /// The time that the line states, or that of its number.
+    /// The time that the line states, or the time that follows from its number.
     pub time: Timestamp,
     /// The time that the line states.
     pub stated: Option<Timestamp>,

@@ -24,8 +24,8 @@ fn breadth(pictures: &[Picture; PICTURES]) -> Option<f32> {
     let [a, b] = BREADTH;
     let mut sum = [0.0; 2];
     for points in &pictures[..FOR_BREADTH] {
-        for (axis, sum) in sum.iter_mut().enumerate() {
-            *sum += points[a][axis] - points[b][axis];
+        for (axis, part) in sum.iter_mut().enumerate() {
+            *part += points[a][axis] - points[b][axis];
         }
     }
     let breadth = sum[0].hypot(sum[1]) / FOR_BREADTH as f32;
@@ -58,10 +58,10 @@ pub fn features(pictures: &[Picture; PICTURES], onset: usize) -> Option<[f32; FE
     let count = onset.saturating_sub(1).clamp(1, AT_REST);
     let mut rest = [[0.0; 2]; POINTS];
     for points in &pictures[..count] {
-        for (rest, point) in rest.iter_mut().zip(points) {
-            *rest = [
-                rest[0] + point[0] / count as f32,
-                rest[1] + point[1] / count as f32,
+        for (resting, point) in rest.iter_mut().zip(points) {
+            *resting = [
+                resting[0] + point[0] / count as f32,
+                resting[1] + point[1] / count as f32,
             ];
         }
     }

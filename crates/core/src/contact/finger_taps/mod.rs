@@ -1,5 +1,5 @@
-//! Which fingers tapped, from half a second of pictures of one hand: the landmarks of a camera, without a board and without
-//! depth.
+//! Recognition of the fingers that tapped, from half a second of pictures of one hand: the landmarks of a camera, without
+//! a board and without depth.
 //!
 //! ```
 //! use ademan_core::contact::finger_taps::{PICTURES, TapClip, TapModel};

@@ -197,8 +197,8 @@ impl TapModel {
                 network.hidden.apply(&projected, &mut hidden);
                 hidden.iter_mut().for_each(|it| *it = it.max(0.0));
                 network.output.apply(&hidden, &mut output);
-                for (score, output) in scores.iter_mut().zip(&output) {
-                    *score += output * weight;
+                for (score, value) in scores.iter_mut().zip(&output) {
+                    *score += value * weight;
                 }
             }
         }

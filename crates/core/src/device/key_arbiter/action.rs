@@ -72,9 +72,9 @@ pub enum Latch {
     /// While its key is pressed.
     Momentary,
     /// After a tap, for the next key only; a second tap cancels it. Momentary if another key is pressed
-    /// meanwhile.
+    /// during the hold.
     OneShot,
     /// While its key is pressed, and after a tap until the next tap. Momentary if another key is pressed
-    /// meanwhile. Of several locked layers the last one is active.
+    /// during the hold. Of several locked layers the last one is active.
     Lock,
 }

@@ -56,7 +56,7 @@ pub struct KeyArbiter {
     pressed_keys: ArrayVec<PressedKey, MAX_PRESSED_KEYS>,
     /// The time of the last event; times never decrease.
     time: Timestamp,
-    /// By side, the hands that may point but not type.
+    /// The hand may point but not type, by side.
     pointing_only: [bool; Side::COUNT],
     /// The presses dropped because of that.
     dropped_presses: u64,
@@ -82,9 +82,9 @@ impl PressSource {
 struct Press {
     source: PressSource,
     action: KeyAction,
-    /// For a one-shot or lock: whether another key was pressed meanwhile, so that it acts as momentary.
+    /// For a one-shot or lock: another key was pressed during the hold, so that it acts as momentary.
     is_used: bool,
-    /// For a one-shot or lock: whether a tap activates it. Not if it was active and this press ended that.
+    /// For a one-shot or lock: a tap activates it, unless it was active and this press ended that.
     latches: bool,
 }
 
@@ -103,7 +103,7 @@ impl KeyArbiter {
         }
     }
 
-    /// Returns the active layer, 0 for the base layer: that of the layer key pressed last, or else the
+    /// Returns the active layer, 0 for the base layer: the layer of the layer key pressed last, or else the
     /// one-shot layer, or else the locked one.
     pub fn active_layer(&self) -> usize {
         let pressed = self

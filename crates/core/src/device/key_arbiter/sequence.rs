@@ -159,9 +159,9 @@ impl KeyArbiter {
         let Some(gap) = self.take_step(step, hand, events) else {
             return;
         };
-        if let Some(running) = &mut self.running {
-            running.next += 1;
-            running.due = hand.time + gap;
+        if let Some(sequence) = &mut self.running {
+            sequence.next += 1;
+            sequence.due = hand.time + gap;
         }
     }
 

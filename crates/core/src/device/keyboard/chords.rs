@@ -46,7 +46,7 @@ type KeySet = u64;
 /// Presses of chord keys are gathered until the chord is known: the time window ends, one of the keys is
 /// released, another key is pressed, or no larger chord is possible. Then the largest chord among them is
 /// pressed, the first in the list if several are as large, then the largest of the rest; keys that are left
-/// act on their own. If a fingertip slides off or is lost meanwhile, all gathered presses are dropped:
+/// act on their own. If a fingertip slides off or is lost before that, all gathered presses are dropped:
 /// the rest could be an unintended chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
@@ -283,8 +283,8 @@ impl Keyboard {
             return;
         };
         let chord = self.chords.pressed.remove(index);
-        for source in chord.fingers.into_iter().flatten() {
-            if let PressSource::Touch(.., target) = source
+        for finger in chord.fingers.into_iter().flatten() {
+            if let PressSource::Touch(.., target) = finger
                 && let Some(key) = self.index.get(target)
             {
                 self.debouncer.record_release(key, touch.time);
@@ -295,8 +295,8 @@ impl Keyboard {
         }
         self.pending.retain(|press| press.source != chord.source);
         match touch.phase {
-            Phase::Cancelled => out.arbiter.cancel(|source| source == chord.source),
-            _ => out.arbiter.release(|source| source == chord.source),
+            Phase::Cancelled => out.arbiter.cancel(|holder| holder == chord.source),
+            _ => out.arbiter.release(|holder| holder == chord.source),
         }
     }
 
@@ -309,7 +309,7 @@ impl Keyboard {
         out: &mut DeviceOutput,
     ) {
         self.hold_pending(time, out);
-        // The time of a hold counts from the first finger, as that of a key counts from its press.
+        // The time of a hold counts from the first finger, as a key's hold counts from its press.
         let is_pressed = match PendingPress::new(chord.source, action, activation, chord.since) {
             Some(press) if out.arbiter.has_room(out.events) => self.pending.try_push(press).is_ok(),
             Some(_) => false,

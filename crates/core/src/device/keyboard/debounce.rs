@@ -26,7 +26,7 @@ impl Debouncer {
     }
 
     /// Returns whether a press follows the release of its key within `debounce`. A press before the release
-    /// is that of another finger and does not bounce.
+    /// comes from another finger and is no bounce.
     pub(super) fn is_bounce(&self, index: usize, time: Timestamp, debounce: Duration) -> bool {
         let released_at = self.released_at.get(index).copied().flatten();
         released_at

@@ -37,7 +37,7 @@ impl DepthReporter {
         self.fingers = [None; FINGERS_OF_BOTH_HANDS];
     }
 
-    /// Emits each depth that has changed, those of 0 first. What does not fit into the event list is retried
+    /// Emits each depth that has changed, depths of 0 first. A depth that does not fit into the event list is retried
     /// by the next call.
     pub(super) fn emit(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let fingers = self.fingers;

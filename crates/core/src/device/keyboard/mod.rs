@@ -28,7 +28,7 @@ use crate::time::Timestamp;
 /// The keys of a layout.
 ///
 /// The action of a key is chosen at the press; the release ends that action, even if the layer has changed
-/// meanwhile. Each press belongs to its finger and target, and ends only there.
+/// during the hold. Each press belongs to its finger and target, and ends only there.
 ///
 /// In one step, the keys that were down before are released first; then presses follow in order of time;
 /// then the releases of presses of the same step. Where this is not the order of time, the later event gets

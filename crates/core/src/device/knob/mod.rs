@@ -165,13 +165,13 @@ impl Knobs {
             (Some(before), Some(now)) => before.angle_to(now),
             _ => 0.0,
         };
-        let Some(grip) = self.rim_grips.get_mut(touch) else {
+        let Some(rim_grip) = self.rim_grips.get_mut(touch) else {
             return;
         };
-        grip.state.position = now;
+        rim_grip.state.position = now;
         turn(
             &mut self.knobs[index],
-            &mut grip.state.value,
+            &mut rim_grip.state.value,
             angle,
             touch.time,
             out,

@@ -14,7 +14,7 @@ use crate::time::Timestamp;
 /// All clicks, the clutch, precision and scrolling.
 const MAX_GESTURES: usize = MAX_CLICKS + 3;
 
-/// The gestures of a pointer. At most one pinch is on at a time: that of the finger nearest to the thumb.
+/// The gestures of a pointer. At most one pinch is on at a time: the pinch of the finger nearest to the thumb.
 #[derive(Clone, Debug)]
 pub(super) struct GestureSet(ArrayVec<AssignedGesture, MAX_GESTURES>);
 
@@ -177,7 +177,7 @@ impl AssignedGesture {
     }
 }
 
-/// Returns the finger whose tip is nearest to that of the thumb. When one finger moves to the thumb, its
+/// Returns the finger whose tip is nearest to the tip of the thumb. When one finger moves to the thumb, its
 /// neighbour moves along; only the nearest one is intended.
 fn nearest_to_thumb(hand: &TrustedHand) -> Option<Finger> {
     let thumb = hand.tip(Finger::Thumb)?;

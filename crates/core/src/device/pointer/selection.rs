@@ -201,9 +201,9 @@ impl Selector {
     /// Returns the fraction of the segment at which the cursor leaves the selected target, if it does.
     fn exit(&self, selected: &Selected, cursor: CursorPoint, pose: &HandPose) -> Option<f32> {
         let segment = self.segment(selected.space, cursor, pose);
-        let inside = |segment| {
+        let inside = |path| {
             self.volume(selected)?
-                .intersect_segment(segment, TREMOR_MARGIN)
+                .intersect_segment(path, TREMOR_MARGIN)
         };
         match segment.and_then(inside) {
             Some([_, exit]) if exit < 1.0 => Some(exit),

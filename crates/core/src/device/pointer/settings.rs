@@ -15,7 +15,7 @@ use crate::hand::Side;
 /// Maximum number of clicks of a pointer.
 pub const MAX_CLICKS: usize = 8;
 
-/// The settings of a pointer. Pixels are those of `screen_px`.
+/// The settings of a pointer. Pixels are in the scale of `screen_px`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointerSettings {
     /// The source of its presses and the subject of its depth events. The scene does not contain it.

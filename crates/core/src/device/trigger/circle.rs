@@ -198,8 +198,8 @@ mod tests {
                 Pose::from_translation(position),
             );
             motion.update(CirclePoint::Palm, &pose);
-            for (most, &direction) in most.iter_mut().zip(CircleDirection::ALL) {
-                *most = most.max(motion.turns(Some(direction)).unwrap());
+            for (peak, &direction) in most.iter_mut().zip(CircleDirection::ALL) {
+                *peak = peak.max(motion.turns(Some(direction)).unwrap());
             }
         }
         most
@@ -214,11 +214,11 @@ mod tests {
             assert_eq!(clockwise, 0.0, "{period} ms");
             assert!((0.85..=1.01).contains(&counter), "{period} ms: {counter}");
             let flat = |seconds| Vec3::new(round(seconds).x, 0.3, round(seconds).y);
-            let [clockwise, counter] = most(period, flat);
-            assert_eq!(counter, 0.0, "{period} ms");
+            let [flat_clockwise, flat_counter] = most(period, flat);
+            assert_eq!(flat_counter, 0.0, "{period} ms");
             assert!(
-                (0.85..=1.01).contains(&clockwise),
-                "{period} ms: {clockwise}"
+                (0.85..=1.01).contains(&flat_clockwise),
+                "{period} ms: {flat_clockwise}"
             );
         }
     }

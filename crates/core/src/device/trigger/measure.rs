@@ -48,9 +48,9 @@ impl Measure {
             }
             Self::Pinch(finger) => {
                 let tips = [Finger::Thumb, finger];
-                let [thumb, tip] = tips.map(|finger| {
-                    let tip = input.pose.fingertip(finger);
-                    tip.filter(|_| is_trusted(finger))
+                let [thumb, tip] = tips.map(|each| {
+                    let tip = input.pose.fingertip(each);
+                    tip.filter(|_| is_trusted(each))
                 });
                 Some(thumb?.distance(tip?))
             }

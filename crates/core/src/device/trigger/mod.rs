@@ -86,7 +86,7 @@ pub struct Triggers {
     needs_circles: bool,
     /// A trigger measures a shape of the hand.
     needs_bends: bool,
-    /// By side.
+    /// The memory of each hand, by side.
     hands: [HandMemory; Side::COUNT],
 }
 
@@ -94,7 +94,7 @@ pub struct Triggers {
 #[derive(Clone, Debug, Default)]
 struct HandMemory {
     motion: PalmMotion,
-    /// By point of the hand.
+    /// The circles by point of the hand.
     circles: [CircleMotion; CirclePoint::COUNT],
     bends: SteadyBends,
     opening: Opening,

@@ -55,7 +55,7 @@ pub(super) struct PalmMotion {
     positions: ArrayVec<(Timestamp, Vec3), MAX_POSITIONS>,
     /// The time and the place of the last reading.
     last: Option<(Timestamp, Vec3)>,
-    /// By axis of the world.
+    /// The reversals by axis of the world.
     reversals: [Reversals; 3],
 }
 

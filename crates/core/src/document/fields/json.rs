@@ -82,7 +82,9 @@ fn values(table: &Table) -> Vec<Value> {
     values
         .map(|row| {
             let own = fields.iter().filter(|(value, ..)| *value == row.name);
-            let own: Vec<(&str, &Row)> = own.map(|(_, field, row)| (*field, *row)).collect();
+            let own: Vec<(&str, &Row)> = own
+                .map(|(_, field, field_row)| (*field, *field_row))
+                .collect();
             let content = match row.shapes.as_slice() {
                 [] if own.is_empty() => None,
                 [] => Some(object(own.into_iter())),

@@ -81,8 +81,8 @@ impl ArmAttributes {
             ..attributes
         };
         let arm = pose.arm(side);
-        let error = |attributes: &Self| {
-            let landmarks = attributes.landmarks(&pose.trunk(), side)?;
+        let error = |candidate: &Self| {
+            let landmarks = candidate.landmarks(&pose.trunk(), side)?;
             Ok(landmarks.wrist.distance(arm.wrist) + landmarks.index.distance(arm.index))
         };
         if error(&turned_past)? < error(&attributes)? {

@@ -9,7 +9,7 @@ pub const HALF_POSE_ROWS: usize = 14;
 
 /// The landmarks of both arms and the hips, in the image frame: x to the right, y down, z away from the camera.
 ///
-/// All three axes have the same unit, which is that of the lengths derived from them.
+/// All three axes have the same unit. Lengths derived from them have it too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPose {
     /// The arms, in the order of [`Side::ALL`].

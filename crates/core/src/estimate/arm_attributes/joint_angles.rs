@@ -113,8 +113,8 @@ mod tests {
             let degrees = |&dof: &Dof| angles.get(dof).to_degrees();
             dofs.iter().map(degrees).collect::<Vec<_>>()
         });
-        for (left, right) in left.iter().zip(&right) {
-            assert!((left - right).abs() < 1e-6, "{left:?} {right:?}");
+        for (one, mirrored) in left.iter().zip(&right) {
+            assert!((one - mirrored).abs() < 1e-6, "{one:?} {mirrored:?}");
         }
         right
     }

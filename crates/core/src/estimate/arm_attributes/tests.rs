@@ -159,33 +159,33 @@ fn a_pose_without_a_plane_or_a_length_is_refused() {
         ArmAttributes::from_landmarks(&pose, Side::Left).unwrap_err()
     };
     assert_eq!(
-        refused(&|pose| pose.arms[0].shoulder = pose.arms[1].shoulder),
+        refused(&|it| it.arms[0].shoulder = it.arms[1].shoulder),
         NoTrunk
     );
     assert_eq!(
-        refused(&|pose| pose.hips[0] = pose.arms[0].shoulder.lerp(pose.arms[1].shoulder, -0.7)),
+        refused(&|it| it.hips[0] = it.arms[0].shoulder.lerp(it.arms[1].shoulder, -0.7)),
         NoTrunk
     );
     assert_eq!(
-        refused(&|pose| pose.arms[0].elbow = pose.arms[0].shoulder),
+        refused(&|it| it.arms[0].elbow = it.arms[0].shoulder),
         NoUpperArm
     );
     assert_eq!(
-        refused(&|pose| pose.arms[0].wrist = pose.arms[0].elbow),
+        refused(&|it| it.arms[0].wrist = it.arms[0].elbow),
         NoForearm
     );
     assert_eq!(
-        refused(&|pose| pose.arms[0].wrist = pose.arms[0].elbow.lerp(pose.arms[0].shoulder, 0.8)),
+        refused(&|it| it.arms[0].wrist = it.arms[0].elbow.lerp(it.arms[0].shoulder, 0.8)),
         FoldedElbow
     );
     assert_eq!(
-        refused(&|pose| pose.arms[0].little = pose.arms[0].wrist.lerp(pose.arms[0].index, 2.0)),
+        refused(&|it| it.arms[0].little = it.arms[0].wrist.lerp(it.arms[0].index, 2.0)),
         NoHand
     );
-    assert_eq!(refused(&|pose| pose.arms[0].thumb.z = f64::NAN), NotFinite);
-    assert_eq!(refused(&|pose| pose.hips[1].x = f64::INFINITY), NotFinite);
+    assert_eq!(refused(&|it| it.arms[0].thumb.z = f64::NAN), NotFinite);
+    assert_eq!(refused(&|it| it.hips[1].x = f64::INFINITY), NotFinite);
     assert_eq!(
-        refused(&|pose| *pose = HalfPose::from_rows(&[DVec3::ONE; 14])),
+        refused(&|it| *it = HalfPose::from_rows(&[DVec3::ONE; 14])),
         NoTrunk
     );
 }

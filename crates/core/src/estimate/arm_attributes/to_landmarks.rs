@@ -80,9 +80,9 @@ impl ArmAttributes {
         let normal = self.plane_normal(&full, side);
         let (sine, cosine) = self.elbow_angle.sin_cos();
         let forearm = upper_arm * -cosine + normal.cross(upper_arm) * sine;
-        let (sine, cosine) = self.elbow_rotation.sin_cos();
+        let (turn_sine, turn_cosine) = self.elbow_rotation.sin_cos();
         let neutral = normal * sign(side);
-        let palm = neutral * cosine + sided_cross(side, forearm, neutral) * sine;
+        let palm = neutral * turn_cosine + sided_cross(side, forearm, neutral) * turn_sine;
         Ok((forearm, palm))
     }
 

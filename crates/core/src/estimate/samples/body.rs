@@ -17,7 +17,7 @@ use crate::time::Timestamp;
 /// The first landmark of a half pose: the left shoulder.
 const FIRST_ROW: usize = 11;
 
-/// The pairs of landmarks, from that of the shoulders, without which an arm is not seen: all but the thumbs and hips. The
+/// The pairs of landmarks, from the shoulders on, without which an arm is not seen: all but the thumbs and hips. The
 /// hips of a person at a desk are never visible, and models still place them well.
 const REQUIRED_PAIRS: usize = 5;
 
@@ -123,11 +123,11 @@ impl Held {
     }
 }
 
-/// Returns the lowest confidence of the landmarks that show an arm: those of the arm without the thumb, and the other shoulder.
+/// Returns the lowest confidence of the landmarks that show an arm: its own without the thumb, and the other shoulder.
 /// NaN counts as 0.
 fn confidence(body: &BodyLandmarks, side: Side) -> f32 {
-    let at = |pair: usize, side: Side| {
-        body.points[FIRST_ROW + Side::COUNT * pair + side.index()].confidence
+    let at = |pair: usize, arm: Side| {
+        body.points[FIRST_ROW + Side::COUNT * pair + arm.index()].confidence
     };
     let own = (0..REQUIRED_PAIRS).map(|pair| at(pair, side));
     own.chain([at(0, side.opposite())])

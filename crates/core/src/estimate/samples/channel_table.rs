@@ -7,7 +7,7 @@ use crate::hand::{Dof, JointAngles};
 
 /// The rows of a channel map as one list of numbers of each kind, by degree of freedom, which compilers vectorise.
 ///
-/// The angles are those of the rows one by one, which take over when a channel is unknown or an angle is outside its limits.
+/// The angles equal the angles of the single rows, which take over when a channel is unknown or an angle is outside its limits.
 // Aligned to vector registers, as the angles are.
 #[derive(Clone, Debug)]
 #[repr(C, align(16))]

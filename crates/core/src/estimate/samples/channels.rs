@@ -305,8 +305,8 @@ impl ChannelConverter {
 /// Returns a learner for each channel that measures only fingers and has a calibrated range. The arm moves all fingertips, so a
 /// wrong range of its sensors does more harm than a drift.
 fn learners(map: &ChannelMap, health: &[ChannelHealth]) -> Vec<ChannelLearner> {
-    let learner = |(index, health): (usize, &ChannelHealth)| {
-        let channel = health.channel;
+    let learner = |(index, state): (usize, &ChannelHealth)| {
+        let channel = state.channel;
         let range = map.range(channel)?;
         let mut rows = map.rows().iter().filter(|row| row.channel == channel);
         let dof = rows.clone().next()?.dof;

@@ -24,7 +24,7 @@ fn maps(random: &mut fastrand::Rng) -> [ChannelMap; 2] {
         }
     }
     let curvatures = vec![(3, 20.0), (7, -31.0)];
-    let map = |rows| ChannelMap::new(rows, 255).with_curvatures(curvatures.clone());
+    let map = |map_rows| ChannelMap::new(map_rows, 255).with_curvatures(curvatures.clone());
     let mut twice = rows.clone();
     twice.push(rows[0].clone());
     [rows, twice].map(map)
@@ -59,8 +59,8 @@ fn a_table_gives_the_angles_of_the_rows_one_by_one() {
             limits: limits.copied(),
             ..EstimatorSettings::default()
         };
-        let convert = |map| {
-            let mut converter = ChannelConverter::new(map, &settings);
+        let convert = |given| {
+            let mut converter = ChannelConverter::new(given, &settings);
             let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());
             let outcome =
                 converter.convert(&channels, settings.rail_timeout, &offsets, &mut estimate);
@@ -100,10 +100,10 @@ fn a_learned_range_changes_the_table() {
             counts: [count].into_iter().collect(),
             unsent: Default::default(),
         };
-        let convert = |converter: &mut ChannelConverter| {
+        let convert = |tested: &mut ChannelConverter| {
             let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());
             let offsets = JointAngles::default();
-            let outcome = converter.convert(&channels(150), None, &offsets, &mut estimate);
+            let outcome = tested.convert(&channels(150), None, &offsets, &mut estimate);
             outcome.unwrap();
             estimate.angles.get(Dof::IndexPipFlexion)
         };

@@ -79,7 +79,7 @@ impl<'a> LayoutBuilder<'a> {
         })
     }
 
-    /// Returns the default label of a key: that of its action, or its name if it has none.
+    /// Returns the default label of a key: the label of its action, or its name if it has no action.
     pub fn default_label(&self, action: Option<KeyAction>, name: &str) -> String {
         let label = action.map_or(name, |action| {
             let (sequences, multitaps) = (&self.sequences, &self.multitaps);

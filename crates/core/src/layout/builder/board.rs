@@ -23,7 +23,7 @@ use crate::layout::schema::{ContactSchema, Label, OutlineSchema, PressSchema};
 pub(in crate::layout) struct BoardSettings {
     /// Flat or curved.
     pub shape: BoardShape,
-    /// Scale of positions and sizes, including that of the fit.
+    /// Scale of positions and sizes, including the scale of the fit.
     pub scale: f32,
     /// Fit to the hand.
     pub fit: PoseFit,
@@ -312,9 +312,9 @@ impl<'a> LayoutBuilder<'a> {
             };
             self.board.outlines.push((outline, target, source));
             if spec.is_key {
-                let target = self.board.targets.len();
-                let outline = self.board.outlines.len() - 1;
-                self.board.keys_in_plane.push((target, outline));
+                let target_index = self.board.targets.len();
+                let outline_index = self.board.outlines.len() - 1;
+                self.board.keys_in_plane.push((target_index, outline_index));
             }
         }
         let margin = if spec.is_key {

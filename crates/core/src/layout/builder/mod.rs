@@ -297,7 +297,7 @@ impl<'a> LayoutBuilder<'a> {
     /// Returns the index of the key with this name. Every spelling of a key code is accepted.
     pub fn key_index(&self, name: &str) -> Result<usize, DocumentError> {
         let code = name.parse().map_or(name, |key: KeyCode| key.name());
-        let find = |name: &str| self.key_indices.get(name).copied();
+        let find = |spelling: &str| self.key_indices.get(spelling).copied();
         find(name).or_else(|| find(code)).ok_or_else(|| {
             if [name, code]
                 .iter()

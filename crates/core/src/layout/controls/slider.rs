@@ -203,13 +203,13 @@ fn draw_slider(slider: &Slider, face: &Face, canvas: &mut Canvas) {
     let mut ends = [-half.x + margin, half.x - margin];
     if is_across {
         let label_at = Vec2::X * -down * (half.x - strip * 0.5 - 0.8);
-        let room = Vec2::new(half.y - 0.8, strip / 2.0);
-        draw_turned_label(face, label_at, room, canvas);
+        let label_room = Vec2::new(half.y - 0.8, strip / 2.0);
+        draw_turned_label(face, label_at, label_room, canvas);
         ends[usize::from(down < 0.0)] += down * strip;
     } else {
         let label_at = Vec2::Y * down * (half.y - strip * 0.5 - 0.4);
-        let room = Vec2::new(half.x - 1.2, strip / 2.0);
-        draw_turned_label(face, label_at, room, canvas);
+        let label_room = Vec2::new(half.x - 1.2, strip / 2.0);
+        draw_turned_label(face, label_at, label_room, canvas);
     }
     let track = DrawnTrack { ends, lane, room };
     track.draw_groove(slider, canvas);

@@ -110,8 +110,8 @@ impl TargetSchema<'_> {
             center: center + anchor_from_frame.rotation.inverse() * shift,
             shape: match self.shape {
                 VolumeShapeSchema::Ball(diameter) => VolumeShape::Ball(half(diameter)),
-                VolumeShapeSchema::Box(x, y, z) => {
-                    VolumeShape::Box(Vec3::new(half(x), half(y), half(z)))
+                VolumeShapeSchema::Box(width, height, depth) => {
+                    VolumeShape::Box(Vec3::new(half(width), half(height), half(depth)))
                 }
             },
         }

@@ -97,9 +97,9 @@ impl<'a> ChordSchema<'a> {
             layer,
         )?;
         check_action(builder, names, action, activation)?;
-        let actions = &mut builder.chord_mut(index).actions;
-        actions.resize(layer, None);
-        actions.push(Some(action));
+        let slots = &mut builder.chord_mut(index).actions;
+        slots.resize(layer, None);
+        slots.push(Some(action));
         Ok(())
     }
 
@@ -202,7 +202,7 @@ pub(in crate::layout) fn report_idle_keys(builder: &mut LayoutBuilder) {
         (error, key.face.target)
     };
     let errors: Vec<_> = idle.take(MAX_IDLE).map(error).collect();
-    for (error, target) in errors {
-        builder.report(error, &[target]);
+    for (idle_error, target) in errors {
+        builder.report(idle_error, &[target]);
     }
 }

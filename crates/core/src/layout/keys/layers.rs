@@ -38,7 +38,7 @@ impl<'a> LayerSchema<'a> {
         Ok(())
     }
 
-    /// Adds the actions to the chords, after those of the base layer.
+    /// Adds the actions to the chords, after the actions of the base layer.
     pub fn build_chords(
         &self,
         builder: &mut LayoutBuilder<'a>,

@@ -297,7 +297,7 @@ impl<'a> KeySchema<'a> {
                 "`finger` is for keys of a board with `anchor: wrist` or with `contact: Bend`";
             return Err(builder.error(self.name.text, message));
         };
-        // The position is that of a fingertip, so it does not scale with the sizes.
+        // A fingertip has this position, so it does not scale with the sizes.
         let unscaled = position(self.fields.at_mm) * board.scale * (1.0 / board.fit.scale - 1.0);
         Ok(unscaled.extend(0.0) + fingertips[finger.index()])
     }

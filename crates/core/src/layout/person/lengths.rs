@@ -26,18 +26,18 @@ pub(super) fn bones(
     let upper_arm = schema
         .upper_arm_length_mm
         .map(|length| metres(length.get()));
-    let average = |hand: f64| BoneLengths::from_hand_and_forearm(hand, FOREARM * hand);
+    let average = |length: f64| BoneLengths::from_hand_and_forearm(length, FOREARM * length);
     // The average person of 180 mm, from which the lengths of others follow in proportion.
     let unit = average(0.18).map_err(|error| document.error_at(&document.text, error))?;
     let (by_breadth, by_upper_arm) = (unit.hand / unit.breadth, unit.forearm / unit.upper_arm);
     let derived_forearm = forearm.or(upper_arm.map(|length| length * by_upper_arm));
     let derived_hand = hand
         .or(breadth.map(|breadth| breadth * by_breadth))
-        .or(derived_forearm.map(|forearm| forearm / FOREARM));
-    let Some(hand) = derived_hand else {
+        .or(derived_forearm.map(|length| length / FOREARM));
+    let Some(hand_length) = derived_hand else {
         return Ok(None);
     };
-    let forearm = derived_forearm.unwrap_or(FOREARM * hand);
+    let forearm_length = derived_forearm.unwrap_or(FOREARM * hand_length);
     let named = [
         "hand_length_mm",
         "forearm_length_mm",
@@ -45,9 +45,9 @@ pub(super) fn bones(
         "upper_arm_length_mm",
     ];
     let place = named.iter().find_map(|name| document.field_value(name));
-    let average = BoneLengths::from_hand_and_forearm(hand, forearm);
+    let computed = BoneLengths::from_hand_and_forearm(hand_length, forearm_length);
     let mut bones =
-        average.map_err(|error| document.error_at(place.unwrap_or(&document.text), error))?;
+        computed.map_err(|error| document.error_at(place.unwrap_or(&document.text), error))?;
     bones.breadth = breadth.unwrap_or(bones.breadth);
     bones.upper_arm = upper_arm.unwrap_or(bones.upper_arm);
     check(document, &bones)?;

@@ -131,7 +131,7 @@ fn finger(document: &Document, name: Spanned) -> Result<Finger, DocumentError> {
     finger.map_err(|error: UnknownName| document.error_at(name.text, error))
 }
 
-/// Returns the usual ranges of joints, narrowed by those of the file.
+/// Returns the usual ranges of joints, narrowed by the ranges of the file.
 fn limits(
     document: &Document,
     ranges: &Pairs<(

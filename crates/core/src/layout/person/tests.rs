@@ -38,8 +38,8 @@ fn lengths_of_the_file_replace_those_in_proportion() {
     let bones = person(text).bones.unwrap();
     let found = [bones.hand, bones.breadth, bones.forearm, bones.upper_arm];
     let expected = [0.210, 0.088, 0.270, 0.330];
-    for (found, expected) in found.into_iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    for (length, wanted) in found.into_iter().zip(expected) {
+        assert!((length - wanted).abs() < 1e-9, "{length} {wanted}");
     }
     let arm = person(text).arm(Side::Left).unwrap().unwrap();
     assert_eq!(arm.side(), Side::Left);

@@ -78,8 +78,8 @@ pub enum MarkShape {
 }
 
 impl Layout {
-    /// Returns the marks on the front of a control other than a key, from below to above. `value` is the position of its handle, of
-    /// 0..=1, or 1 for on; that of the start without one. `None` if the target is no such control.
+    /// Returns the marks on the front of a control other than a key, from below to above. `value` is the position of its
+    /// handle, of 0..=1, or 1 for on; the default is the position at the start. `None` if the target is no such control.
     pub fn front_marks(&self, target: TargetId, value: Option<f32>) -> Option<Vec<FrontMark>> {
         let (control, index) = self.control_at(target)?;
         let kind = control.kind.clone();

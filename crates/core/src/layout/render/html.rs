@@ -61,11 +61,12 @@ impl Layout {
                 }
                 Part::List { heading, rows } => {
                     writeln!(page, "<h2>{heading}</h2>\n<table>")?;
-                    for (name, description) in rows {
-                        let (name, description) = (escape_markup(name), escape_markup(description));
+                    for (row_name, description) in rows {
+                        let (row_name, description) =
+                            (escape_markup(row_name), escape_markup(description));
                         writeln!(
                             page,
-                            "<tr><th scope=\"row\">{name}</th><td>{description}</td></tr>"
+                            "<tr><th scope=\"row\">{row_name}</th><td>{description}</td></tr>"
                         )?;
                     }
                     writeln!(page, "</table>")?;

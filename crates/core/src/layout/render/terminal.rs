@@ -268,8 +268,8 @@ fn table(rows: &[(String, String)]) -> String {
         let name = format!("  {}", escape(name));
         let description = escape(description);
         let words: Vec<String> = description.split(' ').map(str::to_owned).collect();
-        let description = wrapped(&words, " ", column);
-        format!("{name:column$}{}", description.trim_start())
+        let lines = wrapped(&words, " ", column);
+        format!("{name:column$}{}", lines.trim_start())
     });
     rows.collect()
 }

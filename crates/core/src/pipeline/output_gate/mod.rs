@@ -3,8 +3,8 @@
 //! It suppresses releases of keys that are not pressed, events that the role of the source does not permit, presses
 //! beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
 //!
-//! Some keys act on the system only together with Control and Alt. The gate never lets all three be down, in whatever
-//! order and from whichever controls they are pressed: a press of such a key is suppressed while Control and Alt are down,
+//! Some keys act on the system only together with Control and Alt. The gate never lets all three be down, in any order
+//! and from any controls: a press of such a key is suppressed while Control and Alt are down,
 //! and a press of the missing modifier releases such a key first. The modifier itself is not suppressed, because a
 //! control may hold it for long, and later keys must not act without it.
 
@@ -43,8 +43,8 @@ pub(super) struct OutputGate {
 }
 
 impl OutputGate {
-    /// Creates a gate for one source. System keys are those of [`KeyCode::is_system_key`], and keys that act on the
-    /// system together with Control and Alt.
+    /// Creates a gate for one source. System keys are the keys of [`KeyCode::is_system_key`], and keys that act on
+    /// the system together with Control and Alt.
     pub(super) fn new(permissions: SourcePermissions, allow_system_keys: bool) -> Self {
         Self {
             sources: vec![SourceState::new(permissions)],
@@ -197,11 +197,19 @@ impl OutputGate {
             return false;
         }
         let mut pressed = self.pressed.release_order();
-        let Some(acting) = pressed.find(|key| key.is_system_key_with_ctrl_alt()) else {
+        let Some(acting) = pressed.find(|held| held.is_system_key_with_ctrl_alt()) else {
             return false;
         };
-        let kind = EventKind::KeyUp(acting);
-        let is_inserted = events.try_insert(index, OutputEvent { time, kind }).is_ok();
+        let release = EventKind::KeyUp(acting);
+        let is_inserted = events
+            .try_insert(
+                index,
+                OutputEvent {
+                    time,
+                    kind: release,
+                },
+            )
+            .is_ok();
         self.suppressed.system_keys += u64::from(is_inserted);
         is_inserted
     }

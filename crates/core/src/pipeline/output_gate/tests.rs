@@ -21,13 +21,13 @@ fn event(milliseconds: u64, line: &str) -> OutputEvent {
 fn filter(gate: &mut OutputGate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
     let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
     let is_within_limit = gate.filter(0, 0, 0, &mut events);
-    let lines = events.iter().map(|event| match event.kind {
+    let words = events.iter().map(|event| match event.kind {
         EventKind::KeyDown(key) => format!("down {key}"),
         EventKind::KeyUp(key) => format!("up {key}"),
         EventKind::Character(character) => format!("write {character}"),
         _ => panic!("{event:?}"),
     });
-    (is_within_limit, lines.collect())
+    (is_within_limit, words.collect())
 }
 
 fn permissions(role: SourceRole, per_second: u32) -> SourcePermissions {
@@ -44,9 +44,9 @@ fn gate(per_second: u32) -> OutputGate {
 #[test]
 fn a_burst_of_half_a_second_passes_and_then_the_sustained_rate() {
     let mut gate = gate(20);
-    let taps = |gate: &mut OutputGate, milliseconds, count: usize| {
+    let taps = |tested: &mut OutputGate, milliseconds, count: usize| {
         (0..count)
-            .map(|_| filter(gate, milliseconds, &["down A", "up A"]))
+            .map(|_| filter(tested, milliseconds, &["down A", "up A"]))
             .filter(|(is_within_limit, _)| *is_within_limit)
             .count()
     };
@@ -65,8 +65,8 @@ fn the_release_of_a_suppressed_press_is_suppressed_and_no_other() {
         (is_within_limit, passed),
         (false, vec!["down A".to_owned()])
     );
-    let (is_within_limit, passed) = filter(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
-    assert_eq!((is_within_limit, passed), (true, vec!["up A".to_owned()]));
+    let (is_allowed, releases) = filter(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
+    assert_eq!((is_allowed, releases), (true, vec!["up A".to_owned()]));
 }
 
 #[test]
@@ -93,9 +93,9 @@ fn system_keys_are_suppressed_unless_they_are_allowed() {
     }
     assert_eq!(filter(&mut gate, 1, &["down A"]).1, ["down A"]);
     assert_eq!(gate.suppressed().system_keys, 4);
-    let mut gate = OutputGate::new(SourcePermissions::LOCAL, true);
+    let mut permissive = OutputGate::new(SourcePermissions::LOCAL, true);
     assert_eq!(
-        filter(&mut gate, 1, &["down MetaLeft"]).1,
+        filter(&mut permissive, 1, &["down MetaLeft"]).1,
         ["down MetaLeft"]
     );
 }
@@ -154,11 +154,11 @@ fn a_system_chord_is_never_down_in_any_order_of_its_keys() {
         }
         assert_eq!(passed, expected, "one by one");
         assert_eq!(gate.suppressed().system_keys, 1);
-        let mut gate = OutputGate::new(SourcePermissions::LOCAL, false);
+        let mut fresh = OutputGate::new(SourcePermissions::LOCAL, false);
         let presses = presses.each_ref().map(String::as_str);
-        assert_eq!(filter(&mut gate, 1, &presses).1, expected, "in one step");
-        let mut gate = OutputGate::new(SourcePermissions::LOCAL, true);
-        assert_eq!(filter(&mut gate, 1, &presses).1, presses, "allowed");
+        assert_eq!(filter(&mut fresh, 1, &presses).1, expected, "in one step");
+        let mut permissive = OutputGate::new(SourcePermissions::LOCAL, true);
+        assert_eq!(filter(&mut permissive, 1, &presses).1, presses, "allowed");
     }
 }
 
@@ -237,7 +237,7 @@ fn filter_for(role: SourceRole, kinds: &[EventKind]) -> (Vec<EventKind>, Suppres
     let mut events: Events = kinds.iter().map(event).collect();
     let is_within_limit = gate.filter(0, 0, 0, &mut events);
     assert!(is_within_limit, "the role does not affect the rate limit");
-    let passed = events.iter().map(|event| event.kind).collect();
+    let passed = events.iter().map(|it| it.kind).collect();
     (passed, gate.suppressed())
 }
 
@@ -265,8 +265,8 @@ fn a_pointer_source_presses_no_keys_and_a_key_source_does_not_point() {
     };
     let (passed, count) = filter_for(SourceRole::Pointer, &all);
     assert_eq!((&passed[..], count), (&pointing[..], suppressed(3, 0)));
-    let (passed, count) = filter_for(SourceRole::Keys, &all);
-    assert_eq!((&passed[..], count), (&keys[..], suppressed(0, 6)));
+    let (key_events, key_count) = filter_for(SourceRole::Keys, &all);
+    assert_eq!((&key_events[..], key_count), (&keys[..], suppressed(0, 6)));
     assert_eq!(filter_for(SourceRole::Both, &all), (all, suppressed(0, 0)));
 }
 
@@ -344,13 +344,13 @@ fn presses_that_a_filter_added_do_not_count_against_the_rate_limit() {
         assert!(gate.filter(0, 0, 12, &mut events), "step {step}");
         assert_eq!(events.len(), 26);
     }
-    let burst = |gate: &mut OutputGate, added| {
+    let burst = |tested: &mut OutputGate, added| {
         let write = [event(10_001, "write a"), event(10_001, "write b")];
         let mut events: Events = write.into_iter().cycle().take(6).collect();
-        let is_within_limit = gate.filter(0, 0, added, &mut events);
+        let is_within_limit = tested.filter(0, 0, added, &mut events);
         (is_within_limit, events.len())
     };
-    // The characters of one key count as one press even behind those of a filter.
+    // The characters of one key count as one press even after the characters of a filter.
     assert_eq!(burst(&mut gate, 4), (true, 6));
     assert_eq!(burst(&mut gate, 4), (true, 6));
     assert_eq!(burst(&mut gate, 4), (false, 4));

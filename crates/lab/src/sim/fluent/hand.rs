@@ -115,7 +115,7 @@ pub struct HandSetup<'a> {
 }
 
 impl FluentHand {
-    /// Creates a hand of a person in front of a scene. `seed` is that of the run.
+    /// Creates a hand of a person in front of a scene. `seed` is the seed of the run.
     pub fn new(
         setup: HandSetup,
         person: &Participant,
@@ -144,8 +144,8 @@ impl FluentHand {
         };
         if posture == StartPosture::Straight {
             for &finger in Finger::ALL {
-                for (index, value) in index.values_at_bend(finger, STRAIGHT) {
-                    values[index] = value;
+                for (channel, value) in index.values_at_bend(finger, STRAIGHT) {
+                    values[channel] = value;
                 }
             }
         }
@@ -193,7 +193,7 @@ impl FluentHand {
         }
     }
 
-    /// Starts another run of the same person at time 0, with what was learned. `seed` is that of the run.
+    /// Starts another run of the same person at time 0, with what was learned. `seed` is the seed of the run.
     pub fn restart(&mut self, seed: u64) {
         self.timeline = Timeline::new(self.initial.clone());
         self.draw = Draw::new(seed, 0x4a1d + self.side.index() as u64);

@@ -81,9 +81,9 @@ impl FluentHand {
         let distance = f64::from(moved.length());
         let point = tap.shift + self.error(tap.finger, size, moved);
         let depth = self.depth(found.travel, tap.is_shallow);
-        let (above, goal) = self.posture_at(scene, tap.target, &aim, point.extend(HOVER))?;
+        let (above, reached) = self.posture_at(scene, tap.target, &aim, point.extend(HOVER))?;
         let (below, _) = self.posture_at(scene, tap.target, &aim, point.extend(depth))?;
-        self.last_place = Some(goal - self.reach_of(tap.finger));
+        self.last_place = Some(reached - self.reach_of(tap.finger));
 
         let press = self.person.press_ms * 1e-3;
         let dwell = self.draw.log_normal(self.person.dwell_ms, 0.25) * 1e-3;
@@ -326,8 +326,8 @@ impl FluentHand {
             let joints = Finger::FLEXIONS[master.index()].into_iter();
             for (own, other) in joints.zip(Finger::FLEXIONS[slave.index()]) {
                 let indices = hand.index_of(own).zip(hand.index_of(other));
-                if let Some((own, other)) = indices.filter(|(own, other)| own != other) {
-                    change[other] = share * bump.change[own];
+                if let Some((own_index, other_index)) = indices.filter(|(from, to)| from != to) {
+                    change[other_index] = share * bump.change[own_index];
                 }
             }
         }

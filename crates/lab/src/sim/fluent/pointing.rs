@@ -167,8 +167,8 @@ impl FluentHand {
                 hand.reach_with(Effector::INDEX, goal, &mut values, &[]);
             }
             Control::Angles(angles) => {
-                for (&(index, middle), by) in angles.iter().zip([by.x, by.y]) {
-                    values[index] = hand.value_near(index, middle + f64::from(by));
+                for (&(index, middle), shift) in angles.iter().zip([by.x, by.y]) {
+                    values[index] = hand.value_near(index, middle + f64::from(shift));
                 }
             }
         }
@@ -287,8 +287,8 @@ impl FluentHand {
         }
         let length = rate.dead_zone + part.powf(1.0 / rate.curve) * (1.0 - rate.dead_zone);
         let displaced = velocity / speed * length;
-        let angle = |axis: &AngleMapping, part: f32| {
-            let curved = part.abs().powf(1.0 / axis.curve).copysign(part);
+        let angle = |axis: &AngleMapping, deflection: f32| {
+            let curved = deflection.abs().powf(1.0 / axis.curve).copysign(deflection);
             curved * (axis.to - axis.from) / 2.0
         };
         match &rate.displacement {

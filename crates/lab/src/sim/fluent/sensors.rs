@@ -86,11 +86,11 @@ impl SourceModel {
     ) -> Self {
         let draw = Draw::new(seed, 0x5e45);
         let glove = map.filter(|_| kind == SourceKind::Glove);
-        let glove = glove.map(|map| {
+        let glove = glove.map(|channel_map| {
             let mut angles: Vec<(Dof, f64, f64, f64)> = Vec::new();
-            // The errors of a glove are those of the person's glove, in every run.
+            // The errors belong to the person's glove and are the same in every run.
             let mut own = Draw::new(person.seed, 0x610e);
-            for row in map.rows() {
+            for row in channel_map.rows() {
                 if angles.iter().any(|(dof, ..)| *dof == row.dof) {
                     continue;
                 }
@@ -101,7 +101,7 @@ impl SourceModel {
                 angles.push((row.dof, gain, backlash * part, 0.0));
             }
             GloveErrors {
-                sensor: GloveSensor::new(map, Noise::new(0.0, 0)),
+                sensor: GloveSensor::new(channel_map, Noise::new(0.0, 0)),
                 angles,
                 is_started: false,
             }

@@ -33,8 +33,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Returns what may press a target, best first: the finger that the layout names, those of the person, at a board that moves
-    /// with the wrist the fingers by their distance, and otherwise the index finger, then the thumb.
+    /// Returns what may press a target, best first: the finger that the layout names, the fingers of the person, at a board that
+    /// moves with the wrist the fingers by their distance, and otherwise the index finger, then the thumb.
     pub(super) fn effectors(&self, target: TargetId) -> Vec<Effector> {
         let Some((surface, found)) = self.scene.target(target) else {
             return vec![Effector::INDEX];
@@ -83,7 +83,7 @@ impl Planner<'_> {
         all.collect()
     }
 
-    /// Presses a point with the first finger that reaches it and presses nothing else. An error is that of the best finger.
+    /// Presses a point with the first finger that reaches it and presses nothing else. Fails with the error of the best finger.
     pub(super) fn press_by_any(
         &mut self,
         point: TargetPoint,
@@ -191,8 +191,8 @@ impl Planner<'_> {
                 target: wrong.target,
             });
         }
-        let mut presses = watch.presses();
-        let is_pressed = presses.any(|touch| touch.finger == own && touch.target == point.target);
+        let mut touches = watch.presses();
+        let is_pressed = touches.any(|touch| touch.finger == own && touch.target == point.target);
         if is_pressed || !is_full || !is_center {
             Ok(())
         } else {
@@ -246,7 +246,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Moves another fingertip than that of the index finger to the end of a path, joint by joint: such a finger has few ways to a
+    /// Moves a fingertip other than the index finger's to the end of a path, joint by joint: such a finger has few ways to a
     /// point. Returns the distance from the end in metres.
     pub(super) fn move_finger(&mut self, path: TipPath, time: Duration, min_packets: u32) -> f64 {
         let state = &self.state;

@@ -418,11 +418,11 @@ impl<'a> Planner<'a> {
     fn perform(&mut self, active: &ActiveMovement, steps: u32) -> f64 {
         let before = self.state.values.clone();
         let mut max_distance = 0_f64;
-        for steps in [steps, active.packets()] {
+        for count in [steps, active.packets()] {
             self.state.values.clone_from(&before);
             max_distance = 0.0;
-            for step in 1..=steps {
-                let fraction = step as f32 / steps as f32;
+            for step in 1..=count {
+                let fraction = step as f32 / count as f32;
                 let distance = active.step(fraction, &self.state.hand, &mut self.state.values);
                 max_distance = max_distance.max(distance);
             }

@@ -26,12 +26,12 @@ pub(in crate::sim) struct HandState {
     /// Posture to which the hand returns at the end.
     pub(super) rest: Vec<f64>,
     pub(super) tip_state: TipState,
-    /// What moves to the targets.
+    /// The finger or the hand that moves to the targets.
     pub(super) effector: Effector,
     /// Fingers whose joints the actions have set. They stay as they are when another finger points.
     pub(super) posed: FingerSet,
     pub(super) is_pinched: bool,
-    /// Channels besides those of the thumb that the pinch changed: their indices, and their values before.
+    /// Channels other than the thumb's that the pinch changed: their indices, and their values before.
     pub(super) before_pinch: Vec<(usize, f64)>,
     /// First position of the fingertip, clear of all targets (world, metres).
     pub(super) home: Vec3,

@@ -230,12 +230,12 @@ fn parse_action(tokens: &[Token], names: &TargetNames) -> Result<HandAction, Syn
                 let degrees = arguments.number("DEG", -MAX_BODY_DEG..=MAX_BODY_DEG)?;
                 HandAction::SetBody(angle, degrees.to_radians())
             } else {
-                let names = Input::NAMES.iter().chain(BodyAngle::NAMES).copied();
-                let unknown = |_: UnknownName| {
-                    let error = UnknownName::new("input", token.text, names);
+                let inputs = Input::NAMES.iter().chain(BodyAngle::NAMES).copied();
+                let unknown_input = |_: UnknownName| {
+                    let error = UnknownName::new("input", token.text, inputs);
                     SyntaxError::new(token.span.clone(), error.to_string())
                 };
-                let input: Input = token.text.parse().map_err(unknown)?;
+                let input: Input = token.text.parse().map_err(unknown_input)?;
                 HandAction::SetInput(input, arguments.number("VALUE", -1.0..=1.0)?)
             }
         }

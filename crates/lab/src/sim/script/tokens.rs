@@ -60,7 +60,7 @@ pub fn tokenize(text: &str) -> Result<Vec<Vec<Token<'_>>>, SyntaxError> {
         }
     }
     steps.push(tokens);
-    steps.retain(|tokens| !tokens.is_empty());
+    steps.retain(|step| !step.is_empty());
     Ok(steps)
 }
 

@@ -13,7 +13,7 @@ pub(super) struct Habits {
 impl Habits {
     /// Draws a person.
     ///
-    /// Means and standard deviations of wrist and forearm are those of Boone & Azen 1979 (extension 75 ± 6.4°, flexion 76 ± 6.3°, radial
+    /// Means and standard deviations of wrist and forearm come from Boone & Azen 1979 (extension 75 ± 6.4°, flexion 76 ± 6.3°, radial
     /// 21 ± 4.0°, ulnar 36 ± 3.8°, pronation and supination together 158 ± 6.4°); fingers close to the means of the American
     /// Academy of Orthopaedic Surgeons with deviations of the same size. A table holds a joint to 2° to 3°.
     pub(super) fn new(random: &mut fastrand::Rng) -> Self {

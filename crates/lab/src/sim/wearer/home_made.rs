@@ -25,9 +25,9 @@ named_enum! {
 
 /// The counts of a straight finger.
 const STRAIGHT: (f64, f64) = (550.0, 900.0);
-/// The counts by which those of a closed finger are larger.
+/// The counts that a closed finger adds.
 const SPAN: (f64, f64) = (1_800.0, 2_400.0);
-/// The same for a divider with the wrong resistor.
+/// The counts that a closed finger adds in a divider with the wrong resistor.
 const NARROW_SPAN: (f64, f64) = (350.0, 450.0);
 /// The part of its span by which a half-bent sensor is above a straight line.
 const BOW: (f64, f64) = (-0.02, 0.03);
@@ -93,8 +93,8 @@ impl HomeMadeSensors {
             ..Fields::default()
         };
         let line = fields.encode();
-        let fields = Fields::parse(line.as_bytes()).expect("a line with all fingers");
-        fields.channels(FULL_SCALE)
+        let parsed = Fields::parse(line.as_bytes()).expect("a line with all fingers");
+        parsed.channels(FULL_SCALE)
     }
 
     fn count(&self, finger: Finger, angles: &JointAngles, random: &mut fastrand::Rng) -> i64 {

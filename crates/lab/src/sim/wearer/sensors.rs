@@ -230,8 +230,8 @@ impl Sensor {
     }
 
     fn count(&self, fraction: f64) -> f64 {
-        let volt = |fraction: f64| {
-            let resistance = 1.0 + (self.bent_resistance - 1.0) * fraction;
+        let volt = |bend: f64| {
+            let resistance = 1.0 + (self.bent_resistance - 1.0) * bend;
             resistance / (self.fixed_resistance + resistance)
         };
         let (low, high) = (volt(0.0), volt(1.0));

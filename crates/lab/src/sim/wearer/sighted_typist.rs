@@ -72,7 +72,7 @@ impl SeenHand<'_> {
 }
 
 impl<'a> SightedTypist<'a> {
-    /// Creates a typist on the boards of a scene. `map` and `arm` are those of the program. The person makes up to `corrections`
+    /// Creates a typist on the boards of a scene. `map` and `arm` are the program's own. The person makes up to `corrections`
     /// corrections on the way to a key, and as many while pressing it.
     pub fn new(
         wearer: &'a mut SimulatedWearer,

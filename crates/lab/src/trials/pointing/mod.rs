@@ -91,9 +91,9 @@ impl Station {
             let (series, jacobian) = self.series(cursor, &settings, (hand, seed), ring)?;
             score.series.push(series);
             if let Some(jacobian) = jacobian {
-                let cursor = IdealCursor::new(screen, jacobian);
-                let (series, _) = self.series(cursor, &settings, (hand, seed), ring)?;
-                ideal.push(series.result.throughput);
+                let ideal_cursor = IdealCursor::new(screen, jacobian);
+                let (ideal_series, _) = self.series(ideal_cursor, &settings, (hand, seed), ring)?;
+                ideal.push(ideal_series.result.throughput);
             }
         }
         let sum: f64 = ideal.iter().sum();

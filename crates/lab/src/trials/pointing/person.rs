@@ -85,8 +85,8 @@ impl Jacobian {
         let expected = self.apply(by);
         let squared = by[0] * by[0] + by[1] * by[1];
         for (row, axis) in self.0.iter_mut().zip(0..) {
-            for (entry, by) in row.iter_mut().zip(by) {
-                *entry += 0.5 * (way[axis] - expected[axis]) * by / squared;
+            for (entry, shift) in row.iter_mut().zip(by) {
+                *entry += 0.5 * (way[axis] - expected[axis]) * shift / squared;
             }
         }
     }
@@ -348,7 +348,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
             }
             let seen = between(self.perceived(), target);
             let is_on = |error: [f64; 2]| error[0].hypot(error[1]) <= AIM * width / 2.0;
-            // What was ordered and is not seen yet.
+            // Less the motion that was ordered and is not seen yet.
             let mut error = seen;
             for order in &orders {
                 error[0] -= order[0] * self.period;

@@ -14,7 +14,7 @@ use crate::capture::{CaptureError, Readiness, Sample, SourceEvent};
 
 const TIMEOUT: Duration = Duration::from_secs(20);
 
-/// Connector to a new pipe at each call, whose writing end it keeps. Reads block, as those of a pipe do, so that one
+/// Connector to a new pipe at each call, whose writing end it keeps. Reads block, as on any pipe, so that a read
 /// without bytes would end no test.
 #[derive(Clone, Default)]
 struct PipeConnector {

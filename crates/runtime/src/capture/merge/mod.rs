@@ -40,8 +40,8 @@ pub struct PartialSource {
 /// The readings of several sources as one source.
 ///
 /// Each source runs on its own thread. Live readings are merged in the order of the movements that they show: the clock of
-/// each source is shifted to that of arrival, and the readings of a source with a short delay are held back until those of
-/// the source with the longest delay show the same moment. Other readings, such as those of recordings, are merged in order
+/// each source is shifted to the clock of arrival, and the readings of a source with a short delay are held back until the
+/// source with the longest delay shows the same moment. Other readings, such as readings of recordings, are merged in order
 /// of their own times. The loss of a source costs its part only, see [`CaptureError::PartLost`]. The stream ends when all
 /// sources have ended.
 pub struct MergedSource {
@@ -51,7 +51,7 @@ pub struct MergedSource {
     inputs: ArrayVec<MergedInput, MAX_SOURCES>,
     /// The headsets of the first source that has any.
     headsets: Option<HeadsetList>,
-    /// Time of the latest reading. Times never decrease, and those of parts increase.
+    /// Time of the latest reading. Times never decrease, and the times of each part increase.
     time: Timestamp,
     cancel: Option<CancelToken>,
     /// Time at which a call returns without a reading, so that packets that were refused since the last one are reported.

@@ -100,9 +100,12 @@ fn no_two_live_readings_of_a_hand_have_the_same_time_although_the_other_hand_ove
     let times = || (0..300).collect();
     let (readings, _) = merge(TimedSource("live", times()), TimedSource("live", times()));
     for side in [Side::Left, Side::Right] {
-        let times = readings.iter().filter(|(other, _)| *other == side);
-        let times: Vec<_> = times.map(|(_, time)| *time).collect();
-        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+        let of_side = readings.iter().filter(|(other, _)| *other == side);
+        let of_side: Vec<_> = of_side.map(|(_, time)| *time).collect();
+        assert!(
+            of_side.windows(2).all(|pair| pair[0] < pair[1]),
+            "{of_side:?}"
+        );
     }
 }
 
@@ -136,11 +139,11 @@ fn merge_parts(
         (HandPart::Fingers, fingers, Duration::ZERO),
         (HandPart::Arm, arm, delay),
     ];
-    let parts = parts.map(|(part, events, delay)| PartialSource {
+    let parts = parts.map(|(part, events, part_delay)| PartialSource {
         source: Box::new(PartSource(events)),
         side: Some(Side::Right),
         part: Some(part),
-        delay,
+        delay: part_delay,
     });
     MergedSource::start(parts.into_iter().collect()).unwrap()
 }
@@ -278,12 +281,12 @@ fn a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods() {
     });
     let merged = MergedSource::start(sources.into_iter().collect()).unwrap();
     let capture = spawn(merged).unwrap();
-    let (mut steady, mut flooded, mut dropped) = (0, 0, 0);
+    let (mut calm, mut flooded, mut dropped) = (0, 0, 0);
     for event in capture.events() {
         match event {
             CaptureEvent::Reading { reading, .. } if reading.side == Some(Side::Right) => {
-                steady += 1;
-                received.fetch_max(steady, Ordering::Relaxed);
+                calm += 1;
+                received.fetch_max(calm, Ordering::Relaxed);
             }
             CaptureEvent::Reading { .. } => flooded += 1,
             CaptureEvent::End(stats) => dropped = stats.dropped,
@@ -291,7 +294,7 @@ fn a_slow_consumer_receives_every_reading_of_a_hand_beside_one_that_floods() {
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert_eq!(steady, STEADY_READINGS, "beside {flooded} readings");
+    assert_eq!(calm, STEADY_READINGS, "beside {flooded} readings");
     assert!(dropped > STEADY_READINGS, "{dropped}");
 }
 
@@ -320,8 +323,8 @@ impl Source for Refused {
 /// Merges the fingers and the arm, which have refused these numbers of packets.
 fn merged_refusals(refused: [&Arc<AtomicU64>; 2]) -> MergedSource {
     let sources = HandPart::ALL.iter().zip(refused);
-    let sources = sources.map(|(&part, refused)| PartialSource {
-        source: Box::new(Refused(Arc::clone(refused))) as Box<dyn Source>,
+    let sources = sources.map(|(&part, count)| PartialSource {
+        source: Box::new(Refused(Arc::clone(count))) as Box<dyn Source>,
         side: Some(Side::Right),
         part: Some(part),
         delay: Duration::ZERO,

@@ -12,7 +12,7 @@ const RATES: [u32; 7] = [9_600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_80
 /// Fewest bytes that show a bit rate.
 const MIN_BYTES: usize = 64;
 
-/// Returns the bit rate of the sender of these bytes if it is a fraction of that of the receiver, `baud`.
+/// Returns the bit rate of the sender of these bytes if it is a fraction of the receiver's, `baud`.
 pub fn slower_sender(bytes: &[u8], baud: NonZeroU32) -> Option<u32> {
     if bytes.len() < MIN_BYTES {
         return None;

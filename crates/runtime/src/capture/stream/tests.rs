@@ -122,10 +122,10 @@ fn each_end_of_a_live_stream_is_one_loss_and_reconnection_backs_off() {
             }
         }
     }
-    let reads = *read_count.lock().unwrap();
+    let count = *read_count.lock().unwrap();
     // At 0, 0.1, 0.3 and 0.7 s, because no packet arrives in between.
-    assert!((2..=4).contains(&reads), "{reads}");
-    assert_eq!((losses, source.stats().losses), (reads, reads as u64));
+    assert!((2..=4).contains(&count), "{count}");
+    assert_eq!((losses, source.stats().losses), (count, count as u64));
 }
 
 #[test]

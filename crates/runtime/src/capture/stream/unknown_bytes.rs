@@ -136,7 +136,7 @@ impl UnknownBytes {
         }
     }
 
-    /// Returns the bit rate of the sender, if it is lower than that of the receiver.
+    /// Returns the bit rate of the sender, if it is lower than the bit rate of the receiver.
     pub fn slower_sender(&self, baud: NonZeroU32) -> Option<NonZeroU32> {
         NonZeroU32::new(bit_rate::slower_sender(&self.bytes, baud)?)
     }

@@ -18,7 +18,7 @@ pub fn garbage(name: &str, error: &str, likely: Option<String>) {
     );
 }
 
-/// Warns that a stream had no packet up to its end. The arguments are those of [`garbage`].
+/// Warns that a stream had no packet up to its end. Takes the arguments of [`garbage`].
 pub fn nothing_valid(name: &str, error: &str, likely: Option<String>) {
     let advice = likely.map_or(String::new(), |likely| format!("; it {likely}"));
     tracing::warn!(source = name, "no valid packet in {name}{error}{advice}");

@@ -179,7 +179,7 @@ impl Drop for ConsumerThread {
 }
 
 impl EventSender {
-    /// Queues an event. That of a source that is not live waits for room until cancellation.
+    /// Queues an event. For a source that is not live it waits for room until cancellation.
     fn send(&mut self, event: CaptureEvent) {
         if let Some(event) = self.queue.push(event) {
             select! {

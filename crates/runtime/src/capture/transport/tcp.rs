@@ -99,8 +99,8 @@ impl ByteStream for AvailableBytes {
 /// Connects to the first address of a host that answers.
 pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
     let mut last_error = Error::other("the name has no address");
-    for address in address.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
+    for resolved in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&resolved, CONNECT_TIMEOUT) {
             Ok(stream) => {
                 stream.set_nodelay(true)?;
                 stream.set_read_timeout(Some(READ_TIMEOUT))?;

@@ -61,12 +61,12 @@ impl Connector for SecureConnector {
             .map_err(|error| ConnectError::Absent(format!("{error}; {}", tcp::REMEDY)))?;
         let token_file = network::token_path(&self.token_file);
         let secured = network::connect(stream, &token_file);
-        let stream = secured.map_err(|error| match error {
+        let secured_stream = secured.map_err(|error| match error {
             SecureError::Connection(_) => ConnectError::Absent(error.to_string()),
             error => ConnectError::Unusable(error.to_string()),
         })?;
         Ok(Connection {
-            bytes: Box::new(stream),
+            bytes: Box::new(secured_stream),
             // Bytes may have been decrypted that were not read yet, which the socket does not report.
             readiness: None,
             endpoint: self.address.clone(),

@@ -61,7 +61,7 @@ impl KnownDevice {
         let identity = port.usb.clone()?;
         let same = present
             .iter()
-            .filter(|port| port.usb.as_ref() == Some(&identity));
+            .filter(|other| other.usb.as_ref() == Some(&identity));
         let has_twin = same.count() > 1;
         Some(Self { identity, has_twin })
     }
@@ -208,8 +208,8 @@ mod tests {
                 PortChoice::OtherDevice(glove()),
             ),
         ];
-        for (case, known, present, expected) in table {
-            assert_eq!(choose_port(usb0, known, &present), expected, "{case}");
+        for (case, device, present, expected) in table {
+            assert_eq!(choose_port(usb0, device, &present), expected, "{case}");
         }
     }
 

@@ -235,7 +235,7 @@ fn parse(text: &str) -> Result<SourceUri, String> {
             script: rest.into(),
         },
         unknown => {
-            let names: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
+            let names: Vec<&str> = schemes().map(|it| it.name).collect();
             return Err(unknown_name("kind of source", unknown, &names));
         }
     };
@@ -355,7 +355,7 @@ struct ParsedOptions {
     rate_hz: Option<u32>,
 }
 
-/// Reads the options of a stream; `None` is that of a simulated person, which no transport delays.
+/// Reads the options of a stream; `transport` is `None` for a simulated person, which no transport delays.
 fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedOptions, String> {
     let pairs = options.split('&').filter(|pair| !pair.is_empty());
     let pairs: Vec<(&str, &str)> = pairs

@@ -220,7 +220,7 @@ impl<'a> Machine<'a> {
         let dir = self.at("/lib/modules").join(release.trim_end());
         let list = |file: &str| fs::read_to_string(dir.join(file)).ok();
         let lists = [list("modules.dep"), list("modules.builtin")];
-        let has = |list: &String| list.contains(&format!("/{name}.ko"));
+        let has = |text: &String| text.contains(&format!("/{name}.ko"));
         lists[0].as_ref()?;
         Some(lists.iter().flatten().any(has))
     }

@@ -115,8 +115,8 @@ fn usb_adapters_are_found_and_links_to_them_are_not_listed_twice() {
         names(&Requirements::default()),
         ["/dev/ttyACM0", "/dev/ttyUSB1"]
     );
-    let link = "/dev/serial/by-id/glove";
-    assert_eq!(names(&port(link)), [link, "/dev/ttyACM0"]);
+    let absolute = "/dev/serial/by-id/glove";
+    assert_eq!(names(&port(absolute)), [absolute, "/dev/ttyACM0"]);
 }
 
 #[test]

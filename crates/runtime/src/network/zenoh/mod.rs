@@ -44,7 +44,7 @@ pub enum ZenohError {
     },
 }
 
-/// Checks a key: names joined by `/`, without wildcards. A key is that of one hand; two publishers would be a hand that jumps.
+/// Checks a key: names joined by `/`, without wildcards. A key carries one hand; with two publishers it would jump.
 pub fn check_key(key: &str) -> Result<(), String> {
     let is_name = |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_graphic());
     let is_key = key.len() <= MAX_KEY_BYTES && key.split('/').all(is_name);

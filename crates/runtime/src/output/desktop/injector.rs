@@ -52,7 +52,7 @@ pub trait Injector {
         Ok(())
     }
 
-    /// Returns those of `keys` that are pressed on the display, or `None` if it does not report them.
+    /// Returns the keys among `keys` that are pressed on the display, or `None` if it does not report them.
     #[cfg_attr(
         not(target_os = "linux"),
         allow(dead_code, reason = "only the watchdog asks")

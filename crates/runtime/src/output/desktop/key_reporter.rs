@@ -30,9 +30,9 @@ impl KeyReporter {
     /// Replaces the watchdog. Copies keep the earlier one.
     pub fn set_watchdog(&mut self, watchdog: Option<&WatchdogClient>) {
         self.watchdog = watchdog.map(WatchdogClient::reports);
-        if let Some(watchdog) = &self.watchdog {
+        if let Some(reports) = &self.watchdog {
             for key in self.added_keys.as_slice() {
-                watchdog.report_character_key(*key, KeymapChange::Added);
+                reports.report_character_key(*key, KeymapChange::Added);
             }
         }
     }

@@ -158,18 +158,18 @@ impl Desktop {
             .spawn(move || {
                 let _end = end;
                 let with_watchdog = |injector: C| {
-                    let start = |settings| {
+                    let start = |given| {
                         let target = injector.release_target();
-                        WatchdogClient::start(settings, target, on_release)
+                        WatchdogClient::start(given, target, on_release)
                     };
-                    let watchdog = settings.as_ref().map(start).transpose()?;
-                    Ok((injector, watchdog))
+                    let client = settings.as_ref().map(start).transpose()?;
+                    Ok((injector, client))
                 };
-                let (injector, watchdog) = match connect().and_then(with_watchdog) {
-                    Ok(connected) => connected,
+                let (injector, client) = match connect().and_then(with_watchdog) {
+                    Ok(opened) => opened,
                     Err(reason) => return drop(connected.send(Err(reason))),
                 };
-                let worker = Worker::new(injector, watchdog, direct_answers, &worker_status);
+                let worker = Worker::new(injector, client, direct_answers, &worker_status);
                 if connected.send(Ok(())).is_ok() {
                     priority::raise_thread_priority();
                     worker.run(&queue, connect);
@@ -347,13 +347,13 @@ impl Sink for Desktop {
         self.is_thread_idle = self.status.executed.load(Ordering::Acquire) == self.requested;
         self.has_written_release = false;
         let mut result = Ok(());
-        for events in events.chunk_by(are_of_one_text) {
-            let event = events[0];
+        for run in events.chunk_by(are_of_one_text) {
+            let event = run[0];
             let requested = match event.kind {
                 EventKind::KeyUp(key) => self.release(key),
                 _ if self.status.failure.get().is_some() => Ok(()),
                 EventKind::KeyDown(key) => self.press(key),
-                EventKind::Character(_) => self.type_text(events),
+                EventKind::Character(_) => self.type_text(run),
                 EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
                     self.move_pointer(event.kind)
                 }

@@ -56,7 +56,7 @@ impl PendingMotion {
         self.wheel = (self.wheel.0 % DETENT, self.wheel.1 % DETENT);
         let (right, up) = (clamp(detents.0, MAX_DETENTS), clamp(detents.1, MAX_DETENTS));
         let actions = [
-            position.map(|(x, y)| StatelessAction::MoveTo(x, y)),
+            position.map(|(to_x, to_y)| StatelessAction::MoveTo(to_x, to_y)),
             ((x, y) != (0, 0)).then_some(StatelessAction::MoveBy(x, y)),
             ((right, up) != (0, 0)).then_some(StatelessAction::Scroll(right, up)),
         ];

@@ -30,7 +30,7 @@ pub(super) struct Notes {
     states: Vec<State>,
 }
 
-/// What one signal has sent.
+/// The messages that one signal has sent and still has to send.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     is_on: bool,

@@ -45,7 +45,7 @@ fn sink() -> (Midi, Written) {
     (sink, written)
 }
 
-/// Returns the messages of events, then those of the end, without Active Sensing.
+/// Returns the messages of events, then the messages of the end, without Active Sensing.
 fn messages(events: &[EventKind]) -> Vec<Vec<u8>> {
     let (mut sink, written) = sink();
     for kind in events {
@@ -227,6 +227,9 @@ fn what_is_no_device_is_refused_with_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("notes");
     std::fs::write(&file, "").unwrap();
-    let error = refused(&format!("midi:{}", file.display()));
-    assert!(error.contains("neither a device nor a pipe"), "{error}");
+    let file_error = refused(&format!("midi:{}", file.display()));
+    assert!(
+        file_error.contains("neither a device nor a pipe"),
+        "{file_error}"
+    );
 }

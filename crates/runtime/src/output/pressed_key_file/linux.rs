@@ -56,7 +56,7 @@ impl PressedKeyFile {
         let path = |number| socket::default_path(&format!("{PREFIX}{process}-{number}"));
         let folder = path(0)?.parent()?.to_owned();
         let mut paths = (0..MAX_OUTPUTS).map_while(path);
-        let created = match paths.find(|path| !path.exists()) {
+        let created = match paths.find(|candidate| !candidate.exists()) {
             Some(unused) => Self::create_at(unused, &display()),
             None => Err(io::ErrorKind::AlreadyExists.into()),
         };
@@ -206,11 +206,12 @@ impl AbandonedKeys {
         let Ok(lock) = LockedFile::try_lock(file) else {
             return Ok(None);
         };
-        let mut file: &File = &lock;
+        let mut content: &File = &lock;
         let mut bytes = [0; KEY_COUNT];
-        file.read_exact(&mut bytes)?;
+        content.read_exact(&mut bytes)?;
         let mut rest = Vec::new();
-        file.take(MAX_NAME + KEYSYMS as u64)
+        content
+            .take(MAX_NAME + KEYSYMS as u64)
             .read_to_end(&mut rest)?;
         // An earlier version wrote no more than the name.
         let end = rest.iter().position(|byte| *byte == 0);
@@ -342,14 +343,14 @@ mod tests {
             found.any(|record| record.is_ok())
         };
         assert!(is_found());
-        let set = |path: &Path, mode| {
-            fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+        let set = |target: &Path, mode| {
+            fs::set_permissions(target, fs::Permissions::from_mode(mode)).unwrap();
         };
-        for (path, open, private) in [(&inside, 0o777, 0o700), (&path, 0o666, 0o600)] {
-            set(path, open);
-            assert!(!is_found(), "{path:?}");
-            set(path, private);
-            assert!(is_found(), "{path:?}");
+        for (changed, open, private) in [(&inside, 0o777, 0o700), (&path, 0o666, 0o600)] {
+            set(changed, open);
+            assert!(!is_found(), "{changed:?}");
+            set(changed, private);
+            assert!(is_found(), "{changed:?}");
         }
         for owned in [&path, &inside] {
             if std::os::unix::fs::chown(owned, Some(65_534), None).is_err() {
@@ -421,8 +422,14 @@ mod tests {
         // As written by an earlier version.
         let content = [&[0; KEY_COUNT], &b":7"[..]].concat();
         fs::write(&path, content).unwrap();
-        let found = AbandonedKeys::find_in(&inside, ":7").pop();
-        assert_eq!(found.expect("a file").expect("its keys").character_keys, []);
+        let found_keys = AbandonedKeys::find_in(&inside, ":7").pop();
+        assert_eq!(
+            found_keys
+                .expect("a file")
+                .expect("its keys")
+                .character_keys,
+            []
+        );
     }
 
     #[test]

@@ -379,11 +379,11 @@ mod tests {
         let opened = Listener::open(&path);
         assert!(matches!(opened, Err(SocketError::InUse)));
 
-        let path = folder.path().join("notes");
-        fs::write(&path, "mine").unwrap();
-        let error = Listener::open(&path).err().unwrap().to_string();
+        let notes = folder.path().join("notes");
+        fs::write(&notes, "mine").unwrap();
+        let error = Listener::open(&notes).err().unwrap().to_string();
         assert!(error.contains("not a socket"), "{error}");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+        assert_eq!(fs::read_to_string(&notes).unwrap(), "mine");
     }
 
     #[test]

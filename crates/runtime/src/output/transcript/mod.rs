@@ -62,7 +62,7 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(thread.map_err(no_thread)?))
 }
 
-/// Creates a file. Its folder is created if it is that of the transcripts of setups.
+/// Creates a file. Its folder is created if it is the folder of the transcripts of setups.
 fn create(path: &Path) -> Result<File, FileError> {
     if let Some(folder) = files::transcript_folder().filter(|own| path.parent() == Some(own)) {
         if let Some(parent) = folder.parent() {
@@ -271,15 +271,15 @@ mod tests {
             format!("{text}       0.009 down ShiftLeft\n")
         );
 
-        let buffer = Buffer::default();
-        let mut transcript = Transcript::new("transcript", buffer.clone());
-        transcript.set_target_names(&TargetNames::new(["Volume".to_owned()]));
+        let value_buffer = Buffer::default();
+        let mut value_transcript = Transcript::new("transcript", value_buffer.clone());
+        value_transcript.set_target_names(&TargetNames::new(["Volume".to_owned()]));
         let value = OutputEvent {
             time: Timestamp(1_000),
             kind: EventKind::Value(TargetId(0), 0.25),
         };
-        transcript.send(&[value]).unwrap();
-        assert_eq!(buffer.text(), "       1.000 value Volume 0.250\n");
+        value_transcript.send(&[value]).unwrap();
+        assert_eq!(value_buffer.text(), "       1.000 value Volume 0.250\n");
     }
 
     #[test]
@@ -345,9 +345,9 @@ mod tests {
         assert!(matches!(error, OutputError::BrokenPipe { .. }), "{error}");
 
         let mut full = Transcript::new("transcript:x", BrokenWriter(io::ErrorKind::StorageFull));
-        let error = full.send(&[down(1, "A")]).unwrap_err();
+        let full_error = full.send(&[down(1, "A")]).unwrap_err();
         assert_eq!(
-            error.to_string(),
+            full_error.to_string(),
             "the output `transcript:x` failed: no storage space"
         );
     }

@@ -3,11 +3,11 @@
 //! The loop puts the lines of a step into a bounded queue, all or none. When the queue is full there are two policies:
 //!
 //! - **Lossless**: the loop waits. This is the policy of a transcript that is opened alone: a replay writes the same bytes at
-//!   any speed of its reader. Nothing can be held meanwhile, as a transcript presses no key of any system.
+//!   any speed of its reader. Nothing can be held while it waits, as a transcript presses no key of any system.
 //! - **[Dropping](Sink::drop_when_full)**: the step is dropped and counted. A transcript next to an output with an effect,
 //!   and one of a live source, has this policy: a key must come up, and commands are answered, whoever reads the
 //!   transcript. When the queue has room again, a line `missed 17` has the count, and the transcript writes a release
-//!   of every key that has come up meanwhile. A press that was dropped is never written, and neither is its release.
+//!   of every key that has come up since. A press that was dropped is never written, and neither is its release.
 
 use std::io::{self, Write};
 use std::thread::{self, JoinHandle};
@@ -100,9 +100,9 @@ impl TranscriptThread {
         let names = self.target_names.take().map(Message::TargetNames);
         let missed = self.missed.take().map(Message::Missed);
         events.iter().for_each(|event| self.missed.apply(event));
-        let lines = commands.into_iter().map(Message::Command);
-        let lines = lines.chain(events.iter().copied().map(Message::Event));
-        for message in names.into_iter().chain(missed).chain(lines) {
+        let written = commands.into_iter().map(Message::Command);
+        let written = written.chain(events.iter().copied().map(Message::Event));
+        for message in names.into_iter().chain(missed).chain(written) {
             // An error means that the thread has failed, which the caller checks.
             let _ = queue.send(message);
         }

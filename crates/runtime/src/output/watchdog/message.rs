@@ -30,11 +30,11 @@ pub enum WatchdogMessage {
 /// A reply of the watchdog, one byte.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WatchdogReply {
-    /// To a heartbeat.
+    /// The reply to a heartbeat.
     Alive,
-    /// To the first heartbeat after the watchdog has released the keys of the process.
+    /// The reply to the first heartbeat after the watchdog has released the keys of the process.
     Released,
-    /// To a probe.
+    /// The reply to a probe.
     Probed,
 }
 

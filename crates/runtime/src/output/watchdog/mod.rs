@@ -85,7 +85,7 @@ pub(super) type OnRelease = Arc<dyn Fn() + Send + Sync>;
 /// The command with which a process starts its watchdog.
 #[derive(Clone)]
 pub struct WatchdogSettings {
-    /// The executable, usually that of this process.
+    /// The executable, usually the one of this process.
     pub program: PathBuf,
     /// The arguments that make it call [`run_watchdog`](crate::output::run_watchdog).
     pub arguments: Vec<OsString>,

@@ -318,7 +318,8 @@ mod tests {
             (key(97, 0xdf), KeymapChange::Removed),
             (key(93, 0xfc), KeymapChange::Added),
         ];
-        let messages = changes.map(|(key, change)| WatchdogMessage::CharacterKey(key, change));
+        let messages = changes
+            .map(|(character_key, change)| WatchdogMessage::CharacterKey(character_key, change));
         let (thread, record) = start(&display, &messages);
         assert!(record.lock().is_empty(), "no key is pressed");
         thread.release();

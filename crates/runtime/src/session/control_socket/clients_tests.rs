@@ -68,7 +68,7 @@ fn a_place_is_left_beside_subscribers() {
     assert!(command.subscribe());
 }
 
-/// A client has its response before its thread notes that the request is over, and may connect again meanwhile.
+/// A client has its response before its thread notes that the request is over, and may connect again before then.
 #[test]
 fn a_client_whose_request_is_about_to_end_makes_room() {
     for leaves in [false, true] {

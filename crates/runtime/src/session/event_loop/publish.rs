@@ -18,7 +18,7 @@ impl SessionLoop<'_> {
     ) {
         self.update_stats();
         let accepted = reading.filter(|_| is_accepted);
-        let output = accepted.map(|reading| self.pipeline.output_for(reading));
+        let output = accepted.map(|it| self.pipeline.output_for(it));
         let step = StepView {
             state: self.pipeline.state(),
             paused_by: self.pipeline.paused_by(),

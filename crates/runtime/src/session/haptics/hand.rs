@@ -8,8 +8,8 @@ use ademan_core::hand::{Finger, Side};
 use ademan_core::pipeline::PipelineState;
 use ademan_core::snapshot::StepView;
 
-/// Curl beyond that of the press at which a finger is held: a servo that holds it at once could pull it off its key, and it
-/// would press again and again.
+/// Curl beyond the curl of the press at which a finger is held: a servo that holds it at once could pull it off its key, and
+/// it would press again and again.
 const CURL_MARGIN: f32 = 0.05;
 
 /// The feedback of one hand.

@@ -2,7 +2,7 @@
 
 use ademan_core::device::KeyCode;
 
-/// A combination of keys, and those of its keys that are pressed.
+/// A combination of keys, and the subset that is pressed.
 #[derive(Clone, Debug)]
 pub(super) struct KeyCombination {
     pub keys: Vec<KeyCode>,

@@ -150,8 +150,8 @@ impl KeyboardMonitor {
         drop(poll_fds);
         let mut index = 0;
         let mut is_complete = false;
-        for is_ready in ready {
-            if is_ready && !self.read(index, &mut is_complete) {
+        for has_data in ready {
+            if has_data && !self.read(index, &mut is_complete) {
                 let removed = self.keyboards.remove(index);
                 self.combination.remove_keyboard(removed.id);
             } else {

@@ -20,7 +20,7 @@ pub enum PanicKeysError {
     /// A name is unknown.
     #[error("panic_keys: {0}")]
     UnknownKey(#[from] UnknownName),
-    /// A name is that of a button or another control.
+    /// A name belongs to a button or another control.
     #[error("panic_keys: `{0}` is not a key of a keyboard")]
     NotAKeyboardKey(KeyCode),
     /// No keyboard can be read.

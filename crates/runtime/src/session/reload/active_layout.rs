@@ -106,7 +106,7 @@ impl ActiveLayout {
         }
     }
 
-    /// Returns whether the content of the file is that which was activated last, and notes that it can be used.
+    /// Returns whether the file still has the content that was activated last, and notes that it can be used.
     pub fn accept_active(&mut self, found: &Layout) -> bool {
         let active = self.file.as_mut().filter(|file| file.text() == found.text);
         match active {
@@ -243,12 +243,15 @@ mod tests {
             "the boards keep their poses"
         );
         assert!(double().is_ok());
-        let error = double().unwrap_err();
+        let scale_error = double().unwrap_err();
         assert!(
-            error.contains("8 is out of range: a scale is 0.25 to 4"),
-            "{error}"
+            scale_error.contains("8 is out of range: a scale is 0.25 to 4"),
+            "{scale_error}"
         );
-        assert!(error.ends_with("\nthe size of the boards stays"), "{error}");
+        assert!(
+            scale_error.ends_with("\nthe size of the boards stays"),
+            "{scale_error}"
+        );
     }
 
     #[test]
@@ -286,15 +289,18 @@ mod tests {
         );
         fs::set_permissions(&path, writable).unwrap();
         fs::write(&path, "no layout").unwrap();
-        let error = session.request(save_at(0.1)).unwrap_err();
+        let text_error = session.request(save_at(0.1)).unwrap_err();
         assert!(
-            error.contains("not saved, as the file differs from the active layout"),
-            "{error}"
+            text_error.contains("not saved, as the file differs from the active layout"),
+            "{text_error}"
         );
         assert_eq!(fs::read_to_string(&path).unwrap(), "no layout");
         fs::remove_file(&path).unwrap();
-        let error = session.request(save_at(0.1)).unwrap_err();
-        assert!(error.ends_with("there is no such file"), "{error}");
+        let missing_error = session.request(save_at(0.1)).unwrap_err();
+        assert!(
+            missing_error.ends_with("there is no such file"),
+            "{missing_error}"
+        );
         assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
     }
 
@@ -309,8 +315,8 @@ mod tests {
         let error = session.try_text("no layout").unwrap_err();
         assert!(error.ends_with("the active layout stays"), "{error}");
         assert_eq!(session.activated.len(), 1);
-        let error = session.request(save_at(0.1)).unwrap_err();
-        assert!(error.contains("is tried"), "{error}");
+        let save_error = session.request(save_at(0.1)).unwrap_err();
+        assert!(save_error.contains("is tried"), "{save_error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
         session.request(LayoutOperation::Reload).unwrap();
         assert_eq!(session.activated.len(), 2);

@@ -70,7 +70,7 @@ pub struct FilePolicy {
 /// Starts the layout manager: a thread that activates layout files when they are saved, and scales, saves and reloads
 /// layouts on request, until the session loop at the other end of `link` ends.
 ///
-/// `layouts` are those of the setup, in the order of its profiles. `build` makes a layout ready for the loop, or refuses it.
+/// `layouts` has one layout for each profile of the setup, in order. `build` makes a layout ready for the loop, or refuses it.
 /// `report` receives the outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if
 /// simulated hands have to lift first. Saves in
 /// quick succession count as one; while they go on for longer than 2 s, each 2 s as one. Two saves in one tick of the file
@@ -220,8 +220,8 @@ mod tests {
         let report = session.reports.recv_timeout(TIMEOUT);
         assert!(matches!(report, Ok(LayoutReport::Rejected(reason)) if reason == "no B"));
         fs::write(&path, text("C")).unwrap();
-        let report = session.reports.recv_timeout(TIMEOUT);
-        assert!(matches!(report, Ok(LayoutReport::Activated(layout)) if layout.name == "C"));
+        let next_report = session.reports.recv_timeout(TIMEOUT);
+        assert!(matches!(next_report, Ok(LayoutReport::Activated(layout)) if layout.name == "C"));
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl TestLoop {
             is_recorded: false,
         };
         let build =
-            move |layout: &Layout| accept(layout).map(|()| LayoutInstance::from_layout(layout));
+            move |built: &Layout| accept(built).map(|()| LayoutInstance::from_layout(built));
         let report = move |report| sender.send(report).unwrap();
         start([source], commands.link_layouts(), policy, build, report).unwrap();
         Self {
@@ -107,7 +107,7 @@ impl TestLoop {
         self.commands.layouts().unwrap().forward(request).unwrap();
         match replies.recv_timeout(TIMEOUT).unwrap() {
             Ok(Reply::Text(text)) => Ok(text),
-            Ok(reply) => panic!("{reply:?}"),
+            Ok(other) => panic!("{other:?}"),
             Err(error) => Err(error.to_string()),
         }
     }

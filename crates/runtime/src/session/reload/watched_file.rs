@@ -148,7 +148,7 @@ pub(super) mod tests {
         saves: u64,
     }
 
-    /// Returns a layout with one key, whose name is that of the key.
+    /// Returns a layout with one key, which has the name of the key.
     pub fn text(key: &str) -> String {
         format!(
             "Layout(name: \"{key}\", boards: [(\n    pose: (anchor: elbow),\n    rows: [(at_mm: (0, 0), keys: \"{key}\")],\n)])\n"

@@ -118,12 +118,12 @@ impl Shared {
         loop {
             select! {
                 recv(views) -> view => match view {
-                    Ok(Published { layout, boards, state }) => self.show(|view| {
-                        view.layout = layout;
-                        view.boards = boards;
+                    Ok(Published { layout, boards, state }) => self.show(|shown| {
+                        shown.layout = layout;
+                        shown.boards = boards;
                         // The session loop does not know it.
-                        let headset = view.state.headset.clone();
-                        view.state = Arc::new(ViewState { headset, ..state });
+                        let headset = shown.state.headset.clone();
+                        shown.state = Arc::new(ViewState { headset, ..state });
                     }),
                     Err(_) => break,
                 },

@@ -39,8 +39,8 @@ impl VmcEncoder {
     }
 }
 
-/// Returns the rotations of the bones of an arm. Upper arm and forearm are those of the pose: avatars have the elbow of a person,
-/// and an arm of a setup may bend otherwise.
+/// Returns the rotations of the bones of an arm. Upper arm and forearm come from the pose: avatars have the elbow of a person, and
+/// an arm of a setup may bend otherwise.
 fn arm_bones(angles: &JointAngles, pose: &HandPose) -> ArmRotations {
     let mut bones = bones_from_angles(angles, pose.side);
     let Some(upper_arm) = upper_arm(pose) else {
@@ -72,7 +72,7 @@ fn outward(along: Vec3, side: Side) -> Vec3 {
 }
 
 /// Returns the rotation of the upper arm from the T pose in the world. The forearm shows the twist: in the T pose, the elbow
-/// bends forward. That of a straight arm bends up.
+/// bends forward. The elbow of a straight arm is taken to bend up.
 fn upper_arm(pose: &HandPose) -> Option<Quat> {
     let elbow = pose.position(Joint::Elbow)?;
     let along = (elbow - pose.position(Joint::Shoulder)?).try_normalize()?;
@@ -115,14 +115,17 @@ mod tests {
         // Hanging arms, the forearms forward: each turns about the axis towards the viewer.
         for (side, quarter) in [(Side::Right, -1.0), (Side::Left, 1.0)] {
             let hanging = [Vec3::ZERO, Vec3::NEG_Y, Vec3::NEG_Y + Vec3::NEG_Z];
-            let rotation = upper_arm(&arm(side, hanging)).unwrap();
+            let hanging_rotation = upper_arm(&arm(side, hanging)).unwrap();
             let expected = Quat::from_rotation_z(quarter * std::f32::consts::FRAC_PI_2);
-            assert!(rotation.angle_between(expected) < 1e-3, "{side} {rotation}");
+            assert!(
+                hanging_rotation.angle_between(expected) < 1e-3,
+                "{side} {hanging_rotation}"
+            );
         }
         let straight = [Vec3::ZERO, Vec3::NEG_Z, 2.0 * Vec3::NEG_Z];
-        let rotation = upper_arm(&arm(Side::Right, straight)).unwrap();
-        assert!((rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
-        assert!((rotation * Vec3::NEG_Z).distance(Vec3::Y) < 1e-6);
+        let straight_rotation = upper_arm(&arm(Side::Right, straight)).unwrap();
+        assert!((straight_rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
+        assert!((straight_rotation * Vec3::NEG_Z).distance(Vec3::Y) < 1e-6);
     }
 
     #[test]

@@ -100,8 +100,14 @@ impl ShareHub {
         }
         hub.has_receivers = !senders.is_empty();
         let encoder = LineEncoder::new(first, layout);
-        let (steps, connections) = (step_receiver, connection_receiver);
-        let mut broadcast = Broadcast::new(steps, connections, servers, senders, encoder, clients);
+        let mut broadcast = Broadcast::new(
+            step_receiver,
+            connection_receiver,
+            servers,
+            senders,
+            encoder,
+            clients,
+        );
         let thread = thread::Builder::new().name("share".into());
         let spawned = thread.spawn(move || {
             let _end: Sender<()> = end;

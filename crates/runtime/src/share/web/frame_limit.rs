@@ -106,8 +106,8 @@ mod tests {
         let mut limit = FrameLimit::new();
         limit.push(&[&[0x81, 0xff][..], &[0xff; 12], &EMPTY.repeat(200)].concat());
         assert_eq!(limit.exceeded(), None);
-        let mut limit = FrameLimit::new();
-        limit.push(&[0x83; 2000]);
-        assert!(limit.header.len() <= MAX_HEADER_BYTES);
+        let mut long_limit = FrameLimit::new();
+        long_limit.push(&[0x83; 2000]);
+        assert!(long_limit.header.len() <= MAX_HEADER_BYTES);
     }
 }

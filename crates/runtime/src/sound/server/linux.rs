@@ -134,7 +134,7 @@ fn sample_name(click: Click) -> CString {
     CString::new(name).expect("the names of clicks have no NUL")
 }
 
-/// Returns the properties of a sound of an event, whose volume a desktop sets apart from that of music.
+/// Returns the properties of a sound of an event, whose volume a desktop sets apart from the volume of music.
 fn event_props() -> Props {
     let mut props = Props::new();
     props.set(Prop::MediaRole, c"event");

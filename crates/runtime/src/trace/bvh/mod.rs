@@ -1,6 +1,6 @@
 //! Captured poses as BVH motion capture.
 //!
-//! The skeleton is that of a body in the T pose whose arms have the median lengths of the first poses, so that no single one
+//! The skeleton is a body in the T pose whose arms have the median lengths of the first poses, so that no single one
 //! decides them. Every frame has the joints of its pose, moved as little as these lengths need, so that a model of rigid bones is
 //! reproduced exactly. The file is in centimetres with +Y up and the person looking along +Z, and has the joint names of
 //! Mixamo, which most programs know.

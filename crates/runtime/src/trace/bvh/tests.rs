@@ -64,8 +64,8 @@ fn every_joint_of_a_rigid_arm_is_written_within_a_hundredth_of_a_millimetre() {
 #[test]
 fn frames_are_the_latest_poses_at_a_constant_rate() {
     let mut poses = poses(Side::Right, 5);
-    let frames = |poses: &[HandPose], rate| {
-        let bvh = Bvh::parse(&written(poses, rate)).unwrap();
+    let frames = |written_poses: &[HandPose], rate| {
+        let bvh = Bvh::parse(&written(written_poses, rate)).unwrap();
         let joints = HandJoints::find(&bvh.motion().skeleton, Side::Right).unwrap();
         let shoulder = joints.node(Joint::Shoulder).unwrap();
         let x = |frame| {

@@ -97,12 +97,12 @@ pub fn begin(
         (false, None) => *selected = vec![item.part],
     }
     let is_moved = |part: Part| selected.contains(&part);
-    let others = plan.items.iter().filter(|item| !is_moved(item.part));
+    let others = plan.items.iter().filter(|other| !is_moved(other.part));
     PlanGesture::Move {
         from: point,
         parts: selected.clone(),
         bounds: plan.bounds(view, is_moved).unwrap_or(item.bounds(view)),
-        others: others.map(|item| item.bounds(view)).collect(),
+        others: others.map(|other| other.bounds(view)).collect(),
         on_grid: item.written.on_grid(view),
     }
 }
@@ -127,7 +127,7 @@ impl PlanGesture {
                     // A press alone moves nothing to the grid.
                     return PlanChange::default();
                 }
-                // What is hardly moved is not attracted farther than that.
+                // An item that hardly moves is not attracted farther than it has moved.
                 let snap = SnapSettings {
                     reach_mm: snap.reach_mm.min(offset.length()),
                     ..snap

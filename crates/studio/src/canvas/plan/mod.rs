@@ -184,11 +184,11 @@ fn overlaps(layout: &Layout, items: &[PlanItem]) -> Vec<PlanOverlap> {
     let found = layout.board_overlaps().into_iter();
     let place = |board: usize, target| {
         let item = items.get(board)?;
-        let PlanShape::Board(board) = &item.shape else {
+        let PlanShape::Board(plate) = &item.shape else {
             return None;
         };
         let (_, target) = layout.scene.target(target)?;
-        Some(board.pose * target.surface_from_target.translation)
+        Some(plate.pose * target.surface_from_target.translation)
     };
     let overlap = found.filter_map(|overlap| {
         let boards = [overlap.boards.0 - 1, overlap.boards.1 - 1];
@@ -243,7 +243,7 @@ impl PlanBoard {
     pub fn strips(&self) -> impl Iterator<Item = [Vec3; 4]> {
         let [first, second] = &self.edges;
         let pairs = first.windows(2).zip(second.windows(2));
-        pairs.map(|(first, second)| [first[0], first[1], second[1], second[0]])
+        pairs.map(|(near, far)| [near[0], near[1], far[1], far[0]])
     }
 }
 
@@ -397,7 +397,7 @@ impl WrittenPose {
     fn of_targets(editor: &LayoutEditor, space: usize) -> Vec<Self> {
         let frame = Self::of_frame(editor, Part::Space(space));
         let targets = editor.targets_in(space).into_iter();
-        // The axes of a tilted frame are those of no view.
+        // No view has the axes of a tilted frame.
         let is_level = frame.tilt_deg == 0.0;
         let pose = |[x, y, z]: [f64; 3]| Self {
             position_mm: if is_level { [x, -z, y] } else { [0.0; 3] },

@@ -228,14 +228,14 @@ fn a_rubber_band_selects_what_it_touches() {
     let from = (Vec2::new(0.0, -100.0), SCALE);
     let gesture = begin(&plan, &mut selected, view, from, false);
     assert!(matches!(gesture, PlanGesture::Band { .. }));
-    let selected = |x: f32| {
+    let selected_at = |x: f32| {
         gesture
             .selected(&plan, view, Vec2::new(x, 100.0))
             .unwrap()
             .len()
     };
     assert_eq!(
-        [selected(50.0), selected(100.0), selected(150.0)],
+        [selected_at(50.0), selected_at(100.0), selected_at(150.0)],
         [0, 1, 2]
     );
 }

@@ -1,4 +1,4 @@
-//! X servers, also those of Wayland desktops.
+//! X servers, including the X servers of Wayland desktops.
 
 use eframe::EventLoopBuilderHook;
 use winit::platform::x11::EventLoopBuilderExtX11;

@@ -56,7 +56,7 @@ fn show_start(ui: &mut egui::Ui, context: &mut PanelContext) {
             }
             let demo = ui.add(big_button(text("calibration-demo")));
             if demo.on_hover_text(text("calibration-demo-hint")).clicked() {
-                sensors.start_calibration(|editor| Guide::demonstration(editor, PERSON));
+                sensors.start_calibration(|edited| Guide::demonstration(edited, PERSON));
             }
         });
         ui.add_space(12.0);

@@ -39,16 +39,16 @@ pub(super) fn show(
         (halves.0, fingers, name),
         (halves.1, Viewpoint::Side, text("calibration-side")),
     ];
-    for (area, viewpoint, name) in views {
-        let area = area.shrink(3.0);
-        let painter = ui.painter_at(area);
-        let size = Vec2::new(area.width(), area.height());
-        let drawn = picture.draw(viewpoint, size, colors);
-        space::paint(&painter, area, &drawn, colors.background);
+    for (part, viewpoint, title) in views {
+        let part = part.shrink(3.0);
+        let painter = ui.painter_at(part);
+        let part_size = Vec2::new(part.width(), part.height());
+        let drawn = picture.draw(viewpoint, part_size, colors);
+        space::paint(&painter, part, &drawn, colors.background);
         painter.text(
-            area.left_top() + egui::vec2(8.0, 6.0),
+            part.left_top() + egui::vec2(8.0, 6.0),
             Align2::LEFT_TOP,
-            name,
+            title,
             FontId::proportional(13.0),
             ui.visuals().weak_text_color(),
         );

@@ -1,4 +1,4 @@
-//! The window of the devices: source, glove, person, arm, outputs and profile of the session, each chosen anew.
+//! The window of the devices: source, glove, person, arm, outputs and profile of the session, each with a new choice.
 
 mod choice;
 mod source;

@@ -89,15 +89,16 @@ pub(super) fn show_fields(ui: &mut egui::Ui, window: &mut DevicesWindow) -> Opti
     let words = ("devices-uri-hint", "devices-use");
     let field = ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.source));
     ui.end_row();
-    let label = ui.strong(text("devices-recording"));
-    let words = ("devices-recording-hint", "devices-use");
-    let recording =
-        ui.horizontal(|ui| file_field::show_beside(ui, &label, words, &mut window.recording));
+    let recording_label = ui.strong(text("devices-recording"));
+    let recording_words = ("devices-recording-hint", "devices-use");
+    let recording = ui.horizontal(|ui| {
+        file_field::show_beside(ui, &recording_label, recording_words, &mut window.recording)
+    });
     ui.end_row();
     let recording = recording
         .inner
         .map(|path| SourceUri::Recording { path: path.into() });
-    let source = match field.inner.map(|words| words.parse()).transpose() {
+    let source = match field.inner.map(|written| written.parse()).transpose() {
         Ok(source) => recording.or(source),
         Err(error) => {
             let error: CaptureError = error;

@@ -30,8 +30,8 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             let value = written.as_deref().and_then(|value| value.parse().ok());
             let default = field.default.parse().ok();
             let old: f64 = value.or(default).unwrap_or(min);
-            let mut value = old;
-            let drag = DragValue::new(&mut value).range(min..=max);
+            let mut number = old;
+            let drag = DragValue::new(&mut number).range(min..=max);
             let drag = if is_mixed {
                 drag.custom_formatter(|_, _| text("editor-mixed").to_owned())
             } else {
@@ -41,9 +41,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             let drag = ui
                 .add(drag.speed(speed).max_decimals(DECIMALS))
                 .labelled_by(label.id);
-            if drag.changed() && is_other_number(old, value, DECIMALS) {
-                let value = (value * 1000.0).round() / 1000.0;
-                set_while_dragged(panel, parts, field.name, &value.to_string());
+            if drag.changed() && is_other_number(old, number, DECIMALS) {
+                let number = (number * 1000.0).round() / 1000.0;
+                set_while_dragged(panel, parts, field.name, &number.to_string());
             }
             if !drag.dragged() && panel.is_field_dragged(field.name) {
                 panel.form.dragged = None;
@@ -195,7 +195,7 @@ pub(super) fn edit_while_dragged(
     let before = panel.form.dragged.clone();
     let before = before.filter(|(name, _)| *name == field);
     let result = match before {
-        Some((_, parts)) => panel.editor.amend(&edit(parts)),
+        Some((_, dragged_parts)) => panel.editor.amend(&edit(dragged_parts)),
         None => {
             panel.form.dragged = Some((field, parts.to_vec()));
             panel.editor.apply(&edit(parts.to_vec()))

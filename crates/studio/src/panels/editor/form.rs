@@ -55,7 +55,7 @@ fn title(panel: &EditorPanel, part: Part) -> String {
     title_of(words(part), &name)
 }
 
-/// Returns the kind and the name of a part; the name alone if it begins with the kind, as those of new controls do.
+/// Returns the kind and the name of a part; the name alone if it begins with the kind, as the names of new controls do.
 fn title_of(kind: &str, name: &str) -> String {
     if name.to_lowercase().starts_with(&kind.to_lowercase()) {
         name.to_owned()
@@ -102,10 +102,10 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         .num_columns(4)
         .show(ui, |ui| {
             let mut number =
-                |ui: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
-                    let label = ui.label(name);
+                |grid: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
+                    let label = grid.label(name);
                     let drag = DragValue::new(value).speed(0.1).max_decimals(DECIMALS);
-                    let drag = ui
+                    let drag = grid
                         .add(drag.range(range).suffix(suffix))
                         .labelled_by(label.id);
                     is_active |= drag.dragged() || drag.has_focus();
@@ -132,9 +132,9 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if is_active {
         panel.form.geometry = Some((index, shape));
         panel.preview.shapes = vec![(index, shape)];
-    } else if let Some((index, _)) = panel.form.geometry.take() {
+    } else if let Some((changed_index, _)) = panel.form.geometry.take() {
         panel.preview.shapes.clear();
-        apply_geometry(panel, index, &old, &shape);
+        apply_geometry(panel, changed_index, &old, &shape);
     }
 }
 
@@ -143,9 +143,9 @@ fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &
         return;
     };
     // A field that is left without a change rounds its number to what it shows.
-    let changed = |old: f32, new: f32| {
-        if is_other_number(old.into(), new.into(), DECIMALS) {
-            rounded(new - old)
+    let changed = |before: f32, after: f32| {
+        if is_other_number(before.into(), after.into(), DECIMALS) {
+            rounded(after - before)
         } else {
             0.0
         }
@@ -205,8 +205,8 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
         })
     });
     let is_row_key = matches!(first, Part::RowKey { .. });
-    let is_written = |panel: &EditorPanel, field: &FieldSpec| {
-        field.name == "name" || (!is_row_key && panel.editor.value(first, field.name).is_some())
+    let is_written = |asked: &EditorPanel, field: &FieldSpec| {
+        field.name == "name" || (!is_row_key && asked.editor.value(first, field.name).is_some())
     };
     let (written, unwritten): (Vec<FieldSpec>, Vec<FieldSpec>) = fields
         .into_iter()

@@ -53,8 +53,8 @@ pub fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext, 
     if let Some(at) = response.hover_pos() {
         let point = viewport.to_board(to_local(at), size);
         let index = item_at(&panel.items.items, point);
-        if let Some(heat) = index.and_then(of_item) {
-            response.on_hover_text_at_pointer(&heat.words);
+        if let Some(item_heat) = index.and_then(of_item) {
+            response.on_hover_text_at_pointer(&item_heat.words);
         }
     }
 }

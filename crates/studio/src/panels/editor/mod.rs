@@ -191,7 +191,7 @@ impl EditorPanel {
         self.message = result.err().map(|error| Err(error.to_string()));
     }
 
-    /// Reads the items of the board anew after a change of the text.
+    /// Reads the items of the board again after a change of the text.
     fn update_items(&mut self) {
         if self.editor.is_editable() {
             let boards = self.editor.count("boards");
@@ -205,7 +205,7 @@ impl EditorPanel {
         self.gesture = None;
         self.preview = Preview::default();
         if !self.editor.is_editable() {
-            // What was shown stays, and cannot be edited until the brackets are corrected.
+            // The shown items stay, and cannot be edited until the brackets are corrected.
             self.parts = vec![None; self.items.items.len()];
             self.faulty.clear();
             return;
@@ -214,7 +214,7 @@ impl EditorPanel {
         let layout = self.editor.layout().filter(|_| self.editor.is_read());
         let board = layout.and_then(|layout| Some((layout, layout.boards.get(self.board)?)));
         match board {
-            Some((layout, board)) => self.items = BoardItems::new(layout, board, scale),
+            Some((read, board)) => self.items = BoardItems::new(read, board, scale),
             None => self.items.clear(),
         }
         let targets = self.items.targets.iter();

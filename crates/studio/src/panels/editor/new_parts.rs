@@ -137,8 +137,8 @@ impl EditorPanel {
         let items = self.items.items.iter().enumerate();
         let (added, others): (Vec<_>, Vec<_>) =
             items.partition(|(index, _)| self.selected.contains(*index));
-        let shapes = |items: Vec<(usize, &crate::canvas::Item)>| -> Vec<ItemShape> {
-            items.into_iter().map(|(_, item)| item.shape).collect()
+        let shapes = |listed: Vec<(usize, &crate::canvas::Item)>| -> Vec<ItemShape> {
+            listed.into_iter().map(|(_, item)| item.shape).collect()
         };
         let (mut added, others) = (shapes(added), shapes(others));
         let Some(bounds) = Bounds::around(added.iter()) else {

@@ -21,7 +21,7 @@ pub(super) struct Palette {
     chosen: usize,
 }
 
-/// What a command does.
+/// The action of a command.
 type Run = Box<dyn Fn(&mut EditorPanel, &egui::Context)>;
 
 /// A command of the editor.

@@ -53,7 +53,7 @@ struct PlanDrag {
     gesture: PlanGesture,
     /// The edit of the drag so far, which is the last one of the history.
     edit: Option<Edit>,
-    /// Revision of the text after it. With another one the last edit is not that of the drag.
+    /// Revision of the text after it. With another one the last edit does not belong to the drag.
     revision: u64,
 }
 
@@ -95,7 +95,7 @@ impl EditorPanel {
             self.end_drag();
             self.plan.is_open = false;
             self.plan.is_left = true;
-            // What is selected there is on the board, not the board.
+            // Parts are selected there on the board, not the board itself.
             self.editor.select([]);
         }
         self.show_board(board);
@@ -207,7 +207,7 @@ impl EditorPanel {
         selection.filter(is_item).collect()
     }
 
-    /// Places everything anew after a change of the text. The last layout that could be read stays.
+    /// Places everything again after a change of the text. The last layout that could be read stays.
     fn update_plan(&mut self, context: &PanelContext) {
         let revision = self.editor.revision();
         if self.plan.shown == Some(revision) || !self.editor.is_read() {
@@ -259,7 +259,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         let point = viewport.to_board(to_local(at), size);
         handle_mouse(ui, panel, &response, (point, viewport.scale));
         set_cursor(ui, panel, (point, viewport.scale));
-        // What a drag has changed is in the same picture.
+        // The same picture shows the changes of a drag.
         panel.update_plan(context);
     }
     if !ui.input(|input| input.pointer.button_down(PointerButton::Primary)) {

@@ -91,7 +91,9 @@ fn show_number(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], numbe
             .or_else(|| items.get(index).map(|item| item.shape))
     };
     let shapes = panel.selected.iter().take(MAX_COMPARED).filter_map(shape);
-    let values: Vec<f32> = shapes.map(|shape| (number.value)(&shape)).collect();
+    let values: Vec<f32> = shapes
+        .map(|selected_shape| (number.value)(&selected_shape))
+        .collect();
     let shared = common(values.iter().copied());
     let first = values.first().copied().unwrap_or_default();
     let mut value = f64::from((shared.unwrap_or(first) * 100.0).round()) / 100.0;

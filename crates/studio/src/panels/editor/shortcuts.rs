@@ -5,7 +5,7 @@ use parry3d::math::Vec2;
 
 use super::EditorPanel;
 
-/// Distance of an arrow key with Shift, in millimetres. Without, it is that of the grid.
+/// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
 const FINE_STEP_MM: f32 = 0.1;
 
 /// Handles the keys pressed since the last picture, unless they are typed into a field.

@@ -44,9 +44,9 @@ fn show_settings(ui: &mut egui::Ui, state: &mut LabState) {
     let people = DragValue::new(&mut settings.people).range(PEOPLE.0..=PEOPLE.1);
     ui.add(people).labelled_by(name.id);
     ui.end_row();
-    let name = ui.label(text("lab-phrases"));
+    let phrases_name = ui.label(text("lab-phrases"));
     let phrases = DragValue::new(&mut settings.phrases).range(PHRASES.0..=PHRASES.1);
-    ui.add(phrases).labelled_by(name.id);
+    ui.add(phrases).labelled_by(phrases_name.id);
     ui.end_row();
     let sets = PhraseSet::ALL.iter().map(|&it| (it, it.name()));
     show_list(ui, "lab-corpus", &mut settings.corpus, sets);
@@ -57,9 +57,9 @@ fn show_settings(ui: &mut egui::Ui, state: &mut LabState) {
     show_list(ui, "lab-source", &mut settings.source, sources);
     let decoders = LabDecoder::ALL.into_iter().map(|it| (it, it.name()));
     show_list(ui, "lab-decoder", &mut settings.decoder, decoders);
-    let name = ui.label(text("lab-seed"));
+    let seed_name = ui.label(text("lab-seed"));
     ui.add(DragValue::new(&mut settings.seed))
-        .labelled_by(name.id);
+        .labelled_by(seed_name.id);
     ui.end_row();
 }
 
@@ -73,13 +73,13 @@ fn show_list<T: Copy + PartialEq>(
     let choices: Vec<(T, &str)> = choices.collect();
     let name = ui.label(text(key));
     let chosen = choices.iter().find(|(choice, _)| choice == value);
-    let chosen = chosen.map_or("", |(_, name)| name);
+    let chosen = chosen.map_or("", |(_, chosen_name)| chosen_name);
     let list = ComboBox::from_id_salt(key)
         .width(LIST)
         .selected_text(chosen);
     let shown = list.show_ui(ui, |ui| {
-        for (choice, name) in choices {
-            ui.selectable_value(value, choice, name);
+        for (choice, choice_name) in choices {
+            ui.selectable_value(value, choice, choice_name);
         }
     });
     shown.response.labelled_by(name.id);

@@ -164,7 +164,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     let right = egui::Panel::right("lab-results")
         .min_size(280.0)
         .default_size(state.lab_width("lab-results", 340.0));
-    let shown = right.show(ui, |ui| {
+    let results_shown = right.show(ui, |ui| {
         look::mark_panel(ui, state, "lab-results");
         let Some(Ok(editor)) = &state.editor else {
             return;
@@ -177,7 +177,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
             }
         });
     });
-    state.keep_lab_width("lab-results", shown.response.rect.width());
+    state.keep_lab_width("lab-results", results_shown.response.rect.width());
     // The strip above the board is not painted by the board.
     let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {

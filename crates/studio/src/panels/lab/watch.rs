@@ -43,8 +43,8 @@ pub(in super::super) fn show(
             } else {
                 failure.pressed.join(", ")
             };
-            let values = [("meant", meant.into()), ("pressed", pressed.into())];
-            let words = text_with("lab-watch-failure", &values);
+            let failure_values = [("meant", meant.into()), ("pressed", pressed.into())];
+            let words = text_with("lab-watch-failure", &failure_values);
             if response.on_hover_text(&words).clicked() {
                 context.moves.extend([Move::Time(start), Move::Play]);
             }

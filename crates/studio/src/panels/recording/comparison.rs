@@ -125,13 +125,13 @@ fn show_rows(ui: &mut egui::Ui, compared: &Compared, player: &Player, moves: &mu
     for (index, (letter, presses, color)) in rows.into_iter().enumerate() {
         let top = area.min.y + index as f32 * (ROW + 2.0);
         let row = Rangef::new(top, top + ROW);
-        let name = format!("{letter}  {}", compared.names[index]);
+        let row_name = format!("{letter}  {}", compared.names[index]);
         let at = Pos2::new(area.min.x, row.center());
         let font = FontId::proportional(11.0);
         painter.text(
             at,
             Align2::LEFT_CENTER,
-            name,
+            row_name,
             font,
             ui.visuals().text_color(),
         );

@@ -128,8 +128,8 @@ fn show_time(ui: &mut egui::Ui, player: &Player) {
     ui.label(text_with("recording-step", &values));
     if !player.is_complete() || !player.is_shown() {
         ui.spinner();
-        let values = [("count", count.to_string().into())];
-        ui.label(text_with("recording-loading", &values));
+        let count_value = [("count", count.to_string().into())];
+        ui.label(text_with("recording-loading", &count_value));
     }
 }
 

@@ -37,7 +37,7 @@ impl PartState {
         Some((from.min(to), to.max(from)))
     }
 
-    /// Returns the times of the part: those of the whole recording without marks.
+    /// Returns the times of the part: the whole recording without marks.
     fn range(&self, player: &Player) -> Option<RangeInclusive<Timestamp>> {
         let (start, end) = player.range()?;
         let from = self.from.map_or(start, |(_, time)| time);
@@ -112,8 +112,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PartState, player: &Player) {
         ui.label(text("recording-exporting"));
     }
     if state.is_asking {
-        let file = state.file.clone().unwrap_or_default();
-        let question = text_with("recording-replace", &[("file", file.into())]);
+        let asked_file = state.file.clone().unwrap_or_default();
+        let question = text_with("recording-replace", &[("file", asked_file.into())]);
         ui.colored_label(ui.visuals().warn_fg_color, question);
         if ui.button(text("recording-replace-yes")).clicked() {
             state.start(player, true);

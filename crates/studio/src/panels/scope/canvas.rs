@@ -194,7 +194,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Returns the width of the vertical axes: that of the longest name beside a row, which differs between languages.
+/// Returns the width of the vertical axes: the width of the longest name beside a row, which differs between languages.
 fn axis_width(ui: &egui::Ui, names: &[String]) -> f32 {
     let width = |name: &String| {
         let font = FontId::proportional(LETTERS);

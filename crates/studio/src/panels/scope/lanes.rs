@@ -193,8 +193,8 @@ fn draw_events(canvas: &Canvas, row: Rect) {
             } else {
                 (2.0, Align2::LEFT_CENTER)
             };
-            let at = Pos2::new(x + side, row.center().y);
-            let text = canvas.text(at, align, &name, color);
+            let text_at = Pos2::new(x + side, row.center().y);
+            let text = canvas.text(text_at, align, &name, color);
             free_from = if is_at_end {
                 x + NAME_WIDTH
             } else {
@@ -266,8 +266,8 @@ fn finger_name(known: &[(Side, Finger)], side: Side, finger: Finger) -> String {
 
 fn extremes(history: &History, value: impl Fn(&Moment) -> f32) -> (f32, f32) {
     let values = history.moments().map(value).filter(|value| !value.is_nan());
-    values.fold((f32::MAX, f32::MIN), |(low, high), value| {
-        (low.min(value), high.max(value))
+    values.fold((f32::MAX, f32::MIN), |(low, high), number| {
+        (low.min(number), high.max(number))
     })
 }
 

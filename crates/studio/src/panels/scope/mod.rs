@@ -84,9 +84,9 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut ScopeState, context: &mut Pane
         && let Some(time) = canvas.time_at(pointer.x)
     {
         canvas.mark(time);
-        response.on_hover_ui_at_pointer(|ui| {
+        response.on_hover_ui_at_pointer(|hint| {
             for line in lanes::values_at(history, time, &state.angles, state.rows) {
-                ui.label(line);
+                hint.label(line);
             }
         });
     }

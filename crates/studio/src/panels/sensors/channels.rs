@@ -98,7 +98,7 @@ impl Columns {
         }
     }
 
-    /// Adds the name of a joint. That of the first one selects the channel.
+    /// Adds the name of a joint. The name of the first joint selects the channel.
     fn show_joint(
         &self,
         ui: &mut egui::Ui,

@@ -91,10 +91,10 @@ fn show_choice(ui: &mut egui::Ui, smoothing: Smoothing) -> Smoothing {
                 .range(0.0..=50.0)
                 .speed(0.05)
                 .max_decimals(2);
-            let label = ui
+            let beta_label = ui
                 .label(text("filter-beta"))
                 .on_hover_text(text("filter-beta-hint"));
-            ui.add(beta).labelled_by(label.id);
+            ui.add(beta).labelled_by(beta_label.id);
         });
     }
     new

@@ -22,8 +22,8 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     };
     ui.add(egui::Label::new(format!("{name} {mark}")).truncate());
     ui.horizontal(|ui| {
-        let mut button = |is_enabled, name, hint: &str| {
-            let button = ui.add_enabled(is_enabled, egui::Button::new(name));
+        let mut button = |is_enabled, words, hint: &str| {
+            let button = ui.add_enabled(is_enabled, egui::Button::new(words));
             button.on_hover_text(hint).clicked()
         };
         let file = sensors.file().map(escape_path);

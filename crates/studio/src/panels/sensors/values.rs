@@ -64,19 +64,19 @@ fn show_joint(
         .on_hover_text(text("value-gain-hint"));
     ui.add(value).labelled_by(label.id);
     if is_other_number(old.0, range, DECIMALS) {
-        sensors.edit(|editor| editor.set_full_range_deg(row, range));
+        sensors.edit(|edited| edited.set_full_range_deg(row, range));
     }
     ui.end_row();
-    let value = DragValue::new(&mut zero)
+    let zero_value = DragValue::new(&mut zero)
         .range(-full_scale..=2.0 * full_scale)
         .max_decimals(DECIMALS)
         .speed(0.2);
-    let label = ui
+    let zero_label = ui
         .label(text("value-offset"))
         .on_hover_text(text("value-offset-hint"));
-    ui.add(value).labelled_by(label.id);
+    ui.add(zero_value).labelled_by(zero_label.id);
     if is_other_number(old.1, zero, DECIMALS) {
-        sensors.edit(|editor| editor.set_zero_count(row, zero));
+        sensors.edit(|edited| edited.set_zero_count(row, zero));
     }
     ui.end_row();
 }
@@ -92,7 +92,7 @@ fn show_inversion(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize
         .on_hover_text(text("value-inverted-hint"))
         .changed()
     {
-        sensors.edit(|editor| editor.invert(channel));
+        sensors.edit(|edited| edited.invert(channel));
     }
     ui.end_row();
 }
@@ -127,7 +127,7 @@ fn show_range(ui: &mut egui::Ui, sensors: &mut SensorControl, channel: usize, fu
         _ => new != range,
     };
     if is_changed {
-        sensors.edit(|editor| editor.set_range(channel, new));
+        sensors.edit(|edited| edited.set_range(channel, new));
     }
 }
 

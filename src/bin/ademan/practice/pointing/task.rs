@@ -6,7 +6,7 @@ use ademan::time::Timestamp;
 
 use crate::practice::PracticeTask;
 
-/// Size of the screen of the lesson, in pixels: that of a small laptop. No program tells how large the real one is.
+/// Size of the screen of the lesson, in pixels: the screen of a small laptop. No program tells how large the real one is.
 pub const SCREEN: [f64; 2] = [1280.0, 800.0];
 
 /// Targets of the ring: an odd number, so that each movement crosses it.
@@ -193,7 +193,7 @@ mod tests {
         assert!((result.movement_s - 0.8).abs() < 1e-9, "{result:?}");
         assert!(result.path_efficiency > 0.999, "{result:?}");
         assert!(result.throughput > 1.0, "{result:?}");
-        // What follows changes nothing.
+        // Later clicks change nothing.
         click(&mut task, 60_000, [0.0, 0.0]);
         assert_eq!(task.result(), result);
     }

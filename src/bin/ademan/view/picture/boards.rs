@@ -17,7 +17,7 @@ use super::parts::{Part, PartKind};
 use super::values::{label_of, value_of};
 use crate::view::look::finger_mark;
 
-/// Returns the boards of a layout: those of the left hand first, then from left to right.
+/// Returns the boards of a layout: the left hand's first, then from left to right.
 pub fn parts(layout: &Layout, key_size: KeySize) -> Vec<Part> {
     let grids = layout.grids(key_size).into_iter().enumerate();
     let mut parts: Vec<Part> = grids
@@ -112,11 +112,11 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         buffer.set_style(area, style);
         area
     };
-    // A symbol such as that of Shift is not in every locale.
+    // A symbol such as ⇧ for Shift is not in every locale.
     let is_drawable = picture.look.is_unicode || face.label.is_ascii();
     let label = if is_drawable { &face.label } else { &face.name };
     let highlighted = label_of(picture.view, cell.target);
-    let highlighted = highlighted.filter(|label| picture.look.is_unicode || label.is_ascii());
+    let highlighted = highlighted.filter(|text| picture.look.is_unicode || text.is_ascii());
     let label = highlighted.unwrap_or(label);
     let Some(value) = slider_value(picture, cell.target) else {
         draw_label(label, inside, is_bordered, buffer, style);
@@ -235,16 +235,16 @@ fn draw_fingertip(
     let x = i32::from(area.x) + column as i32;
     let beside = [0, 1, -1, 2, -2, 3, -3].into_iter();
     let beside = beside.filter_map(|offset| u16::try_from(x + offset).ok());
-    let mut inside = beside.filter(|&x| area.contains((x, y).into()));
-    let Some(x) = inside
+    let mut inside = beside.filter(|&at| area.contains((at, y).into()));
+    let Some(mark_x) = inside
         .clone()
-        .find(|&x| !is_label(x))
+        .find(|&at| !is_label(at))
         .or_else(|| inside.next())
     else {
         return;
     };
     let mark = finger_mark(tip.finger, tip.height_mm < 0.0);
-    buffer[(x, y)]
+    buffer[(mark_x, y)]
         .set_char(mark)
         .set_style(picture.look.fingertip(tip.finger));
 }

@@ -76,9 +76,9 @@ pub fn boards_with_styles(
         look,
     };
     for part in &parts {
-        let area = Rect::new(part.x, part.y, part.width, part.height);
+        let part_area = Rect::new(part.x, part.y, part.width, part.height);
         if let PartKind::Board(_, grid) = &part.kind {
-            boards::draw_keys(&picture, grid, &mut buffer, area, &style);
+            boards::draw_keys(&picture, grid, &mut buffer, part_area, &style);
         }
     }
     look.apply(&mut buffer);

@@ -231,7 +231,7 @@ fn bent_fingers_are_bars_with_their_thresholds_and_are_named_while_output_waits(
 #[test]
 fn a_layout_that_waits_for_an_open_hand_asks_for_it() {
     let mut view = view("webcam-qwerty");
-    let shown = |view: &View| text(&drawn(view, COLORED, 100, 30));
+    let shown = |pictured: &View| text(&drawn(pictured, COLORED, 100, 30));
     assert!(!shown(&view).contains("hold your hand"));
     let mut state = ViewState::clone(&view.state);
     state.awaits_hand = true;
@@ -259,9 +259,9 @@ fn the_first_line_names_the_headset_or_says_that_none_is_connected() {
         line.contains(" · no headset connected · headset:"),
         "{line}"
     );
-    let line = first_line(Some(Headset::new("Quest 3", [192, 168, 1, 9].into())));
+    let headset_line = first_line(Some(Headset::new("Quest 3", [192, 168, 1, 9].into())));
     assert!(
-        line.contains(" · headset Quest 3 at 192.168.1.9 · "),
-        "{line}"
+        headset_line.contains(" · headset Quest 3 at 192.168.1.9 · "),
+        "{headset_line}"
     );
 }

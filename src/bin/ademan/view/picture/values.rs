@@ -61,7 +61,7 @@ pub fn lines(view: &View, width: u16) -> Vec<Line<'static>> {
     let in_line = (usize::from(width) / COLUMNS).max(1);
     let lines = cells.chunks(in_line);
     lines
-        .map(|cells| Line::from(Span::raw(cells.concat())))
+        .map(|run| Line::from(Span::raw(run.concat())))
         .collect()
 }
 

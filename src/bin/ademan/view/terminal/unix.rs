@@ -76,7 +76,7 @@ pub fn restore() {
     if !is_usable() {
         return;
     }
-    // Keys that were typed meanwhile would be read by the shell.
+    // The shell would read the keys that were typed during the view.
     let _ = tcflush(&terminal, QueueSelector::IFlush);
     let _ = tcsetattr(&terminal, OptionalActions::Now, &modes);
     // After Ctrl-S it accepts nothing. It starts again only if it was stopped in this way.

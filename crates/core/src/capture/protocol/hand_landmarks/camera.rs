@@ -102,7 +102,7 @@ impl Camera {
         DISTANCES.contains(&offset.z).then_some(offset)
     }
 
-    /// Returns a hand of the usual size, whose depth is in the scale of its width as that of MediaPipe.
+    /// Returns a hand of the usual size, whose depth has the scale of its width, as MediaPipe gives it.
     fn scaled(&self, points: &Landmarks) -> Option<Landmarks> {
         let palm = points[WRIST].distance(points[MIDDLE_KNUCKLE]);
         let metres = self.palm / palm;

@@ -280,14 +280,14 @@ fn centered(points: &Landmarks, image_size: Option<[f64; 2]>) -> Result<Landmark
     Ok(points.map(|point| point * scale - center))
 }
 
-/// Returns the joints of the landmarks. MediaPipe has no bases of the metacarpals but that of the thumb.
+/// Returns the joints of the landmarks. Of the bases of the metacarpals MediaPipe has only the thumb's.
 fn joints(landmarks: &Landmarks) -> JointPositions {
     let mut positions = JointPositions::default();
     positions.set(Joint::Wrist, landmarks[0]);
-    for (&finger, landmarks) in Finger::ALL.iter().zip(landmarks[1..].chunks_exact(4)) {
+    for (&finger, chain) in Finger::ALL.iter().zip(landmarks[1..].chunks_exact(4)) {
         let joints = finger.joints();
-        let joints = &joints[joints.len() - landmarks.len()..];
-        for (&joint, &landmark) in joints.iter().zip(landmarks) {
+        let joints = &joints[joints.len() - chain.len()..];
+        for (&joint, &landmark) in joints.iter().zip(chain) {
             positions.set(joint, landmark);
         }
     }

@@ -54,11 +54,11 @@ fn joints(packet: &Packet) -> JointPositions {
 }
 
 fn assert_close(found: &JointPositions, expected: &JointPositions) {
-    for (joint, expected) in expected.known() {
+    for (joint, position) in expected.known() {
         let found = found.get(joint).expect("a joint");
         assert!(
-            found.distance(expected) < 1e-6,
-            "{joint}: {found} {expected}"
+            found.distance(position) < 1e-6,
+            "{joint}: {found} {position}"
         );
     }
 }
@@ -117,9 +117,9 @@ fn a_hand_without_points_is_relative_to_its_wrist_and_one_without_a_shape_has_th
         let found = found.get(joint).expect("a joint");
         assert!(found.distance(expected - wrist) < 1e-9, "{joint}");
     }
-    let (packets, _) = decode(&[HEAD], &[without("world")]);
-    let found = joints(&packets[0]);
-    let at = |joint| found.get(joint).expect("a joint");
+    let (image_packets, _) = decode(&[HEAD], &[without("world")]);
+    let image_joints = joints(&image_packets[0]);
+    let at = |joint| image_joints.get(joint).expect("a joint");
     let palm = at(Joint::Wrist).distance(at(Joint::MiddlePhalanxProximal));
     assert!((0.06..0.1).contains(&palm), "{palm}");
     assert!(at(Joint::IndexTip).distance(wrist) < 0.3);
@@ -135,16 +135,16 @@ fn a_mirrored_image_and_labels_that_assume_one_give_the_same_hand() {
     assert_close(&joints(&packets[0]), &right);
 
     let swapped = encode(None, &[(Side::Left, right)]);
-    let (packets, invalid) = decode(
+    let (swapped_packets, invalid) = decode(
         &[HEAD, (&SWAP_HANDS, "yes")],
         std::slice::from_ref(&swapped),
     );
-    assert_eq!(packets[0].side, Some(Side::Right));
-    assert_close(&joints(&packets[0]), &right);
+    assert_eq!(swapped_packets[0].side, Some(Side::Right));
+    assert_close(&joints(&swapped_packets[0]), &right);
     assert_eq!(invalid.total(), 0);
 
-    let (packets, invalid) = decode(&[HEAD], &[swapped]);
-    assert_eq!((packets.len(), invalid.total()), (0, 1), "backwards");
+    let (unswapped, rejected) = decode(&[HEAD], &[swapped]);
+    assert_eq!((unswapped.len(), rejected.total()), (0, 1), "backwards");
 }
 
 #[test]

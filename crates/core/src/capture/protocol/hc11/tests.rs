@@ -137,8 +137,8 @@ fn the_vectors_decode_alike_with_pauses_between_pieces_of_any_size() {
         assert_eq!(bodies, case.bodies, "{} in its chunks", case.name);
         for _ in 0..20 {
             let sizes: Vec<usize> = (0..length / 60).map(|_| random.usize(1..130)).collect();
-            let bodies = decode_with_pauses(case, sizes.iter().copied());
-            assert_eq!(bodies, case.bodies, "{} in {sizes:?}", case.name);
+            let rechunked = decode_with_pauses(case, sizes.iter().copied());
+            assert_eq!(rechunked, case.bodies, "{} in {sizes:?}", case.name);
         }
     }
 }

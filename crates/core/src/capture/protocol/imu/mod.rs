@@ -148,12 +148,12 @@ fn numbers(text: &str) -> Result<[f64; NUMBERS], PacketError> {
     let words = text.split(|character: char| character == ',' || character.is_ascii_whitespace());
     for word in words.filter(|word| !word.is_empty()) {
         let number: f64 = word.parse().map_err(|_| {
-            let text = format!("`{}` is not a number", escape(word));
-            PacketError::new(InvalidPacket::Unknown, text)
+            let message = format!("`{}` is not a number", escape(word));
+            PacketError::new(InvalidPacket::Unknown, message)
         })?;
         if !number.is_finite() {
-            let text = format!("`{}` is not finite", escape(word));
-            return Err(PacketError::new(InvalidPacket::NotFinite, text));
+            let message = format!("`{}` is not finite", escape(word));
+            return Err(PacketError::new(InvalidPacket::NotFinite, message));
         }
         if let Some(slot) = numbers.get_mut(count) {
             *slot = number;
@@ -177,8 +177,8 @@ impl LineParser for ImuParser {
         let since = neutral.inverse() * quaternion;
         let rotation = self.world_from_sensor * since * self.world_from_sensor.inverse();
         let [x, y, z, w] = rotation.to_array().map(|number| number as f32);
-        let rotation = Quat::from_xyzw(x, y, z, w);
-        let displacement = Displacement::new(self.joint, Vec3::ZERO, rotation);
+        let turn = Quat::from_xyzw(x, y, z, w);
+        let displacement = Displacement::new(self.joint, Vec3::ZERO, turn);
         emit(Packet::of_line(Sample::Displacement { displacement }, time));
         Ok(())
     }

@@ -59,7 +59,10 @@ fn split_number(text: &[u8]) -> Option<(Option<i64>, &[u8])> {
 fn set(fields: &mut Fields, key: &[u8], value: Option<i64>) -> Result<(), PacketError> {
     let slot = match *key {
         [letter] => {
-            if let Some(button) = Button::KEYS.iter().position(|&key| key == letter) {
+            if let Some(button) = Button::KEYS
+                .iter()
+                .position(|&button_key| button_key == letter)
+            {
                 let is_repeated = std::mem::replace(&mut fields.buttons[button], true);
                 return if is_repeated { Err(twice()) } else { Ok(()) };
             }

@@ -84,9 +84,9 @@ pub const MIDDLE: u16 = 2047;
 /// Joints of a finger, from the palm to the tip.
 pub const JOINTS: usize = 4;
 
-/// Channel of the curl of the thumb; those of the other fingers follow.
+/// Channel of the curl of the thumb; the channels of the other fingers follow.
 pub const CURL: usize = 0;
-/// Channel of the splay of the thumb; those of the other fingers follow.
+/// Channel of the splay of the thumb; the channels of the other fingers follow.
 pub const SPLAY: usize = CURL + Finger::COUNT;
 /// Channel of the first joint of the thumb; [`JOINTS`] channels for each finger follow.
 pub const JOINT: usize = SPLAY + Finger::COUNT;
@@ -229,7 +229,7 @@ impl Fields {
         let value = |channel: usize| {
             let count = channels.counts.get(channel).copied();
             let is_sent =
-                |count: &u16| *count != Channels::UNKNOWN && !channels.unsent.contains(channel);
+                |sent: &u16| *sent != Channels::UNKNOWN && !channels.unsent.contains(channel);
             count.filter(is_sent).map(i64::from)
         };
         let finger = |first: usize| std::array::from_fn(|index| value(first + index));

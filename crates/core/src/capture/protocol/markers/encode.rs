@@ -15,7 +15,7 @@ const CAMERAS: [DVec3; 3] = [
 /// Writes the line of three cameras that see a marker over each joint, with its line end. Positions are in the world, in
 /// metres.
 ///
-/// The first camera labels all markers, the second one those of the arm and the third one none, so that reading the line
+/// The first camera labels all markers, the second one only the arm and the third one none, so that reading the line
 /// includes matching.
 pub fn encode(time_us: Option<u64>, joints: &JointPositions) -> String {
     let cameras: Vec<Value> = (0..CAMERAS.len())

@@ -10,10 +10,10 @@
 //!
 //! A marker is a `point` of the image plane in space, a `direction` in space, or an undistorted `image` position, u to the
 //! right and v down, which needs the `orientation` of the camera: the quaternion x, y, z, w that turns its axes (X right,
-//! Y down, Z along the view) into those of the world. Without a focal length, image positions are for a focal length of 1.
+//! Y down, Z along the view) into the axes of the world. Without a focal length, image positions are for a focal length of 1.
 //!
 //! A label is the name of a joint (`index-finger-tip`, `RightElbow`) or one of the names of Plug-in Gait (`RSHO RELB RWRA
-//! RWRB RFIN`), `wrist-a` and `wrist-b` being the two sides of the wrist: that of the thumb and that of the little finger. One
+//! RWRB RFIN`), `wrist-a` and `wrist-b` being the two sides of the wrist: on the thumb's side and on the little finger's. One
 //! camera that labels a marker is enough, and a marker keeps its label while it is [followed](MarkerTracker).
 //! `time_us` is the time of a file; other transports stamp the arrival.
 
@@ -103,7 +103,7 @@ struct MarkerParser {
     markers: HandMarkers,
     bones: Option<LiveFit>,
     times: LineTimes,
-    /// In seconds; that of lines without times.
+    /// In seconds; the time of lines that state none.
     time: f64,
     period: f64,
 }

@@ -1,4 +1,4 @@
-//! The names of bones in VMC: those of Unity's humanoid, and the spellings of VRM.
+//! The names of bones in VMC: the names of Unity's humanoid, and the spellings of VRM.
 
 use crate::hand::{ArmBone, Finger, Side};
 
@@ -26,7 +26,7 @@ const BODY: [&str; 12] = [
     "Root", "Origin",
 ];
 
-/// Bones of an arm without those of the fingers, without their sides.
+/// The bones of an arm except the fingers, without their sides.
 const ARM: [(&str, ArmBone); 3] = [
     ("UpperArm", ArmBone::UpperArm),
     ("LowerArm", ArmBone::LowerArm),
@@ -51,7 +51,7 @@ pub(super) fn bone_of(name: &[u8]) -> Option<NamedBone> {
     if is_part("Shoulder") {
         return Some(NamedBone::Shoulder(side));
     }
-    if let Some((_, bone)) = ARM.iter().find(|(name, _)| is_part(name)) {
+    if let Some((_, bone)) = ARM.iter().find(|(spelling, _)| is_part(spelling)) {
         return Some(NamedBone::Arm(side, *bone));
     }
     let (finger, segment) = finger_of(part)?;
@@ -61,7 +61,7 @@ pub(super) fn bone_of(name: &[u8]) -> Option<NamedBone> {
     let segments = ["Proximal", "Intermediate", "Distal"];
     let index = segments
         .iter()
-        .position(|name| segment.eq_ignore_ascii_case(name.as_bytes()))?;
+        .position(|spelling| segment.eq_ignore_ascii_case(spelling.as_bytes()))?;
     Some(NamedBone::Arm(side, ArmBone::of_finger(finger, index)?))
 }
 

@@ -1,7 +1,7 @@
 //! VMC: rotations of the bones of a humanoid as OSC messages, as programs for avatars send them.
 //!
 //! `/VMC/Ext/Bone/Pos` has the name of a bone, its position and its rotation in the frame of its parent. Positions are
-//! ignored: the arm of the setup has its own lengths. The rotation of an upper arm is that of its parents and its own. A
+//! ignored: the arm of the setup has its own lengths. The rotation of an upper arm includes its parents' rotations. A
 //! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`, and before a bone that comes again: some senders have
 //! neither message, others send them seldom, and datagrams are lost. Other messages and additional arguments are ignored. A
 //! message that is not valid is left out of its datagram.

@@ -62,9 +62,15 @@ fn a_rotation_is_converted_from_the_left_handed_frame_of_unity() {
     let hand = frames[0].right.get(ArmBone::Hand).expect("the hand");
     assert!((hand * glam::Vec3::NEG_Z).abs_diff_eq(glam::Vec3::X, 1e-6));
     // A quaternion of another length is normalised.
-    let turn = bone("RightHand", [0.0, 20.0 * half, 0.0, 20.0 * half]);
-    let frames = decode(&mut decoder(), &[osc::bundle(&[turn, time()])]);
-    assert!(frames[0].right.get(ArmBone::Hand).unwrap().is_normalized());
+    let long_turn = bone("RightHand", [0.0, 20.0 * half, 0.0, 20.0 * half]);
+    let long_frames = decode(&mut decoder(), &[osc::bundle(&[long_turn, time()])]);
+    assert!(
+        long_frames[0]
+            .right
+            .get(ArmBone::Hand)
+            .unwrap()
+            .is_normalized()
+    );
 }
 
 #[test]
@@ -214,8 +220,8 @@ fn end_messages_without_their_argument_end_no_frame_and_are_counted() {
                 bad.escape_ascii()
             );
             let [hand, end] = [bone("RightHand", REST), time()];
-            let frames = decode(&mut decoder, &[osc::bundle(&[hand, end])]);
-            assert_eq!(names(&frames[0]), ["left hand", "right hand"]);
+            let complete = decode(&mut decoder, &[osc::bundle(&[hand, end])]);
+            assert_eq!(names(&complete[0]), ["left hand", "right hand"]);
         }
     }
 }
@@ -341,11 +347,14 @@ fn damaged_bundles_end_without_a_loop() {
         }
     }
     let nested = (0..100).fold(time(), |inner, _| osc::bundle(&[inner]));
-    let mut decoder = super::decoder();
-    assert!(decode(&mut decoder, &[nested]).is_empty());
-    assert_eq!(decoder.stats().invalid.total(), 1);
-    let mut decoder = super::decoder();
-    assert!(decode(&mut decoder, &[vec![0; 70_000]]).is_empty());
-    assert_eq!(decoder.stats().invalid.get(InvalidPacket::WrongSize), 1);
-    assert_eq!(decoder.stats().skipped_bytes, 70_000);
+    let mut nested_decoder = super::decoder();
+    assert!(decode(&mut nested_decoder, &[nested]).is_empty());
+    assert_eq!(nested_decoder.stats().invalid.total(), 1);
+    let mut large_decoder = super::decoder();
+    assert!(decode(&mut large_decoder, &[vec![0; 70_000]]).is_empty());
+    assert_eq!(
+        large_decoder.stats().invalid.get(InvalidPacket::WrongSize),
+        1
+    );
+    assert_eq!(large_decoder.stats().skipped_bytes, 70_000);
 }

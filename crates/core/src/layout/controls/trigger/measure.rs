@@ -218,7 +218,7 @@ impl MeasureSchema<'_> {
                 (Measure::Pinch(finger), thresholds)
             }
             Self::HandShape {
-                name,
+                name: shape_name,
                 on,
                 off,
                 zero,
@@ -226,7 +226,7 @@ impl MeasureSchema<'_> {
             } => {
                 let values = [on, off, zero, full].map(|it| it.map(Confidence::get));
                 let thresholds = Thresholds::with_defaults("", CONFIDENCE, values);
-                (Measure::HandShape(name), thresholds)
+                (Measure::HandShape(shape_name), thresholds)
             }
             Self::Swipe {
                 direction,
@@ -262,14 +262,14 @@ impl MeasureSchema<'_> {
                 (Measure::Sequence(steps), Thresholds::new("", on, off))
             }
             Self::Input {
-                name,
+                name: input_name,
                 on,
                 off,
                 zero,
                 full,
             } => {
                 let values = [on, off, zero, full].map(|it| it.map(InputValue::get));
-                input_thresholds(builder, name, values)?
+                input_thresholds(builder, input_name, values)?
             }
         })
     }

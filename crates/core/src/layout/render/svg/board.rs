@@ -150,15 +150,15 @@ pub fn draw_layer_row(layout: &Layout, layer: usize, scale: f32) -> Canvas {
         if !keys.any(|key| layout.label_in_layer(key, layer).is_some()) {
             continue;
         }
-        let board = draw_layer(layout, index, layer);
-        let (min, _) = board.bounds();
+        let drawn = draw_layer(layout, index, layer);
+        let (min, _) = drawn.bounds();
         let placement = Placement {
             at: Vec2::new(left, 6.0) - min * scale,
             degrees: 0.0,
             scale,
         };
-        row.group(placement, None, &board);
-        left += board.size().x * scale + GAP;
+        row.group(placement, None, &drawn);
+        left += drawn.size().x * scale + GAP;
     }
     let name = format!("Layer: {}", layout.layers[layer]);
     row.text(

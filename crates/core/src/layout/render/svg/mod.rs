@@ -89,7 +89,7 @@ impl Layout {
     }
 }
 
-/// Returns the marks on a front of a control; `index` is that of the front.
+/// Returns the marks on a front of a control; `index` is the index of the front.
 pub(super) fn front_marks(
     layout: &Layout,
     kind: &ControlKind,
@@ -102,7 +102,7 @@ pub(super) fn front_marks(
     front.into_marks()
 }
 
-/// Returns the width of texts on a page: that of the widest board.
+/// Returns the width of texts on a page: the text width of the widest board.
 fn text_width(layout: &Layout) -> f32 {
     let boards = layout.boards.iter().map(|board| {
         let (min, max) = layout.extent(board);
@@ -140,15 +140,15 @@ pub(super) fn parts(layout: &Layout, wearer: &Wearer) -> Result<Vec<Part>, TooMa
         let board = board::draw(layout, index, wearer);
         parts.push(drawing(None, Some(0), &board));
         for layer in 1..layout.layers.len() {
-            let board = board::draw_layer(layout, index, layer);
-            parts.push(drawing(None, Some(layer), &board));
+            let layer_board = board::draw_layer(layout, index, layer);
+            parts.push(drawing(None, Some(layer), &layer_board));
         }
     }
     let (chords, listed) = chords_and_list(layout, width);
-    for (layer, chords) in &chords {
+    for (layer, drawn) in &chords {
         parts.push(match layer {
-            0 => drawing(Some("Chords"), None, chords),
-            layer => drawing(None, Some(*layer), chords),
+            0 => drawing(Some("Chords"), None, drawn),
+            layer => drawing(None, Some(*layer), drawn),
         });
     }
     let lists = listed.into_iter().chain(words::lists(layout));
@@ -175,8 +175,8 @@ fn sections(layout: &Layout, wearer: &Wearer) -> Vec<Section> {
         }
     }
     let (chords, listed) = chords_and_list(layout, width);
-    for (layer, chords) in chords {
-        add((layer == 0).then_some("Chords"), chords);
+    for (layer, drawn) in chords {
+        add((layer == 0).then_some("Chords"), drawn);
     }
     let lists = listed.into_iter().chain(words::lists(layout));
     for list in faults(wearer).into_iter().chain(lists) {

@@ -11,7 +11,7 @@ pub const LINE_HEIGHT: f32 = 1.25;
 
 /// Returns an upper bound of the width of a text as a multiple of the font size.
 ///
-/// The widths are those of DejaVu Sans, the widest of the usual fonts without serifs.
+/// The widths come from DejaVu Sans, the widest of the usual fonts without serifs.
 pub fn width_em(text: &str) -> f32 {
     text.chars().map(character_em).sum()
 }

@@ -27,8 +27,8 @@ pub fn open_to_read(port: &str) -> Option<File> {
 
 /// Opens the standard input. The file bypasses the buffer of [`std::io::stdin`], whose content `poll` cannot see.
 ///
-/// It is opened anew, because other processes that use it do not expect it to be non-blocking. A socket cannot be opened
-/// so.
+/// It is opened a second time, because other processes that use it do not expect it to be non-blocking. A socket cannot be
+/// opened in this way.
 pub fn open_stdin() -> Result<(Box<dyn ByteStream>, Option<Readiness>)> {
     if let Some(file) = open_to_read(STANDARD_INPUT) {
         let readiness = Readiness::new(&file);

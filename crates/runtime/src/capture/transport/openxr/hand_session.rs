@@ -84,7 +84,7 @@ pub struct HandSession {
     runtime: Runtime,
     session: Session<Headless>,
     space: Space,
-    /// By side.
+    /// The tracker of each hand, by side.
     trackers: [HandTracker; Side::COUNT],
     progress: SessionProgress,
     is_running: bool,

@@ -97,7 +97,7 @@ pub fn parse_rate(value: &str) -> std::result::Result<u32, String> {
 pub struct TrackedHands {
     /// Microseconds on the clock of the runtime.
     pub time_us: u64,
-    /// By side; `None` while the hand is not tracked. A joint that is not tracked is missing.
+    /// The joints of each hand, by side; `None` while the hand is not tracked. A joint that is not tracked is missing.
     pub hands: [Option<JointPositions>; Side::COUNT],
 }
 
@@ -235,7 +235,7 @@ mod tests {
         let joints = packets.iter().map(|packet| {
             assert_eq!(packet.side, Some(Side::Right));
             match &packet.sample {
-                Sample::Joints { positions } => *positions,
+                Sample::Joints { positions: joints } => *joints,
                 other => panic!("{other:?}"),
             }
         });

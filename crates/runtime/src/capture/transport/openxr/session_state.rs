@@ -130,7 +130,7 @@ mod tests {
         ];
         for (index, message) in messages.iter().enumerate() {
             let expected = expected.iter().find(|(at, _)| *at == index);
-            assert_eq!(*message, expected.map(|(_, message)| *message), "{index}");
+            assert_eq!(*message, expected.map(|(_, text)| *text), "{index}");
         }
     }
 

@@ -47,11 +47,11 @@ impl Server {
     /// Binds an address and starts to accept connections.
     pub fn start(address: SocketAddr, origin: Option<String>) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
-        let address = canonical(listener.local_addr()?);
+        let bound = canonical(listener.local_addr()?);
         let (sender, events) = bounded(QUEUE_CAPACITY);
         let shared = Arc::new(Shared {
             admission: Admission {
-                address,
+                address: bound,
                 origins: origin.into_iter().collect(),
                 remedy: "write `origin=` with this address in the source to admit it",
             },
@@ -162,7 +162,7 @@ impl Client {
         let stream = DeadlineStream::new(stream, HANDSHAKE_TIMEOUT).ok()?;
         let stream = MessageStream::new(stream);
         let admission = &self.shared.admission;
-        #[allow(clippy::result_large_err, reason = "the type is that of the library")]
+        #[allow(clippy::result_large_err, reason = "the library requires the type")]
         let check = |request: &Request, response: Response| match admission.check(request) {
             Ok(()) => Ok(response),
             Err(reason) => {
@@ -173,8 +173,8 @@ impl Client {
             }
         };
         let mut socket = accept_hdr_with_config(stream, check, Some(socket_config())).ok()?;
-        let stream = socket.get_mut().stream_mut();
-        stream.end_deadline(POLL_INTERVAL).ok()?;
+        let message_stream = socket.get_mut().stream_mut();
+        message_stream.end_deadline(POLL_INTERVAL).ok()?;
         Some(socket)
     }
 

@@ -7,7 +7,7 @@ use enigo::{Direction, Enigo, InputResult, Keyboard};
 use crate::advice;
 use ademan_core::device::KeyCode;
 
-/// Injects the key at this position of the keyboard, whichever character the keymap assigns to it.
+/// Injects the key at this position of the keyboard, whatever character the keymap assigns to it.
 pub fn inject_key(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
     enigo.raw(key.x11_code(), direction)
 }
@@ -17,7 +17,7 @@ pub fn has_key(_: KeyCode) -> bool {
     true
 }
 
-/// Returns the message for a display that does not answer; `None` stands for that of `DISPLAY`.
+/// Returns the message for a display that does not answer; `None` stands for the display in `DISPLAY`.
 pub fn no_display(display: Option<&str>) -> String {
     let display = display.map(str::to_owned);
     let display = display.or_else(|| env::var("DISPLAY").ok());

@@ -404,7 +404,7 @@ fn a_text_without_room_in_the_queue_is_dropped_entirely() {
     assert!(sink.dropped_presses() > 0);
     drop(gate);
     sink.close().unwrap();
-    // What waits before a dropped text is void, too.
+    // Events that wait before a dropped text are void, too.
     assert!(display.lines().is_empty());
     assert_eq!(sink.dropped_presses() as usize, 8 * text.len());
 }

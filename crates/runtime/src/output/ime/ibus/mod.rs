@@ -66,9 +66,9 @@ fn run(bus: Bus, requests: &Receiver<Request>, shared: &Shared) {
             if is_session_over(requests) {
                 return;
             }
-            if let Ok(bus) = Bus::connect() {
+            if let Ok(next) = Bus::connect() {
                 tracing::info!("IBus is back");
-                break bus;
+                break next;
             }
         };
     }

@@ -42,7 +42,7 @@ struct Timeouts {
 impl Stream {
     /// Starts the threads of a connection.
     pub fn new(pipe: DuplexPipeStream<Bytes>) -> io::Result<Self> {
-        // What a peer has not read is still there for it when the handle is closed; nothing has to wait for that.
+        // A peer can still read what is left after the handle is closed, so closing need not wait for a flush.
         pipe.assume_flushed();
         let pipe = Arc::new(pipe);
         let (open, is_closed) = bounded(0);

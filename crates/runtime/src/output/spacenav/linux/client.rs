@@ -103,8 +103,8 @@ impl Client {
         self.is_lost = true;
     }
 
-    /// Reads at most one packet, so that no client occupies the server, and replies to it. `path` is that of the
-    /// socket.
+    /// Reads at most one packet, so that no client occupies the server, and replies to it. `path` is the path
+    /// of the socket.
     pub fn receive(&mut self, path: &str) {
         let mut bytes = [0; PACKET_BYTES];
         match self.stream.read(&mut bytes[self.received.len()..]) {
@@ -120,8 +120,8 @@ impl Client {
             let mut request = [0; 8];
             let length = self.settings.request_bytes();
             let numbers = self.received[..length].as_chunks::<4>().0;
-            for (number, bytes) in request.iter_mut().zip(numbers) {
-                *number = i32::from_ne_bytes(*bytes);
+            for (number, word) in request.iter_mut().zip(numbers) {
+                *number = i32::from_ne_bytes(*word);
             }
             self.received.drain(..length);
             self.reply(request, length, path);

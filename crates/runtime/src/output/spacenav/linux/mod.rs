@@ -27,7 +27,7 @@ use ademan_core::message::{escape_path, shell_word};
 use ademan_core::time::Timestamp;
 use server::Server;
 
-/// Value of a fully deflected axis, that of a SpaceMouse.
+/// Value of a fully deflected axis, as a SpaceMouse reports it.
 const AXIS_MAX: f32 = 350.0;
 
 /// The axes in the order of the protocol: motion to the right, up and away from the wearer, then rotation about these

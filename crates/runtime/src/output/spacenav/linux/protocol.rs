@@ -84,8 +84,8 @@ impl ClientSettings {
         None
     }
 
-    /// Handles a request of version 1. Returns the reply, which may be several packets or none. `path` is that of the
-    /// socket.
+    /// Handles a request of version 1. Returns the reply, which may be several packets or none. `path` is the path
+    /// of the socket.
     pub fn reply_to_packet(&mut self, request: Packet, path: &str) -> Vec<Packet> {
         let value = request[1];
         let reply = match request[0] & 0xffff {
@@ -108,8 +108,8 @@ impl ClientSettings {
         };
         let mut packet = request;
         packet[7] = FAILURE;
-        if let Some(value) = reply {
-            packet[1] = value;
+        if let Some(answer) = reply {
+            packet[1] = answer;
             packet[7] = SUCCESS;
         }
         vec![packet]
@@ -154,8 +154,8 @@ fn string_packets(kind: i32, text: &str) -> Vec<Packet> {
         bytes[..chunk.len()].copy_from_slice(chunk);
         let mut packet = [0; 8];
         packet[0] = kind;
-        for (number, bytes) in packet[1..].iter_mut().zip(bytes.as_chunks::<4>().0) {
-            *number = i32::from_ne_bytes(*bytes);
+        for (number, word) in packet[1..].iter_mut().zip(bytes.as_chunks::<4>().0) {
+            *number = i32::from_ne_bytes(*word);
         }
         let remaining = (text.len() - index * STRING_BYTES) as i32;
         packet[7] = remaining | if index > 0 { CONTINUED } else { 0 };

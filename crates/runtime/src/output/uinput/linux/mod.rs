@@ -1,6 +1,6 @@
 //! Devices created through `/dev/uinput`.
 //!
-//! X11, Wayland and the console receive their events like those of any keyboard. When the process exits for any reason,
+//! X11, Wayland and the console receive their events like the events of any keyboard. When the process exits for any reason,
 //! the kernel removes the devices and releases their keys (`uinput_destroy_device`, `input_dev_release_keys`). It does
 //! not while the process is stopped or hangs; the [watchdog](crate::output::watchdog) does.
 
@@ -115,8 +115,8 @@ impl<N: DeviceNode> Uinput<N> {
         }
         self.has_stalled = true;
         let released = self.for_each_device(TrackedDevice::release_all);
-        if let Some(watchdog) = &mut self.watchdog {
-            watchdog.restart();
+        if let Some(client) = &mut self.watchdog {
+            client.restart();
         }
         released
     }

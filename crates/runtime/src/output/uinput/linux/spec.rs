@@ -132,7 +132,7 @@ fn mouse(required: &Capabilities) -> Option<DeviceSpec> {
     Some(mouse)
 }
 
-/// Returns an absolute pointer like that of virtual machines: absolute axes and the buttons of a mouse. `BTN_TOUCH`
+/// Returns an absolute pointer as virtual machines have it: absolute axes and the buttons of a mouse. `BTN_TOUCH`
 /// would make it a touch screen, on which motion is a touch; `BTN_TOOL_PEN` would make it a tablet, which needs
 /// resolution and proximity. udev's `input_id` classifies it as a mouse, libinput as a pointer with absolute motion.
 fn pointer(required: &Capabilities) -> Option<DeviceSpec> {

@@ -181,7 +181,7 @@ impl<N: DeviceNode> TrackedDevice<N> {
     }
 }
 
-/// Releases a key of a device, whichever process has pressed it.
+/// Releases a key of a device, no matter which process pressed it.
 pub fn release_key(node: &mut impl DeviceNode, key: KeyCode) -> io::Result<()> {
     node.write_report(&[InputEvent::new(EventType::KEY.0, key.event_code(), 0)])
 }

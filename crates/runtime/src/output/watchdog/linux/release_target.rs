@@ -49,8 +49,8 @@ const MAX_DEVICES: usize = 8;
 impl ReleaseTarget {
     /// Returns a handle of the calling thread that is readable when the thread has ended (`PIDFD_THREAD`, Linux 6.9).
     ///
-    /// A killed process closes its socket when the last of its threads has ended, for which those of normal priority wait
-    /// on a busy machine. The thread of a display has a high priority, and what the loop presses is reported before. `None` for
+    /// A killed process closes its socket when the last of its threads has ended, and threads of normal priority wait on a
+    /// busy machine. The thread of a display has a high priority, and what the loop presses is reported before. `None` for
     /// devices, which other threads may use, and on an older kernel.
     pub fn thread_handle(&self) -> Option<OwnedFd> {
         // The flag has the value of another one, and no name in the library.
@@ -145,9 +145,9 @@ mod tests {
     fn transfer(target: &ReleaseTarget) -> io::Result<ReleaseTarget> {
         let (client, watchdog) = UnixStream::pair()?;
         target.send(&client, None)?;
-        let (target, thread) = ReleaseTarget::receive(&watchdog)?;
+        let (received, thread) = ReleaseTarget::receive(&watchdog)?;
         assert!(thread.is_none());
-        Ok(target)
+        Ok(received)
     }
 
     fn device(has_axes: bool) -> (std::io::PipeReader, DeviceHandle) {

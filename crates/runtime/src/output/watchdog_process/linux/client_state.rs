@@ -81,8 +81,8 @@ impl ClientState {
     fn handle(&mut self, bytes: &[u8]) {
         self.incomplete.extend(bytes);
         let complete = self.incomplete.len() - self.incomplete.len() % WatchdogMessage::BYTES;
-        for bytes in self.incomplete[..complete].as_chunks().0 {
-            let message = WatchdogMessage::from_bytes(*bytes);
+        for record in self.incomplete[..complete].as_chunks().0 {
+            let message = WatchdogMessage::from_bytes(*record);
             if let Some(reply) = message.and_then(|message| self.signs.receive(message)) {
                 self.reply(reply);
             }

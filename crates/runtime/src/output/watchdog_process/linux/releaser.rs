@@ -169,8 +169,8 @@ mod tests {
     fn keys_are_released_on_every_device_and_axes_centered_on_those_that_have_axes() {
         let (mut keyboard, node) = std::io::pipe().unwrap();
         let (mut gamepad, other) = std::io::pipe().unwrap();
-        let device = |node, has_axes| DeviceHandle {
-            node: OwnedFd::from(node),
+        let device = |end, has_axes| DeviceHandle {
+            node: OwnedFd::from(end),
             has_axes,
         };
         let target = ReleaseTarget::Devices(vec![device(node, false), device(other, true)]);

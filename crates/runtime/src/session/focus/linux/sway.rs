@@ -126,8 +126,8 @@ fn first_message(bytes: &[u8]) -> Result<Option<Message<'_>>, String> {
         return Ok(None);
     };
     let number = |at: usize| {
-        let bytes = header[at..at + 4].try_into();
-        u32::from_ne_bytes(bytes.expect("four bytes"))
+        let word = header[at..at + 4].try_into();
+        u32::from_ne_bytes(word.expect("four bytes"))
     };
     let length = number(MAGIC.len()) as usize;
     if !header.starts_with(MAGIC) || length > MAX_TEXT {

@@ -44,8 +44,8 @@ pub fn draw(layout: &Layout, key: &Key, canvas: &mut Canvas) {
     }
     if below {
         let at = Vec2::new(0.0, room.y - strip / 2.0);
-        let half = Vec2::new(room.x, strip / 2.0);
-        draw_fitted("muted", &notes, at, half, SMALL_SIZE, canvas);
+        let notes_half = Vec2::new(room.x, strip / 2.0);
+        draw_fitted("muted", &notes, at, notes_half, SMALL_SIZE, canvas);
     }
 }
 

@@ -31,7 +31,7 @@ pub fn draw(layout: &Layout, control: &Control, canvas: &mut Canvas) {
     }
 }
 
-/// Draws one front of a control, in its own axes. `index` is that of the front, and `is_on` that of a toggle switch.
+/// Draws one front of a control, in its own axes. `index` is the index of the front, and `is_on` the state of a toggle switch.
 pub fn draw_front(
     layout: &Layout,
     kind: &ControlKind,

@@ -177,9 +177,9 @@ mod tests {
         let file = sent.file.try_clone().unwrap();
         let too_long = Keymap::from_seat(Some((file, sent.size + 1)));
         assert!(too_long.err().unwrap().contains("cannot read"));
-        let mut file = tempfile::tempfile().unwrap();
-        file.write_all(b"nonsense\0").unwrap();
-        let nonsense = Keymap::from_seat(Some((file, 9)));
+        let mut invalid = tempfile::tempfile().unwrap();
+        invalid.write_all(b"nonsense\0").unwrap();
+        let nonsense = Keymap::from_seat(Some((invalid, 9)));
         assert!(nonsense.err().unwrap().contains("is invalid"));
     }
 

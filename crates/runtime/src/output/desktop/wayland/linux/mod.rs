@@ -42,7 +42,7 @@ mod keymap;
 /// Delay until clients know a new keyboard; they miss keys that are pressed earlier.
 const KEYBOARD_DELAY: Duration = Duration::from_millis(200);
 
-/// Scroll distance per wheel detent, that of `libinput` for wheels with 15° per detent.
+/// Scroll distance per wheel detent, as `libinput` reports it for wheels with 15° per detent.
 const SCROLL_PER_DETENT: f64 = 15.0;
 
 /// Width and height of the output layout in units of the absolute pointer.

@@ -138,9 +138,12 @@ impl CharacterKeys {
             let code = match code {
                 Some(code) => code,
                 None => {
-                    let code = free.next()?;
-                    plan.new.push(CharacterKey { code, keysym });
-                    code
+                    let unused = free.next()?;
+                    plan.new.push(CharacterKey {
+                        code: unused,
+                        keysym,
+                    });
+                    unused
                 }
             };
             plan.codes.push(code);

@@ -28,7 +28,7 @@ const META_TO_HYPER: [u32; 8] = [
     0xffe7, 0xffe8, 0xffe9, 0xffea, 0xffeb, 0xffec, 0xffed, 0xffee,
 ];
 
-/// Bits of the group in the state of the keyboard, and those of the eight modifiers.
+/// Bits of the group in the state of the keyboard, and bits of the eight modifiers.
 const GROUP: u16 = 0b11 << 13;
 const MODIFIERS: u16 = 0xff;
 

@@ -52,7 +52,7 @@ pub struct X11Injector {
     character_keys: CharacterKeys,
 }
 
-/// Connects to the X server of this name, or to that of `DISPLAY`.
+/// Connects to the X server of this name, or to the server in `DISPLAY`.
 pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
     let (server, screen) = x11rb::connect(name).map_err(|_| system::no_display(name))?;
     let (major, minor) = XTEST_VERSION;
@@ -133,7 +133,7 @@ impl X11Injector {
         Ok(())
     }
 
-    /// Returns those of `keys` that are pressed. A button whose state the server does not report counts as pressed.
+    /// Returns the pressed ones among `keys`. A button whose state the server does not report counts as pressed.
     fn pressed_among(&self, keys: &PressedKeys) -> Result<PressedKeys, ReplyError> {
         let bits = self.server.query_keymap()?.reply()?.keys;
         let buttons = u16::from(self.server.query_pointer(self.root)?.reply()?.mask);
