@@ -203,7 +203,7 @@ fn start_ours(
     }
 }
 
-/// A source that has to block, as those without a descriptor do.
+/// A source that has to block, as a source without a descriptor does.
 struct Blocking(Box<dyn Source>);
 
 impl Source for Blocking {

@@ -51,7 +51,7 @@ pub(super) struct LaneHands {
 struct Turn {
     sines: f32x8,
     cosines: f32x8,
-    /// All angles are 0, as those that a glove does not measure.
+    /// All angles are 0, as in a glove that does not measure them.
     is_none: bool,
 }
 

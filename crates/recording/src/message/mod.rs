@@ -15,7 +15,7 @@ pub use values::{put_rounded_angles, put_side};
 /// The schema as text.
 pub const SCHEMA_TEXT: &str = include_str!("ademan.proto");
 
-/// The schema as a `FileDescriptorSet`, which is what readers of MCAP expect. `protoc` creates it from [`SCHEMA_TEXT`].
+/// The schema as a `FileDescriptorSet`, as readers of MCAP expect it. `protoc` creates it from [`SCHEMA_TEXT`].
 pub const SCHEMA: &[u8] = include_bytes!("ademan.binpb");
 
 #[cfg(test)]

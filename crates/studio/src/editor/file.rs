@@ -171,7 +171,7 @@ fn stamp(path: &Path) -> Option<Stamp> {
 }
 
 impl LayoutEditor {
-    /// Returns `true` if the text differs from that which was opened or saved last.
+    /// Returns `true` if the text differs from the text that was opened or saved last.
     pub fn is_modified(&self) -> bool {
         self.text != self.file.saved_text()
     }

@@ -13,7 +13,7 @@ pub enum Place {
     Gap,
     /// A state of the spelling, in a word that the lexicon may not have, as it was typed until now.
     Typed(u16),
-    /// The same, with letters of other keys than those that were typed.
+    /// A state of the spelling, in such a word with letters of other keys than the typed ones.
     Spelled(u16),
     /// In a word with digits or signs.
     Verbatim,

@@ -31,7 +31,7 @@ pub(super) struct HandPosture {
 /// The motion from one posture to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HandMotion {
-    /// The displacement of the point in the world, without that which comes from the rotation of the hand, in metres.
+    /// The displacement of the point in the world, without the part that comes from the rotation of the hand, in metres.
     pub(super) displacement: Vec3,
     /// The rotation vector in the frame of the first posture, in radians.
     pub(super) rotation: Vec3,

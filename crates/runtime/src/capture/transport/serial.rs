@@ -227,7 +227,7 @@ fn can_list_ports() -> bool {
     !cfg!(target_os = "linux") || Path::new("/sys/class/tty").is_dir()
 }
 
-/// Returns the device behind a link such as those in `/dev/serial/by-id`.
+/// Returns the device behind a link such as the links in `/dev/serial/by-id`.
 fn resolve(port: &str) -> String {
     let is_link = std::fs::read_link(port).is_ok();
     match std::fs::canonicalize(port) {

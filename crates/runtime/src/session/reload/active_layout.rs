@@ -106,7 +106,7 @@ impl ActiveLayout {
         }
     }
 
-    /// Returns whether the content of the file is that which was activated last, and notes that it can be used.
+    /// Returns whether the file still has the content that was activated last, and notes that it can be used.
     pub fn accept_active(&mut self, found: &Layout) -> bool {
         let active = self.file.as_mut().filter(|file| file.text() == found.text);
         match active {
