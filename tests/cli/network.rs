@@ -51,17 +51,17 @@ impl Machine {
         command.stderr(Stdio::piped());
         let mut process = Process::start(&mut command).expect("the program starts");
         let mut messages = BufReader::new(process.0.stderr.take().expect("it is piped"));
-        let mut text = String::new();
-        let target = loop {
-            let start = text.len();
-            let length = messages.read_line(&mut text).expect("UTF-8");
-            assert!(length > 0, "{text}");
-            let shared = text[start..].strip_prefix("sharing ");
-            if let Some((target, _)) = shared.and_then(|line| line.split_once(": ")) {
-                break target.to_owned();
+        let mut printed = String::new();
+        let shared_target = loop {
+            let start = printed.len();
+            let length = messages.read_line(&mut printed).expect("UTF-8");
+            assert!(length > 0, "{printed}");
+            let shared = printed[start..].strip_prefix("sharing ");
+            if let Some((named, _)) = shared.and_then(|line| line.split_once(": ")) {
+                break named.to_owned();
             }
         };
-        let (_, address) = target.split_once(':').expect("a format");
+        let (_, address) = shared_target.split_once(':').expect("a format");
         Shared {
             process,
             address: address.into(),
@@ -217,8 +217,8 @@ fn openssl_receives_lines_with_a_token_and_nothing_without_one() {
         shared.address
     );
     for refused in [&wrong, &request] {
-        let mut client = s_client(&shared.address, &["-tls1_3"], refused).expect("openssl");
-        assert_eq!(lines(&mut client, 2), ["refused"], "{refused}");
+        let mut refused_client = s_client(&shared.address, &["-tls1_3"], refused).expect("openssl");
+        assert_eq!(lines(&mut refused_client, 2), ["refused"], "{refused}");
     }
     let mut old = s_client(&shared.address, &["-tls1_2"], &hello).expect("openssl");
     assert_eq!(lines(&mut old, 1), [""; 0], "only TLS 1.3");
@@ -273,10 +273,10 @@ fn a_source_has_no_more_than_the_role_of_its_token() {
             file.display()
         )
     };
-    let run = |source: &str| {
+    let run = |uri: &str| {
         text(
             &machine
-                .run(&["run", "--control", "off", "--source", source])
+                .run(&["run", "--control", "off", "--source", uri])
                 .stderr,
         )
     };
@@ -310,8 +310,8 @@ fn tokens_are_listed_without_their_secrets_and_revoked() {
     );
     assert!(!listed.contains(&secret[..8]), "{listed}");
     assert!(machine.run(&["token", "revoke", "desk"]).status.success());
-    let listed = text(&machine.run(&["token", "list"]).stdout);
-    assert_eq!(listed.lines().count(), 1, "{listed}");
+    let rest = text(&machine.run(&["token", "list"]).stdout);
+    assert_eq!(rest.lines().count(), 1, "{rest}");
     let again = machine.run(&["token", "revoke", "desk"]);
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("ademan token list"));

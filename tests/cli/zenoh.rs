@@ -96,8 +96,8 @@ impl Link {
             let router = TcpStream::connect(router).expect("the router runs");
             let back = [&client, &router].map(|end| end.try_clone().expect("a descriptor"));
             thread::spawn(move || forward(client, router, Duration::default));
-            let [client, router] = back;
-            forward(router, client, move || link.delay());
+            let [client_end, router_end] = back;
+            forward(router_end, client_end, move || link.delay());
         });
         address
     }

@@ -202,7 +202,7 @@ fn a_client_without_the_token_or_of_another_page_is_refused() {
     );
     let token = server.link.rsplit('=').next().expect("a token").to_owned();
     let socket_url = format!("{}hands", server.page().replace("https", "wss"));
-    let hello = |token: &str| json!({"token": token, "name": "Quest 3"}).to_string();
+    let hello = |sent: &str| json!({"token": sent, "name": "Quest 3"}).to_string();
 
     // A page without an address has another origin.
     assert_eq!(
@@ -270,7 +270,7 @@ fn the_state_of_the_session_names_the_headset_with_a_valid_token_until_it_leaves
     });
     let url = format!("{}hands", server.page().replace("https", "wss"));
     let token = server.link.rsplit('=').next().expect("a token").to_owned();
-    let hello = |token: &str, name: &str| json!({"token": token, "name": name}).to_string();
+    let hello = |sent: &str, name: &str| json!({"token": sent, "name": name}).to_string();
 
     assert_eq!(
         socket(&mut browser, &url, &hello(&"0".repeat(64), "Stranger")),
@@ -286,13 +286,13 @@ fn the_state_of_the_session_names_the_headset_with_a_valid_token_until_it_leaves
     browser.evaluate(&format!(
         "window.kept = new WebSocket({url}); kept.onopen = () => kept.send({hello}); true"
     ));
-    let name = format!(r"Quest\u{{1b}}[2J{}", "3".repeat(31));
+    let shown_name = format!(r"Quest\u{{1b}}[2J{}", "3".repeat(31));
     wait_for_state(
         &server,
-        &format!("source     headset {name} at 127.0.0.1\n"),
+        &format!("source     headset {shown_name} at 127.0.0.1\n"),
     );
-    let state = server.ctl("state");
-    assert!(!state.contains(&token), "{state}");
+    let named_state = server.ctl("state");
+    assert!(!named_state.contains(&token), "{named_state}");
     browser.evaluate("kept.close(); true");
     wait_for_state(&server, "source     no headset connected\n");
 }

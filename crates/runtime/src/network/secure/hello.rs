@@ -65,9 +65,12 @@ mod tests {
         let received = receive(&mut rest).unwrap().unwrap();
         assert_eq!((received.hash(), rest), (token.hash(), &b"data"[..]));
         for is_admitted in [true, false] {
-            let mut bytes = Vec::new();
-            answer(&mut bytes, is_admitted).unwrap();
-            assert_eq!(receive_answer(&mut bytes.as_slice()).unwrap(), is_admitted);
+            let mut answered = Vec::new();
+            answer(&mut answered, is_admitted).unwrap();
+            assert_eq!(
+                receive_answer(&mut answered.as_slice()).unwrap(),
+                is_admitted
+            );
         }
         assert!(receive_answer(&mut &b"HTTP/1.1 400"[..]).is_err());
     }

@@ -66,7 +66,7 @@ impl Server {
     ) -> Result<Self, String> {
         let folder =
             PageFolder::read(Path::new(&pages.folder)).map_err(|error| error.to_string())?;
-        let keeper = network_folder().and_then(|folder| Gatekeeper::open_for_pages(&folder));
+        let keeper = network_folder().and_then(|tokens| Gatekeeper::open_for_pages(&tokens));
         let keeper = keeper.map_err(|error| error.to_string())?;
         let in_use = |error: io::Error| {
             format!(
@@ -74,12 +74,12 @@ impl Server {
             )
         };
         let listener = TcpListener::bind(address).map_err(in_use)?;
-        let address = canonical(listener.local_addr().map_err(in_use)?);
+        let bound = canonical(listener.local_addr().map_err(in_use)?);
         let (sender, events) = bounded(QUEUE_CAPACITY);
         let shared = Arc::new(Shared {
             admission: Admission {
-                address,
-                origins: vec![format!("https://{address}")],
+                address: bound,
+                origins: vec![format!("https://{bound}")],
                 remedy: "only the page of this server may connect",
             },
             keeper,

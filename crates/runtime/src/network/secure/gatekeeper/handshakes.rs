@@ -53,7 +53,7 @@ impl Handshakes {
             self.disconnect_oldest(network);
         } else if self.list.len() >= MAX_HANDSHAKES {
             let networks = self.list.iter().rev().map(|other| other.network);
-            if let Some(largest) = networks.max_by_key(|network| self.count(*network)) {
+            if let Some(largest) = networks.max_by_key(|other| self.count(*other)) {
                 self.disconnect_oldest(largest);
             }
         }

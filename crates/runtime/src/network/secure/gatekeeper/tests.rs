@@ -116,8 +116,8 @@ fn a_thousand_wrong_tokens_are_five_checks_and_another_address_is_served() {
     // The right certificate, the wrong token.
     let text = std::fs::read_to_string(server.token_file()).unwrap();
     let wrong_text = std::fs::read_to_string(wrong.join("desk.token")).unwrap();
-    let of_line = |text: &str, key: &str| {
-        let line = text.lines().find(|line| line.starts_with(key));
+    let of_line = |file_text: &str, key: &str| {
+        let line = file_text.lines().find(|line| line.starts_with(key));
         line.unwrap().to_owned()
     };
     let mixed = text.replace(&of_line(&text, "secret "), &of_line(&wrong_text, "secret "));
@@ -167,9 +167,9 @@ fn silent_clients_are_closed_and_take_no_place_of_another_address() {
     while slow.write_all(b"\x16").is_ok() && start.elapsed() < TIMEOUT {
         thread::sleep(Duration::from_millis(100));
     }
-    for mut client in silent {
+    for mut closed in silent {
         assert!(
-            matches!(client.read(&mut [0]), Ok(0) | Err(_)),
+            matches!(closed.read(&mut [0]), Ok(0) | Err(_)),
             "it is closed"
         );
     }
@@ -180,9 +180,9 @@ fn silent_clients_are_closed_and_take_no_place_of_another_address() {
 fn silent_clients_of_many_addresses_keep_no_client_out() {
     let server = Server::new();
     let mut silent = Vec::new();
-    let mut connect_silent = |server: &Server, address| {
-        let (client, end) = server.connection();
-        server.admit(end, address);
+    let mut connect_silent = |used: &Server, address| {
+        let (client, end) = used.connection();
+        used.admit(end, address);
         silent.push(client);
     };
     for index in 0..16 {
@@ -245,8 +245,8 @@ fn what_a_client_has_sent_admits_no_one_who_sends_it_again() {
         !sent.windows(8).any(|bytes| bytes == &token[..8]),
         "it is encrypted"
     );
-    let (mut replay, end) = server.connection();
-    server.admit(end, [192, 0, 2, 1]);
+    let (mut replay, replay_end) = server.connection();
+    server.admit(replay_end, [192, 0, 2, 1]);
     replay.write_all(&sent).unwrap();
     let mut answer = Vec::new();
     let _ = replay.read_to_end(&mut answer);
@@ -297,9 +297,12 @@ fn a_server_without_tokens_or_with_files_of_another_kind_does_not_start() {
     assert!(error.contains("ademan token new"), "{error}");
     tokens::create(&network, "desk", TokenRole::See).unwrap();
     std::fs::write(network.join("certificate.pem"), "none").unwrap();
-    let error = Gatekeeper::open(&network).unwrap_err().to_string();
-    assert!(error.contains("no PEM file"), "{error}");
+    let certificate_error = Gatekeeper::open(&network).unwrap_err().to_string();
+    assert!(
+        certificate_error.contains("no PEM file"),
+        "{certificate_error}"
+    );
     std::fs::write(network.join("tokens"), "desk see 1234").unwrap();
-    let error = Gatekeeper::open(&network).unwrap_err().to_string();
-    assert!(error.contains("line 1"), "{error}");
+    let token_error = Gatekeeper::open(&network).unwrap_err().to_string();
+    assert!(token_error.contains("line 1"), "{token_error}");
 }

@@ -31,7 +31,7 @@ impl Gatekeeper {
         let _ = thread::Builder::new()
             .name("handshake".into())
             .spawn(move || match secured(&handshake) {
-                Ok(stream) => serve(Unproven(handshake), stream),
+                Ok(secured_stream) => serve(Unproven(handshake), secured_stream),
                 Err(error) => tracing::debug!("a handshake has failed: {error}"),
             });
     }

@@ -13,8 +13,8 @@ fn a_token_is_made_once_listed_without_its_secret_and_revoked() {
         stored.starts_with("desk type ") && !stored.contains(&secret),
         "{stored}"
     );
-    let names = |folder: &Path| {
-        let listed = list(folder).unwrap().into_iter();
+    let names = |listed_folder: &Path| {
+        let listed = list(listed_folder).unwrap().into_iter();
         listed
             .map(|entry| format!("{} {}", entry.name, entry.role))
             .collect::<Vec<_>>()
@@ -63,10 +63,10 @@ fn what_a_command_that_was_killed_has_left_prevents_no_later_one() {
     let file = create(&folder, "desk", TokenRole::See).unwrap();
     let text = fs::read_to_string(&file).unwrap();
     revoke(&folder, "desk").unwrap();
-    let private = |name: &str, text: &str| {
+    let private = |name: &str, content: &str| {
         use std::io::Write;
-        let mut file = crate::files::create_private(&folder.join(name)).unwrap();
-        file.write_all(text.as_bytes()).unwrap();
+        let mut left = crate::files::create_private(&folder.join(name)).unwrap();
+        left.write_all(content.as_bytes()).unwrap();
     };
     // The file of a token that was not listed yet, and parts of the list.
     private("desk.token", &text);
@@ -120,7 +120,7 @@ fn files_that_others_can_read_are_refused() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("network");
     let path = create(&folder, "desk", TokenRole::See).unwrap();
-    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    let mode = |file: &Path| fs::metadata(file).unwrap().permissions().mode() & 0o777;
     assert_eq!(mode(&folder), 0o700);
     for file in ["tokens", "key.pem", "certificate.pem", "desk.token"] {
         assert_eq!(mode(&folder.join(file)), 0o600, "{file}");
