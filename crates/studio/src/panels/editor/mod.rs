@@ -62,6 +62,8 @@ pub struct EditorPanel {
     canvas_size: Option<Vec2>,
     /// The part of the board that is shown; `None` until the first picture of a board.
     viewport: Option<Viewport>,
+    /// The part of the board that the lab shows; `None` until it was moved or zoomed there, which shows the whole board.
+    lab_viewport: Option<Viewport>,
     items: BoardItems,
     /// The parts of the items; `None` while the brackets of the text are not balanced.
     parts: Vec<Option<Part>>,
@@ -135,6 +137,7 @@ impl EditorPanel {
             board: 0,
             canvas_size: None,
             viewport: None,
+            lab_viewport: None,
             items: BoardItems::default(),
             parts: Vec::new(),
             faulty: Vec::new(),
@@ -330,6 +333,7 @@ impl EditorPanel {
         if board != self.board {
             self.board = board;
             self.viewport = None;
+            self.lab_viewport = None;
             // The form shows nothing of a board that is not on the canvas.
             self.editor.select([]);
             self.message = None;
