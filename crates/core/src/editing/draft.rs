@@ -54,6 +54,12 @@ impl Draft {
         node.ok_or(EditError::NoPart(part.kind_name()))
     }
 
+    /// Returns the text of a value without the indentation that its lines share, as [`push`](Self::push) adds it.
+    pub fn text_of(&self, node: &Node) -> String {
+        let indent = indent_of_line(&self.text, node.range.start);
+        node.text(&self.text).replace(&format!("\n{indent}"), "\n")
+    }
+
     /// Returns the value of a field, `pose.tilt_deg`, if it is written.
     pub fn field(&self, part: Part, field: &str) -> Option<&Node> {
         let node = part.node(&self.text, &self.tree)?;
@@ -258,14 +264,14 @@ fn indent_before(text: &str, offset: usize) -> Option<&str> {
 fn indent_in(text: &str, group: &Node) -> String {
     let first = group.items().first();
     let own = first.and_then(|item| indent_before(text, item_start(item)));
-    let line = text[..group.range.start]
-        .rfind('\n')
-        .map_or(0, |newline| newline + 1);
-    let of_line = || {
-        let rest = text[line..].trim_start_matches(' ');
-        " ".repeat(text[line..].len() - rest.len())
-    };
-    own.map_or_else(of_line, str::to_owned)
+    own.map_or_else(|| indent_of_line(text, group.range.start), str::to_owned)
+}
+
+/// Returns the blanks at the start of the line of an offset.
+fn indent_of_line(text: &str, offset: usize) -> String {
+    let line = text[..offset].rfind('\n').map_or(0, |newline| newline + 1);
+    let rest = text[line..].trim_start_matches(' ');
+    " ".repeat(text[line..].len() - rest.len())
 }
 
 /// Returns values in lines of their own within a list whose line has this indentation.

@@ -3,8 +3,8 @@
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{self, PopupCloseBehavior};
 
-use super::{EditorPanel, icons, plan};
-use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
+use super::{EditorPanel, icons, palette, plan};
+use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart, Part};
 use crate::texts::{Language, language, text, text_with};
 
 /// Distances between positions on the grid, in millimetres.
@@ -49,7 +49,14 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             plan::show_views(ui, panel);
         }
         ui.separator();
-        show_boards(ui, panel, !panel.plan.is_open);
+        let tabs = show_boards(ui, panel, !panel.plan.is_open);
+        for (board, tab) in tabs.iter().enumerate() {
+            if tab.secondary_clicked() {
+                panel.show_part(Part::Board(board));
+            }
+            palette::show_menu(tab, panel);
+        }
+        show_message(ui, panel);
     });
     ui.add_space(2.0);
 }
@@ -220,15 +227,26 @@ fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-/// Shows a tab for each board, and the result of the last operation. `is_shown`: one of them is on the canvas.
-pub fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel, is_shown: bool) {
-    for board in 0..panel.editor.count("boards") {
+/// Shows a tab for each board. `is_shown`: one of them is on the canvas. Returns the tabs.
+pub fn show_boards(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    is_shown: bool,
+) -> Vec<egui::Response> {
+    let boards = 0..panel.editor.count("boards");
+    let tabs = boards.map(|board| {
         let name = text_with("editor-board", &[("number", (board + 1).into())]);
         let tab = ui.selectable_label(is_shown && panel.board == board, name);
         if tab.clicked() {
             panel.leave_plan(board);
         }
-    }
+        tab
+    });
+    tabs.collect()
+}
+
+/// Shows the result of the last operation.
+pub fn show_message(ui: &mut egui::Ui, panel: &EditorPanel) {
     // One line, so that a message does not move the board.
     let (message, color) = match &panel.message {
         Some(Ok(message)) => (*message, ui.visuals().weak_text_color()),

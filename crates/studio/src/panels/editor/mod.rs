@@ -40,7 +40,7 @@ use crate::typing::Typing;
 use ademan_core::document::DocumentError;
 use ademan_core::layout::Fit;
 
-pub(super) use self::bar::show_boards;
+pub(super) use self::bar::{show_boards, show_message};
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
