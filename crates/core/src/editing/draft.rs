@@ -130,7 +130,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Writes a field: in place of its value, or after the last field.
+    /// Writes a field, or a value of a list by its index: in place of its value, or after the last one.
     pub fn set(&mut self, part: Part, field: &str, value: &str) -> Result<(), EditError> {
         if let Some(node) = self.field(part, field) {
             let range = node.range.clone();
@@ -142,29 +142,31 @@ impl Draft {
             Some((path, name)) => (self.field(part, path).ok_or_else(error)?, name),
             None => (self.node(part)?, field),
         };
-        if group
-            .group
-            .as_ref()
-            .is_none_or(|group| group.bracket != b'(')
-        {
-            return Err(error());
-        }
-        let (range, text) = appended(&self.text, group, &format!("{name}: {value}"));
+        let new = match group.group.as_ref().map(|group| group.bracket) {
+            Some(b'(') => format!("{name}: {value}"),
+            // The value after the last one of a list.
+            Some(b'[') => value.to_owned(),
+            _ => return Err(error()),
+        };
+        let (range, text) = appended(&self.text, group, &new);
         self.replace(range, text);
         Ok(())
     }
 
-    /// Removes a field. Does nothing if it is not written.
+    /// Removes a field, or a value of a list by its index. Does nothing if it is not written.
     pub fn unset(&mut self, part: Part, field: &str) -> Result<(), EditError> {
         let (group, name) = match field.rsplit_once('.') {
             Some((path, name)) => (self.field(part, path), name),
             None => (Some(self.node(part)?), field),
         };
         if let Some(group) = group
-            && let Some(index) = group
-                .items()
-                .iter()
-                .position(|item| is_named(&self.text, item, name))
+            && let Some(index) = match name.parse() {
+                Ok(index) => Some(index).filter(|&index| index < group.items().len()),
+                Err(_) => group
+                    .items()
+                    .iter()
+                    .position(|item| is_named(&self.text, item, name)),
+            }
         {
             let range = removed(&self.text, group, index);
             self.replace(range, "");

@@ -17,6 +17,7 @@ mod plan;
 mod problems;
 mod several;
 mod shortcuts;
+mod steps;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};

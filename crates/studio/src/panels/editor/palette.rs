@@ -92,6 +92,7 @@ fn commands() -> Vec<Command> {
     let others = [
         ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
         ("editor-new-layer", NewPart::Layer),
+        ("editor-new-sequence", NewPart::Sequence),
         ("editor-new-trigger", NewPart::Trigger),
         ("editor-new-pointer", NewPart::Pointer),
         ("editor-new-space", NewPart::Space),
