@@ -35,9 +35,6 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         ui.separator();
         show_add(ui, panel);
         show_arrangement(ui, panel);
-        ui.separator();
-        show_snapping(ui, panel);
-        show_trial(ui, panel);
     });
     ui.horizontal_wrapped(|ui| {
         let is_open = panel.plan.is_open;
@@ -56,6 +53,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             }
             palette::show_menu(tab, panel);
         }
+        ui.separator();
+        show_snapping(ui, panel);
+        show_trial(ui, panel);
         show_message(ui, panel);
     });
     ui.add_space(2.0);
