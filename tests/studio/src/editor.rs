@@ -8,6 +8,7 @@ use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::studio::model::StudioModel;
 use ademan::studio::texts::text;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::picture;
@@ -177,4 +178,44 @@ fn ten_thousand_keys_are_drawn_and_dragged() {
         started.elapsed()
     );
     assert!(window.has(text("editor-undo")));
+}
+
+#[test]
+fn a_sequence_is_added_renamed_extended_and_bound_in_the_form() {
+    let file = EditedFile::new("sequence.ron", ONE_KEY);
+    let mut window = file.open();
+    window.click(&format!("{} (0)", text("editor-sequences")));
+    let list = window.rect_of(&format!("{} (0)", text("editor-sequences")));
+    let below = |node: &egui_kittest::Node| node.rect().min.y > list.max.y;
+    {
+        let mut adds = window.harness.get_all_by_label(text("editor-add"));
+        adds.find(below).expect("the button of the list").click();
+    }
+    window.draw(3);
+    let write = |window: &mut StudioWindow, field: &str, words: &str| {
+        window
+            .harness
+            .get_by_role_and_label(Role::TextInput, field)
+            .focus();
+        window.draw(2);
+        window.enter(field, words);
+        press(window, egui::Modifiers::NONE, egui::Key::Enter);
+    };
+    write(&mut window, "name", "new line");
+    write(&mut window, "Tap", "End");
+    window.click(text("editor-add-step"));
+    window.click(text("editor-step-earlier"));
+    let center = canvas(&window).center();
+    drag(&mut window, center, egui::Vec2::ZERO);
+    window.enter(text("editor-search"), "new");
+    window.click("Sequence new line");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    let expected = ONE_KEY
+        .replace("code: \"A\"", "action: Sequence(\"new line\")")
+        .replace("(0, 0))", "(0, 0), name: \"A\")")
+        .replace(
+            "    ],\n)",
+            "    ],\n    sequences: {\"new line\": [Tap(\"Enter\"), Tap(\"End\")]},\n)",
+        );
+    assert_eq!(file.text(), expected);
 }

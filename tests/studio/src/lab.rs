@@ -110,6 +110,36 @@ fn an_edited_layout_is_compared_with_the_saved_one() {
 }
 
 #[test]
+fn the_lab_shows_the_whole_board_whatever_the_editor_shows() {
+    let mut window = Opening::on_layout("qwerty-flat").open();
+    window.click(text("workspace-lab"));
+    let board = |window: &mut StudioWindow, name: &str| {
+        window.draw(2);
+        let area = window.rect_of(text("lab-board"));
+        picture::draw(window, name).map(|picture| picture::crop(&picture, area))
+    };
+    let whole = board(&mut window, "studio-lab-whole");
+    window.click(text("workspace-layout"));
+    let center = canvas(&window).center();
+    window.harness.hover_at(center);
+    zoom(&mut window, 4.0);
+    window.click(text("workspace-lab"));
+    let after_editor = board(&mut window, "studio-lab-after-editor");
+    assert!(whole == after_editor, "the zoom of the editor");
+    let center = window.rect_of(text("lab-board")).center();
+    window.harness.hover_at(center);
+    zoom(&mut window, 2.0);
+    let zoomed = board(&mut window, "studio-lab-zoomed");
+    assert!(zoomed.is_none() || whole != zoomed, "the zoom of the lab");
+}
+
+/// Zooms at the mouse.
+fn zoom(window: &mut StudioWindow, factor: f32) {
+    window.harness.event(egui::Event::Zoom(factor));
+    window.draw(2);
+}
+
+#[test]
 fn a_run_is_cancelled_and_a_wrong_name_is_an_error() {
     let mut window = Opening::on_layout("qwerty-arc").open();
     window.click(text("workspace-lab"));

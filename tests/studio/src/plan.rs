@@ -1,9 +1,10 @@
 //! The plan of the layout editor: a person moves boards and targets in space, opens a board, and undoes.
 
+use ademan::layout::Layout;
 use ademan::studio::texts::text;
-use egui::accesskit::Role;
+use egui::accesskit::{Role, Toggled};
 use egui::{Key, Modifiers, Pos2, Rect, Vec2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::editor::{EditedFile, canvas, drag, press};
 use crate::picture;
@@ -181,6 +182,67 @@ fn a_layout_of_targets_in_space_opens_on_the_plan_and_they_are_moved() {
     assert_eq!(
         file.text(),
         IN_SPACE.replace("(120, 0, -300)", "(120, 20, -288)")
+    );
+}
+
+#[test]
+fn a_copied_board_overlaps_no_other_one_and_is_undone_at_once() {
+    let file = EditedFile::new("plan-copy-board.ron", FINGERS_AND_THUMB);
+    let mut window = open_plan(&file);
+    let fingers = place(&window, "Board 1");
+    drag(&mut window, fingers.center(), Vec2::ZERO);
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    assert!(place(&window, "Board 3").min.x > place(&window, "Board 1").max.x);
+    // The room beside the first board is taken: the second copy is farther away.
+    let fingers = place(&window, "Board 1");
+    drag(&mut window, fingers.center(), Vec2::ZERO);
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let layout = Layout::parse(&file.text(), "copied.ron").expect("a layout");
+    assert_eq!(layout.boards.len(), 4);
+    assert_eq!(layout.board_overlaps(), []);
+    assert!(
+        file.text()
+            .contains("(code: \"B\", name: \"B 3\", at_mm: (19, 0))")
+    );
+    for _ in 0..2 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert_eq!(file.text(), FINGERS_AND_THUMB);
+}
+
+#[test]
+fn a_right_click_offers_to_duplicate_a_board_and_a_key() {
+    let file = EditedFile::new("menu.ron", FINGERS_AND_THUMB);
+    let mut window = file.open();
+    let duplicate = |window: &mut StudioWindow| {
+        let entry = format!("{} Ctrl-D", text("editor-duplicate"));
+        window.click(&entry);
+    };
+    window.harness.get_by_label("Board 2").click_secondary();
+    window.draw(3);
+    duplicate(&mut window);
+    let tab = window.harness.get_by_label("Board 3").accesskit_node();
+    assert_eq!(tab.toggled(), Some(Toggled::True), "the copy is shown");
+    window.click("Board 1");
+    let at = canvas(&window).center() + vec2(30.0, 0.0);
+    window.harness.hover_at(at);
+    for pressed in [true, false] {
+        window.harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Secondary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        window.draw(2);
+    }
+    duplicate(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let text = file.text();
+    assert!(
+        text.contains("name: \"C 2\"") && text.contains("name: \"B 2\""),
+        "{text}"
     );
 }
 

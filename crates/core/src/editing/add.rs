@@ -4,7 +4,7 @@ use super::bind::{Binding, free_code};
 use super::draft::{Draft, written};
 use super::error::EditError;
 use super::fields::field_row;
-use super::names::{taken, unique};
+use super::names::{name_of, taken, unique};
 use super::part::{ControlKind, Part};
 use crate::document::quote;
 
@@ -51,6 +51,8 @@ pub enum NewPart {
     },
     /// A layer without keys.
     Layer,
+    /// A sequence of one step.
+    Sequence,
     /// A chord.
     Chord {
         /// Names of the keys.
@@ -123,18 +125,8 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             (Part::Space(*space), "targets", text)
         }
         NewPart::Layer => {
-            let layers = draft
-                .field(Part::Layout, "layers")
-                .map_or(0, |it| it.items().len());
-            let mut layer_names = (0..layers)
-                .filter_map(|layer| {
-                    super::names::name_of(draft.text(), draft.tree(), Part::Layer(layer))
-                })
-                .collect();
-            let text = format!(
-                "(name: {}, keys: {{}})",
-                quote(&unique(&mut layer_names, "layer"))
-            );
+            let name = free_name(draft, "layers", Part::Layer, "layer");
+            let text = format!("(name: {}, keys: {{}})", quote(&name));
             (Part::Layout, "layers", text)
         }
         NewPart::Chord { keys, binding } => {
@@ -142,6 +134,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             let text = format!("(keys: {}, action: {action})", quote(&keys.join(" ")));
             (Part::Layout, "chords", text)
         }
+        NewPart::Sequence => return add_sequence(draft),
         NewPart::Pointer => return add_pointer(draft),
     };
     let index = draft
@@ -150,6 +143,27 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
     draft.push(parent, list, &[text])?;
     draft.commit()?;
     Ok(vec![added(new, index)])
+}
+
+/// Returns a name that no part of a list has.
+fn free_name(draft: &Draft, list: &str, part: fn(usize) -> Part, name: &str) -> String {
+    let count = draft.field(Part::Layout, list);
+    let count = count.map_or(0, |list| list.items().len());
+    let names = (0..count).filter_map(|index| name_of(draft.text(), draft.tree(), part(index)));
+    unique(&mut names.collect(), name)
+}
+
+fn add_sequence(draft: &mut Draft) -> Result<Vec<Part>, EditError> {
+    let name = free_name(draft, "sequences", Part::Sequence, "sequence");
+    let entry = format!("{}: [Tap(\"Enter\")]", quote(&name));
+    let map = draft.field(Part::Layout, "sequences").cloned();
+    match &map {
+        Some(map) => draft.push_entry(map, &entry),
+        None => draft.set(Part::Layout, "sequences", &format!("{{{entry}}}"))?,
+    }
+    draft.commit()?;
+    let index = map.map_or(0, |map| map.items().len());
+    Ok(vec![Part::Sequence(index)])
 }
 
 fn add_pointer(draft: &mut Draft) -> Result<Vec<Part>, EditError> {
@@ -173,6 +187,7 @@ fn added(new: &NewPart, index: usize) -> Part {
         NewPart::Space => Part::Space(index),
         NewPart::SpaceTarget { space, .. } => Part::SpaceTarget { space, index },
         NewPart::Layer => Part::Layer(index),
+        NewPart::Sequence => Part::Sequence(index),
         NewPart::Chord { .. } => Part::Chord(index),
     }
 }

@@ -20,6 +20,8 @@ pub enum Binding {
     Layer(String),
     /// Types a text.
     Text(String),
+    /// Starts a sequence.
+    Sequence(String),
     /// Issues a command.
     Command(String),
     /// Holds the pointer still.
@@ -51,6 +53,7 @@ impl Binding {
             Self::Key(code) => format!("Key({})", quote(code)),
             Self::Layer(name) => format!("Layer({})", quote(name)),
             Self::Text(text) => format!("Text({})", quote(text)),
+            Self::Sequence(name) => format!("Sequence({})", quote(name)),
             Self::Command(command) => format!("Command({})", quote(command)),
             Self::Clutch => "Clutch".into(),
             Self::Precision => "Precision".into(),
@@ -71,7 +74,9 @@ impl Binding {
     pub(super) fn implied_name(&self) -> Option<String> {
         match self {
             Self::Key(code) => Some(canonical(code)),
-            Self::Layer(text) | Self::Text(text) | Self::Command(text) => Some(text.clone()),
+            Self::Layer(text) | Self::Text(text) | Self::Sequence(text) | Self::Command(text) => {
+                Some(text.clone())
+            }
             Self::Clutch | Self::Precision | Self::NoOp => None,
         }
     }

@@ -54,6 +54,12 @@ impl Draft {
         node.ok_or(EditError::NoPart(part.kind_name()))
     }
 
+    /// Returns the text of a value without the indentation that its lines share, as [`push`](Self::push) adds it.
+    pub fn text_of(&self, node: &Node) -> String {
+        let indent = indent_of_line(&self.text, node.range.start);
+        node.text(&self.text).replace(&format!("\n{indent}"), "\n")
+    }
+
     /// Returns the value of a field, `pose.tilt_deg`, if it is written.
     pub fn field(&self, part: Part, field: &str) -> Option<&Node> {
         let node = part.node(&self.text, &self.tree)?;
@@ -124,7 +130,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Writes a field: in place of its value, or after the last field.
+    /// Writes a field, or a value of a list by its index: in place of its value, or after the last one.
     pub fn set(&mut self, part: Part, field: &str, value: &str) -> Result<(), EditError> {
         if let Some(node) = self.field(part, field) {
             let range = node.range.clone();
@@ -136,29 +142,31 @@ impl Draft {
             Some((path, name)) => (self.field(part, path).ok_or_else(error)?, name),
             None => (self.node(part)?, field),
         };
-        if group
-            .group
-            .as_ref()
-            .is_none_or(|group| group.bracket != b'(')
-        {
-            return Err(error());
-        }
-        let (range, text) = appended(&self.text, group, &format!("{name}: {value}"));
+        let new = match group.group.as_ref().map(|group| group.bracket) {
+            Some(b'(') => format!("{name}: {value}"),
+            // The value after the last one of a list.
+            Some(b'[') => value.to_owned(),
+            _ => return Err(error()),
+        };
+        let (range, text) = appended(&self.text, group, &new);
         self.replace(range, text);
         Ok(())
     }
 
-    /// Removes a field. Does nothing if it is not written.
+    /// Removes a field, or a value of a list by its index. Does nothing if it is not written.
     pub fn unset(&mut self, part: Part, field: &str) -> Result<(), EditError> {
         let (group, name) = match field.rsplit_once('.') {
             Some((path, name)) => (self.field(part, path), name),
             None => (Some(self.node(part)?), field),
         };
         if let Some(group) = group
-            && let Some(index) = group
-                .items()
-                .iter()
-                .position(|item| is_named(&self.text, item, name))
+            && let Some(index) = match name.parse() {
+                Ok(index) => Some(index).filter(|&index| index < group.items().len()),
+                Err(_) => group
+                    .items()
+                    .iter()
+                    .position(|item| is_named(&self.text, item, name)),
+            }
         {
             let range = removed(&self.text, group, index);
             self.replace(range, "");
@@ -258,14 +266,14 @@ fn indent_before(text: &str, offset: usize) -> Option<&str> {
 fn indent_in(text: &str, group: &Node) -> String {
     let first = group.items().first();
     let own = first.and_then(|item| indent_before(text, item_start(item)));
-    let line = text[..group.range.start]
-        .rfind('\n')
-        .map_or(0, |newline| newline + 1);
-    let of_line = || {
-        let rest = text[line..].trim_start_matches(' ');
-        " ".repeat(text[line..].len() - rest.len())
-    };
-    own.map_or_else(of_line, str::to_owned)
+    own.map_or_else(|| indent_of_line(text, group.range.start), str::to_owned)
+}
+
+/// Returns the blanks at the start of the line of an offset.
+fn indent_of_line(text: &str, offset: usize) -> String {
+    let line = text[..offset].rfind('\n').map_or(0, |newline| newline + 1);
+    let rest = text[line..].trim_start_matches(' ');
+    " ".repeat(text[line..].len() - rest.len())
 }
 
 /// Returns values in lines of their own within a list whose line has this indentation.

@@ -5,14 +5,38 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::draft::{Draft, written};
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
-use super::names::{name_of, taken, unique};
-use super::part::{ControlKind, Part};
+use super::in_space;
+use super::names::{Mention, canonical, mentions, name_of, taken, unique};
+use super::part::{ControlKind, Part, targets};
 use super::patch::Patch;
-use super::rows::SourceRow;
+use super::rows::{SourceRow, take_out};
 use crate::document::{Node, quote, read_tree};
 
 /// The largest number of copies of one repetition: each reads the text.
 const MAX_COPIES: usize = 400;
+
+/// The names of a layout while parts are copied.
+struct Names {
+    taken: BTreeSet<String>,
+    /// The names of originals and of their copies.
+    copies: Vec<[String; 2]>,
+}
+
+impl Names {
+    fn new(draft: &Draft) -> Self {
+        Self {
+            taken: taken(draft),
+            copies: Vec::new(),
+        }
+    }
+
+    /// Returns a free name for the copy of a part.
+    fn of_copy(&mut self, name: &str) -> String {
+        let new = unique(&mut self.taken, name);
+        self.copies.push([name.to_owned(), new.clone()]);
+        new
+    }
+}
 
 /// Copies parts. Returns the copies.
 pub(super) fn duplicate(
@@ -20,7 +44,7 @@ pub(super) fn duplicate(
     parts: &[Part],
     by_mm: [f64; 2],
 ) -> Result<Vec<Part>, EditError> {
-    let mut names = taken(draft);
+    let mut names = Names::new(draft);
     let mut copies: Vec<(Part, &'static str, Vec<String>)> = Vec::new();
     let mut new_parts = Vec::new();
     for part in without_children(parts) {
@@ -43,10 +67,11 @@ pub(super) fn duplicate(
                 let (parent, list, _) = part.place().ok_or(EditError::NoPart("part"))?;
                 (parent, list, vec![copy(draft, &mut names, part, by_mm)?])
             }
-            _ => {
-                let remedy = "; add one, and duplicate the controls on it";
-                return Err(unsupported(part, "duplicated", remedy));
+            Part::Board(board) => {
+                let board = copied_board(draft, &mut names, board, by_mm)?;
+                (Part::Layout, "boards", vec![board])
             }
+            _ => return Err(unsupported(part, "duplicated", "; add one")),
         };
         let own = |it: &&mut (Part, &str, Vec<String>)| (it.0, it.1) == (parent, list);
         let first = draft
@@ -70,8 +95,23 @@ pub(super) fn duplicate(
     for (parent, list, texts) in copies {
         draft.push(parent, list, &texts)?;
     }
+    copy_entries(draft, &names.copies);
     draft.commit()?;
     Ok(new_parts)
+}
+
+/// Copies the labels, the signals and the entries in layers of parts that are copied.
+fn copy_entries(draft: &mut Draft, copies: &[[String; 2]]) {
+    let originals = copies.iter().map(|[name, _]| name.clone()).collect();
+    for (name, mention) in mentions(draft, &originals) {
+        let Mention::Entry { map, index, .. } = mention else {
+            continue;
+        };
+        let value = map.items()[index].value.text(draft.text()).to_owned();
+        for [_, copy] in copies.iter().filter(|[original, _]| *original == name) {
+            draft.push_entry(&map, &format!("{}: {value}", quote(copy)));
+        }
+    }
 }
 
 /// Copies parts in columns and rows. Returns the originals and the copies.
@@ -154,7 +194,7 @@ pub(super) fn paste(
         return Err(nothing());
     }
     let source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
-    let mut names = taken(draft);
+    let mut names = Names::new(draft);
     let mut new_parts = Vec::new();
     for &kind in ControlKind::ALL {
         let count = |counted: &Draft, counted_board| {
@@ -198,19 +238,58 @@ fn in_list(part: Part, index: usize) -> Part {
         },
         Part::SpaceTarget { space, .. } => Part::SpaceTarget { space, index },
         Part::Trigger(_) => Part::Trigger(index),
+        Part::Board(_) => Part::Board(index),
         other => other,
     }
 }
 
+/// Returns the text of a board whose controls have new names and whose rows are single keys, at an offset along the axes of the
+/// world.
+fn copied_board(
+    draft: &Draft,
+    names: &mut Names,
+    board: usize,
+    [right, forward]: [f64; 2],
+) -> Result<String, EditError> {
+    let text = draft.text_of(draft.node(Part::Board(board))?);
+    let mut own = Draft::new(&format!("(boards: [{text}])"))?;
+    let board = Part::Board(0);
+    let targets = targets(own.text(), own.tree());
+    let is_in_row = |part: &Part| matches!(part, Part::RowKey { .. });
+    let row_keys: Vec<Part> = targets.into_iter().filter(is_in_row).collect();
+    take_out(&mut own, &row_keys, false)?;
+    own.unset(board, "rows")?;
+    own.commit()?;
+    for &kind in ControlKind::ALL {
+        let controls = own
+            .field(board, kind.list())
+            .map_or(0, |it| it.items().len());
+        for index in 0..controls {
+            let part = Part::Control {
+                board: 0,
+                kind,
+                index,
+            };
+            let name = name_of(own.text(), own.tree(), part);
+            let node = own.node(part)?;
+            let text = renamed(node.text(own.text()), name.as_deref(), names, [0.0; 2])?;
+            own.replace(node.range.clone(), text);
+        }
+    }
+    own.commit()?;
+    in_space::shift(&mut own, &[board], [right, forward, 0.0])?;
+    Ok(own.node(board)?.text(own.text()).to_owned())
+}
+
 fn row_key(
     draft: &Draft,
-    names: &mut BTreeSet<String>,
+    names: &mut Names,
     [board, row, column]: [usize; 3],
     by_mm: [f64; 2],
 ) -> Result<String, EditError> {
     let row = SourceRow::read(draft, board, row)?;
     let code = row.code(column).ok_or(EditError::NoPart("key"))?;
-    let name = unique(names, &super::names::canonical(code));
+    let name = names.of_copy(&canonical(code));
     let action = format!("code: {}, name: {}", quote(code), quote(&name));
     Ok(row.key_with(column, &action, by_mm))
 }
@@ -218,15 +297,25 @@ fn row_key(
 /// Returns the text of a part with new names, at an offset.
 fn copy(
     draft: &Draft,
-    names: &mut BTreeSet<String>,
+    names: &mut Names,
     part: Part,
     by_mm: [f64; 2],
 ) -> Result<String, EditError> {
-    let text = draft.node(part)?.text(draft.text());
+    let text = draft.text_of(draft.node(part)?);
+    let name = name_of(draft.text(), draft.tree(), part);
+    renamed(&text, name.as_deref(), names, by_mm)
+}
+
+/// Returns the text of a part of this name with new names, at an offset.
+fn renamed(
+    text: &str,
+    name: Option<&str>,
+    names: &mut Names,
+    by_mm: [f64; 2],
+) -> Result<String, EditError> {
     let tree = read_tree(text).ok_or(EditError::Unreadable)?;
     let mut patch = Patch::default();
-    let name = name_of(draft.text(), draft.tree(), part);
-    set_name(&mut patch, text, &tree, name.as_deref(), names);
+    set_name(&mut patch, text, &tree, name, names);
     shift_copy(&mut patch, text, &tree, by_mm);
     for option in tree.field(text, "options").map_or(&[][..], Node::items) {
         let option = option.value.in_some(text);
@@ -251,10 +340,10 @@ fn set_name(
     text: &str,
     node: &Node,
     name: Option<&str>,
-    names: &mut BTreeSet<String>,
+    names: &mut Names,
 ) -> Option<String> {
     let name = name?;
-    let new = unique(names, name);
+    let new = names.of_copy(name);
     if new == name {
         return Some(new);
     }
@@ -283,6 +372,98 @@ fn shift_copy(patch: &mut Patch, text: &str, node: &Node, [x, y]: [f64; 2]) {
             && shift != 0.0
         {
             patch.replace(item.value.in_some(text).range.clone(), written(old + shift));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Document, shipped_layouts};
+    use crate::editing::duplicate_parts;
+    use crate::layout::Layout;
+
+    #[test]
+    fn a_copied_board_has_names_of_its_own_and_is_at_the_offset() {
+        let text = "Layout(
+    name: \"a\",
+    boards: [
+        (
+            // Before the elbow.
+            pose: (anchor: elbow, bearing_deg: 90, forward_mm: 320),
+            rows: [(at_mm: (0, 0), keys: \"A B\")],
+            sliders: [
+                (
+                    name: \"Volume\",
+                    at_mm: (0, 40), length_mm: 60,
+                ),
+            ],
+            keys: [(layer: \"symbols\", at_mm: (0, -20))],
+        ),
+    ],
+    layers: [(name: \"symbols\", keys: {\"A\": \"1\"})],
+    chords: [(keys: \"A B\", action: Key(\"Tab\"))],
+)
+";
+        let board = "        (
+            // Before the elbow.
+            pose: (anchor: elbow, bearing_deg: 90, forward_mm: 420),
+            sliders: [
+                (
+                    name: \"Volume 2\",
+                    at_mm: (0, 40), length_mm: 60,
+                ),
+            ],
+            keys: [(layer: \"symbols\", name: \"symbols 2\", at_mm: (0, -20)), (code: \"A\", name: \"A 2\", at_mm: (0, 0)), (code: \"B\", name: \"B 2\", at_mm: (19, 0))],
+        ),
+";
+        let edited = duplicate_parts(text, &[Part::Board(0)], [100.0, 0.0]).unwrap();
+        assert_eq!(edited.parts, [Part::Board(1)]);
+        let expected = text
+            .replace("    ],\n    layers", &format!("{board}    ],\n    layers"))
+            .replace("\"A\": \"1\"", "\"A\": \"1\", \"A 2\": \"1\"");
+        assert_eq!(edited.text, expected);
+        assert!(
+            Layout::parse(&edited.text, "a.ron")
+                .unwrap()
+                .board_overlaps()
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn every_board_of_a_shipped_layout_can_be_copied() {
+        for name in shipped_layouts() {
+            let text = Document::shipped(name).unwrap().text;
+            let layout = Layout::parse(&text, name).unwrap();
+            for index in 0..layout.boards.len() {
+                let board = Part::Board(index);
+                let edited = duplicate_parts(&text, &[board], [1200.0, 0.0]).unwrap();
+                let copied = match Layout::parse(&edited.text, name) {
+                    Ok(copied) => copied,
+                    // A hand has one board of bends, and a controller has each axis once.
+                    Err(error) => {
+                        let error = error.to_string();
+                        let is_single =
+                            error.contains("contact: Bend") || error.contains("sets the axis");
+                        assert!(is_single, "{name}: {error}");
+                        continue;
+                    }
+                };
+                let fronts = |layout: &Layout, board: usize| -> Vec<_> {
+                    layout.scene.surfaces()[board]
+                        .targets()
+                        .map(|(_, target)| target.shape)
+                        .collect()
+                };
+                let copy = layout.boards.len();
+                assert_eq!(
+                    fronts(&copied, copy).len(),
+                    fronts(&layout, index).len(),
+                    "{name}"
+                );
+                assert_eq!(copied.board_overlaps(), [], "{name}");
+            }
         }
     }
 }

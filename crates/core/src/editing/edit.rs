@@ -108,7 +108,8 @@ pub enum Edit {
         /// Offset from their places in the text.
         by_mm: [f64; 2],
     },
-    /// Copies parts under new names. The keys of a row become single keys.
+    /// Copies parts under new names, with their labels, signals and entries in layers. The keys of a row, and of the rows of a
+    /// board, become single keys. A copied board is offset along the axes of the world, whatever its bearing is.
     Duplicate {
         /// Keys, controls, rows, boards, triggers or targets in space.
         parts: Vec<Part>,

@@ -84,6 +84,7 @@ pub(super) const fn table_of(part: Part) -> &'static str {
         Part::SpaceTarget { .. } => "Target",
         Part::Layer(_) => "Layer",
         Part::Chord(_) => "Chord",
+        Part::Sequence(_) => "Step",
     }
 }
 
@@ -93,7 +94,8 @@ pub fn can_turn(part: Part) -> bool {
     is_on_board && field_row(table_of(part), "rotation_deg").is_some()
 }
 
-/// Returns the fields that a part can have, those with its name and position first. Lists of other parts are not among them.
+/// Returns the fields that a part can have, those with its name and position first. Lists of other parts are not among them. A
+/// sequence has the kinds of its steps, each with one value.
 pub fn fields_of(part: Part) -> Vec<FieldSpec> {
     static FIELDS: LazyLock<BTreeMap<&str, Vec<FieldSpec>>> = LazyLock::new(|| {
         let tables = tables().iter();

@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::error::EditError;
 use super::part::{ControlKind, Part, targets, words};
 use crate::device::KeyCode;
-use crate::document::{Node, quote};
+use crate::document::{Node, quote, quoted_content};
 
 /// Returns the name of a part, as the loader gives it.
 pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
@@ -40,8 +40,18 @@ pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
             }
         },
         Part::Row { .. } | Part::Chord(_) => string("keys").map(str::to_owned),
+        Part::Sequence(index) => {
+            let key = sequence_key(text, tree, index)?;
+            quoted_content(&text[key]).map(str::to_owned)
+        }
         _ => string("name").map(str::to_owned),
     }
+}
+
+/// Returns the range of the quoted name of a sequence.
+pub(super) fn sequence_key(text: &str, tree: &Node, index: usize) -> Option<Range<usize>> {
+    let sequences = tree.in_some(text).field(text, "sequences")?;
+    sequences.items().get(index)?.key.clone()
 }
 
 /// Returns the name of a key code, however it is spelled, and any other name as it is.
@@ -118,7 +128,7 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
     for map in maps {
         for (index, item) in map.items().iter().enumerate() {
             let Some(key) = &item.key else { continue };
-            let name = crate::document::quoted_content(&text[key.clone()]);
+            let name = quoted_content(&text[key.clone()]);
             if let Some(name) = name.and_then(name_in) {
                 let (map, key) = (map.clone(), key.clone());
                 mentions.push((name, Mention::Entry { map, index, key }));

@@ -63,6 +63,8 @@ pub enum Part {
     Layer(usize),
     /// A chord.
     Chord(usize),
+    /// A sequence, by its index in the map. Its value is the list of its steps.
+    Sequence(usize),
 }
 
 /// A key, for editors.
@@ -146,6 +148,7 @@ impl Part {
             Self::SpaceTarget { .. } => "target",
             Self::Layer(_) => "layer",
             Self::Chord(_) => "chord",
+            Self::Sequence(_) => "sequence",
         }
     }
 
@@ -166,7 +169,8 @@ impl Part {
             | Self::Pointer
             | Self::Space(_)
             | Self::Layer(_)
-            | Self::Chord(_) => Some(Self::Layout),
+            | Self::Chord(_)
+            | Self::Sequence(_) => Some(Self::Layout),
         }
     }
 
@@ -183,6 +187,7 @@ impl Part {
             Self::SpaceTarget { index, .. } => Some((parent, "targets", index)),
             Self::Layer(index) => Some((parent, "layers", index)),
             Self::Chord(index) => Some((parent, "chords", index)),
+            Self::Sequence(index) => Some((parent, "sequences", index)),
             Self::Layout | Self::RowKey { .. } | Self::Pointer => None,
         }
     }
@@ -263,7 +268,11 @@ pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
     let root = tree.in_some(text);
     let index_in = |node: &Node, name: &str| {
         let list = node.field(text, name)?;
-        let holds = |item: &crate::document::Item| item.value.range.contains(&offset);
+        let holds = |item: &crate::document::Item| {
+            let key = item.key.as_ref();
+            let is_in_key = key.is_some_and(|key| key.contains(&offset));
+            is_in_key || item.value.range.contains(&offset)
+        };
         list.items().iter().position(holds)
     };
     if let Some(board) = index_in(root, "boards")
@@ -307,6 +316,9 @@ pub fn part_at(text: &str, tree: &Node, offset: usize) -> Part {
     }
     if let Some(index) = index_in(root, "chords") {
         return Part::Chord(index);
+    }
+    if let Some(index) = index_in(root, "sequences") {
+        return Part::Sequence(index);
     }
     let pointer = root.field(text, "pointer");
     if pointer.is_some_and(|node| node.range.contains(&offset)) {

@@ -5,14 +5,14 @@ use std::ops::Range;
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::unsupported;
-use super::names::{name_of, rename_mentions, taken};
-use super::part::{ControlKind, Part};
+use super::names::{name_of, rename_mentions, sequence_key, taken};
+use super::part::{ControlKind, Part, targets};
 use super::rows::take_out;
 use crate::document::{Node, quote, quoted_content};
 
 /// Changes the name of a part.
 pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Part>, EditError> {
-    let is_target = !matches!(part, Part::Layout | Part::Layer(_));
+    let is_target = !matches!(part, Part::Layout | Part::Layer(_) | Part::Sequence(_));
     let is_named = matches!(
         part,
         Part::Layout
@@ -22,6 +22,7 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
             | Part::Trigger(_)
             | Part::SpaceTarget { .. }
             | Part::Layer(_)
+            | Part::Sequence(_)
     );
     if !is_named {
         return Err(unsupported(part, "given a name", ""));
@@ -33,6 +34,10 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     let is_taken = is_target && taken(draft).contains(name);
     if name.trim().is_empty() || name.chars().any(char::is_control) || is_taken {
         return Err(EditError::Name(name.to_owned()));
+    }
+    if let Part::Sequence(index) = part {
+        rename_sequence(draft, index, name)?;
+        return Ok(vec![part]);
     }
     let parts = take_out(draft, &[part], false)?;
     let taken = parts[0];
@@ -65,6 +70,44 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     draft.set(taken, "name", &quote(name))?;
     draft.commit()?;
     Ok(parts)
+}
+
+/// Renames a sequence in the map, in the actions that start it, and where a key without a name of its own is mentioned by it.
+fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), EditError> {
+    let key = sequence_key(draft.text(), draft.tree(), index);
+    let key = key.ok_or(EditError::NoPart("sequence"))?;
+    let sequences = draft.field(Part::Layout, "sequences");
+    if sequences.is_some_and(|map| map.item(draft.text(), name).is_some()) {
+        return Err(EditError::Name(name.to_owned()));
+    }
+    let part = Part::Sequence(index);
+    if let Some(old) = name_of(draft.text(), draft.tree(), part) {
+        let is_unnamed = |part: &Part| {
+            name_of(draft.text(), draft.tree(), *part).as_ref() == Some(&old)
+                && draft.field(*part, "name").is_none()
+        };
+        let mut targets = targets(draft.text(), draft.tree()).into_iter();
+        if targets.any(|part| is_unnamed(&part)) {
+            rename_mentions(draft, &old, name)?;
+        }
+        rename_found(draft, name, |node, text, found| {
+            collect_sequences(node, text, &old, found);
+        });
+    }
+    draft.replace(key, quote(name));
+    draft.commit()
+}
+
+/// Finds the mentions of a sequence in `Sequence("…")`.
+fn collect_sequences(node: &Node, text: &str, name: &str, found: &mut Vec<Range<usize>>) {
+    let is_action = node.name(text) == Some("Sequence");
+    for item in node.items() {
+        let value = item.value.in_some(text);
+        if is_action && item.key.is_none() && quoted_content(value.text(text)) == Some(name) {
+            found.push(value.range.clone());
+        }
+        collect_sequences(&item.value, text, name, found);
+    }
 }
 
 /// Replaces what a search finds in the layout by another name.
@@ -111,7 +154,70 @@ fn collect_layers(node: &Node, text: &str, name: &str, found: &mut Vec<Range<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::editing::{Edit, edit};
+    use crate::editing::{Edit, NewPart, edit};
+    use crate::layout::Layout;
+
+    #[test]
+    fn a_sequence_is_added_renamed_in_its_actions_and_its_steps_are_set() {
+        let text = r#"Layout(
+    name: "A",
+    boards: [(pose: (anchor: elbow), keys: [
+        (action: Sequence("copy"), at_mm: (0, 0)),
+        (action: Text("copy"), name: "text", at_mm: (40, 0)),
+    ])],
+    labels: {"copy": "C"},
+    sequences: {
+        "copy": [Tap("Home"), Wait(500)], // mine
+    },
+)"#;
+        let part = Part::Sequence(0);
+        let rename = Edit::Rename {
+            part,
+            name: "new".into(),
+        };
+        let renamed = edit(text, &rename).expect("a name that is free").text;
+        let expected = text
+            .replace(r#"Sequence("copy")"#, r#"Sequence("new")"#)
+            .replace(r#"{"copy": "C"}"#, r#"{"new": "C"}"#)
+            .replace(r#""copy": ["#, r#""new": ["#);
+        assert_eq!(renamed, expected);
+        let with_step = |text: &str, field: &str, value: Option<&str>| {
+            let set = Edit::SetField {
+                parts: vec![part],
+                field: field.into(),
+                value: value.map(str::to_owned),
+            };
+            edit(text, &set).expect("a step").text
+        };
+        let added = with_step(&renamed, "2", Some(r#"Text("x")"#));
+        assert_eq!(
+            added,
+            renamed.replace("Wait(500)", r#"Wait(500), Text("x")"#)
+        );
+        let removed = with_step(&added, "0", None);
+        assert_eq!(removed, added.replace(r#"Tap("Home"), "#, ""));
+        let replaced = with_step(&removed, "0", Some("Wait(20)"));
+        assert_eq!(replaced, removed.replace("500", "20"));
+        let two = edit(&replaced, &Edit::Add(NewPart::Sequence)).expect("a sequence");
+        assert_eq!(two.parts, [Part::Sequence(1)]);
+        Layout::parse(&two.text, "a.ron").unwrap();
+        let taken = Edit::Rename {
+            part: two.parts[0],
+            name: "new".into(),
+        };
+        assert!(edit(&two.text, &taken).is_err());
+        let without = text.replace("sequences", "// sequences");
+        let without = without
+            .replace("        \"copy\": [Tap", "// [Tap")
+            .replace("    },\n)", ")");
+        let one = edit(&without, &Edit::Add(NewPart::Sequence)).expect("a sequence");
+        assert!(
+            one.text
+                .contains(r#"sequences: {"sequence": [Tap("Enter")]}"#),
+            "{}",
+            one.text
+        );
+    }
 
     #[test]
     fn the_steps_of_sequences_have_the_name_of_a_trigger_that_is_renamed() {

@@ -244,6 +244,12 @@ impl LayoutEditor {
         Some(self.node(part)?.range.clone())
     }
 
+    /// Returns the range of a field of a part in the text.
+    pub fn range_of_value(&self, part: Part, field: &str) -> Option<std::ops::Range<usize>> {
+        let node = self.node(part)?.at(&self.text, field.split('.'))?;
+        Some(node.range.clone())
+    }
+
     /// Returns a field of a part as written, such as `4.0` or `Box(17, 17)`; `None` if it is not written. `field` is as in
     /// [`Edit::SetField`].
     pub fn value(&self, part: Part, field: &str) -> Option<&str> {
@@ -261,7 +267,7 @@ impl LayoutEditor {
         editing::copied(&self.text, &self.selection)
     }
 
-    /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers` or `spaces`.
+    /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers`, `spaces` or `sequences`.
     pub fn count(&self, list: &str) -> usize {
         let list = self
             .node(Part::Layout)

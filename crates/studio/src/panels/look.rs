@@ -43,7 +43,11 @@ pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     let mut visuals = if is_dark {
         Visuals::dark()
     } else {
-        Visuals::light()
+        Visuals {
+            // The orange of egui is hard to read on white.
+            warn_fg_color: Color32::from_rgb(0xa8, 0x48, 0x00),
+            ..Visuals::light()
+        }
     };
     if settings.has_high_contrast {
         increase_contrast(&mut visuals);

@@ -242,28 +242,6 @@ impl PanelState {
         }
     }
 
-    fn size_of(&self, kind: PanelKind, default: f32) -> f32 {
-        let sizes = &self.settings.panel_sizes;
-        sizes.get(kind.key()).copied().unwrap_or(default)
-    }
-
-    fn lab_width(&self, key: &str, default: f32) -> f32 {
-        self.settings
-            .panel_sizes
-            .get(key)
-            .copied()
-            .unwrap_or(default)
-    }
-
-    fn keep_lab_width(&mut self, key: &str, size: f32) {
-        self.settings.panel_sizes.insert(key.to_owned(), size);
-    }
-
-    fn set_size_of(&mut self, kind: PanelKind, size: f32) {
-        let sizes = &mut self.settings.panel_sizes;
-        sizes.insert(kind.key().to_owned(), size);
-    }
-
     /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
     pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
         self.editor = Some(Ok(EditorPanel::open(
@@ -391,10 +369,16 @@ fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelConte
             lab::show_watched(ui, state, context);
         });
     } else if state.shown[PanelKind::Sensors as usize] {
-        show_sensors(ui, state, context);
+        let sensors = (Side::Right, PanelKind::Sensors.key());
+        show_at_side(ui, state, sensors, [320.0, 400.0], |ui, _| {
+            sensors::show(ui, context);
+        });
     }
     if state.shown[PanelKind::Scope as usize] {
-        show_scope(ui, state, context);
+        let scope = (Side::Bottom, PanelKind::Scope.key());
+        show_at_side(ui, state, scope, [90.0, 230.0], |ui, state| {
+            scope::show(ui, &mut state.scope, context);
+        });
     }
     let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
     space.show(ui, |ui| {
@@ -403,27 +387,39 @@ fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelConte
     });
 }
 
-fn show_sensors(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let panel = egui::Panel::right("sensors")
-        .min_size(320.0)
-        .default_size(state.size_of(PanelKind::Sensors, 400.0));
-    let shown = panel.show(ui, |ui| {
-        look::mark_panel(ui, state, PanelKind::Sensors.key());
-        sensors::show(ui, context);
-    });
-    state.set_size_of(PanelKind::Sensors, shown.response.rect.width());
+/// The side of the window at which a panel is.
+#[derive(Clone, Copy)]
+enum Side {
+    Left,
+    Right,
+    Bottom,
 }
 
-fn show_scope(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let panel = egui::Panel::bottom("scope")
-        .resizable(true)
-        .default_size(state.size_of(PanelKind::Scope, 230.0))
-        .min_size(90.0);
+/// Draws a panel at a side, under the key of its name. Its size is remembered; `sizes` are the smallest and the first one, in points.
+fn show_at_side(
+    ui: &mut egui::Ui,
+    state: &mut PanelState,
+    (side, key): (Side, &'static str),
+    [min, first]: [f32; 2],
+    show: impl FnOnce(&mut egui::Ui, &mut PanelState),
+) {
+    let panel = match side {
+        Side::Left => egui::Panel::left(key),
+        Side::Right => egui::Panel::right(key),
+        Side::Bottom => egui::Panel::bottom(key).resizable(true),
+    };
+    let size = state.settings.panel_sizes.get(key).copied();
+    let panel = panel.default_size(size.unwrap_or(first)).min_size(min);
     let shown = panel.show(ui, |ui| {
-        look::mark_panel(ui, state, PanelKind::Scope.key());
-        scope::show(ui, &mut state.scope, context);
+        look::mark_panel(ui, state, key);
+        show(ui, state);
     });
-    state.set_size_of(PanelKind::Scope, shown.response.rect.height());
+    let size = shown.response.rect.size();
+    let size = match side {
+        Side::Left | Side::Right => size.x,
+        Side::Bottom => size.y,
+    };
+    state.settings.panel_sizes.insert(key.to_owned(), size);
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{self, PopupCloseBehavior};
 
-use super::{EditorPanel, icons, plan};
-use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
+use super::{EditorPanel, icons, palette, plan};
+use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart, Part};
 use crate::texts::{Language, language, text, text_with};
 
 /// Distances between positions on the grid, in millimetres.
@@ -35,9 +35,6 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         ui.separator();
         show_add(ui, panel);
         show_arrangement(ui, panel);
-        ui.separator();
-        show_snapping(ui, panel);
-        show_trial(ui, panel);
     });
     ui.horizontal_wrapped(|ui| {
         let is_open = panel.plan.is_open;
@@ -49,7 +46,17 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             plan::show_views(ui, panel);
         }
         ui.separator();
-        show_boards(ui, panel, !panel.plan.is_open);
+        let tabs = show_boards(ui, panel, !panel.plan.is_open);
+        for (board, tab) in tabs.iter().enumerate() {
+            if tab.secondary_clicked() {
+                panel.show_part(Part::Board(board));
+            }
+            palette::show_menu(tab, panel);
+        }
+        ui.separator();
+        show_snapping(ui, panel);
+        show_trial(ui, panel);
+        show_message(ui, panel);
     });
     ui.add_space(2.0);
 }
@@ -94,6 +101,7 @@ fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         let others = [
             ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
             ("editor-new-layer", NewPart::Layer),
+            ("editor-new-sequence", NewPart::Sequence),
             ("editor-new-trigger", NewPart::Trigger),
             ("editor-new-pointer", NewPart::Pointer),
             ("editor-new-space", NewPart::Space),
@@ -220,15 +228,26 @@ fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-/// Shows a tab for each board, and the result of the last operation. `is_shown`: one of them is on the canvas.
-pub fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel, is_shown: bool) {
-    for board in 0..panel.editor.count("boards") {
+/// Shows a tab for each board. `is_shown`: one of them is on the canvas. Returns the tabs.
+pub fn show_boards(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    is_shown: bool,
+) -> Vec<egui::Response> {
+    let boards = 0..panel.editor.count("boards");
+    let tabs = boards.map(|board| {
         let name = text_with("editor-board", &[("number", (board + 1).into())]);
         let tab = ui.selectable_label(is_shown && panel.board == board, name);
         if tab.clicked() {
             panel.leave_plan(board);
         }
-    }
+        tab
+    });
+    tabs.collect()
+}
+
+/// Shows the result of the last operation.
+pub fn show_message(ui: &mut egui::Ui, panel: &EditorPanel) {
     // One line, so that a message does not move the board.
     let (message, color) = match &panel.message {
         Some(Ok(message)) => (*message, ui.visuals().weak_text_color()),

@@ -196,6 +196,13 @@ fn choices(panel: &EditorPanel, slot: &Slot) -> Vec<Binding> {
     if matches!(slot, Slot::Hold) {
         return choices;
     }
+    let sequences = (0..panel.editor.count("sequences")).filter_map(|index| {
+        let name = panel.editor.part_name(Part::Sequence(index))?;
+        let choice = Binding::Sequence(name);
+        let words = choice_name(&choice).to_lowercase();
+        words.contains(&query.to_lowercase()).then_some(choice)
+    });
+    choices.extend(sequences);
     let words = [
         ("clutch", Binding::Clutch),
         ("precision", Binding::Precision),
@@ -216,6 +223,7 @@ fn choice_name(choice: &Binding) -> String {
     match choice {
         Binding::Key(name) => name.clone(),
         Binding::Layer(name) => format!("{} {name}", text("editor-slot-layer")),
+        Binding::Sequence(name) => format!("{} {name}", text("editor-new-sequence")),
         Binding::Text(words) => format!("“{words}”"),
         Binding::Command(command) => format!("{} {command}", text("editor-command")),
         Binding::Clutch => text("editor-clutch").to_owned(),

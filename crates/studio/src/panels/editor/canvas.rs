@@ -4,7 +4,7 @@ use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, space};
-use super::{EditorPanel, rounded};
+use super::{EditorPanel, palette, rounded};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::{self, Gesture, Preview};
@@ -46,6 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         handle_mouse(ui, panel, &response, point, viewport.scale);
         set_cursor(ui, panel, point, viewport.scale);
     }
+    palette::show_menu(&response, panel);
     let over = Over {
         heats: &[],
         hint: text("editor-hint"),
@@ -111,6 +112,9 @@ fn handle_mouse(
     point: Vec2,
     scale: f32,
 ) {
+    if response.secondary_clicked() {
+        select_for_menu(panel, point);
+    }
     let modifiers = ui.input(|input| input.modifiers);
     let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
     if starts && response.contains_pointer() {
@@ -151,6 +155,16 @@ fn handle_mouse(
             finish_click(panel, &gesture);
         }
         finish(panel, &gesture, &preview);
+    }
+}
+
+/// Selects the item at a point, unless it is one of the selected ones.
+fn select_for_menu(panel: &mut EditorPanel, point: Vec2) {
+    if let Some(index) = item_at(&panel.items.items, point)
+        && !panel.selected.contains(index)
+    {
+        panel.selected.set([index]);
+        panel.select_items_in_editor();
     }
 }
 

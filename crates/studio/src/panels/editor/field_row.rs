@@ -64,8 +64,9 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             }
         }
         FieldType::Text => {
-            let value = unquoted(&written.clone().filter(|_| !is_mixed));
-            show_text(ui, panel, parts, field, value, true);
+            let value = written.as_deref().filter(|_| !is_mixed);
+            let value = unquoted(value.unwrap_or_default());
+            show_text(ui, panel, parts, field, &value, true);
         }
         FieldType::Point { .. }
         | FieldType::Outline
@@ -73,7 +74,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
         | FieldType::Ron
         | FieldType::Action => {
             let value = written.clone().filter(|_| !is_mixed).unwrap_or_default();
-            show_text(ui, panel, parts, field, value, false);
+            show_text(ui, panel, parts, field, &value, false);
         }
     }
     if is_mixed {
@@ -93,7 +94,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
 }
 
 /// Returns the value that was chosen.
-fn show_choice(ui: &mut egui::Ui, name: &str, shown: &str, choices: &[&str]) -> Option<String> {
+pub(super) fn show_choice(
+    ui: &mut egui::Ui,
+    name: &str,
+    shown: &str,
+    choices: &[&str],
+) -> Option<String> {
     let word = |value: &str| {
         let end = value.find('(').unwrap_or(value.len());
         value[..end].trim_matches('"').to_owned()
@@ -118,34 +124,47 @@ fn show_text(
     panel: &mut EditorPanel,
     parts: &[Part],
     field: &FieldSpec,
-    value: String,
+    value: &str,
     is_quoted: bool,
 ) {
     let name = field.name;
-    let written = panel.form.text.clone().filter(|(own, _)| *own == name);
-    let mut content = written.map_or_else(|| value.clone(), |(_, content)| content);
     let hint = Some(field.default).filter(|default| *default != "required");
-    let edit = egui::TextEdit::singleline(&mut content).hint_text(hint.unwrap_or_default());
+    let Some(content) = text_cell(ui, panel, name, value, hint.unwrap_or_default()) else {
+        return;
+    };
+    match (name, parts) {
+        ("name", [part]) if *part != Part::Layout => panel.apply(&Edit::Rename {
+            part: *part,
+            name: content,
+        }),
+        _ if content.is_empty() => set(panel, parts, name, None),
+        _ if is_quoted => set(panel, parts, name, Some(quoted(&content))),
+        _ => set(panel, parts, name, Some(content)),
+    }
+}
+
+/// Shows a text. Returns it when the field is left, if it was changed.
+pub(super) fn text_cell(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    name: &str,
+    value: &str,
+    hint: &str,
+) -> Option<String> {
+    let id = ui.scope_id().with(name);
+    let written = panel.form.text.clone().filter(|(own, _)| *own == id);
+    let mut content = written.map_or_else(|| value.to_owned(), |(_, content)| content);
+    let edit = egui::TextEdit::singleline(&mut content).hint_text(hint);
     // A grid gives a field the width that its column had before.
     let edit = ui.add_sized([TEXT_WIDTH, ui.spacing().interact_size.y], edit);
     edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
     if edit.has_focus() {
-        panel.form.text = Some((name, content));
+        panel.form.text = Some((id, content));
     } else if edit.lost_focus() {
         panel.form.text = None;
-        if content == value {
-            return;
-        }
-        match (name, parts) {
-            ("name", [part]) if *part != Part::Layout => panel.apply(&Edit::Rename {
-                part: *part,
-                name: content,
-            }),
-            _ if content.is_empty() => set(panel, parts, name, None),
-            _ if is_quoted => set(panel, parts, name, Some(quoted(&content))),
-            _ => set(panel, parts, name, Some(content)),
-        }
+        return Some(content).filter(|content| content != value);
     }
+    None
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {
@@ -204,8 +223,8 @@ pub(super) fn edit_while_dragged(
     panel.report(result);
 }
 
-fn unquoted(written: &Option<String>) -> String {
-    let written = written.as_deref().unwrap_or_default();
+/// Returns the content of a text in quotes; any other value as it is.
+pub(super) fn unquoted(written: &str) -> String {
     ron::from_str(written).unwrap_or_else(|_| written.trim_matches('"').to_owned())
 }
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, DragValue};
 
-use super::{EditorPanel, bar, binding, field_row, rounded, several};
+use super::{EditorPanel, bar, binding, field_row, rounded, several, steps};
 use crate::canvas::ItemShape;
 use crate::editor::{ControlKind, Edit, FieldSpec, FieldType, Part, fields_of};
 use crate::panels::is_other_number;
@@ -20,7 +20,7 @@ pub(super) struct FormState {
     /// Geometry that is being changed, with the index of its item.
     geometry: Option<(usize, ItemShape)>,
     /// The text of a field that is being written.
-    pub text: Option<(&'static str, String)>,
+    pub text: Option<(egui::Id, String)>,
     /// A number that is being dragged, with the parts as they were before.
     pub dragged: Option<(&'static str, Vec<Part>)>,
 }
@@ -43,6 +43,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         several::show(ui, panel)
     } else {
         show_geometry(ui, panel)
+    }
+    if let (Part::Sequence(_), 1) = (first, parts.len()) {
+        steps::show(ui, panel, first);
+        return;
     }
     if parts.len() == 1 {
         binding::show(ui, panel, first);
@@ -79,6 +83,7 @@ fn words(part: Part) -> &'static str {
         Part::SpaceTarget { .. } => "editor-target",
         Part::Layer(_) => "editor-new-layer",
         Part::Chord(_) => "editor-chord",
+        Part::Sequence(_) => "editor-new-sequence",
     })
 }
 

@@ -29,17 +29,18 @@ pub fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext, 
         return;
     }
     let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
-    let viewport = panel.viewport.get_or_insert_with(|| match bounds {
-        Some(bounds) => Viewport::fit(bounds, size),
-        None => Viewport::default(),
-    });
+    let whole = bounds.map_or_else(Viewport::default, |bounds| Viewport::fit(bounds, size));
+    let before = panel.lab_viewport.unwrap_or(whole);
+    let mut viewport = before;
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    canvas::move_view(ui, &response, viewport, to_local, size);
+    canvas::move_view(ui, &response, &mut viewport, to_local, size);
     if response.dragged_by(PointerButton::Primary) {
         let drag = response.drag_delta();
         viewport.pan(Vec2::new(drag.x, drag.y));
     }
-    let viewport = *viewport;
+    if viewport != before {
+        panel.lab_viewport = Some(viewport);
+    }
     let of_item = |index: usize| {
         let target = panel.items.targets.get(index)?;
         heat.heats.iter().find(|heat| heat.target == *target)

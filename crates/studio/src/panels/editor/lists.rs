@@ -17,7 +17,7 @@ type List = (
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(8.0);
     ui.separator();
-    let lists: [List; 5] = [
+    let lists: [List; 6] = [
         (
             "editor-boards",
             "boards",
@@ -33,6 +33,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             Some(NewPart::Trigger),
         ),
         ("editor-spaces", "spaces", Part::Space, Some(NewPart::Space)),
+        (
+            "editor-sequences",
+            "sequences",
+            Part::Sequence,
+            Some(NewPart::Sequence),
+        ),
     ];
     part_row(ui, panel, Part::Layout, text("editor-layout"));
     if panel.editor.range_of(Part::Pointer).is_some() {

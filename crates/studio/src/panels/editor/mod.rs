@@ -17,6 +17,7 @@ mod plan;
 mod problems;
 mod several;
 mod shortcuts;
+mod steps;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -40,7 +41,7 @@ use crate::typing::Typing;
 use ademan_core::document::DocumentError;
 use ademan_core::layout::Fit;
 
-pub(super) use self::bar::show_boards;
+pub(super) use self::bar::{show_boards, show_message};
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
@@ -62,6 +63,8 @@ pub struct EditorPanel {
     canvas_size: Option<Vec2>,
     /// The part of the board that is shown; `None` until the first picture of a board.
     viewport: Option<Viewport>,
+    /// The part of the board that the lab shows; `None` until it was moved or zoomed there, which shows the whole board.
+    lab_viewport: Option<Viewport>,
     items: BoardItems,
     /// The parts of the items; `None` while the brackets of the text are not balanced.
     parts: Vec<Option<Part>>,
@@ -135,6 +138,7 @@ impl EditorPanel {
             board: 0,
             canvas_size: None,
             viewport: None,
+            lab_viewport: None,
             items: BoardItems::default(),
             parts: Vec::new(),
             faulty: Vec::new(),
@@ -330,6 +334,7 @@ impl EditorPanel {
         if board != self.board {
             self.board = board;
             self.viewport = None;
+            self.lab_viewport = None;
             // The form shows nothing of a board that is not on the canvas.
             self.editor.select([]);
             self.message = None;

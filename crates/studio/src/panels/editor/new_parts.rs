@@ -5,14 +5,19 @@ use parry3d::math::Vec2;
 
 use super::{EditorPanel, rounded};
 use crate::canvas::free::free_offset;
+use crate::canvas::plan::{Plan, PlanView};
 use crate::canvas::{Bounds, ItemShape};
 use crate::editor::{ControlKind, Edit, NewPart, Part};
 use crate::texts::text;
 
-/// Distances to the right at which a new board is tried, in millimetres, until it overlaps no other one.
-const BOARD_PLACES_MM: [f64; 9] = [
-    0.0, 180.0, -180.0, 360.0, -360.0, 540.0, -540.0, 720.0, -720.0,
-];
+/// Distance between the places at which a new board is tried, in millimetres.
+const BOARD_PLACE_MM: f64 = 180.0;
+
+/// Distance between a board and its copy, in millimetres.
+const COPY_GAP_MM: f32 = 20.0;
+
+/// Places at which boards are tried in each direction until they overlap no others.
+const BOARD_PLACES: u8 = 12;
 
 /// The numbers of a repetition.
 pub(super) struct Repeat {
@@ -60,37 +65,84 @@ impl EditorPanel {
     /// Adds a board where it overlaps no other one, and shows it.
     fn add_board(&mut self) {
         let index = self.editor.count("boards");
-        let [first, others @ ..] = BOARD_PLACES_MM;
-        self.apply(&Edit::Add(NewPart::Board { right_mm: first }));
-        for right_mm in others {
-            if !self.overlaps_other_boards(index) {
-                break;
-            }
-            let next = Edit::Add(NewPart::Board { right_mm });
-            let amended = self.editor.amend(&next);
-            self.report(amended);
-        }
+        let places = (0..BOARD_PLACES).map(|place| f64::from(place) * BOARD_PLACE_MM);
+        let places = places.flat_map(|right| [[right, 0.0], [-right, 0.0]]);
+        self.apply_beside_boards(places, |[right_mm, _]| {
+            Edit::Add(NewPart::Board { right_mm })
+        });
         if self.editor.count("boards") > index {
             self.show_part(Part::Board(index));
         }
     }
 
-    fn overlaps_other_boards(&self, board: usize) -> bool {
+    /// Copies boards and targets in space, and shows the first copied board.
+    fn duplicate_in_space(&mut self, parts: &[Part]) {
+        let index = self.editor.count("boards");
+        let Some(layout) = self.editor.layout() else {
+            return;
+        };
+        let plan = Plan::new(&self.editor, layout, &[]);
+        let bounds = plan.bounds(PlanView::Above, |part| parts.contains(&part));
+        let Some(bounds) = bounds else {
+            return;
+        };
+        let distance = (bounds.size() + COPY_GAP_MM).ceil();
+        let [right, forward] = distance.to_array().map(f64::from);
+        let places = (1..BOARD_PLACES).flat_map(|place| {
+            let (x, y) = (f64::from(place) * right, f64::from(place) * forward);
+            [[x, 0.0], [-x, 0.0], [0.0, y], [0.0, -y]]
+        });
+        self.apply_beside_boards(places, |by_mm| Edit::Duplicate {
+            parts: parts.to_vec(),
+            by_mm,
+        });
+        if !self.plan.is_open && self.editor.count("boards") > index {
+            self.show_part(Part::Board(index));
+        }
+    }
+
+    /// Makes an edit that adds boards, at the first of these offsets to the right and away from the wearer at which they overlap no
+    /// others.
+    fn apply_beside_boards(
+        &mut self,
+        places: impl Iterator<Item = [f64; 2]>,
+        edit: impl Fn([f64; 2]) -> Edit,
+    ) {
+        let boards = self.editor.count("boards");
+        let mut is_added = false;
+        for by_mm in places {
+            let result = if is_added {
+                self.editor.amend(&edit(by_mm))
+            } else {
+                self.editor.apply(&edit(by_mm))
+            };
+            let has_failed = result.is_err();
+            self.report(result);
+            if has_failed || !self.overlap_others(boards) {
+                return;
+            }
+            is_added = true;
+        }
+    }
+
+    /// Returns `true` if a board from an index on overlaps another one.
+    fn overlap_others(&self, from: usize) -> bool {
         self.editor.layout().is_some_and(|layout| {
             let overlaps = layout.board_overlaps();
-            let mut boards = overlaps.iter().map(|overlap| overlap.boards);
-            boards.any(|(_, second)| second == board + 1)
+            overlaps.iter().any(|overlap| overlap.boards.1 > from)
         })
     }
 
     /// Copies what is selected; the copies are selected then, in free room near it.
     pub(super) fn duplicate(&mut self) {
-        if self.plan.is_open {
-            self.duplicate_in_plan();
-            return;
-        }
         let parts = self.editor.selection().to_vec();
-        if !parts.is_empty() {
+        let in_space = parts.iter().copied();
+        let in_space =
+            in_space.filter(|it| matches!(it, Part::Board(_) | Part::SpaceTarget { .. }));
+        let in_space: Vec<Part> = in_space.collect();
+        if !in_space.is_empty() {
+            self.duplicate_in_space(&in_space);
+        } else if !parts.is_empty() {
             self.apply_where_free(None, |by_mm| Edit::Duplicate {
                 parts: parts.clone(),
                 by_mm,

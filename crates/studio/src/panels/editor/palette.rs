@@ -64,19 +64,9 @@ fn commands() -> Vec<Command> {
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
         command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
         command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()),
-        command("editor-copy", "Ctrl-C", EditorPanel::copy),
-        command("editor-cut", "Ctrl-X", |panel, context| {
-            panel.copy(context);
-            panel.delete();
-        }),
-        command("editor-duplicate", "Ctrl-D", |panel, _| panel.duplicate()),
-        command("editor-delete", "Delete", |panel, _| panel.delete()),
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
         command("editor-fit", "", |panel, _| panel.show_all()),
         command("editor-plan", "", |panel, _| panel.open_plan()),
-        command("editor-zoom-selection", "F", |panel, _| {
-            panel.zoom_to_selection();
-        }),
         command("editor-snap-to-grid", "", |panel, _| {
             let (parts, grid_mm) = (panel.selected_parts(), f64::from(panel.grid_mm));
             panel.apply(&Edit::Snap { parts, grid_mm });
@@ -91,6 +81,7 @@ fn commands() -> Vec<Command> {
             });
         }),
     ];
+    commands.extend(selection_commands());
     commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
     commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
     for &kind in ControlKind::ALL {
@@ -101,6 +92,7 @@ fn commands() -> Vec<Command> {
     let others = [
         ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
         ("editor-new-layer", NewPart::Layer),
+        ("editor-new-sequence", NewPart::Sequence),
         ("editor-new-trigger", NewPart::Trigger),
         ("editor-new-pointer", NewPart::Pointer),
         ("editor-new-space", NewPart::Space),
@@ -111,6 +103,35 @@ fn commands() -> Vec<Command> {
         commands.push(add);
     }
     commands
+}
+
+/// Returns the commands of a selection, which a right click offers.
+fn selection_commands() -> [Command; 5] {
+    [
+        command("editor-copy", "Ctrl-C", EditorPanel::copy),
+        command("editor-cut", "Ctrl-X", |panel, context| {
+            panel.copy(context);
+            panel.delete();
+        }),
+        command("editor-duplicate", "Ctrl-D", |panel, _| panel.duplicate()),
+        command("editor-delete", "Delete", |panel, _| panel.delete()),
+        command("editor-zoom-selection", "F", |panel, _| {
+            panel.zoom_to_selection();
+        }),
+    ]
+}
+
+/// Shows the menu of the selection at a right click.
+pub(super) fn show_menu(response: &egui::Response, panel: &mut EditorPanel) {
+    response.context_menu(|ui| {
+        let has_selection = !panel.editor.selection().is_empty();
+        for command in selection_commands() {
+            let entry = egui::Button::new(command.name).shortcut_text(command.shortcut);
+            if ui.add_enabled(has_selection, entry).clicked() {
+                (command.run)(panel, ui.ctx());
+            }
+        }
+    });
 }
 
 fn align(name: &'static str, edge: AlignEdge) -> Command {

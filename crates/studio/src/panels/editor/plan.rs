@@ -4,7 +4,7 @@ use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
 use super::super::{PanelContext, space};
-use super::{EditorPanel, canvas};
+use super::{EditorPanel, canvas, palette};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
 use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
@@ -22,9 +22,6 @@ const SNAP_REACH: f32 = 6.0;
 
 /// Distance beside an item at which it is hit, in points.
 const HIT_REACH: f32 = 5.0;
-
-/// Distance between a board and its copy, in millimetres.
-const COPY_GAP_MM: f32 = 20.0;
 
 /// The plan between two pictures.
 #[derive(Default)]
@@ -187,19 +184,6 @@ impl EditorPanel {
         }
     }
 
-    /// Copies the selected items to their right.
-    pub(super) fn duplicate_in_plan(&mut self) {
-        let parts = self.selected_in_plan();
-        let is_copied = |part: Part| parts.contains(&part);
-        if let Some(bounds) = self.plan.plan.bounds(PlanView::Above, is_copied) {
-            let right = f64::from((bounds.size().x + COPY_GAP_MM).ceil());
-            self.apply(&Edit::Duplicate {
-                parts,
-                by_mm: [right, 0.0],
-            });
-        }
-    }
-
     /// Returns the selected boards and targets in space.
     fn selected_in_plan(&self) -> Vec<Part> {
         let selection = self.editor.selection().iter().copied();
@@ -265,6 +249,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     if !ui.input(|input| input.pointer.button_down(PointerButton::Primary)) {
         panel.end_drag();
     }
+    palette::show_menu(&response, panel);
     paint(ui, panel, (area, &viewport));
     show_names(ui, panel, (area, &viewport));
 }
@@ -283,6 +268,12 @@ fn handle_mouse(
             panel.leave_plan(board);
             return;
         }
+    }
+    if response.secondary_clicked()
+        && let Some(item) = panel.plan.plan.item_at(view, point, HIT_REACH / scale)
+        && !panel.editor.selection().contains(&item.part)
+    {
+        panel.editor.select([item.part]);
     }
     let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
     if starts && response.contains_pointer() {

@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::super::PanelContext;
-use super::super::editor::{BoardHeat, EditorPanel, show_boards, show_heat};
+use super::super::editor::{BoardHeat, EditorPanel, show_boards, show_heat, show_message};
 use super::LabState;
 use crate::texts::text;
 
@@ -18,6 +18,7 @@ pub(super) fn show(
         ui.add_space(6.0);
         ui.strong(editor.editor.name().to_owned());
         show_boards(ui, editor, true);
+        show_message(ui, editor);
     });
     let heats = match &state.shown {
         // The controls of another text are others.

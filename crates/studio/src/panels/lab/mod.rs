@@ -11,7 +11,7 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::editor::EditorPanel;
-use super::{PanelContext, PanelState, Workspace, look};
+use super::{PanelContext, PanelState, Side, Workspace, look, show_at_side};
 use crate::lab::{LabOutcome, LabRequest, LabRun, LabSettings, PersonBar, WatchedPerson};
 use crate::playback::{Job, Player, Recording};
 use crate::texts::text;
@@ -149,23 +149,16 @@ pub(super) fn advance(state: &mut PanelState, context: &mut PanelContext) {
 
 /// Draws the lab. `state` has an editor with a layout.
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let left = egui::Panel::left("lab-controls")
-        .min_size(230.0)
-        .default_size(state.lab_width("lab-controls", 270.0));
-    let shown = left.show(ui, |ui| {
-        look::mark_panel(ui, state, "lab-controls");
+    let controls = (Side::Left, "lab-controls");
+    show_at_side(ui, state, controls, [230.0, 270.0], |ui, state| {
         let Some(Ok(editor)) = &state.editor else {
             return;
         };
         let area = egui::ScrollArea::vertical().auto_shrink(false);
         area.show(ui, |ui| controls::show(ui, &mut state.lab, editor));
     });
-    state.keep_lab_width("lab-controls", shown.response.rect.width());
-    let right = egui::Panel::right("lab-results")
-        .min_size(280.0)
-        .default_size(state.lab_width("lab-results", 340.0));
-    let results_shown = right.show(ui, |ui| {
-        look::mark_panel(ui, state, "lab-results");
+    let results = (Side::Right, "lab-results");
+    show_at_side(ui, state, results, [280.0, 340.0], |ui, state| {
         let Some(Ok(editor)) = &state.editor else {
             return;
         };
@@ -177,7 +170,6 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
             }
         });
     });
-    state.keep_lab_width("lab-results", results_shown.response.rect.width());
     // The strip above the board is not painted by the board.
     let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {

@@ -131,6 +131,15 @@ impl<'a> Canvas<'a> {
         self.painter.text(at, align, text, font, color)
     }
 
+    /// Returns the width of a text, in points.
+    pub fn width_of(&self, text: &str) -> f32 {
+        let font = FontId::proportional(LETTERS);
+        let laid_out = self
+            .painter
+            .layout_no_wrap(text.to_owned(), font, self.strong);
+        laid_out.size().x
+    }
+
     /// Draws the vertical axis of a row from `low` to `high` with its unit.
     pub fn draw_axis(&self, row: Rect, (low, high): (f32, f32), unit: &str) {
         let count = (row.height() / 22.0) as usize;

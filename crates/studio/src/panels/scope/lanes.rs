@@ -162,8 +162,8 @@ fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
     }
 }
 
-/// Width of the name of a key with its arrow, in points.
-const NAME_WIDTH: f32 = 24.0;
+/// Distance of the name of a key from its tick, in points.
+const NAME_GAP: f32 = 2.0;
 
 /// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room is left out; zooming
 /// makes room.
@@ -186,20 +186,18 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
         if x >= free_from {
             let name = format!("{}{arrow}", event.key);
+            let width = canvas.width_of(&name);
             // A name at the end of the row is left of its tick, as it would be cut off.
-            let is_at_end = x + NAME_WIDTH > row.max.x;
-            let (side, align) = if is_at_end {
-                (-2.0, Align2::RIGHT_CENTER)
+            let left = if x + NAME_GAP + width > row.max.x {
+                x - NAME_GAP - width
             } else {
-                (2.0, Align2::LEFT_CENTER)
+                x + NAME_GAP
             };
-            let text_at = Pos2::new(x + side, row.center().y);
-            let text = canvas.text(text_at, align, &name, color);
-            free_from = if is_at_end {
-                x + NAME_WIDTH
-            } else {
-                text.max.x + 4.0
-            };
+            if left >= free_from {
+                let at = Pos2::new(left, row.center().y);
+                canvas.text(at, Align2::LEFT_CENTER, &name, color);
+                free_from = left + width + 2.0 * NAME_GAP;
+            }
         }
     }
 }
