@@ -10,7 +10,7 @@
 //!                                     └──▶ scene, camera ──▶ Picture ──▶ panels/space
 //! ```
 //!
-//! The content of the panels is computed without a window and has unit tests: [`model`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
+//! The content of the panels is computed without a window and has unit tests: [`model`], [`attached`], [`fingertip`], [`first_start`], [`camera`], [`scene`], [`sensors`],
 //! [`glove_editor`], [`guide`], [`headset`], [`history`], [`lab`], [`overlay`], [`pace`], [`plot`], [`sound`], [`tour`], [`typing`],
 //! [`settings`], [`setup_change`], [`simulated`]. Only `app`, the window of the overlay and the files of `panels` name egui.
 //!
@@ -23,6 +23,7 @@
 //! 5. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
 
 mod app;
+pub mod attached;
 mod error;
 pub mod camera;
 pub mod canvas;

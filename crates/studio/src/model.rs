@@ -5,21 +5,21 @@ use std::sync::Arc;
 
 use parry3d::math::{Pose, Vec3};
 
-use super::history::{History, Moment, SentEvent};
+use super::history::{History, Moment, SentEvent, SentKey};
 use super::latency::LatencyLog;
 use super::sensors::SensorTable;
 use super::shapes::Shapes;
 use super::trails::Trail;
 use ademan_core::contact::surface::Anchor;
 use ademan_core::contact::{Phase, TargetId};
-use ademan_core::device::EventKind;
+use ademan_core::device::{EventKind, KeyCode};
 use ademan_core::hand::{Dof, Finger, FingerSet, JointAngles, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::PipelineState;
 use ademan_core::snapshot::{Snapshot, Stats};
 use ademan_runtime::capture::Sample;
-use ademan_runtime::session::view::View;
+use ademan_runtime::session::view::{View, ViewCounts, ViewHand, ViewState};
 
 /// The contact of a fingertip with a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +59,8 @@ pub struct StudioModel {
     valued: Option<Arc<Layout>>,
     /// The last seconds.
     pub history: History,
+    /// The session is in another process, which sends views only.
+    pub is_from_views: bool,
     /// The session has ended.
     pub has_ended: bool,
 }
@@ -81,6 +83,7 @@ impl StudioModel {
             shapes,
             valued: None,
             history: History::default(),
+            is_from_views: false,
             has_ended: false,
         }
     }
@@ -89,6 +92,51 @@ impl StudioModel {
     pub fn set_view(&mut self, view: View) {
         self.shapes.update(&view.layout);
         self.view = view;
+    }
+
+    /// Replaces the view of a session in another process, and updates the rest as far as the view carries it: hands, values, heights,
+    /// keys and counts. Angles, channels and latencies are not known.
+    pub fn update_from_view(&mut self, view: View) {
+        let (before, state) = (Arc::clone(&self.view.state), Arc::clone(&view.state));
+        self.set_view(view);
+        self.is_from_views = true;
+        self.stats = stats_of(&state.counts);
+        self.values = state.values.iter().copied().collect();
+        for &side in Side::ALL {
+            let hands = state.hands.iter().map(ViewHand::pose);
+            let known = &self.poses[side.index()];
+            match hands.into_iter().find(|pose| pose.side == side) {
+                // A press makes a view of its own, with the hand of the one before.
+                Some(pose) if known.is_some_and(|known| known.time == pose.time) => {}
+                Some(pose) => self.set_pose(&pose),
+                None => self.poses[side.index()] = None,
+            }
+        }
+        if state.time_us != before.time_us {
+            self.history.push(Moment {
+                time: state.time_us,
+                degrees: [f32::NAN; Dof::COUNT],
+                heights_mm: self.heights_mm(),
+                pressing: self.pressing(),
+                latency_ms: f32::NAN,
+            });
+        }
+        self.remember_keys(&before.keys, &state);
+    }
+
+    /// Adds the keys that a view has and the one before has not as presses, and the others as releases.
+    fn remember_keys(&mut self, before: &[KeyCode], state: &ViewState) {
+        let event = |key: &KeyCode, is_press| SentEvent {
+            time: state.time_us,
+            key: SentKey::Code(*key),
+            is_press,
+        };
+        for key in before.iter().filter(|key| !state.keys.contains(key)) {
+            self.history.push_event(event(key, false));
+        }
+        for key in state.keys.iter().filter(|key| !before.contains(key)) {
+            self.history.push_event(event(key, true));
+        }
     }
 
     /// Adds the results of a step.
@@ -232,6 +280,28 @@ impl StudioModel {
     pub fn contact_with(&self, target: TargetId) -> Option<Contact> {
         let contacts = self.contacts.iter().flatten().flatten();
         let own = contacts.filter(|contact| contact.target == target);
-        own.copied().max_by(|a, b| a.depth.total_cmp(&b.depth))
+        let deepest = own.copied().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        let is_pressed = self.is_from_views && self.view.state.pressed.contains(&target);
+        deepest.or_else(|| {
+            is_pressed.then_some(Contact {
+                target,
+                depth: 1.0,
+                is_pressed,
+            })
+        })
     }
+}
+
+/// Returns the statistics that the counts of a view have: all but reasons.
+fn stats_of(counts: &ViewCounts) -> Stats {
+    let mut stats = Stats {
+        accepted: counts.accepted,
+        stalls: counts.stalls,
+        dropped_presses: counts.dropped_presses,
+        ..Stats::default()
+    };
+    stats.source.readings = counts.received;
+    stats.source.dropped = counts.dropped;
+    stats.source.losses = counts.losses;
+    stats
 }

@@ -3,11 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 
 use ademan::session::control_socket::WatchClient;
-use ademan::session::view::View;
-use crossbeam_channel::{Sender, bounded};
 
 use crate::failure::Failure;
 use crate::view::{self, LiveView, Views};
@@ -35,47 +32,16 @@ pub fn run(args: Args) -> Result<(), Failure> {
     messages::start()?;
     signals::install()?;
     let is_stopped = Arc::new(AtomicBool::new(false));
-    let (sender, views) = bounded(1);
-    let oldest = views.clone();
+    let viewer = client.into_viewer(&path).map_err(Failure::no_thread)?;
     let stopped = Arc::clone(&is_stopped);
     signals::on_stop(move || {
         stopped.store(true, Ordering::Relaxed);
         view::end();
     });
-    let view = LiveView::open(Views::Remote(views));
-    let receive = move || {
-        let mut client = client;
-        // A watcher that was stopped for some seconds is disconnected, and connects again.
-        loop {
-            forward(client, &sender, || _ = oldest.try_recv());
-            match WatchClient::connect(&path) {
-                Ok(next) => client = next,
-                Err(_) => return,
-            }
-        }
-    };
-    let thread = thread::Builder::new().name("watch".into());
-    thread.spawn(receive).map_err(Failure::no_thread)?;
+    let view = LiveView::open(Views::Remote(viewer));
     view.wait();
     if !is_stopped.load(Ordering::Relaxed) {
         say!("the session has ended");
     }
     Ok(())
-}
-
-/// Forwards views until the connection ends; each replaces one that was not drawn yet.
-fn forward(mut client: WatchClient, views: &Sender<View>, drop_oldest: impl Fn()) {
-    loop {
-        match client.next_view() {
-            Ok(Some(view)) => {
-                drop_oldest();
-                let _ = views.try_send(view);
-            }
-            Ok(None) => return,
-            Err(error) => {
-                tracing::warn!("{error}");
-                return;
-            }
-        }
-    }
 }

@@ -1,5 +1,6 @@
 //! The window of Studio on an X server that draws without a graphics card.
 
+mod attached;
 mod bad_input;
 mod devices;
 mod overlay;
@@ -145,6 +146,8 @@ fn the_first_start_shows_its_pages_before_a_session_and_ends_with_a_signal() {
     let mut command = studio(&server, &[]);
     // Without settings of an earlier start.
     command.env("XDG_CONFIG_HOME", folder.path());
+    // Nor a session that could be shown.
+    command.env("XDG_RUNTIME_DIR", folder.path());
     let mut program = Program::from_command(command);
     let is_shown = wait_for(|| colors(server.display()).len() > 16);
     assert!(is_shown, "{:?}", program.stderr_lines());

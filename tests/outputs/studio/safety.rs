@@ -166,7 +166,7 @@ fn a_killed_studio_leaves_no_key_pressed() {
 }
 
 /// Asks a window to close, as the button of a window manager does.
-fn close_window(server: &XServer, title: &str) {
+pub(super) fn close_window(server: &XServer, title: &str) {
     let (client, screen) = x11rb::connect(Some(server.display())).expect("the server answers");
     let root = client.setup().roots[screen].root;
     let mut found = None;

@@ -7,6 +7,7 @@
 #![cfg(test)]
 
 mod accessibility;
+mod attached;
 mod calibration;
 mod changing_window;
 mod devices;

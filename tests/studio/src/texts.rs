@@ -142,7 +142,13 @@ fn strings(source: &str) -> String {
 fn sources(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
-    let read = |path: std::path::PathBuf| if path.is_dir() { sources(&path) } else { vec![fs::read_to_string(path).expect("a text")] };
+    let read = |path: std::path::PathBuf| {
+        if path.is_dir() {
+            sources(&path)
+        } else {
+            vec![fs::read_to_string(path).expect("a text")]
+        }
+    };
     paths.flat_map(read).collect()
 }
 

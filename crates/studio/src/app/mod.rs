@@ -11,6 +11,7 @@ use eframe::egui;
 pub use self::window::open_window;
 use self::window::place_of_window;
 pub(crate) use self::window::{run_window, window_options};
+use crate::attached::Attached;
 use crate::error::StudioError;
 use crate::fingertip::Fingertip;
 use crate::first_start::{Answers, FirstStart};
@@ -40,6 +41,8 @@ pub struct StudioApp {
     trial: Option<LayoutTrial>,
     /// The recording that is shown in place of the session.
     player: Option<Player>,
+    /// The session in another program that is shown in place of the session.
+    attached: Option<Attached>,
     /// The person of the lab who is shown while the session goes on.
     watching: Option<Watching>,
     /// The session whose hand follows the mouse.
@@ -89,6 +92,7 @@ impl StudioApp {
             commands: session.commands().clone(),
             trial: session.layout_trial().cloned(),
             player: None,
+            attached: None,
             watching: None,
             fingertip: None,
             hand: None,
@@ -173,6 +177,18 @@ impl StudioApp {
         self
     }
 
+    /// Shows a session in another program in place of this one, and sends commands there.
+    ///
+    /// # Errors
+    /// If that session has ended.
+    pub fn with_attached(mut self, attached: Attached) -> Result<Self, StudioError> {
+        self.model = attached.first_model()?;
+        self.attached = Some(attached);
+        self.trial = None;
+        self.sensors.lock();
+        Ok(self)
+    }
+
     /// Shows a link for a headset until one is connected, and the buttons that let it press keys.
     #[must_use]
     pub fn with_headset(mut self, link: Option<HeadsetLink>) -> Self {
@@ -215,6 +231,7 @@ impl StudioApp {
             model: shown.unwrap_or(&self.model),
             session: &self.model,
             is_replay: self.player.is_some(),
+            attached: self.attached.as_ref(),
             has_hand: self.hand.is_some(),
             can_open: self.can_open,
             draw_png: self.draw_png,
@@ -323,6 +340,10 @@ impl StudioApp {
 
     /// Receives what the session has sent since the last picture. Does not wait. Returns `false` if that is nothing.
     fn receive(&mut self) -> bool {
+        if let Some(attached) = &self.attached {
+            self.panels.message = attached.next_reason().or(self.panels.message.take());
+            return attached.update(&mut self.model);
+        }
         let mut has_received = false;
         for snapshot in self.snapshots.try_iter() {
             self.model.update(&snapshot);
@@ -356,7 +377,11 @@ impl StudioApp {
     }
 
     fn send(&mut self, command: Command) {
-        if let Err(error) = self.commands.send(command) {
+        let sent = match &self.attached {
+            Some(attached) => attached.send(command),
+            None => self.commands.send(command),
+        };
+        if let Err(error) = sent {
             self.panels.message = Some(error.to_string());
         }
     }

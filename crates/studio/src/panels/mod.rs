@@ -1,6 +1,7 @@
 //! The panels of the window, one file each, and the part of the window that each fills.
 
 mod actions;
+mod attached;
 mod calibration;
 mod devices;
 mod editor;
@@ -30,6 +31,7 @@ use self::editor::EditorPanel;
 use self::lab::LabState;
 use self::recording::RecordingState;
 use self::scope::ScopeState;
+use super::attached::Attached;
 use super::camera::{Camera, Viewpoint};
 use super::fingertip::Aim;
 use super::headset::{HeadsetLink, HeadsetWindow};
@@ -64,6 +66,8 @@ pub struct PanelContext<'a> {
     pub session: &'a StudioModel,
     /// A recording is shown in place of a session, which takes commands.
     pub is_replay: bool,
+    /// The session in another program that is shown, if any.
+    pub attached: Option<&'a Attached>,
     /// The source is a simulated hand that can be changed.
     pub has_hand: bool,
     /// Another setup can be opened in a session of its own.
@@ -72,7 +76,7 @@ pub struct PanelContext<'a> {
     pub draw_png: Option<DrawPng>,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
-    /// Tries edited layouts; `None` while a recording is shown.
+    /// Tries edited layouts; `None` while a recording or the session of another program is shown.
     pub trial: Option<&'a LayoutTrial>,
     /// Commands that are sent after the picture.
     pub sent: &'a mut Vec<Command>,

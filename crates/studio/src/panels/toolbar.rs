@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::actions::{ACTIONS, Action};
-use super::{PanelContext, PanelState, Workspace, hand, layouts};
+use super::{PanelContext, PanelState, Workspace, attached, hand, layouts};
 use crate::camera::Viewpoint;
 use crate::settings::Theme;
 use crate::texts::{self, Language, text};
@@ -21,8 +21,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().button_padding = egui::vec2(10.0, 5.0);
-        // A recording has no glove to calibrate.
-        let has_glove = !context.is_replay;
+        // A recording has no glove to calibrate, and another program has its own.
+        let has_glove = !context.is_replay && context.attached.is_none();
         let is_useful = |it: &Workspace| has_glove || *it != Workspace::Calibration;
         for workspace in Workspace::ALL.into_iter().filter(is_useful) {
             ui.selectable_value(&mut state.workspace, workspace, workspace.name());
@@ -34,6 +34,9 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
                 show_button(ui, action, state, context);
             }
             ui.separator();
+        }
+        if let Some(session) = context.attached {
+            attached::show(ui, session, context);
         }
         if context.can_open {
             layouts::show(ui, state);

@@ -296,6 +296,7 @@ button-cancel = Cancel
 stats-state = State
 stats-dropped-presses = Presses the output dropped
 stats-suppressed = Events suppressed
+stats-rejected = Rejected
 stats-latency = Latency p50 / p99 / max
 
 ## Sensors: filter
@@ -603,3 +604,14 @@ lab-watch-unmeant = no key
 lab-watch-nothing = nothing
 lab-watch-presented = To be typed
 lab-watch-typed = Typed
+
+## Session of another program
+
+attached-name = Another session: { $profile }
+attached-hint = The window shows the session of another program and sends it commands. Closing the window does not end it.
+attached-next-profile = Next profile
+attached-text = Text decoder
+attached-literal = Changes nothing
+attached-suggest = Offers candidates
+attached-auto = Corrects words
+attached-sensors = Channels, filter and calibration are in the program of this session. For a session of this window: ademan studio --attach off

@@ -296,6 +296,7 @@ button-cancel = Cancelar
 stats-state = Estado
 stats-dropped-presses = Pulsaciones perdidas por la salida
 stats-suppressed = Eventos suprimidos
+stats-rejected = Rechazadas
 stats-latency = Latencia p50 / p99 / máx.
 
 ## Sensores: filtro
@@ -603,3 +604,14 @@ lab-watch-unmeant = ninguna tecla
 lab-watch-nothing = nada
 lab-watch-presented = Para escribir
 lab-watch-typed = Escrito
+
+## Session of another program
+
+attached-name = Otra sesión: { $profile }
+attached-hint = La ventana muestra la sesión de otro programa y le envía órdenes. Al cerrar la ventana la sesión no termina.
+attached-next-profile = Perfil siguiente
+attached-text = Decodificador de texto
+attached-literal = No cambia nada
+attached-suggest = Ofrece candidatos
+attached-auto = Corrige palabras
+attached-sensors = Los canales, el filtro y la calibración están en el programa de esta sesión. Para una sesión de esta ventana: ademan studio --attach off

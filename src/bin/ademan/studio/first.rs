@@ -21,13 +21,8 @@ use crate::{panics, session, signals};
 
 /// Returns whether nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
 pub fn is_first(args: &Args) -> bool {
-    let names = [&args.setup, &args.glove, &args.layout, &args.person];
-    let is_plain = names.iter().all(|name| name.is_none())
-        && args.source.is_none()
-        && args.recording.is_none()
-        && !args.overlay;
     let settings = SettingsFile::default_path();
-    is_plain
+    (args.is_plain() || args.attach.is_some())
         && settings.is_some_and(|path| !path.exists())
         && files::in_config_folder(OWN_SETUP).is_none()
 }

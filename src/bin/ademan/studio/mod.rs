@@ -1,6 +1,8 @@
 //! `ademan studio`: a session in a window.
 
 #[cfg(feature = "studio")]
+mod attach;
+#[cfg(feature = "studio")]
 mod first;
 #[cfg(all(feature = "studio", feature = "tls"))]
 mod headset;
@@ -43,7 +45,7 @@ use crate::source_value::{self, SourceValue};
 /// Watch a hand, its boards and its sensors in a window
 #[derive(Clone, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n\nWithout a source, a simulated hand plays the layout in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output, or one is chosen in the window. Closing the window releases everything and ends the session."
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600' --glove mine\n  ademan studio --recording session.mcap\n  ademan studio --overlay my-setup.ron\n  ademan studio --attach\n\nWithout arguments it shows the session of `ademan run`, if one runs, and sends commands to it; closing the window leaves that session running. Otherwise it opens a session of its own. Without a source, a simulated hand plays the layout in a loop; the first start without settings asks for the source, the hand and the layout. Nothing is sent to other programs unless a setup file names an output, or one is chosen in the window. Closing the window releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it
@@ -63,6 +65,10 @@ pub struct Args {
     /// Recording to show in place of a session: forwards, backwards and step by step
     #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup", "person"], add = complete::recording())]
     recording: Option<PathBuf>,
+    /// Show the session of another program, whose control socket is at PATH; without PATH at that of `ademan run` without --control. `off`
+    /// opens a session of its own although another one runs
+    #[arg(long, value_name = "PATH", num_args = 0..=1, conflicts_with_all = ["source", "setup", "glove", "person", "layout", "recording", "overlay"])]
+    attach: Option<Option<PathBuf>>,
     /// Show the boards and fingertips over other programs, above all windows; clicks pass through
     #[arg(long, conflicts_with = "recording")]
     overlay: bool,
@@ -71,6 +77,19 @@ pub struct Args {
     place: bool,
     #[command(flatten)]
     root: RootArgs,
+}
+
+impl Args {
+    /// Returns whether nothing says what to show.
+    #[cfg(feature = "studio")]
+    fn is_plain(&self) -> bool {
+        let names = [&self.setup, &self.glove, &self.layout, &self.person];
+        names.iter().all(|name| name.is_none())
+            && self.source.is_none()
+            && self.recording.is_none()
+            && self.attach.is_none()
+            && !self.overlay
+    }
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {

@@ -12,6 +12,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
         person: _,
         layout: _,
         recording: _,
+        attach: _,
         overlay: _,
         place: _,
         root: _,

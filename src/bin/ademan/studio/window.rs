@@ -18,7 +18,7 @@ use ademan::studio::texts::{self, Language};
 use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay, open_window};
 
 use super::sessions::Sessions;
-use super::{Args, first, headset_link, mesa, source};
+use super::{Args, attach, first, headset_link, mesa, source};
 use crate::failure::Failure;
 use crate::picture::png;
 use crate::{panics, session, signals, stats, watchdog};
@@ -28,6 +28,9 @@ pub(super) const NO_OUTPUT: &str = "none";
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
+    if let Some(session) = attach::find(&args)? {
+        return attach::open(session);
+    }
     if first::is_first(&args) {
         return first::open(args.root);
     }
@@ -136,7 +139,7 @@ pub(super) fn live_app(
     })
 }
 
-fn with_settings(app: StudioApp) -> StudioApp {
+pub(super) fn with_settings(app: StudioApp) -> StudioApp {
     match SettingsFile::default_path() {
         Some(path) => app.with_settings(path),
         None => app,

@@ -48,14 +48,13 @@ pub enum Views {
     /// A session of this process.
     Session(Viewer),
     /// Another process, and the source of its messages.
-    Remote(Receiver<View>),
+    Remote(Viewer),
 }
 
 impl Views {
     fn receiver(&self) -> &Receiver<View> {
         match self {
-            Self::Session(viewer) => viewer.views(),
-            Self::Remote(views) => views,
+            Self::Session(viewer) | Self::Remote(viewer) => viewer.views(),
         }
     }
 }

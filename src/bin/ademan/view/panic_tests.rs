@@ -33,7 +33,7 @@ fn panic_in_a_view(place: &str) {
     messages::start().expect("the thread starts");
     signals::on_stop(move || _ = stop.try_send(()));
     let outcome = panics::catch(|| {
-        let _view = LiveView::open(Views::Remote(receiver));
+        let _view = LiveView::open(Views::Remote(receiver.into()));
         match place {
             "main" => panic!("intended"),
             "thread" => {

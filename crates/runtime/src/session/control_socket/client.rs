@@ -1,19 +1,34 @@
 //! A client of the control socket, for `ademan ctl` and similar programs.
 
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use serde::Deserialize;
+
 use super::ControlError;
 use crate::output::socket::{self, Stream};
+use ademan_core::command::Command;
+use ademan_core::document::MAX_DOCUMENT_BYTES;
 
 /// Time-out of a response. A session answers within 2 s.
 const RESPONSE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest line that is accepted from a session: a layout, each byte of which may take six as JSON, and what is around it.
+const MAX_LINE_BYTES: u64 = 8 * MAX_DOCUMENT_BYTES;
 
 /// A connection to a session.
 pub struct Client {
     reader: BufReader<Stream>,
     path: PathBuf,
+}
+
+/// The response to a request, without its fields.
+#[derive(Deserialize)]
+struct Response {
+    ok: bool,
+    #[serde(default)]
+    error: String,
 }
 
 impl Client {
@@ -55,6 +70,22 @@ impl Client {
         }
     }
 
+    /// Sends a command and waits until the session has executed it.
+    pub fn execute(&mut self, command: &Command) -> Result<(), ControlError> {
+        let request = serde_json::to_string(command);
+        self.confirm(&request.map_err(|error| self.no_response(&error.to_string()))?)
+    }
+
+    /// Sends a request and waits until the session has confirmed it.
+    pub(super) fn confirm(&mut self, request: &str) -> Result<(), ControlError> {
+        let response = self.request(request)?;
+        match serde_json::from_str(&response) {
+            Ok(Response { ok: true, .. }) => Ok(()),
+            Ok(Response { error, .. }) => Err(ControlError::Refused(error)),
+            Err(error) => Err(self.no_response(&error.to_string())),
+        }
+    }
+
     /// Waits for the next notification, without a time-out. Returns `None` when the session has ended.
     pub fn next_notification(&mut self) -> Result<Option<String>, ControlError> {
         let stream = self.reader.get_mut();
@@ -77,7 +108,14 @@ impl Client {
 
     fn read_line(&mut self) -> io::Result<Option<String>> {
         let mut line = String::new();
-        self.reader.read_line(&mut line)?;
+        let length = self
+            .reader
+            .by_ref()
+            .take(MAX_LINE_BYTES)
+            .read_line(&mut line)?;
+        if length as u64 == MAX_LINE_BYTES {
+            return Err(io::Error::other("a line is too long"));
+        }
         Ok(line.strip_suffix('\n').map(str::to_owned))
     }
 

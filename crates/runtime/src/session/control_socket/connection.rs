@@ -162,15 +162,17 @@ fn write_notifications(subscription: &Subscription, writer: &LineWriter, end: &R
     }
 }
 
-/// Writes views, each after its layout if that is new, until the connection or the session ends.
+/// Writes views, each after its layout if that is new, until the connection ends. The end of the session disconnects the client, also if
+/// the process goes on.
 fn write_views(viewer: &Viewer, writer: &LineWriter, end: &Receiver<()>) {
     let mut written: Option<Arc<Layout>> = None;
     loop {
         let view = select! {
-            recv(viewer.views()) -> view => view.ok(),
-            recv(end) -> _ => None,
+            recv(viewer.views()) -> view => view,
+            recv(end) -> _ => return,
         };
-        let Some(view) = view else {
+        let Ok(view) = view else {
+            writer.shutdown();
             return;
         };
         let is_known = |layout: &Arc<Layout>| Arc::ptr_eq(layout, &view.layout);

@@ -109,6 +109,9 @@ pub enum ControlError {
         /// Error.
         reason: String,
     },
+    /// The session has refused the request, with this reason.
+    #[error("{}", escape_line(.0))]
+    Refused(String),
     /// The session closed the connection, or did not answer in time.
     #[error(
         "no answer from the session at {}: {}",

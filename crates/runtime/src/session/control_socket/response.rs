@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::ProfileInfo;
 use crate::capture::{HeadsetStatus, InvalidPackets};
 use crate::session::reply::{LearnedSummary, SessionStatus};
-use crate::session::view::{View, ViewState};
+use crate::session::view::{PoseNumbers, View, ViewState, pose_numbers};
 use crate::trace::{command_json, event_json};
 use ademan_core::command::CommandOrigin;
 use ademan_core::contact::TargetNames;
@@ -118,6 +118,7 @@ pub(super) fn layout_notification(layout: &Layout) -> JsonLine {
 pub(super) fn view_notification(view: &View) -> JsonLine {
     json(&NotificationLine::View {
         state: &view.state,
+        boards: view.boards.iter().map(pose_numbers).collect(),
         messages: &view.messages,
         missed: view.missed,
     })
@@ -268,6 +269,7 @@ enum NotificationLine<'a> {
     View {
         #[serde(flatten)]
         state: &'a ViewState,
+        boards: Vec<PoseNumbers>,
         messages: &'a [String],
         missed: u64,
     },

@@ -164,7 +164,7 @@ impl ViewerList {
 }
 
 /// The sending end of the channel of a viewer.
-struct ViewerSlot {
+pub(in crate::session) struct ViewerSlot {
     sender: Sender<View>,
     /// Takes the view back that the viewer has not received yet.
     oldest: Receiver<View>,
@@ -179,7 +179,8 @@ pub struct Viewer {
     _presence: Sender<()>,
 }
 
-fn viewer() -> (ViewerSlot, Viewer) {
+/// Creates the channel of a viewer.
+pub(in crate::session) fn viewer() -> (ViewerSlot, Viewer) {
     let (sender, views) = bounded(1);
     let (presence, is_gone) = bounded(0);
     let slot = ViewerSlot {
@@ -202,15 +203,25 @@ impl Viewer {
     }
 }
 
+impl From<Receiver<View>> for Viewer {
+    /// Creates a viewer of views from elsewhere.
+    fn from(views: Receiver<View>) -> Self {
+        Self {
+            views,
+            _presence: bounded(0).0,
+        }
+    }
+}
+
 impl ViewerSlot {
     /// Replaces a view that was not received yet. Returns `false` if the viewer is gone.
-    fn send(&mut self, view: &View) -> bool {
+    pub(in crate::session) fn send(&mut self, view: &View) -> bool {
         if self.is_gone.try_recv() == Err(Disconnected) {
             return false;
         }
         self.missed += u64::from(self.oldest.try_recv().is_ok());
         let view = View {
-            missed: self.missed,
+            missed: view.missed + self.missed,
             ..view.clone()
         };
         // Only this slot sends, so there is room.

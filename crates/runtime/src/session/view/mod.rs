@@ -8,6 +8,7 @@
 //!                        notices ─▶
 //! ```
 
+mod hand;
 mod hub;
 mod publisher;
 mod replay;
@@ -17,7 +18,10 @@ use std::sync::Arc;
 
 use parry3d::math::Pose;
 
+pub use self::hand::ViewHand;
+pub(super) use self::hand::{PoseNumbers, pose_from, pose_numbers};
 pub use self::hub::{ViewHub, Viewer};
+pub(super) use self::hub::{ViewerSlot, viewer};
 pub(super) use self::publisher::{SessionNames, ViewPublisher};
 pub(super) use self::replay::ReplayViews;
 pub use self::state::{FingerBend, Fingertip, ViewCounts, ViewState};

@@ -9,6 +9,7 @@ use arrayvec::ArrayVec;
 use parry3d::math::Pose;
 
 use super::board_poses;
+use super::hand::ViewHand;
 use super::state::{FingerBend, Fingertip, ViewCounts, ViewState};
 use crate::session::latest::LatestSender;
 use crate::session::observer::Observer;
@@ -194,6 +195,7 @@ impl ViewPublisher {
             readings_per_second: self.rate.per_second,
             counts: ViewCounts::from(step.stats),
             awaits_hand: pipeline.awaits_start(),
+            hands: self.poses.iter().flatten().map(ViewHand::from).collect(),
             fingertips: self.fingertips(active),
             bends: bends(pipeline).collect(),
             pressed: active.pressed_targets().collect(),

@@ -40,7 +40,9 @@ impl ReplayViews {
         let elapsed = pipeline.time().since(Timestamp::default());
         let now = self.start.checked_add(elapsed).unwrap_or(self.start);
         self.publisher.observe(step, now, pipeline);
-        let published = self.published.try_recv().ok()?;
+        let mut published = self.published.try_recv().ok()?;
+        // The steps of a replay have the poses, and Studio keeps many views.
+        published.state.hands = Vec::new();
         Some(View {
             layout: published.layout,
             boards: published.boards,

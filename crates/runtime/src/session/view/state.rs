@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::hand::ViewHand;
 use crate::capture::HeadsetStatus;
 use ademan_core::command::{CommandOrigin, TextMode};
 use ademan_core::contact::TargetId;
@@ -38,6 +39,9 @@ pub struct ViewState {
     /// The layout waits for an open hand that is held still.
     #[serde(default, skip_serializing_if = "is_false")]
     pub awaits_hand: bool,
+    /// Hands that are tracked.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hands: Vec<ViewHand>,
     /// Fingertips near a board.
     pub fingertips: Vec<Fingertip>,
     /// Bends of fingers that press by bending.
@@ -138,6 +142,7 @@ impl ViewState {
             readings_per_second: 0.0,
             counts: ViewCounts::default(),
             awaits_hand: false,
+            hands: Vec::new(),
             fingertips: Vec::new(),
             bends: Vec::new(),
             pressed: Vec::new(),

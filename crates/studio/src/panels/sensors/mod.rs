@@ -27,6 +27,10 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
         section(ui, text("stats-source"), |ui| {
             source::show(ui, context.session)
         });
+        if context.attached.is_some() {
+            ui.weak(text("attached-sensors"));
+            return;
+        }
         section(ui, text("sensor-channels"), |ui| {
             channels::show(ui, context)
         });

@@ -36,6 +36,13 @@ fn rows(model: &StudioModel) -> Vec<(String, String)> {
             stats.accepted.to_string(),
         ),
     ];
+    // Another process counts without reasons.
+    let counts = &state.counts;
+    let (rejected, suppressed) = if model.is_from_views {
+        (counts.rejected, counts.suppressed)
+    } else {
+        (0, stats.suppressed.total())
+    };
     let reasons = Rejection::ALL.iter().map(ToString::to_string);
     let losses = [
         (text("stats-dropped").to_owned(), stats.source.dropped),
@@ -45,10 +52,8 @@ fn rows(model: &StudioModel) -> Vec<(String, String)> {
             text("stats-dropped-presses").to_owned(),
             stats.dropped_presses,
         ),
-        (
-            text("stats-suppressed").to_owned(),
-            stats.suppressed.total(),
-        ),
+        (text("stats-suppressed").to_owned(), suppressed),
+        (text("stats-rejected").to_owned(), rejected),
     ];
     let losses = losses.into_iter().chain(reasons.zip(stats.rejected));
     let occurred = losses.filter(|(_, count)| *count > 0);

@@ -1,0 +1,46 @@
+//! The menu that says that the window shows the session of another program, and sends it commands.
+
+use eframe::egui;
+
+use super::PanelContext;
+use crate::attached::Attached;
+use crate::texts::{text, text_with};
+use ademan_core::command::{Command, TextMode};
+use ademan_core::message::{escape, escape_path};
+
+/// The modes of the text decoder, and the keys of their words.
+const MODES: [(TextMode, &str); 3] = [
+    (TextMode::Literal, "attached-literal"),
+    (TextMode::Suggest, "attached-suggest"),
+    (TextMode::Auto, "attached-auto"),
+];
+
+pub(super) fn show(ui: &mut egui::Ui, session: &Attached, context: &mut PanelContext) {
+    let state = &context.session.view.state;
+    let is_live = !context.session.has_ended;
+    let profile = escape(&state.profile).into_owned();
+    let name = text_with("attached-name", &[("profile", profile.into())]);
+    let menu = ui.menu_button(name, |ui| {
+        ui.label(escape(&state.source));
+        ui.label(escape_path(session.path()));
+        ui.separator();
+        let next = egui::Button::new(text("attached-next-profile"));
+        if ui.add_enabled(is_live, next).clicked() {
+            context.sent.push(Command::NextProfile);
+            ui.close();
+        }
+        let Some(mode) = state.text_mode else {
+            return;
+        };
+        ui.separator();
+        ui.label(text("attached-text"));
+        for (other, name) in MODES {
+            let button = egui::RadioButton::new(mode == other, text(name));
+            if ui.add_enabled(is_live, button).clicked() {
+                context.sent.push(Command::Text { mode: other });
+                ui.close();
+            }
+        }
+    });
+    menu.response.on_hover_text(text("attached-hint"));
+}

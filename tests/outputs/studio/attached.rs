@@ -1,0 +1,120 @@
+//! The window on the session of `ademan run`, which goes on whatever the window does.
+
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+use super::safety::close_window;
+use super::{is_drawn, is_typing, studio};
+use crate::support::binary::ademan;
+use crate::support::program::Program;
+use crate::support::x11::XServer;
+
+/// What Studio prints when it shows another session.
+const ATTACHED: &str = "this window shows the session at";
+
+/// A run of a hand that types, at the default control socket of a folder.
+struct Other {
+    run: Program,
+    folder: TempDir,
+}
+
+impl Other {
+    fn start() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = format!("typist:{}", "hello ".repeat(300));
+        let mut command = ademan(["run", "--source", &source]);
+        command.env("XDG_RUNTIME_DIR", folder.path());
+        let run = Program::from_command(command);
+        run.wait_for_line("armed", 1);
+        Self { run, folder }
+    }
+
+    /// Opens Studio for this user.
+    fn open(&self, server: &XServer, arguments: &[&str]) -> Program {
+        let mut command = studio(server, arguments);
+        command.env("XDG_RUNTIME_DIR", self.folder.path());
+        Program::from_command(command)
+    }
+
+    /// Sends a command to the run and returns the reply.
+    fn ctl(&self, command: &str) -> String {
+        let mut ctl = ademan(["ctl", command]);
+        ctl.env("XDG_RUNTIME_DIR", self.folder.path());
+        let Output { status, stdout, .. } = ctl.output().expect("the program starts");
+        assert!(status.success(), "{command}");
+        String::from_utf8_lossy(&stdout).into_owned()
+    }
+}
+
+#[test]
+fn the_window_shows_a_run_which_goes_on_when_it_is_closed() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut other = Other::start();
+    let mut window = other.open(&server, &[]);
+    window.wait_for_line(ATTACHED, 1);
+    assert!(is_typing(&server), "{:#?}", window.stderr_lines());
+    close_window(&server, "Ademán Studio");
+    assert!(window.wait_for_exit().success());
+    assert!(other.ctl("state").contains("running"));
+    assert!(other.run.is_running());
+}
+
+#[test]
+fn a_window_that_hangs_or_is_killed_does_not_hold_a_run_up() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut other = Other::start();
+    let window = other.open(&server, &["--attach"]);
+    window.wait_for_line(ATTACHED, 1);
+    assert!(is_typing(&server), "{:#?}", window.stderr_lines());
+    window.signal(&["STOP"]);
+    other.ctl("pause");
+    assert!(other.ctl("state").contains("paused by a command"));
+    window.signal(&["KILL"]);
+    other.ctl("resume");
+    other.ctl("stop");
+    assert!(other.run.wait_for_exit().success());
+}
+
+#[test]
+fn a_window_of_its_own_opens_beside_a_run() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let other = Other::start();
+    for arguments in [["--attach", "off"], ["--layout", "qwerty-flat"]] {
+        let mut window = other.open(&server, &arguments);
+        // The notice of a session in the program.
+        window.wait_for_line("armed", 1);
+        assert!(is_drawn(&server), "{:#?}", window.stderr_lines());
+        assert_eq!(window.count_lines(ATTACHED), 0, "{arguments:?}");
+        window.signal(&["TERM"]);
+        assert!(window.wait_for_exit().success());
+    }
+}
+
+#[test]
+fn attaching_to_no_run_is_explained() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let refuse = |change: &dyn Fn(&mut Command), arguments: &[&str]| {
+        let mut command = ademan(["studio", "--attach"].iter().chain(arguments));
+        change(&mut command);
+        let output = command.output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let empty = |command: &mut Command| _ = command.env("XDG_RUNTIME_DIR", folder.path());
+    let reason = refuse(&empty, &[]);
+    assert!(reason.contains("no session listens there"), "{reason}");
+    let reason = refuse(&empty, &["/nowhere/c.sock"]);
+    assert!(reason.contains("/nowhere/c.sock"), "{reason}");
+    let none = |command: &mut Command| _ = command.env_remove("XDG_RUNTIME_DIR");
+    let reason = refuse(&none, &[]);
+    assert!(reason.contains("--control"), "{reason}");
+    let reason = refuse(&empty, &["c.sock", "--layout", "media"]);
+    assert!(reason.contains("cannot be used with"), "{reason}");
+}

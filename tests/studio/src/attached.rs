@@ -1,0 +1,165 @@
+//! The window on the session of another program, through its control socket.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use ademan::command::Command;
+use ademan::session::control_socket::{Client, WatchClient};
+use ademan::session::{ControlSocket, Session, SessionHandle, SessionOptions};
+use ademan::setup::Setup;
+use ademan::studio::attached::Attached;
+use ademan::studio::texts::{text, text_with};
+use tempfile::TempDir;
+
+use crate::picture;
+use crate::played_hand::PlayedHand;
+use crate::window::{Opening, StudioWindow};
+
+/// A session whose hand holds the key H, and a window of another one that shows it.
+struct Attachment {
+    window: StudioWindow,
+    other: SessionHandle,
+    socket: PathBuf,
+    _folder: TempDir,
+}
+
+impl Attachment {
+    fn open() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let socket = folder.path().join("c.sock");
+        let other = start_other(&socket);
+        let client = WatchClient::connect(&socket).expect("the session listens");
+        let attached = Attached::new(client, &socket).expect("threads");
+        let hand = quiet_hand();
+        let window = Opening::default().open_with(Box::new(hand), |app| {
+            app.with_attached(attached).expect("the session runs")
+        });
+        Self {
+            window,
+            other,
+            socket,
+            _folder: folder,
+        }
+    }
+
+    /// Waits until the window shows the pressed key.
+    fn wait_for_key(&mut self) {
+        self.window.wait_for("the pressed key", |model| {
+            let keys = &model.view.state.keys;
+            keys.iter().any(|key| key.name() == "H") && model.poses.iter().any(Option::is_some)
+        });
+        self.window.draw(2);
+    }
+
+    /// Returns the state of the other session, as `ademan ctl state` does.
+    fn state(&self) -> String {
+        let mut client = Client::connect(&self.socket).expect("the session listens");
+        client.request(r#"{"command":"state"}"#).expect("a state")
+    }
+}
+
+/// Starts a session of a hand that presses a key and holds it.
+fn start_other(socket: &Path) -> SessionHandle {
+    let setup = Setup {
+        source: "script:press H; wait 60000".parse().ok(),
+        output: "none".into(),
+        ..Setup::default()
+    };
+    let options = SessionOptions {
+        speed: Some(1.0),
+        control_socket: ControlSocket::Path(socket.to_owned()),
+        report_status: true,
+        ..SessionOptions::default()
+    };
+    let setup = setup.load_files().expect("the files of the setup");
+    let other = Session::start(setup, options).expect("the session starts");
+    assert!(other.wait_until_started());
+    other
+}
+
+/// Returns the hand of the session behind the window, which does nothing.
+fn quiet_hand() -> PlayedHand {
+    let setup = Opening::default().setup.load_files().expect("a setup");
+    PlayedHand::new(&setup, Arc::default()).expect("a hand for the layout")
+}
+
+#[test]
+fn the_hand_and_the_keys_of_another_session_are_shown() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    let window = &mut attachment.window;
+    let name = text_with("attached-name", &[("profile", "main".into())]);
+    assert!(window.has(&name), "the toolbar names it");
+    let model = window.model();
+    let pressed = model.view.state.pressed.first().expect("a target");
+    assert!(model.contact_with(*pressed).expect("a contact").is_pressed);
+    assert!(model.world_from_board(0).is_some());
+    assert!(model.stats.accepted > 0);
+    assert!(model.history.events().any(|event| event.is_press));
+    assert!(window.has(text("attached-sensors")));
+    for own in ["workspace-calibration", "menu-devices", "menu-open"] {
+        assert!(!window.has(text(own)), "{own} is for an own session");
+    }
+    window.press_key(egui::Key::Num1);
+    picture::draw(window, "attached");
+}
+
+#[test]
+fn pause_and_resume_go_to_the_other_session() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    assert!(attachment.state().contains(r#""paused":false"#));
+    attachment.window.click(text("button-pause"));
+    attachment.window.wait_for("a pause", |model| {
+        model.view.state.paused_by.is_some() && model.view.state.keys.is_empty()
+    });
+    let state = attachment.state();
+    assert!(state.contains(r#""paused_by":"command""#), "{state}");
+    attachment.window.draw(1);
+    attachment.window.click(text("button-resume"));
+    attachment
+        .window
+        .wait_for("no pause", |model| model.view.state.paused_by.is_none());
+    assert!(attachment.state().contains(r#""paused":false"#));
+}
+
+#[test]
+fn the_reason_of_a_refused_command_is_shown() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    attachment.window.click(text("button-zero"));
+    let has_reason = |window: &StudioWindow| window.has_words("! a key is down");
+    attachment.window.draw_until("the reason", has_reason);
+}
+
+#[test]
+fn the_end_of_the_other_session_is_shown() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    let commands = attachment.other.commands();
+    commands.send(Command::Stop).expect("it runs");
+    let window = &mut attachment.window;
+    window.wait_for("the end", |model| model.has_ended);
+    window.draw(2);
+    assert!(window.has(text("message-ended")));
+    assert!(!window.is_enabled(text("button-pause")));
+}
+
+#[test]
+fn the_other_session_goes_on_when_the_window_is_closed() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    let Attachment {
+        window,
+        other,
+        socket,
+        _folder,
+    } = attachment;
+    drop(window);
+    let mut client = Client::connect(&socket).expect("the session listens");
+    let state = client.request(r#"{"command":"state"}"#).expect("a state");
+    assert!(state.contains(r#""state":"running""#), "{state}");
+    let viewer = other.add_viewer();
+    let view = viewer.views().recv().expect("the session runs");
+    assert_eq!(view.state.keys.len(), 1, "the key is held");
+}
