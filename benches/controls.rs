@@ -36,7 +36,7 @@ const HALVES: [(&str, i32, [&str; 4]); 2] = [
 ];
 
 /// The other kinds of controls; `{name}` and `{at}` are replaced.
-const KINDS: [(&str, &str); 9] = [
+const KINDS: [(&str, &str); 10] = [
     (
         "toggles",
         "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), hold: Key(\"F1\"))",
@@ -72,6 +72,10 @@ const KINDS: [(&str, &str); 9] = [
     (
         "touch_surfaces",
         "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), mode: Touchpad)",
+    ),
+    (
+        "xy_pads",
+        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), x: (output: ScrollX(10)))",
     ),
 ];
 

@@ -50,6 +50,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "chords-bend",
             "colemak-flat",
             "dvorak-flat",
+            "number-entry",
             "numpad",
             "phone-pad",
             "qwerty-arc",
@@ -73,6 +74,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "switches",
             "touch-pad",
             "workshop",
+            "xy-pad",
             "arm-6dof",
             "arm-gamepad",
             "claws",
@@ -427,6 +429,10 @@ fn controls_gestures_and_chords_are_listed_below_the_boards() {
         (
             "steering-wheel",
             "valve, 2.5 turns, springs back, axis Wheel",
+        ),
+        (
+            "xy-pad",
+            "Bend    XY pad, springs back; Bend x to the right; Bend y up",
         ),
         (
             "radial",

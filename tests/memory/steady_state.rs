@@ -544,7 +544,9 @@ fn handles_do_not_allocate_and_return_to_rest() {
             (name: "i", menu: [(name: "j", tap: Key("G")), (name: "k", tap: Key("H"), with: "Shift Alt")])])],
         joysticks: [(name: "e", at_mm: (0, 210), diameter_mm: 50, travel_mm: 20, axes: ("LeftX", "LeftY"),
             direction_keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")),
-            push_action: Key("E"), pointer_px_per_s: 500)])])"#;
+            push_action: Key("E"), pointer_px_per_s: 500)],
+        xy_pads: [(name: "l", at_mm: (0, 430), size_mm: Box(60, 60), springs_back: true, x: (output: Axis("RightX")),
+            y: (output: Axis("RightY")))])])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
     let mut arbiter = KeyArbiter::default();
@@ -569,7 +571,7 @@ fn handles_do_not_allocate_and_return_to_rest() {
                 time: pose.time,
                 side: Side::Right,
                 finger,
-                target: TargetId((random() * 7.0) as u32),
+                target: TargetId((random() * layout.scene.len() as f32) as u32),
                 phase: Phase::ALL[(random() * Phase::COUNT as f32) as usize],
                 depth: random(),
                 position: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,

@@ -174,7 +174,7 @@ mod tests {
         let fader = &layout.controls[0].faces[0];
         let to_screen = |point: Vec2| Some(point * Vec2::new(3.0, -3.0));
         let picture = |value: f32| {
-            let marks = layout.front_marks(fader.target, Some(value)).unwrap();
+            let marks = layout.front_marks(fader.target, |_| Some(value)).unwrap();
             let mut picture = Picture::default();
             let view = FrontView {
                 to_screen: &to_screen,

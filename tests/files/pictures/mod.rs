@@ -158,6 +158,7 @@ fn each_kind_of_control_has_a_shape_of_its_own() {
         ("switches", "Brush", "Brush"),
         ("switches", "Screen", "Screen"),
         ("touch-pad", "Pad", "Pad"),
+        ("xy-pad", "Filter", "Filter"),
         ("arrows", "ArrowUp", "depth"),
     ];
     let mut drawn: Vec<Vec<String>> = Vec::new();

@@ -16,6 +16,9 @@ const LEVER: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, spr
 const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
     axes: ("MoveZ", "LeftY"))]"#;
 
+const PAD: &str = r#"xy_pads: [(name: "Pad", at_mm: (0, 0), size_mm: Box(80, 80), springs_back: true,
+    x: (output: Axis("MoveZ")))]"#;
+
 /// The touch of a step, if any: its phase and its position in mm to the right.
 type Step = Option<(Phase, f32)>;
 
@@ -80,7 +83,7 @@ fn an_axis_returns_to_0_in_the_next_step_with_room() {
             Some((end, 40.0)),
             None,
         ];
-        for controls in [LEVER, STICK] {
+        for controls in [LEVER, STICK, PAD] {
             let found = axis_values(controls, &steps, &[2]);
             assert_eq!(found, [0.0, 1.0, 1.0, 0.0], "{end}, {controls}");
         }
@@ -101,6 +104,8 @@ fn a_control_held_again_before_its_return_stays_held() {
     // The lever is grabbed at its position, the stick starts at its center.
     let lever = axis_values(LEVER, &steps, &[2, 3]);
     assert_eq!(lever[3..], [1.0, 1.0, 0.0, 0.0]);
+    let pad = axis_values(PAD, &steps, &[2, 3]);
+    assert_eq!(pad[3..], [1.0, 1.0, 0.0, 0.0]);
     let stick = axis_values(STICK, &steps, &[2, 3]);
     assert_eq!(stick[3..], [1.0, 0.0, -1.0, 0.0]);
 }

@@ -26,6 +26,7 @@ mod toggles;
 mod touch_surfaces;
 mod triggers;
 mod valves;
+mod xy_pads;
 mod hand_gestures;
 mod handle_errors;
 mod pointer_errors;

@@ -35,6 +35,7 @@ pub mod joystick;
 pub mod scroll_ring;
 pub mod radial_menu;
 pub mod touch_surface;
+pub mod xy_pad;
 pub mod trigger;
 pub mod pointer;
 

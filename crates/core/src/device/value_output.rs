@@ -52,6 +52,15 @@ impl ValueOutput {
     }
 }
 
+/// A value of a control that has several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedValue {
+    /// Its name, unique among those of targets.
+    pub name: String,
+    /// The subject of its [`EventKind::Value`] events, which no fingertip touches.
+    pub target: TargetId,
+}
+
 /// The value of one control and what it has emitted.
 #[derive(Clone, Debug)]
 pub(super) struct ValueEmitter {
@@ -101,6 +110,10 @@ impl ValueEmitter {
     /// Returns whether it returns to a rest value on release.
     pub(super) fn springs_back(&self) -> bool {
         self.rest.is_some()
+    }
+
+    pub(super) fn output(&self) -> ValueOutput {
+        self.output
     }
 
     pub(super) fn value(&self) -> f32 {

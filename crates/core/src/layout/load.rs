@@ -289,6 +289,7 @@ impl<'a> LayoutSchema<'a> {
             let built = space.build(builder, index + 1);
             builder.collect(built)?;
         }
+        builder.add_values();
         for (name, signal) in of_others {
             let built = signal.build(builder, Spanned { text: name.text });
             builder.collect(built)?;

@@ -35,7 +35,8 @@ pub const POINTER: &str = "pointer";
 
 /// Boards with keys and other controls, triggers, a pointer, and targets in space.
 ///
-/// Target ids are assigned in this order: faces board by board, triggers, pointer, targets in space.
+/// Target ids are assigned in this order: faces board by board, triggers, pointer, targets in space, values of controls that have
+/// several.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// The name.
@@ -158,7 +159,7 @@ macro_rules! control_kind {
                 }
             }
 
-            fn model_mut(&mut self) -> &mut dyn ControlModel {
+            pub(super) fn model_mut(&mut self) -> &mut dyn ControlModel {
                 match self {
                     $(Self::$kind(settings) => settings,)+
                 }
@@ -174,9 +175,9 @@ impl ControlKind {
         self.model().handle()
     }
 
-    /// Returns the value of a front at the start; `None` if it has none until it is used.
-    pub fn initial_value(&self, front: usize) -> Option<f32> {
-        self.model().initial_value(front)
+    /// Returns a value at the start, by its index in [`Control::value_targets`]; `None` if it has none until it is used.
+    pub fn initial_value(&self, index: usize) -> Option<f32> {
+        self.model().initial_value(index)
     }
 
     /// Returns the label of a value, such as the highlighted sector of a radial menu; `None` for a value that is a quantity or has
@@ -185,10 +186,21 @@ impl ControlKind {
         self.model().value_label(value)
     }
 
-    /// Returns the control as it is drawn with the value of a front: 0..=1, a number of turns, or 1 for on.
-    pub fn with_value(mut self, front: usize, value: f32) -> Self {
-        self.model_mut().set_value(front, value);
+    /// Returns the control as it is drawn with a value, by its index in [`Control::value_targets`]: 0..=1, a number of turns, or 1
+    /// for on.
+    pub fn with_value(mut self, index: usize, value: f32) -> Self {
+        self.model_mut().set_value(index, value);
         self
+    }
+}
+
+impl Control {
+    /// Returns the targets of its values: those of its fronts, unless it has several values for a front.
+    pub fn value_targets(&self) -> Vec<TargetId> {
+        match self.kind.model().values() {
+            [] => self.faces.iter().map(|face| face.target).collect(),
+            values => values.iter().map(|value| value.target).collect(),
+        }
     }
 }
 
@@ -309,6 +321,14 @@ impl Layout {
         })
     }
 
+    /// Returns the control of a value and the index of the value in [`Control::value_targets`]; `None` if the target is no value.
+    pub fn value_at(&self, target: TargetId) -> Option<(&Control, usize)> {
+        self.controls.iter().find_map(|control| {
+            let mut targets = control.value_targets().into_iter();
+            Some((control, targets.position(|it| it == target)?))
+        })
+    }
+
     /// Returns the face of a target.
     pub fn face(&self, target: TargetId) -> Option<&Face> {
         if let Some(key) = self.key_at(target) {
@@ -326,7 +346,14 @@ impl Layout {
         let pointer = self.pointer.as_ref().map(|_| POINTER);
         let in_space = self.spaces.iter().flat_map(|space| &space.names);
         let in_space = in_space.map(String::as_str);
-        let names = faces.chain(triggers).chain(pointer).chain(in_space);
+        let values = self.controls.iter();
+        let values = values.flat_map(|control| control.kind.model().values());
+        let values = values.map(|value| value.name.as_str());
+        let names = faces
+            .chain(triggers)
+            .chain(pointer)
+            .chain(in_space)
+            .chain(values);
         TargetNames::new(names.map(str::to_owned))
     }
 

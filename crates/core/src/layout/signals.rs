@@ -45,6 +45,12 @@ impl<'a> SignalSchema<'a> {
     ) -> Result<(), DocumentError> {
         let (target, kind) = builder.target(name.text)?;
         let error = |message: String| Err(builder.error(name.text, message));
+        if let [x, .., y] = builder.values_of(target) {
+            return error(format!(
+                "the {kind} `{}` has several values, set a signal for `{}` or `{}`",
+                name.text, x.name, y.name
+            ));
+        }
         if let Some(address) = self.osc
             && let Err(message) = check_address(address.text)
         {

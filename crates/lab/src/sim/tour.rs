@@ -145,6 +145,15 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
                 "; slide {end} 0; slide -{end} 0; slide 0 {end}; slide 0 -{end}; lift"
             ))
         }
+        Handle::Pad { half } => {
+            let [x, y] = (half * INNER).to_array().map(millimetres);
+            drag(format!(
+                " -{x} -{y}; slide {} 0; slide 0 {}; slide -{} 0; lift",
+                2 * x,
+                2 * y,
+                2 * x
+            ))
+        }
         Handle::Area => {
             let end = millimetres(half * INNER * 0.5);
             drag(format!(

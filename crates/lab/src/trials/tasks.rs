@@ -93,7 +93,9 @@ impl Station {
                         let rim = radius * 1e3;
                         (rim, -(draw.between(20.0, 150.0) as f32))
                     }
-                    Handle::Switch | Handle::Stick { .. } | Handle::Area => break,
+                    Handle::Switch | Handle::Stick { .. } | Handle::Area | Handle::Pad { .. } => {
+                        break;
+                    }
                 };
                 let is_turned = matches!(handle, Handle::Turn { .. });
                 let script = if is_turned { turn } else { slide };

@@ -221,24 +221,32 @@ fn on_boards_out_of_reach<'a, 'b>(
         found.is_none_or(|(surface, _)| !surface.is_bent()) && !layout.is_chord_key(target)
     };
     let keys = keys.filter(move |face| is_touched(face.target));
-    let keys = keys.map(|face| (face, 0.0));
+    let keys = keys.map(|face| (face, Vec2::ZERO));
     let controls = layout.controls.iter().flat_map(|control| {
-        let half_length = match control.kind.handle() {
-            Handle::Line { half_length } => half_length,
-            _ => 0.0,
+        let half = match control.kind.handle() {
+            Handle::Line { half_length } => Vec2::X * half_length,
+            Handle::Pad { half } => half,
+            _ => Vec2::ZERO,
         };
-        control.faces.iter().map(move |face| (face, half_length))
+        control.faces.iter().map(move |face| (face, half))
     });
     keys.chain(controls)
-        .filter_map(move |(face, half_length): (&'a Face, f32)| {
-            let positions: &[f32] = if half_length > 0.0 {
-                &[-half_length, half_length]
-            } else {
-                &[0.0]
+        .filter_map(move |(face, half): (&'a Face, Vec2)| {
+            let [low, high] = [-half, half];
+            let corners = [
+                low,
+                high,
+                Vec2::new(low.x, high.y),
+                Vec2::new(high.x, low.y),
+            ];
+            // The ends of a track, or the middle, are the first corners.
+            let count = match half.to_array() {
+                [0.0, 0.0] => 1,
+                [_, 0.0] => 2,
+                _ => corners.len(),
             };
-            let misses = positions
-                .iter()
-                .filter_map(|x| miss(hands, scene, face.target, Vec2::X * *x));
+            let corners = corners[..count].iter();
+            let misses = corners.filter_map(|at| miss(hands, scene, face.target, *at));
             Some((face, misses.reduce(farther)?))
         })
 }

@@ -46,7 +46,7 @@ impl BoardItems {
             control.faces.iter().map(move |face| (face, can_turn))
         });
         let placed = faces.map(|(face, can_turn)| {
-            let marks = layout.front_marks(face.target, None);
+            let marks = layout.front_marks(face.target, |_| None);
             let item = Item {
                 marks: marks.unwrap_or_default(),
                 ..item(face, can_turn)

@@ -1,5 +1,7 @@
 //! Boards with their keys and controls.
 
+use std::collections::BTreeMap;
+
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
@@ -42,13 +44,13 @@ const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -
 
 /// The state of a control that is seen.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FrontState {
+pub(super) struct FrontState<'a> {
     /// It is pressed or selected.
     is_lit: bool,
     /// Depth of its front, as a fraction of its travel.
     depth: f32,
-    /// The value of its handle; `None` for the one of a picture of the layout.
-    value: Option<f32>,
+    /// The values of handles; `None` for those of a picture of the layout.
+    values: Option<&'a BTreeMap<TargetId, f32>>,
 }
 
 /// Adds a board, if its pose is known.
@@ -64,19 +66,19 @@ pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) 
             is_lit: contact.is_some_and(|contact| contact.is_pressed)
                 || model.view.state.selected.contains(&id),
             depth: contact.map_or(0.0, |contact| contact.depth),
-            value: model.values.get(&id).copied(),
+            values: Some(&model.values),
         }
     };
     add_controls(canvas, layout, index, &world_from_board, state);
 }
 
 /// Adds the keys and controls of a board, from the farthest to the nearest.
-pub(super) fn add_controls(
+pub(super) fn add_controls<'a>(
     canvas: &mut Canvas,
     layout: &Layout,
     index: usize,
     world_from_board: &Pose,
-    state: impl Fn(TargetId) -> FrontState,
+    state: impl Fn(TargetId) -> FrontState<'a>,
 ) {
     let surface = &layout.scene.surfaces()[index];
     let mut keys: Vec<_> = surface
@@ -175,7 +177,8 @@ fn add_key(
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    if let Some(marks) = layout.front_marks(id, state.value) {
+    let value = |target: TargetId| state.values?.get(&target).copied();
+    if let Some(marks) = layout.front_marks(id, value) {
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);
     } else if let Some(text) = layout.face(id).map(|shown| &shown.label) {

@@ -265,3 +265,17 @@ fn a_shape_grows_with_the_value_of_its_trigger_and_is_on_the_hand_that_has_it() 
         last = count;
     }
 }
+
+#[test]
+fn the_handle_of_an_xy_pad_moves_with_each_of_its_values() {
+    let (mut model, camera) = scene("xy-pad");
+    let names = model.view.layout.target_names();
+    let mut pictures = vec![picture(&model, &camera).below.vertices];
+    for name in ["Filter x", "Filter y"] {
+        let target = names.find(name).expect("a value of the pad");
+        model.values.insert(target, 0.9);
+        let moved = picture(&model, &camera).below.vertices;
+        assert!(!pictures.contains(&moved), "{name}");
+        pictures.push(moved);
+    }
+}

@@ -27,6 +27,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "lucidgloves-controller"
     "media"
     "mixer"
+    "number-entry"
     "phone-pad"
     "piano"
     "qwerty-swipe"
@@ -41,6 +42,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "touch-pad"
     "webcam-mouse"
     "workshop"
+    "xy-pad"
 };
 
 /// Returns the script of a shipped layout.

@@ -5,9 +5,11 @@
 
 mod actions;
 mod board;
+mod values;
 
 pub(super) use board::{BoardSettings, FaceSpec, SHARE_BESIDE_BOARDS};
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -57,7 +59,7 @@ pub(super) struct LayoutBuilder<'a> {
     /// The axes that controls set, with the position of the name in the file.
     axes: Vec<(Axis, Spanned<'a>)>,
     /// Kind of the target with a name, and its position in the file.
-    targets: BTreeMap<&'a str, NamedTarget<'a>>,
+    targets: BTreeMap<Cow<'a, str>, NamedTarget<'a>>,
     /// The positions of all targets in the file, by id: slices of the document.
     sources: Vec<&'a str>,
     /// The targets with errors that are reported, by the position of the error.
@@ -326,7 +328,7 @@ impl<'a> LayoutBuilder<'a> {
         if self.failed > 0 {
             return Err(self.consequence());
         }
-        let error = UnknownName::new("control", name, self.targets.keys().copied());
+        let error = UnknownName::new("control", name, self.targets.keys().map(|name| &**name));
         Err(self.error(name, format!("this layout has no such control: {error}")))
     }
 
@@ -443,7 +445,7 @@ impl<'a> LayoutBuilder<'a> {
             return Ok(id);
         }
         self.targets.insert(
-            name,
+            name.into(),
             NamedTarget {
                 kind,
                 source,

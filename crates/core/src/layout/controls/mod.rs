@@ -17,9 +17,13 @@ pub(crate) mod touch_surface;
 pub(super) mod trigger;
 pub(crate) mod valve;
 pub(super) mod value_output;
+pub(crate) mod xy_pad;
+
+use parry3d::math::Vec2;
 
 use super::model::{Face, Layout};
 use super::render::drawing::{Canvas, Words};
+use crate::device::value_output::NamedValue;
 
 /// Passes the kinds of controls on a board to a macro: kind, field of the board, module and schema.
 ///
@@ -31,6 +35,7 @@ macro_rules! with_control_kinds {
             Toggle toggles: toggle::ToggleSchema,
             Radio radios: radio::RadioSchema,
             TouchSurface touch_surfaces: touch_surface::TouchSurfaceSchema,
+            XyPad xy_pads: xy_pad::XyPadSchema,
             Slider sliders: slider::SliderSchema,
             Knob knobs: knob::KnobSchema,
             Lever levers: lever::LeverSchema,
@@ -55,6 +60,8 @@ macro_rules! with_control_devices {
             Radio: radio::Radio, Radios;
             /// A touchscreen or touchpad.
             TouchSurface: touch_surface::TouchSurface, TouchSurfaces;
+            /// An XY pad.
+            XyPad: xy_pad::XyPad, XyPads;
             /// A slider or a lever.
             Slider: slider::Slider, Sliders;
             /// A knob or a valve.
@@ -112,6 +119,11 @@ pub enum Handle {
     },
     /// An area on which a finger slides.
     Area,
+    /// A handle on an area, which is under the finger.
+    Pad {
+        /// Way to each side, in metres.
+        half: Vec2,
+    },
 }
 
 /// One front of a control that is drawn.
@@ -131,13 +143,24 @@ pub(crate) trait ControlModel {
     /// Returns the part that a finger moves.
     fn handle(&self) -> Handle;
 
-    /// Returns the value of a front at the start; `None` if it has none until it is used.
-    fn initial_value(&self, _front: usize) -> Option<f32> {
+    /// Returns the values of a control that has several for a front. Empty for any other: each of its fronts has one, of the same
+    /// index.
+    fn values(&self) -> &[NamedValue] {
+        &[]
+    }
+
+    /// Returns them to be numbered.
+    fn values_mut(&mut self) -> &mut [NamedValue] {
+        &mut []
+    }
+
+    /// Returns a value at the start; `None` if it has none until it is used.
+    fn initial_value(&self, _index: usize) -> Option<f32> {
         None
     }
 
-    /// Sets the value with which it is drawn: 0..=1, a number of turns, or 1 for on.
-    fn set_value(&mut self, _front: usize, _value: f32) {}
+    /// Sets a value with which it is drawn: 0..=1, a number of turns, or 1 for on.
+    fn set_value(&mut self, _index: usize, _value: f32) {}
 
     /// Returns the label of a value; `None` for a value that is a quantity or has no label.
     fn value_label(&self, _value: f32) -> Option<&str> {

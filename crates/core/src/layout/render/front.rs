@@ -78,16 +78,22 @@ pub enum MarkShape {
 }
 
 impl Layout {
-    /// Returns the marks on the front of a control other than a key, from below to above. `value` is the position of its
-    /// handle, of 0..=1, or 1 for on; the default is the position at the start. `None` if the target is no such control.
-    pub fn front_marks(&self, target: TargetId, value: Option<f32>) -> Option<Vec<FrontMark>> {
+    /// Returns the marks on the front of a control other than a key, from below to above. `value` returns the value of a target,
+    /// which tells the position of a handle, of 0..=1, or 1 for on; the default is the position at the start. `None` if the target is
+    /// no such control.
+    pub fn front_marks(
+        &self,
+        target: TargetId,
+        value: impl Fn(TargetId) -> Option<f32>,
+    ) -> Option<Vec<FrontMark>> {
         let (control, index) = self.control_at(target)?;
-        let kind = control.kind.clone();
-        let kind = match value {
-            Some(value) => kind.with_value(index, value),
-            None => kind,
-        };
-        let is_on = value.is_some_and(|value| value > 0.5);
+        let mut kind = control.kind.clone();
+        for (position, own) in control.value_targets().into_iter().enumerate() {
+            if let Some(shown) = value(own) {
+                kind = kind.with_value(position, shown);
+            }
+        }
+        let is_on = value(target).is_some_and(|value| value > 0.5);
         Some(svg::front_marks(
             self,
             &kind,
@@ -105,7 +111,7 @@ mod tests {
     fn marks(controls: &str, value: Option<f32>) -> Vec<FrontMark> {
         let text = format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow), {controls})])");
         let layout = Layout::parse(&text, "a.ron").unwrap();
-        layout.front_marks(TargetId(0), value).unwrap()
+        layout.front_marks(TargetId(0), |_| value).unwrap()
     }
 
     /// Returns the center of the topmost handle.
@@ -124,6 +130,27 @@ mod tests {
         assert!(at(Some(0.0)) < -30.0 && at(Some(1.0)) > 30.0);
         assert!(at(Some(0.5)).abs() < 1e-3);
         assert_eq!(at(None), at(Some(0.0)), "the first position");
+    }
+
+    #[test]
+    fn the_handle_of_an_xy_pad_is_where_both_values_are() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
+                    xy_pads: [(name: \"p\", at_mm: (0, 0), size_mm: Box(100, 60))])])";
+        let layout = Layout::parse(text, "a.ron").unwrap();
+        let [x, y] = ["p x", "p y"].map(|name| layout.target_names().find(name).unwrap());
+        let handle = |values: &[(TargetId, f32)]| {
+            let value = |target| Some(values.iter().find(|(it, _)| *it == target)?.1);
+            let marks = layout.front_marks(TargetId(0), value).unwrap();
+            let mut discs = marks.iter().filter_map(|mark| match mark.shape {
+                MarkShape::Disc { center, .. } if mark.role == MarkRole::Handle => Some(center),
+                _ => None,
+            });
+            discs.next().unwrap()
+        };
+        assert_eq!(handle(&[]), Vec2::ZERO, "the middle at the start");
+        let corner = handle(&[(x, 1.0), (y, 0.0)]);
+        assert!(corner.x > 44.0 && corner.y < -24.0, "{corner}");
+        assert_eq!(handle(&[(y, 1.0)]), Vec2::new(0.0, -corner.y));
     }
 
     #[test]
@@ -182,7 +209,7 @@ mod tests {
     fn every_control_of_the_shipped_layouts_has_marks_and_a_label() {
         for (name, layout) in Layout::shipped().unwrap() {
             for face in layout.controls.iter().flat_map(|control| &control.faces) {
-                let marks = layout.front_marks(face.target, Some(1.0)).unwrap();
+                let marks = layout.front_marks(face.target, |_| Some(1.0)).unwrap();
                 assert!(marks.len() >= 2, "{name}: {}", face.name);
                 assert!(
                     marks.iter().any(|mark| mark.role == MarkRole::Label),
@@ -191,7 +218,7 @@ mod tests {
                 );
             }
             for key in &layout.keys {
-                assert_eq!(layout.front_marks(key.face.target, None), None);
+                assert_eq!(layout.front_marks(key.face.target, |_| None), None);
             }
         }
     }

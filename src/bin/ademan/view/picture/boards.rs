@@ -118,11 +118,13 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
     let highlighted = label_of(picture.view, cell.target);
     let highlighted = highlighted.filter(|text| picture.look.is_unicode || text.is_ascii());
     let label = highlighted.unwrap_or(label);
-    let Some(value) = slider_value(picture, cell.target) else {
+    let slider = slider_value(picture, cell.target);
+    let pad = pad_values(picture, cell.target);
+    if slider.is_none() && pad.is_none() {
         draw_label(label, inside, is_bordered, buffer, style);
         draw_rim_mark(picture, cell.target, area, buffer, style);
         return;
-    };
+    }
     // The handle needs the inside, so the label is in the border.
     let top = Rect {
         height: 1,
@@ -130,7 +132,24 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
         ..inside
     };
     draw_label(label, top, is_bordered, buffer, style);
-    draw_handle(value, inside, buffer, style);
+    if let Some(value) = slider {
+        draw_handle(value, inside, buffer, style);
+    }
+    if let Some([x, y]) = pad {
+        draw_mark(picture, inside, [x, 1.0 - y], buffer, style);
+    }
+}
+
+/// Returns the values of an XY pad, 0..=1 each: to the right, away from the wearer; `None` for any other target.
+fn pad_values(picture: &Picture, target: TargetId) -> Option<[f32; 2]> {
+    let (control, _) = picture.view.layout.control_at(target)?;
+    if !matches!(control.kind.handle(), Handle::Pad { .. }) {
+        return None;
+    }
+    let values = control.value_targets().into_iter();
+    let values = values.filter_map(|target| value_of(picture.view, target));
+    let values: Vec<f32> = values.map(|value| value.clamp(0.0, 1.0)).collect();
+    values.try_into().ok()
 }
 
 /// Returns the value of a slider, 0..=1; `None` for any other target.
@@ -158,10 +177,17 @@ fn draw_rim_mark(
         return;
     };
     let (sin, cos) = ((start + turns * value) * std::f32::consts::TAU).sin_cos();
-    let offset = |length: u16, t: f32| ((1.0 + t) / 2.0 * f32::from(length - 1)).round() as u16;
+    let at = [(1.0 + sin) / 2.0, (1.0 - cos) / 2.0];
+    draw_mark(picture, area, at, buffer, style);
+}
+
+/// Draws a round mark at a part of an area, 0..=1 each: from the left, from the top.
+fn draw_mark(picture: &Picture, area: Rect, at: [f32; 2], buffer: &mut Buffer, style: Style) {
+    let offset =
+        |length: u16, part: f32| (part * f32::from(length.saturating_sub(1))).round() as u16;
     let at = (
-        area.x + offset(area.width, sin),
-        area.y + offset(area.height, -cos),
+        area.x + offset(area.width, at[0]),
+        area.y + offset(area.height, at[1]),
     );
     let mark = if picture.look.is_unicode { "●" } else { "o" };
     if let Some(cell) = buffer.cell_mut(at) {

@@ -131,6 +131,34 @@ fn an_open_radial_menu_has_the_label_of_the_highlighted_sector() {
 }
 
 #[test]
+fn the_mark_of_an_xy_pad_is_where_both_values_are() {
+    let mut view = view("xy-pad");
+    let names = view.layout.target_names();
+    let [x, y] = ["Filter x", "Filter y"].map(|name| names.find(name).unwrap());
+    let mut mark = |values: [f32; 2]| {
+        let mut state = ViewState::clone(&view.state);
+        state.values = vec![(x, values[0]), (y, values[1])];
+        view.state = Arc::new(state);
+        let text = text(&drawn(&view, COLORED, 80, 24));
+        let shown = format!("{:.2}", values[1]);
+        assert!(text.contains(&shown), "Filter y of {shown}:\n{text}");
+        let rows = text.lines().enumerate();
+        let marks =
+            rows.filter_map(|(row, line)| Some((line.chars().position(|it| it == '●')?, row)));
+        // The other pad is to the right.
+        marks.min().unwrap()
+    };
+    let (left, near) = mark([0.0, 0.0]);
+    let (right, far) = mark([1.0, 1.0]);
+    assert!(
+        left + 8 < right && far + 4 < near,
+        "{left} {right}, {far} {near}"
+    );
+    assert_eq!(mark([1.0, 0.0]), (right, near));
+    assert_eq!(mark([0.0, 1.0]), (left, far));
+}
+
+#[test]
 fn drawing_works_in_windows_of_any_size() {
     for layout in shipped_layouts() {
         let view = view(layout);

@@ -1,7 +1,7 @@
 //! The values of controls and axes.
 
 use ademan::contact::TargetId;
-use ademan::layout::{Handle, Layout};
+use ademan::layout::{Control, Handle, Layout};
 use ademan::message::escape;
 use ademan::session::view::View;
 use ratatui::text::{Line, Span};
@@ -25,13 +25,13 @@ pub fn value_of(view: &View, target: TargetId) -> Option<f32> {
 
 /// Returns the label of the value of a control, such as the highlighted sector of a radial menu; `None` without one.
 pub fn label_of(view: &View, target: TargetId) -> Option<&str> {
-    let (control, _) = view.layout.control_at(target)?;
+    let (control, _) = view.layout.value_at(target)?;
     control.kind.value_label(value_of(view, target)?)
 }
 
 fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
-    let (control, front) = layout.control_at(target)?;
-    control.kind.initial_value(front)
+    let (control, index) = layout.value_at(target)?;
+    control.kind.initial_value(index)
 }
 
 /// Returns the values of all controls that have one, several in a line.
@@ -39,7 +39,7 @@ pub fn lines(view: &View, width: u16) -> Vec<Line<'static>> {
     let names = view.layout.target_names();
     let controls = view.layout.controls.iter();
     let mut targets: Vec<TargetId> = controls
-        .flat_map(|control| control.faces.iter().map(|face| face.target))
+        .flat_map(Control::value_targets)
         .filter(|target| initial_value(&view.layout, *target).is_some())
         .collect();
     for (target, _) in &view.state.values {
@@ -79,7 +79,7 @@ enum Range {
 }
 
 fn range(layout: &Layout, target: TargetId) -> Range {
-    let control = layout.control_at(target);
+    let control = layout.value_at(target);
     match control.map(|(control, _)| control.kind.handle()) {
         Some(Handle::Switch) => Range::Switch,
         Some(Handle::Turn {
