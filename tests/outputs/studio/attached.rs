@@ -108,13 +108,11 @@ fn attaching_to_no_run_is_explained() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let empty = |command: &mut Command| _ = command.env("XDG_RUNTIME_DIR", folder.path());
-    let reason = refuse(&empty, &[]);
-    assert!(reason.contains("no session listens there"), "{reason}");
-    let reason = refuse(&empty, &["/nowhere/c.sock"]);
-    assert!(reason.contains("/nowhere/c.sock"), "{reason}");
+    let says = |reason: String, part: &str| assert!(reason.contains(part), "{reason}");
+    says(refuse(&empty, &[]), "no session listens there");
+    says(refuse(&empty, &["/nowhere/c.sock"]), "/nowhere/c.sock");
     let none = |command: &mut Command| _ = command.env_remove("XDG_RUNTIME_DIR");
-    let reason = refuse(&none, &[]);
-    assert!(reason.contains("--control"), "{reason}");
-    let reason = refuse(&empty, &["c.sock", "--layout", "media"]);
-    assert!(reason.contains("cannot be used with"), "{reason}");
+    says(refuse(&none, &[]), "--control");
+    let both = refuse(&empty, &["c.sock", "--layout", "media"]);
+    says(both, "cannot be used with");
 }

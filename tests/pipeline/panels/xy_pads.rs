@@ -141,9 +141,9 @@ fn each_value_has_an_output_of_its_own() {
     let required = layout.required_capabilities();
     assert!(required.contains(Capability::Scroll));
     assert!(required.contains(Capability::Key("B".parse().unwrap())));
-    let required = layout_of(SPRING).required_capabilities();
+    let of_axes = layout_of(SPRING).required_capabilities();
     for axis in [Axis::RightX, Axis::Throttle] {
-        assert!(required.contains(Capability::Axis(axis)), "{axis}");
+        assert!(of_axes.contains(Capability::Axis(axis)), "{axis}");
     }
 }
 
@@ -166,8 +166,8 @@ fn values_are_named_after_their_pad_for_signals() {
     let signals = r#"signals: {"P x": (control: 74), "P y": (osc: "/y", range: (-1, 1))}"#;
     assert_eq!(with(signals), "value:P_x=0.750");
     let layout = parse(PAD, signals).unwrap();
-    let signals: Vec<u32> = layout.signals.iter().map(|(target, _)| target.0).collect();
-    assert_eq!(signals, [1, 2]);
+    let targets: Vec<u32> = layout.signals.iter().map(|(target, _)| target.0).collect();
+    assert_eq!(targets, [1, 2]);
     let names: Vec<_> = layout.target_names().iter().map(str::to_owned).collect();
     assert_eq!(names, ["P", "P x", "P y"]);
 }

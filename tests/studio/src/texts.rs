@@ -9,6 +9,7 @@ use egui::accesskit::Role;
 use egui::{FontFamily, FontId, Rect};
 use egui_kittest::kittest::NodeT;
 
+use crate::editor::press;
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
@@ -62,9 +63,14 @@ fn faults(window: &StudioWindow, is_covered: bool) -> Vec<String> {
 }
 
 /// Opens each part of the window in turn, draws it, and returns what is wrong with its texts.
-fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) -> Vec<String> {
+fn look_at_all(
+    language: Language,
+    (theme, has_high_contrast): (egui::Theme, bool),
+    pixels_per_point: f32,
+) -> Vec<String> {
     let opening = Opening {
         size: SIZE,
+        pixels_per_point,
         theme,
         ..Opening::default()
     };
@@ -79,9 +85,10 @@ fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) 
     window.draw(3);
     let mut found = Vec::new();
     let mut look = |window: &mut StudioWindow, part: &str| {
-        let is_covered = part == "keys" || part.starts_with("menu");
+        let is_covered = matches!(part, "keys" | "devices" | "palette") || part.starts_with("menu");
         let contrast = if has_high_contrast { "-contrast" } else { "" };
-        let part = format!("texts-{}-{theme:?}{contrast}-{part}", language.name());
+        let language = language.name();
+        let part = format!("texts-{language}-{theme:?}{contrast}-{pixels_per_point}-{part}");
         picture::draw(window, &part);
         found.extend(
             faults(window, is_covered)
@@ -103,12 +110,21 @@ fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) 
     window.click(text("workspace-layout"));
     window.draw(3);
     look(&mut window, "editor");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::A);
+    look(&mut window, "editor-form");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::K);
+    look(&mut window, "palette");
+    window.press_key(egui::Key::Escape);
+    window.click(text("editor-plan"));
+    look(&mut window, "plan");
     window.click(text("workspace-calibration"));
     window.draw(3);
     look(&mut window, "calibration");
     window.click(text("workspace-lab"));
     window.draw(3);
     look(&mut window, "lab");
+    window.press_key(egui::Key::F9);
+    look(&mut window, "devices");
     found
 }
 
@@ -116,12 +132,16 @@ fn look_at_all(language: Language, theme: egui::Theme, has_high_contrast: bool) 
 fn no_text_is_clipped_or_lies_over_another() {
     let mut found = Vec::new();
     for language in Language::ALL {
-        for (theme, has_high_contrast) in [
-            (egui::Theme::Dark, false),
-            (egui::Theme::Light, false),
-            (egui::Theme::Light, true),
+        for (theme, has_high_contrast, pixels_per_point) in [
+            (egui::Theme::Dark, false, 1.0),
+            (egui::Theme::Light, false, 1.0),
+            (egui::Theme::Light, true, 1.0),
+            // 2560 × 1440 pixels at 200 %.
+            (egui::Theme::Light, false, 2.0),
+            (egui::Theme::Dark, true, 2.0),
         ] {
-            found.extend(look_at_all(language, theme, has_high_contrast));
+            let look = (theme, has_high_contrast);
+            found.extend(look_at_all(language, look, pixels_per_point));
         }
     }
     texts::set_language(Language::English);

@@ -40,6 +40,8 @@ pub struct Opening {
     pub theme: egui::Theme,
     /// Size, in points.
     pub size: [f32; 2],
+    /// Pixels per point: 2 at 200 %.
+    pub pixels_per_point: f32,
     /// The file of the settings. Without one nothing is remembered.
     pub settings: Option<PathBuf>,
 }
@@ -55,6 +57,7 @@ impl Default for Opening {
             speed: None,
             theme: egui::Theme::Dark,
             size: [1280.0, 800.0],
+            pixels_per_point: 1.0,
             settings: None,
         }
     }
@@ -124,6 +127,7 @@ impl Opening {
         }
         let builder = Harness::builder()
             .with_size(self.size)
+            .with_pixels_per_point(self.pixels_per_point)
             .with_theme(self.theme)
             .with_render_cursor(false)
             .with_context_setup(StudioApp::prepare)

@@ -125,8 +125,8 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             (Part::Space(*space), "targets", text)
         }
         NewPart::Layer => {
-            let name = free_name(draft, "layers", Part::Layer, "layer");
-            let text = format!("(name: {}, keys: {{}})", quote(&name));
+            let layer = free_name(draft, "layers", Part::Layer, "layer");
+            let text = format!("(name: {}, keys: {{}})", quote(&layer));
             (Part::Layout, "layers", text)
         }
         NewPart::Chord { keys, binding } => {
@@ -147,8 +147,8 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
 
 /// Returns a name that no part of a list has.
 fn free_name(draft: &Draft, list: &str, part: fn(usize) -> Part, name: &str) -> String {
-    let count = draft.field(Part::Layout, list);
-    let count = count.map_or(0, |list| list.items().len());
+    let field = draft.field(Part::Layout, list);
+    let count = field.map_or(0, |it| it.items().len());
     let names = (0..count).filter_map(|index| name_of(draft.text(), draft.tree(), part(index)));
     unique(&mut names.collect(), name)
 }

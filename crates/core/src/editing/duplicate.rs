@@ -253,16 +253,16 @@ fn copied_board(
 ) -> Result<String, EditError> {
     let text = draft.text_of(draft.node(Part::Board(board))?);
     let mut own = Draft::new(&format!("(boards: [{text}])"))?;
-    let board = Part::Board(0);
+    let copy = Part::Board(0);
     let targets = targets(own.text(), own.tree());
     let is_in_row = |part: &Part| matches!(part, Part::RowKey { .. });
     let row_keys: Vec<Part> = targets.into_iter().filter(is_in_row).collect();
     take_out(&mut own, &row_keys, false)?;
-    own.unset(board, "rows")?;
+    own.unset(copy, "rows")?;
     own.commit()?;
     for &kind in ControlKind::ALL {
         let controls = own
-            .field(board, kind.list())
+            .field(copy, kind.list())
             .map_or(0, |it| it.items().len());
         for index in 0..controls {
             let part = Part::Control {
@@ -272,13 +272,13 @@ fn copied_board(
             };
             let name = name_of(own.text(), own.tree(), part);
             let node = own.node(part)?;
-            let text = renamed(node.text(own.text()), name.as_deref(), names, [0.0; 2])?;
-            own.replace(node.range.clone(), text);
+            let control = renamed(node.text(own.text()), name.as_deref(), names, [0.0; 2])?;
+            own.replace(node.range.clone(), control);
         }
     }
     own.commit()?;
-    in_space::shift(&mut own, &[board], [right, forward, 0.0])?;
-    Ok(own.node(board)?.text(own.text()).to_owned())
+    in_space::shift(&mut own, &[copy], [right, forward, 0.0])?;
+    Ok(own.node(copy)?.text(own.text()).to_owned())
 }
 
 fn row_key(
@@ -450,8 +450,8 @@ mod tests {
                         continue;
                     }
                 };
-                let fronts = |layout: &Layout, board: usize| -> Vec<_> {
-                    layout.scene.surfaces()[board]
+                let fronts = |of: &Layout, number: usize| -> Vec<_> {
+                    of.scene.surfaces()[number]
                         .targets()
                         .map(|(_, target)| target.shape)
                         .collect()

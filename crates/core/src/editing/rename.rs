@@ -82,12 +82,12 @@ fn rename_sequence(draft: &mut Draft, index: usize, name: &str) -> Result<(), Ed
     }
     let part = Part::Sequence(index);
     if let Some(old) = name_of(draft.text(), draft.tree(), part) {
-        let is_unnamed = |part: &Part| {
-            name_of(draft.text(), draft.tree(), *part).as_ref() == Some(&old)
-                && draft.field(*part, "name").is_none()
+        let is_unnamed = |target: Part| {
+            name_of(draft.text(), draft.tree(), target).as_ref() == Some(&old)
+                && draft.field(target, "name").is_none()
         };
         let mut targets = targets(draft.text(), draft.tree()).into_iter();
-        if targets.any(|part| is_unnamed(&part)) {
+        if targets.any(is_unnamed) {
             rename_mentions(draft, &old, name)?;
         }
         rename_found(draft, name, |node, text, found| {
@@ -181,13 +181,13 @@ mod tests {
             .replace(r#"{"copy": "C"}"#, r#"{"new": "C"}"#)
             .replace(r#""copy": ["#, r#""new": ["#);
         assert_eq!(renamed, expected);
-        let with_step = |text: &str, field: &str, value: Option<&str>| {
+        let with_step = |before: &str, field: &str, value: Option<&str>| {
             let set = Edit::SetField {
                 parts: vec![part],
                 field: field.into(),
                 value: value.map(str::to_owned),
             };
-            edit(text, &set).expect("a step").text
+            edit(before, &set).expect("a step").text
         };
         let added = with_step(&renamed, "2", Some(r#"Text("x")"#));
         assert_eq!(

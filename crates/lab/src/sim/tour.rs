@@ -145,8 +145,8 @@ fn control_stops(control: &Control) -> Vec<TourStop> {
                 "; slide {end} 0; slide -{end} 0; slide 0 {end}; slide 0 -{end}; lift"
             ))
         }
-        Handle::Pad { half } => {
-            let [x, y] = (half * INNER).to_array().map(millimetres);
+        Handle::Pad { half: area } => {
+            let [x, y] = (area * INNER).to_array().map(millimetres);
             drag(format!(
                 " -{x} -{y}; slide {} 0; slide 0 {}; slide -{} 0; lift",
                 2 * x,

@@ -34,8 +34,8 @@ pub(super) fn show(ui: &mut egui::Ui, session: &Attached, context: &mut PanelCon
         };
         ui.separator();
         ui.label(text("attached-text"));
-        for (other, name) in MODES {
-            let button = egui::RadioButton::new(mode == other, text(name));
+        for (other, key) in MODES {
+            let button = egui::RadioButton::new(mode == other, text(key));
             if ui.add_enabled(is_live, button).clicked() {
                 context.sent.push(Command::Text { mode: other });
                 ui.close();

@@ -412,16 +412,16 @@ fn show_at_side(
         Side::Right => egui::Panel::right(key),
         Side::Bottom => egui::Panel::bottom(key).resizable(true),
     };
-    let size = state.settings.panel_sizes.get(key).copied();
-    let panel = panel.default_size(size.unwrap_or(first)).min_size(min);
+    let kept = state.settings.panel_sizes.get(key).copied();
+    let panel = panel.default_size(kept.unwrap_or(first)).min_size(min);
     let shown = panel.show(ui, |ui| {
         look::mark_panel(ui, state, key);
         show(ui, state);
     });
-    let size = shown.response.rect.size();
+    let drawn = shown.response.rect.size();
     let size = match side {
-        Side::Left | Side::Right => size.x,
-        Side::Bottom => size.y,
+        Side::Left | Side::Right => drawn.x,
+        Side::Bottom => drawn.y,
     };
     state.settings.panel_sizes.insert(key.to_owned(), size);
 }

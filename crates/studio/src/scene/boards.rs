@@ -177,7 +177,7 @@ fn add_key(
         return;
     }
     canvas.picture.below.add_flat_polygon(&front, face);
-    let value = |target: TargetId| state.values?.get(&target).copied();
+    let value = |of: TargetId| state.values?.get(&of).copied();
     if let Some(marks) = layout.front_marks(id, value) {
         let pose = Pose::from_parts(center, pose.rotation);
         add_front(canvas, &marks, &pose, projected.scale, is_lit);

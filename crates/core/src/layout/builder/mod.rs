@@ -328,7 +328,7 @@ impl<'a> LayoutBuilder<'a> {
         if self.failed > 0 {
             return Err(self.consequence());
         }
-        let error = UnknownName::new("control", name, self.targets.keys().map(|name| &**name));
+        let error = UnknownName::new("control", name, self.targets.keys().map(|known| &**known));
         Err(self.error(name, format!("this layout has no such control: {error}")))
     }
 

@@ -46,7 +46,7 @@ impl From<&HandPose> for ViewHand {
             shared_start: pose.start.shared.map(|place| place.to_array()),
             other_wrist: pose.other_wrist.map(|place| place.to_array()),
             joints: known
-                .map(|(joint, pose)| (joint, pose_numbers(pose)))
+                .map(|(joint, world_from_joint)| (joint, pose_numbers(world_from_joint)))
                 .collect(),
         }
     }

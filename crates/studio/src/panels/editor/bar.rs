@@ -38,8 +38,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     });
     ui.horizontal_wrapped(|ui| {
         let is_open = panel.plan.is_open;
-        let tab = ui.selectable_label(is_open, text("editor-plan"));
-        if tab.on_hover_text(text("editor-plan-tab-hint")).clicked() && !is_open {
+        let plan_tab = ui.selectable_label(is_open, text("editor-plan"));
+        if plan_tab
+            .on_hover_text(text("editor-plan-tab-hint"))
+            .clicked()
+            && !is_open
+        {
             panel.open_plan();
         }
         if is_open {

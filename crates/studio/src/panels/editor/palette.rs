@@ -33,6 +33,10 @@ struct Command {
 }
 
 impl Palette {
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Opens the palette, or closes it.
     pub(super) fn toggle(&mut self) {
         *self = Self {

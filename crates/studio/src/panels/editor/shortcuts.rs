@@ -20,7 +20,9 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if ui.ctx().text_edit_focused() {
         return;
     }
-    if panel.can_escape() && pressed(Modifiers::NONE, Key::Escape) {
+    // The palette takes its own Escape.
+    let can_escape = panel.can_escape() && !panel.palette.is_open();
+    if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
     }
     if panel.plan.is_dragging() {

@@ -48,14 +48,14 @@ fn show_step(
     let value = |field: String| panel.editor.value(part, &field).map(str::to_owned);
     let step = value(index.to_string()).unwrap_or_default();
     let argument = value(format!("{index}.0")).unwrap_or_default();
-    let kind = kinds.iter().find(|kind| step.starts_with(kind.name));
-    let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
-    let shown = kind.map_or("", |kind| kind.name);
+    let kind = kinds.iter().find(|it| step.starts_with(it.name));
+    let names: Vec<&str> = kinds.iter().map(|it| it.name).collect();
+    let shown = kind.map_or("", |it| it.name);
     ui.spacing_mut().combo_width = KIND_WIDTH;
     if let Some(chosen) = field_row::show_choice(ui, "kind", shown, &names)
-        && let Some(kind) = kinds.iter().find(|kind| kind.name == chosen)
+        && let Some(other) = kinds.iter().find(|it| it.name == chosen)
     {
-        set(panel, part, index, Some(new_step(kind)));
+        set(panel, part, index, Some(new_step(other)));
     }
     let Some(kind) = kind else {
         return;

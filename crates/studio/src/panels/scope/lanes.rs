@@ -168,8 +168,13 @@ const NAME_GAP: f32 = 2.0;
 /// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room is left out; zooming
 /// makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
-    let at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
-    canvas.text(at, Align2::RIGHT_CENTER, text("scope-events"), canvas.weak);
+    let label_at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
+    canvas.text(
+        label_at,
+        Align2::RIGHT_CENTER,
+        text("scope-events"),
+        canvas.weak,
+    );
     let mut free_from = row.min.x;
     for event in canvas.history.events() {
         let time = event.time.seconds();

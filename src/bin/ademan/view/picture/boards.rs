@@ -147,7 +147,7 @@ fn pad_values(picture: &Picture, target: TargetId) -> Option<[f32; 2]> {
         return None;
     }
     let values = control.value_targets().into_iter();
-    let values = values.filter_map(|target| value_of(picture.view, target));
+    let values = values.filter_map(|own| value_of(picture.view, own));
     let values: Vec<f32> = values.map(|value| value.clamp(0.0, 1.0)).collect();
     values.try_into().ok()
 }
