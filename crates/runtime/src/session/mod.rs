@@ -1,8 +1,8 @@
 //! A running setup: source, pipeline, outputs, and all threads around them.
 //!
 //! [`Session::start`] starts the threads and returns a [`SessionHandle`]. Commands go in through its [`CommandSender`],
-//! from any thread; [`Snapshot`]s of every step come out. `ademan run`, `demo`, `record` and `replay` are clients of this
-//! module, as a graphical interface would be.
+//! from any thread; [`Snapshot`](ademan_core::snapshot::Snapshot)s of every step come out. `ademan run`, `demo`, `record` and
+//! `replay` are clients of this module, as a graphical interface would be.
 //!
 //! ```text
 //!  keys and gestures ─┐
