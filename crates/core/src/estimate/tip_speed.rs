@@ -138,10 +138,66 @@ impl TipSpeed {
             if *agreeing == 0 || *agreeing >= consistent {
                 *agreeing = 0;
                 self.last.set(finger, tip);
+                // A candidate from where the hand has been would count as its movement.
+                self.candidates.remove(FingerSet::NONE.with(finger));
             } else {
                 self.candidates.set(finger, tip);
             }
         }
         beyond
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Radians in a reading: a fingertip goes up to 27 mm.
+    const ROTATION: f64 = 0.3;
+    const CONSISTENT: u8 = 3;
+
+    /// A hand at a place to the right, in metres, and the heights of its fingertips.
+    struct Hand {
+        right: f32,
+        heights: [f32; Finger::COUNT],
+        speed: TipSpeed,
+    }
+
+    impl Hand {
+        fn read(&mut self) -> FingerSet {
+            let mut tips = Tips::default();
+            for &finger in Finger::ALL {
+                let right = self.right + 0.02 * finger.index() as f32;
+                tips.set(finger, Vec3::new(right, self.heights[finger.index()], 0.0));
+            }
+            self.speed.update(&tips, ROTATION, CONSISTENT)
+        }
+
+        /// Moves a fingertip by 50 mm at once, and returns in how many readings it is implausible.
+        fn jump(&mut self, finger: Finger) -> usize {
+            self.heights[finger.index()] += 0.05;
+            let implausible = |_: &usize| self.read() != FingerSet::NONE;
+            (0..20).take_while(implausible).count()
+        }
+    }
+
+    #[test]
+    fn a_fingertip_that_stays_where_it_jumped_is_plausible_soon_wherever_others_have_jumped() {
+        let mut hand = Hand {
+            right: 0.0,
+            heights: [0.0; Finger::COUNT],
+            speed: TipSpeed::default(),
+        };
+        assert_eq!(hand.read(), FingerSet::NONE);
+        for finger in [Finger::Index, Finger::Middle, Finger::Ring] {
+            assert_eq!(hand.jump(finger), usize::from(CONSISTENT), "{finger}");
+        }
+        for _ in 0..15 {
+            hand.right += 0.02;
+            assert_eq!(hand.read(), FingerSet::NONE);
+        }
+        for finger in [Finger::Ring, Finger::Thumb] {
+            assert_eq!(hand.jump(finger), usize::from(CONSISTENT), "{finger}");
+        }
     }
 }
