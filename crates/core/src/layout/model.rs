@@ -17,7 +17,7 @@ use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::pointer::{AnchoredFrame, PointerSettings, SelectionSpace};
 use crate::device::signals::Signals;
 use crate::device::trigger::{Measure, Trigger};
-use crate::device::value_output::ValueOutput;
+use crate::device::value_output::{NamedValue, ValueOutput};
 use crate::device::{KeyAction, Multitap, MultitapId, Multitaps, Sequence, SequenceId, TextId};
 use crate::hand::Side;
 
@@ -159,9 +159,22 @@ macro_rules! control_kind {
                 }
             }
 
-            pub(super) fn model_mut(&mut self) -> &mut dyn ControlModel {
+            fn model_mut(&mut self) -> &mut dyn ControlModel {
                 match self {
                     $(Self::$kind(settings) => settings,)+
+                }
+            }
+
+            // These two do without the table of a trait object: it would carry the drawings into programs that draw in another way.
+            pub(super) fn values(&self) -> &[NamedValue] {
+                match self {
+                    $(Self::$kind(settings) => settings.values(),)+
+                }
+            }
+
+            pub(super) fn values_mut(&mut self) -> &mut [NamedValue] {
+                match self {
+                    $(Self::$kind(settings) => settings.values_mut(),)+
                 }
             }
         }
@@ -197,7 +210,7 @@ impl ControlKind {
 impl Control {
     /// Returns the targets of its values: those of its fronts, unless it has several values for a front.
     pub fn value_targets(&self) -> Vec<TargetId> {
-        match self.kind.model().values() {
+        match self.kind.values() {
             [] => self.faces.iter().map(|face| face.target).collect(),
             values => values.iter().map(|value| value.target).collect(),
         }
@@ -347,7 +360,7 @@ impl Layout {
         let in_space = self.spaces.iter().flat_map(|space| &space.names);
         let in_space = in_space.map(String::as_str);
         let values = self.controls.iter();
-        let values = values.flat_map(|control| control.kind.model().values());
+        let values = values.flat_map(|control| control.kind.values());
         let values = values.map(|value| value.name.as_str());
         let names = faces
             .chain(triggers)

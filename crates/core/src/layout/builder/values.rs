@@ -17,7 +17,7 @@ impl LayoutBuilder<'_> {
             let Some(front) = control.faces.first().map(|face| face.target) else {
                 continue;
             };
-            for value in control.kind.model_mut().values_mut() {
+            for value in control.kind.values_mut() {
                 value.target = TargetId(next);
                 next += 1;
                 self.add_value(value, front);
@@ -54,6 +54,6 @@ impl LayoutBuilder<'_> {
     pub fn values_of(&self, target: TargetId) -> &[NamedValue] {
         let mut controls = self.controls.iter();
         let control = controls.find(|it| it.faces.iter().any(|face| face.target == target));
-        control.map_or(&[], |control| control.kind.model().values())
+        control.map_or(&[], |control| control.kind.values())
     }
 }
