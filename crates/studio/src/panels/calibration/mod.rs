@@ -10,8 +10,10 @@ use eframe::egui::{self, Key, RichText};
 use super::PanelContext;
 use super::sensors::show_question;
 use crate::guide::Guide;
+use crate::pose_picture::PosePicture;
 use crate::scene::SceneColors;
 use crate::texts::{text, text_with};
+use ademan_core::calibrate::CalibrationPose;
 use ademan_core::command::Command;
 
 /// Number of the simulated person of the demonstration.
@@ -23,23 +25,27 @@ const MARGIN: i8 = 20;
 /// Width of lines of text, in points.
 const TEXT_WIDTH: f32 = 640.0;
 
+/// Size of the picture of the start page, in points.
+const START_PICTURE: egui::Vec2 = egui::vec2(TEXT_WIDTH, 280.0);
+
 pub(super) fn show(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContext) {
     let frame = egui::Frame::NONE.inner_margin(MARGIN);
     frame.show(ui, |ui| match &context.sensors.guide {
-        None => show_start(ui, context),
+        None => show_start(ui, colors, context),
         Some(guide) if guide.result().is_some() => result::show(ui, context),
         Some(_) => pose::show(ui, colors, context),
     });
 }
 
-/// Shows what a calibration is, and the buttons that start it.
-fn show_start(ui: &mut egui::Ui, context: &mut PanelContext) {
+/// Shows what a calibration is, one of its poses, and the buttons that start it.
+fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContext) {
     let sensors = &mut *context.sensors;
     let Some(editor) = &sensors.editor else {
         ui.label(text("calibration-none"));
         return;
     };
     let name = editor.glove().name.clone();
+    let hand = PosePicture::new(CalibrationPose::Flat, editor.glove().side);
     let title = text_with("calibration-title", &[("glove", name.into())]);
     ui.heading(RichText::new(title).size(22.0));
     ui.add_space(8.0);
@@ -47,14 +53,23 @@ fn show_start(ui: &mut egui::Ui, context: &mut PanelContext) {
         ui.set_max_width(TEXT_WIDTH);
         ui.label(RichText::new(text("calibration-intro")).size(15.0));
         ui.add_space(12.0);
+        picture::show(
+            ui,
+            CalibrationPose::Flat,
+            hand.as_ref(),
+            (START_PICTURE, colors),
+        );
+        ui.add_space(12.0);
         ui.horizontal(|ui| {
             let is_live = !context.session.has_ended;
-            let start = big_button(text("calibration-start"));
+            let selection = ui.visuals().selection;
+            let label = RichText::new(text("calibration-start")).color(selection.stroke.color);
+            let start = big_button(label).fill(selection.bg_fill);
             if ui.add_enabled(is_live, start).clicked() {
                 sensors.start_calibration(Guide::new);
                 context.sent.push(Command::Pause);
             }
-            let demo = ui.add(big_button(text("calibration-demo")));
+            let demo = ui.button(text("calibration-demo"));
             if demo.on_hover_text(text("calibration-demo-hint")).clicked() {
                 sensors.start_calibration(|edited| Guide::demonstration(edited, PERSON));
             }
@@ -67,8 +82,8 @@ fn show_start(ui: &mut egui::Ui, context: &mut PanelContext) {
     });
 }
 
-fn big_button(name: &str) -> egui::Button<'_> {
-    egui::Button::new(RichText::new(name).size(16.0)).min_size(egui::vec2(120.0, 34.0))
+fn big_button(name: impl Into<RichText>) -> egui::Button<'static> {
+    egui::Button::new(name.into().size(16.0)).min_size(egui::vec2(120.0, 34.0))
 }
 
 /// Returns whether a button is clicked, or its key is pressed.
