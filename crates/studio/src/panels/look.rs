@@ -46,6 +46,8 @@ pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
         Visuals {
             // The orange of egui is hard to read on white.
             warn_fg_color: Color32::from_rgb(0xa8, 0x48, 0x00),
+            // So is its weak text.
+            weak_text_color: Some(Color32::from_gray(0x5c)),
             ..Visuals::light()
         }
     };
@@ -135,4 +137,29 @@ pub(super) fn keep_arrow_keys(ui: &egui::Ui) {
 /// Names an area that is drawn, for screen readers.
 pub(super) fn name_image(response: &egui::Response, name: &str) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The contrast of two opaque colours as WCAG 2.1 defines it, 1 to 21.
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let luminance = |color: Color32| {
+            let [red, green, blue, _] = egui::Rgba::from(color).to_array();
+            0.2126 * red + 0.7152 * green + 0.0722 * blue
+        };
+        let [a, b] = [luminance(a), luminance(b)].map(|it| it + 0.05);
+        a.max(b) / a.min(b)
+    }
+
+    #[test]
+    fn weak_texts_and_warnings_can_be_read_on_light() {
+        let light = visuals(egui::Theme::Light, &Settings::default());
+        for color in [light.weak_text_color(), light.warn_fg_color] {
+            let found = contrast(color, light.panel_fill);
+            assert!(found > 4.5, "{color:?}: {found}");
+        }
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 0.01);
+    }
 }
