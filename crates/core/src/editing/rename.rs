@@ -9,6 +9,7 @@ use super::names::{name_of, rename_mentions, sequence_key, taken};
 use super::part::{ControlKind, Part, targets};
 use super::rows::take_out;
 use crate::document::{Node, quote, quoted_content};
+use crate::layout::controls::xy_pad::DIRECTIONS;
 
 /// Changes the name of a part.
 pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Part>, EditError> {
@@ -42,11 +43,19 @@ pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Pa
     let parts = take_out(draft, &[part], false)?;
     let taken = parts[0];
     if let Some(old) = old {
+        if is_target {
+            rename_mentions(draft, &old, name)?;
+        }
         match taken {
             Part::Control {
-                kind: ControlKind::Key,
+                kind: ControlKind::XyPad,
                 ..
-            } => rename_mentions(draft, &old, name)?,
+            } => {
+                for direction in DIRECTIONS {
+                    let [from, to] = [&old, name].map(|it| format!("{it} {direction}"));
+                    rename_mentions(draft, &from, &to)?;
+                }
+            }
             Part::Layer(_) => rename_found(draft, name, |node, text, found| {
                 collect_layers(node, text, &old, found);
             }),
@@ -156,6 +165,39 @@ mod tests {
     use super::*;
     use crate::editing::{Edit, NewPart, edit};
     use crate::layout::Layout;
+
+    #[test]
+    fn the_signals_of_a_control_follow_its_name() {
+        let text = r#"Layout(
+    name: "A",
+    boards: [(
+        pose: (anchor: elbow),
+        sliders: [(name: "S", at_mm: (0, 60), length_mm: 40)],
+        xy_pads: [(name: "P", at_mm: (0, 0), size_mm: Box(60, 60))],
+    )],
+    signals: {"S": (control: 7), "P x": (control: 8), "P y": (control: 9)},
+)"#;
+        let renamed = |before: &str, kind: ControlKind, name: &str| {
+            let rename = Edit::Rename {
+                part: Part::Control {
+                    board: 0,
+                    kind,
+                    index: 0,
+                },
+                name: name.into(),
+            };
+            edit(before, &rename).expect("a name that is free").text
+        };
+        let slider = renamed(text, ControlKind::Slider, "Level");
+        let both = renamed(&slider, ControlKind::XyPad, "Filter");
+        let expected = text
+            .replace(r#""S""#, r#""Level""#)
+            .replace(r#""P""#, r#""Filter""#)
+            .replace(r#""P x""#, r#""Filter x""#)
+            .replace(r#""P y""#, r#""Filter y""#);
+        assert_eq!(both, expected);
+        Layout::parse(&both, "a.ron").expect("its signals name controls");
+    }
 
     #[test]
     fn a_sequence_is_added_renamed_in_its_actions_and_its_steps_are_set() {

@@ -25,7 +25,7 @@ pub(crate) const KIND: KindSpec = KindSpec {
 };
 
 /// The words after the name of a pad in the names of its values.
-const DIRECTIONS: [&str; 2] = ["x", "y"];
+pub(crate) const DIRECTIONS: [&str; 2] = ["x", "y"];
 
 schema! {
     /// A pad with two values: the position of the finger to the right and away from you. `NAME x` and `NAME y` are their names.
