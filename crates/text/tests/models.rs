@@ -136,7 +136,7 @@ fn short_long_and_foreign_files_are_refused_with_a_remedy() {
 
 #[test]
 fn contradictions_behind_a_right_checksum_do_no_harm() {
-    // A builder with a fault, or somebody with bad intent, could write such files.
+    // A faulty or malicious builder could write such files.
     let bytes = built();
     let mut random = fastrand::Rng::with_seed(3);
     let (mut refused, mut accepted) = (0, 0);

@@ -10,7 +10,7 @@ use crate::support::binary::ademan;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 
-/// What Studio prints when it shows another session.
+/// The start of the line that Studio prints when it shows another session.
 const ATTACHED: &str = "this window shows the session at";
 
 /// A run of a hand that types, at the default control socket of a folder.

@@ -27,6 +27,18 @@ impl PendingReturns {
         }
     }
 
+    /// Returns all controls to rest; each is paired with its emitter.
+    pub(super) fn start_all<T>(
+        &mut self,
+        controls: &mut [(T, ValueEmitter)],
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
+        for (index, (_, emitter)) in controls.iter_mut().enumerate() {
+            self.start(index, emitter, time, out);
+        }
+    }
+
     /// Cancels the return of a control that is held again.
     pub(super) fn cancel(&mut self, index: usize) {
         self.0.retain(|other| *other != index);

@@ -146,8 +146,6 @@ impl VirtualDevice for ScrollRings {
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
-        for (index, (_, emitter)) in self.rings.iter_mut().enumerate() {
-            self.pending_returns.start(index, emitter, time, out);
-        }
+        self.pending_returns.start_all(&mut self.rings, time, out);
     }
 }

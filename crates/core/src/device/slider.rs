@@ -165,9 +165,7 @@ impl VirtualDevice for Sliders {
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
-        for (index, (_, emitter)) in self.sliders.iter_mut().enumerate() {
-            self.pending_returns.start(index, emitter, time, out);
-        }
+        self.pending_returns.start_all(&mut self.sliders, time, out);
     }
 }
 

@@ -145,8 +145,6 @@ impl VirtualDevice for XyPads {
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
-        for (index, (_, emitter)) in self.values.iter_mut().enumerate() {
-            self.pending_returns.start(index, emitter, time, out);
-        }
+        self.pending_returns.start_all(&mut self.values, time, out);
     }
 }

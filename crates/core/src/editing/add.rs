@@ -137,9 +137,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
         NewPart::Sequence => return add_sequence(draft),
         NewPart::Pointer => return add_pointer(draft),
     };
-    let index = draft
-        .field(parent, list)
-        .map_or(0, |list| list.items().len());
+    let index = draft.count(parent, list);
     draft.push(parent, list, &[text])?;
     draft.commit()?;
     Ok(vec![added(new, index)])
@@ -147,9 +145,8 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
 
 /// Returns a name that no part of a list has.
 fn free_name(draft: &Draft, list: &str, part: fn(usize) -> Part, name: &str) -> String {
-    let field = draft.field(Part::Layout, list);
-    let count = field.map_or(0, |it| it.items().len());
-    let names = (0..count).filter_map(|index| name_of(draft.text(), draft.tree(), part(index)));
+    let names = (0..draft.count(Part::Layout, list))
+        .filter_map(|index| name_of(draft.text(), draft.tree(), part(index)));
     unique(&mut names.collect(), name)
 }
 

@@ -66,6 +66,11 @@ impl Draft {
         node.at(&self.text, field.split('.'))
     }
 
+    /// Returns the number of values in a list, 0 if it is not written.
+    pub fn count(&self, part: Part, list: &str) -> usize {
+        self.field(part, list).map_or(0, |node| node.items().len())
+    }
+
     /// Returns the number in a field, or `default` if it is not written.
     pub fn number(&self, part: Part, field: &str, default: f64) -> Result<f64, EditError> {
         match self.field(part, field) {

@@ -74,9 +74,7 @@ pub(super) fn duplicate(
             _ => return Err(unsupported(part, "duplicated", "; add one")),
         };
         let own = |it: &&mut (Part, &str, Vec<String>)| (it.0, it.1) == (parent, list);
-        let first = draft
-            .field(parent, list)
-            .map_or(0, |list| list.items().len());
+        let first = draft.count(parent, list);
         let pushed = match copies.iter_mut().find(own) {
             Some((_, _, pushed)) => pushed,
             None => {
@@ -197,13 +195,9 @@ pub(super) fn paste(
     let mut names = Names::new(draft);
     let mut new_parts = Vec::new();
     for &kind in ControlKind::ALL {
-        let count = |counted: &Draft, counted_board| {
-            let list = counted.field(Part::Board(counted_board), kind.list());
-            list.map_or(0, |list| list.items().len())
-        };
-        let first = count(draft, board);
+        let first = draft.count(Part::Board(board), kind.list());
         let mut texts = Vec::new();
-        for index in 0..count(&source, 0) {
+        for index in 0..source.count(Part::Board(0), kind.list()) {
             let own = Part::Control {
                 board: 0,
                 kind,
@@ -261,10 +255,7 @@ fn copied_board(
     own.unset(copy, "rows")?;
     own.commit()?;
     for &kind in ControlKind::ALL {
-        let controls = own
-            .field(copy, kind.list())
-            .map_or(0, |it| it.items().len());
-        for index in 0..controls {
+        for index in 0..own.count(copy, kind.list()) {
             let part = Part::Control {
                 board: 0,
                 kind,

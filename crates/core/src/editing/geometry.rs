@@ -67,20 +67,15 @@ pub(super) fn shift_one(draft: &mut Draft, part: Part, by: [f64; 3]) -> Result<(
             board,
             kind: ControlKind::Radio,
             index,
-        } => {
-            let options = draft
-                .field(part, "options")
-                .map_or(0, |it| it.items().len());
-            (0..options).try_for_each(|option| {
-                let radio = index;
-                let option = Part::RadioOption {
-                    board,
-                    radio,
-                    option,
-                };
-                shift_one(draft, option, by)
-            })
-        }
+        } => (0..draft.count(part, "options")).try_for_each(|option| {
+            let radio = index;
+            let option = Part::RadioOption {
+                board,
+                radio,
+                option,
+            };
+            shift_one(draft, option, by)
+        }),
         Part::Control {
             kind: ControlKind::Key,
             ..
@@ -257,10 +252,7 @@ pub(super) fn extent(draft: &Draft, part: Part) -> Result<Extent, EditError> {
         index: radio,
     } = part
     {
-        let options = draft
-            .field(part, "options")
-            .map_or(0, |it| it.items().len());
-        let options = (0..options).map(|option| Part::RadioOption {
+        let options = (0..draft.count(part, "options")).map(|option| Part::RadioOption {
             board,
             radio,
             option,

@@ -36,8 +36,7 @@ pub(super) fn take_out(
             continue;
         }
         let keys = new_keys.entry(board).or_default();
-        let list = draft.field(Part::Board(board), ControlKind::Key.list());
-        let first = list.map_or(0, |list| list.items().len());
+        let first = draft.count(Part::Board(board), ControlKind::Key.list());
         for &column in &row_columns {
             let key = Part::Control {
                 board,

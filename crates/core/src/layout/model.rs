@@ -208,7 +208,7 @@ impl ControlKind {
 }
 
 impl Control {
-    /// Returns the targets of its values: those of its fronts, unless it has several values for a front.
+    /// Returns a target for each of its values: its fronts, or the values themselves if a front has several.
     pub fn value_targets(&self) -> Vec<TargetId> {
         match self.kind.values() {
             [] => self.faces.iter().map(|face| face.target).collect(),

@@ -29,8 +29,8 @@ pub enum JointSensor {
     Body,
     /// Rotations of the bones.
     Bones,
-    /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip has
-    /// the same path as in a bending hand.
+    /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip takes
+    /// the path that it takes when the fingers bend.
     Displacement,
 }
 

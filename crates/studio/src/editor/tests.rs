@@ -4,7 +4,7 @@ use fastrand::Rng;
 
 use super::*;
 use ademan_core::document::{Document, shipped_layouts};
-use ademan_core::layout::Control;
+use ademan_core::layout::{Control, POINTER};
 
 fn shipped(name: &str) -> LayoutEditor {
     let text = Document::shipped(name).unwrap().text;
@@ -176,7 +176,7 @@ fn check(editor: &LayoutEditor) {
         for (index, name) in layout.target_names().iter().take(count).enumerate() {
             let part = editor.part_of(TargetId(index as u32)).unwrap();
             let expected = match part {
-                Part::Pointer => Some(ademan_core::layout::POINTER.to_owned()),
+                Part::Pointer => Some(POINTER.to_owned()),
                 part => editor.part_name(part),
             };
             assert_eq!(expected.as_deref(), Some(name));
@@ -478,11 +478,10 @@ fn a_field_of_a_form_exists_in_the_format() {
                 if !seen.insert((part.kind_name(), spec.name)) {
                     continue;
                 }
-                let changed = vec![part];
                 let field = spec.name.to_owned();
                 let value = Some("Nothing".to_owned());
                 let set = Edit::SetField {
-                    parts: changed,
+                    parts: vec![part],
                     field,
                     value,
                 };

@@ -49,7 +49,7 @@ pub(super) struct FrontState<'a> {
     is_lit: bool,
     /// Depth of its front, as a fraction of its travel.
     depth: f32,
-    /// The values of handles; `None` for those of a picture of the layout.
+    /// The values that handles show; `None` for the initial values.
     values: Option<&'a BTreeMap<TargetId, f32>>,
 }
 

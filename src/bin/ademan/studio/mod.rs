@@ -65,8 +65,8 @@ pub struct Args {
     /// Recording to show in place of a session: forwards, backwards and step by step
     #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup", "person"], add = complete::recording())]
     recording: Option<PathBuf>,
-    /// Show the session of another program, whose control socket is at PATH; without PATH at that of `ademan run` without --control. `off`
-    /// opens a session of its own although another one runs
+    /// Show the session of another program through its control socket. The default PATH is the socket of `ademan run` without --control.
+    /// `off` opens a session of its own even if another one runs
     #[arg(long, value_name = "PATH", num_args = 0..=1, conflicts_with_all = ["source", "setup", "glove", "person", "layout", "recording", "overlay"])]
     attach: Option<Option<PathBuf>>,
     /// Show the boards and fingertips over other programs, above all windows; clicks pass through

@@ -276,8 +276,6 @@ impl VirtualDevice for Knobs {
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.rim_grips.clear();
         self.pinches = [PinchState::default(); Side::COUNT];
-        for (index, (_, emitter)) in self.knobs.iter_mut().enumerate() {
-            self.pending_returns.start(index, emitter, time, out);
-        }
+        self.pending_returns.start_all(&mut self.knobs, time, out);
     }
 }

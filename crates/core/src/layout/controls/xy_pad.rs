@@ -182,7 +182,7 @@ fn draw_pad(pad: &XyPad, face: &Face, canvas: &mut Canvas) {
     draw_outline("skirt", &face.outline, 0.0, canvas);
     let rim = (size * 0.03).min(0.8);
     draw_outline("well", &face.outline, rim, canvas);
-    // In a corner, where the lines are seldom.
+    // In a corner, which the lines seldom reach.
     let room = Vec2::new(half.x * 0.42, size * 0.1);
     let label_at = Vec2::new(-half.x * 0.5, -half.y + size * 0.18);
     draw_label("label", &face.label, label_at, room, canvas);
