@@ -17,10 +17,10 @@
 //! # Adding a panel
 //!
 //! 1. What it shows: a file beside this one, without egui, with unit tests.
-//! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui` and a `PanelContext`.
-//! 3. A variant of `panels::PanelKind`, which gives it an entry in the menu, and a line in `panels::show`.
+//! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui`, the `PanelState` and the `PanelContext`.
+//! 3. An entry in the table of `panels/table.rs`: its place, when it is shown, and that function. F6 reaches it, its size is kept.
 //! 4. Its keys: actions in the table of `panels/actions.rs`, which the toolbar and the list of keys show.
-//! 5. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
+//! 5. Its name and words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
 
 mod app;
 pub mod attached;

@@ -58,6 +58,7 @@ fn f6_moves_the_focus_from_panel_to_panel_and_shift_f6_back() {
     let mut window = Opening::default().open();
     let panels = [
         "panel-toolbar",
+        "panel-status",
         "panel-sensors",
         "panel-scope",
         "panel-space",
@@ -73,6 +74,25 @@ fn f6_moves_the_focus_from_panel_to_panel_and_shift_f6_back() {
             .key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::F6);
         window.draw(3);
         assert_eq!(focused(&window), *name);
+    }
+}
+
+#[test]
+fn f6_reaches_every_part_of_the_layout_editor() {
+    let mut window = Opening::default().open();
+    window.click(text("workspace-layout"));
+    let panels = [
+        "panel-toolbar",
+        "panel-status",
+        "panel-editor-bar",
+        "panel-editor-problems",
+        "panel-editor-form",
+        "panel-editor-canvas",
+    ];
+    for key in panels {
+        window.press_key(egui::Key::F6);
+        let name = format!("{}: {}", text("panel-word"), text(key));
+        assert_eq!(focused(&window), name);
     }
 }
 

@@ -19,6 +19,7 @@ mod scope;
 mod sensors;
 mod space;
 mod status;
+mod table;
 mod toolbar;
 
 use std::mem;
@@ -38,7 +39,7 @@ use super::headset::{HeadsetLink, HeadsetWindow};
 use super::lab::WatchedPerson;
 use super::model::StudioModel;
 use super::playback::{Move, Player};
-use super::scene::{SceneColors, SceneOptions};
+use super::scene::SceneOptions;
 use super::sensor_control::SensorControl;
 use super::settings::{CameraPlace, Settings, Theme};
 use super::setup_change::SetupChange;
@@ -126,8 +127,6 @@ pub struct PanelState {
     editor: Option<Result<EditorPanel, String>>,
     /// Folder with unsaved work of the editor. `None`: it is not kept.
     unsaved_work: Option<PathBuf>,
-    /// Panels beside the 3D view that are shown, by [`PanelKind`].
-    shown: [bool; PanelKind::ALL.len()],
     camera: Camera,
     /// The viewpoint that was chosen since the last picture.
     next_viewpoint: Option<Viewpoint>,
@@ -163,34 +162,12 @@ pub struct PanelState {
     pub message: Option<String>,
 }
 
-/// A panel that can be hidden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PanelKind {
-    /// Channels of the glove, and statistics.
-    Sensors,
-    /// Time plots.
-    Scope,
-}
-
-impl PanelKind {
-    const ALL: [Self; 2] = [Self::Sensors, Self::Scope];
-
-    /// Returns the key of the name.
-    const fn key(self) -> &'static str {
-        match self {
-            Self::Sensors => "panel-sensors",
-            Self::Scope => "panel-scope",
-        }
-    }
-}
-
 impl Default for PanelState {
     fn default() -> Self {
         Self {
             workspace: Workspace::default(),
             editor: None,
             unsaved_work: None,
-            shown: [true; PanelKind::ALL.len()],
             camera: Camera::default(),
             next_viewpoint: None,
             is_camera_placed: false,
@@ -219,10 +196,6 @@ impl PanelState {
     /// Takes the panels to where they were at the last start, and opens the tour at the first. From now on unsaved work is kept.
     pub fn restore(&mut self, settings: Settings) {
         self.unsaved_work = files::state_folder().map(|folder| folder.join("editor"));
-        for kind in PanelKind::ALL {
-            let is_hidden = |hidden: &String| hidden == kind.key();
-            self.shown[kind as usize] = !settings.hidden_panels.iter().any(is_hidden);
-        }
         self.settings = settings;
         if !self.settings.has_seen_tour {
             self.settings.has_seen_tour = true;
@@ -236,14 +209,34 @@ impl PanelState {
     }
 
     fn remember(&mut self, ui: &egui::Ui, layout: &str) {
-        let hidden = PanelKind::ALL
-            .into_iter()
-            .filter(|&kind| !self.shown[kind as usize]);
-        self.settings.hidden_panels = hidden.map(|kind| kind.key().to_owned()).collect();
         self.settings.scale = ui.ctx().zoom_factor();
         if self.is_camera_placed {
             self.settings.camera = Some(CameraPlace::new(&self.camera, layout));
         }
+    }
+
+    /// Returns whether a panel that can be hidden is shown beside the 3D view.
+    fn shows(&self, panel: &str) -> bool {
+        !self.settings.hidden_panels.iter().any(|it| it == panel)
+    }
+
+    /// Shows or hides a panel.
+    fn toggle(&mut self, panel: &str) {
+        let hidden = &mut self.settings.hidden_panels;
+        match hidden.iter().position(|it| it == panel) {
+            Some(index) => _ = hidden.remove(index),
+            None => hidden.push(panel.to_owned()),
+        }
+    }
+
+    /// Returns whether the layout of the editor is shown: there, or in the lab.
+    fn shows_layout(&self) -> bool {
+        matches!(self.workspace, Workspace::Layout | Workspace::Lab)
+    }
+
+    /// Returns whether the editor has a layout.
+    fn has_layout(&self) -> bool {
+        matches!(self.editor, Some(Ok(_)))
     }
 
     /// Opens a layout in the editor, for the hands of a setup, and shows the editor.
@@ -312,29 +305,10 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
         actions::handle_keys(ui, state, context);
     }
-    state.panel_ids.clear();
-    egui::Panel::top("toolbar").show(ui, |ui| {
-        look::mark_panel(ui, state, "panel-toolbar");
-        toolbar::show(ui, state, context);
-    });
-    egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
-    if let Some(player) = context.player {
-        let panel = egui::Panel::bottom("recording");
-        panel.show(ui, |ui| {
-            let has_focus = look::mark_panel(ui, state, "panel-recording");
-            recording::show(ui, &mut state.recording, player, context.moves, has_focus)
-        });
+    if state.shows_layout() {
+        open_layout(ui, state, context);
     }
-    match state.workspace {
-        Workspace::Hand => show_hand(ui, state, context),
-        Workspace::Layout | Workspace::Lab => show_layout(ui, state, context),
-        Workspace::Calibration => {
-            let has_high_contrast = state.settings.has_high_contrast;
-            let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
-            let middle = egui::CentralPanel::default();
-            middle.show(ui, |ui| calibration::show(ui, &colors, context));
-        }
-    }
+    table::show(ui, state, context);
     help::show(ui, state);
     headset::show(ui, state, context);
     if context.can_open {
@@ -348,82 +322,16 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     state.remember(ui, &context.session.view.layout.name);
 }
 
-/// Draws the layout editor or the lab, and opens the layout of the session in the editor at the first time.
-fn show_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+/// Opens the layout of the session in the editor at the first time, and prepares the editor while it is shown.
+fn open_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let used = &context.session.view.layout;
     let work = state.unsaved_work.as_deref();
     let open = || EditorPanel::open(&used.file, used.fit, work).map_err(|it| it.to_string());
-    match state.editor.get_or_insert_with(open) {
-        Ok(_) if state.workspace == Workspace::Lab => lab::show(ui, state, context),
-        Ok(editor) => editor::show(ui, editor, context),
-        Err(error) => {
-            egui::CentralPanel::default().show(ui, |ui| {
-                ui.label(text("editor-cannot-open"));
-                ui.monospace(error.as_str());
-            });
-        }
+    if let Ok(editor) = state.editor.get_or_insert_with(open)
+        && state.workspace == Workspace::Layout
+    {
+        editor::prepare(ui, editor, context);
     }
-}
-
-/// Draws the 3D view and the panels beside it.
-fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    if context.watched.is_some() {
-        egui::Panel::top("watched").show(ui, |ui| {
-            look::mark_panel(ui, state, "panel-watched");
-            lab::show_watched(ui, state, context);
-        });
-    } else if state.shown[PanelKind::Sensors as usize] {
-        let sensors = (Side::Right, PanelKind::Sensors.key());
-        show_at_side(ui, state, sensors, [320.0, 400.0], |ui, _| {
-            sensors::show(ui, context);
-        });
-    }
-    if state.shown[PanelKind::Scope as usize] {
-        let scope = (Side::Bottom, PanelKind::Scope.key());
-        show_at_side(ui, state, scope, [90.0, 230.0], |ui, state| {
-            scope::show(ui, &mut state.scope, context);
-        });
-    }
-    let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
-    space.show(ui, |ui| {
-        let has_focus = look::mark_panel(ui, state, "panel-space");
-        space::show(ui, state, context, has_focus);
-    });
-}
-
-/// The side of the window at which a panel is.
-#[derive(Clone, Copy)]
-enum Side {
-    Left,
-    Right,
-    Bottom,
-}
-
-/// Draws a panel at a side, under the key of its name. Its size is remembered; `sizes` are the smallest and the first one, in points.
-fn show_at_side(
-    ui: &mut egui::Ui,
-    state: &mut PanelState,
-    (side, key): (Side, &'static str),
-    [min, first]: [f32; 2],
-    show: impl FnOnce(&mut egui::Ui, &mut PanelState),
-) {
-    let panel = match side {
-        Side::Left => egui::Panel::left(key),
-        Side::Right => egui::Panel::right(key),
-        Side::Bottom => egui::Panel::bottom(key).resizable(true),
-    };
-    let kept = state.settings.panel_sizes.get(key).copied();
-    let panel = panel.default_size(kept.unwrap_or(first)).min_size(min);
-    let shown = panel.show(ui, |ui| {
-        look::mark_panel(ui, state, key);
-        show(ui, state);
-    });
-    let drawn = shown.response.rect.size();
-    let size = match side {
-        Side::Left | Side::Right => drawn.x,
-        Side::Bottom => drawn.y,
-    };
-    state.settings.panel_sizes.insert(key.to_owned(), size);
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Panel
     ui.separator();
     for spec in &ACTIONS {
         let mut is_on = match spec.action {
-            Action::Show(kind) => state.shown[kind as usize],
+            Action::Show(panel) => state.shows(panel),
             Action::Bones => state.scene.bones,
             Action::Opaque => state.scene.opaque,
             Action::Trails => state.scene.trails,

@@ -81,6 +81,13 @@ panel-scope = Scope
 panel-space = 3D view
 panel-recording = Recording
 panel-toolbar = Toolbar
+panel-status = Status line
+panel-calibration = Calibration
+panel-editor-error = Layout editor
+panel-editor-bar = Tools of the editor
+panel-editor-problems = Problems
+panel-editor-form = Properties
+panel-editor-canvas = Layout
 panel-word = Panel
 
 ## Help

@@ -81,6 +81,13 @@ panel-scope = Osciloscopio
 panel-space = Vista 3D
 panel-recording = Grabación
 panel-toolbar = Barra de herramientas
+panel-status = Línea de estado
+panel-calibration = Calibración
+panel-editor-error = Editor de distribuciones
+panel-editor-bar = Herramientas del editor
+panel-editor-problems = Problemas
+panel-editor-form = Propiedades
+panel-editor-canvas = Distribución
 panel-word = Panel
 
 ## Ayuda

@@ -26,7 +26,7 @@ use std::time::Duration;
 use eframe::egui;
 use parry3d::math::Vec2;
 
-use super::{DrawPng, PanelContext};
+use super::{DrawPng, PanelContext, PanelState};
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
@@ -391,8 +391,8 @@ fn rounded(value: f32) -> f64 {
     (f64::from(value) * 100.0).round() / 100.0
 }
 
-/// Draws the editor.
-pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
+/// Brings the editor to the present, and does what keys ask for.
+pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
     panel.draw_png = context.draw_png;
     panel.show_title(ui);
     let reach = &mut panel.reach;
@@ -401,32 +401,53 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut Pan
     panel.update_items();
     shortcuts::handle(ui, panel);
     palette::show(ui, panel);
-    panel.update_items();
-    egui::Panel::top("editor bar").show(ui, |ui| bar::show(ui, panel));
-    outside::show(ui, panel);
     open::show(ui, panel);
-    egui::Panel::bottom("editor problems")
-        .resizable(true)
-        .default_size(96.0)
-        .min_size(48.0)
-        .show(ui, |ui| problems::show(ui, panel));
-    egui::Panel::right("editor form")
-        .default_size(320.0)
-        .min_size(240.0)
-        .show(ui, |ui| {
-            let area = egui::ScrollArea::vertical().auto_shrink(false);
-            area.show(ui, |ui| {
-                form::show(ui, panel);
-                lists::show(ui, panel);
-            });
-        });
     panel.update_items();
-    let frame = egui::Frame::NONE;
-    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-        if panel.plan.is_open {
-            plan::show(ui, panel, context);
-        } else {
-            canvas::show(ui, panel, context);
-        }
-    });
+}
+
+/// Draws the tools, and the questions that wait for an answer.
+pub(super) fn show_bar(ui: &mut egui::Ui, state: &mut PanelState) {
+    if let Some(Ok(panel)) = &mut state.editor {
+        bar::show(ui, panel);
+        outside::show(ui, panel);
+    }
+}
+
+/// Draws the problems of the layout.
+pub(super) fn show_problems(ui: &mut egui::Ui, state: &mut PanelState) {
+    if let Some(Ok(panel)) = &mut state.editor {
+        problems::show(ui, panel);
+    }
+}
+
+/// Draws the fields of what is selected, and the lists of the layout.
+pub(super) fn show_form(ui: &mut egui::Ui, state: &mut PanelState) {
+    if let Some(Ok(panel)) = &mut state.editor {
+        let area = egui::ScrollArea::vertical().auto_shrink(false);
+        area.show(ui, |ui| {
+            form::show(ui, panel);
+            lists::show(ui, panel);
+        });
+    }
+}
+
+/// Draws one board, or the plan of all.
+pub(super) fn show_canvas(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let Some(Ok(panel)) = &mut state.editor else {
+        return;
+    };
+    panel.update_items();
+    if panel.plan.is_open {
+        plan::show(ui, panel, context);
+    } else {
+        canvas::show(ui, panel, context);
+    }
+}
+
+/// Says why there is no layout to edit.
+pub(super) fn show_error(ui: &mut egui::Ui, state: &mut PanelState) {
+    if let Some(Err(error)) = &state.editor {
+        ui.label(text("editor-cannot-open"));
+        ui.monospace(error.as_str());
+    }
 }

@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     poll(ui, panel);
     show_recovery(ui, panel);
     if panel.editor.conflict().is_some() {
-        ask(ui, "conflict-question", |ui| {
+        ask(ui, |ui| {
             ui.colored_label(ui.visuals().warn_fg_color, text("editor-changed-outside"));
             if ui.button(text("editor-keep-mine")).clicked() {
                 panel.editor.resolve(Resolution::KeepMine);
@@ -49,17 +49,14 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     show_save_question(ui, panel);
     if panel.save_as.is_some() {
-        ask(ui, "editor-save-as", |ui| show_save_as(ui, panel));
+        ask(ui, |ui| show_save_as(ui, panel));
     }
 }
 
-fn ask(ui: &mut egui::Ui, id: &str, content: impl FnOnce(&mut egui::Ui)) {
-    let question = egui::Panel::top(id.to_owned());
-    question.show(ui, |ui| {
-        ui.add_space(3.0);
-        ui.horizontal_wrapped(content);
-        ui.add_space(3.0);
-    });
+fn ask(ui: &mut egui::Ui, content: impl FnOnce(&mut egui::Ui)) {
+    ui.separator();
+    ui.horizontal_wrapped(content);
+    ui.add_space(3.0);
 }
 
 fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
@@ -83,7 +80,7 @@ fn show_recovery(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let Some(work) = panel.found_work.clone() else {
         return;
     };
-    ask(ui, "recovery-question", |ui| {
+    ask(ui, |ui| {
         ui.colored_label(ui.visuals().warn_fg_color, text("editor-recovered"));
         if ui.button(text("editor-restore")).clicked() {
             panel.editor.restore(&work);

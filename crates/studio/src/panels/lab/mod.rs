@@ -11,7 +11,7 @@ use std::sync::Arc;
 use eframe::egui;
 
 use super::editor::EditorPanel;
-use super::{PanelContext, PanelState, Side, Workspace, look, show_at_side};
+use super::{PanelContext, PanelState, Workspace};
 use crate::lab::{LabOutcome, LabRequest, LabRun, LabSettings, PersonBar, WatchedPerson};
 use crate::playback::{Job, Player, Recording};
 use crate::texts::text;
@@ -147,36 +147,32 @@ pub(super) fn advance(state: &mut PanelState, context: &mut PanelContext) {
     }
 }
 
-/// Draws the lab. `state` has an editor with a layout.
-pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let controls = (Side::Left, "lab-controls");
-    show_at_side(ui, state, controls, [230.0, 270.0], |ui, state| {
-        let Some(Ok(editor)) = &state.editor else {
-            return;
-        };
-        let area = egui::ScrollArea::vertical().auto_shrink(false);
-        area.show(ui, |ui| controls::show(ui, &mut state.lab, editor));
+/// Draws the conditions of a run.
+pub(super) fn show_controls(ui: &mut egui::Ui, state: &mut PanelState) {
+    let Some(Ok(editor)) = &state.editor else {
+        return;
+    };
+    let area = egui::ScrollArea::vertical().auto_shrink(false);
+    area.show(ui, |ui| controls::show(ui, &mut state.lab, editor));
+}
+
+/// Draws the figures of the last run, and the people of it.
+pub(super) fn show_results(ui: &mut egui::Ui, state: &mut PanelState) {
+    let Some(Ok(editor)) = &state.editor else {
+        return;
+    };
+    let area = egui::ScrollArea::vertical().auto_shrink(false);
+    area.show(ui, |ui| {
+        results::show(ui, &state.lab, editor);
+        if let Some(index) = people::show(ui, &state.lab) {
+            state.lab.watch(index);
+        }
     });
-    let results = (Side::Right, "lab-results");
-    show_at_side(ui, state, results, [280.0, 340.0], |ui, state| {
-        let Some(Ok(editor)) = &state.editor else {
-            return;
-        };
-        let area = egui::ScrollArea::vertical().auto_shrink(false);
-        area.show(ui, |ui| {
-            results::show(ui, &state.lab, editor);
-            if let Some(index) = people::show(ui, &state.lab) {
-                state.lab.watch(index);
-            }
-        });
-    });
-    // The strip above the board is not painted by the board.
-    let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
-    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-        look::mark_panel(ui, state, "lab-board");
-        let Some(Ok(editor)) = &mut state.editor else {
-            return;
-        };
+}
+
+/// Draws the keys with what was tapped there.
+pub(super) fn show_board(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    if let Some(Ok(editor)) = &mut state.editor {
         heat::show(ui, &state.lab, editor, context);
-    });
+    }
 }

@@ -7,7 +7,7 @@ use eframe::egui::{self, Key, Modifiers};
 
 use self::comparison::ComparisonState;
 use self::part::PartState;
-use super::look;
+use super::{PanelContext, PanelState, look};
 use crate::playback::{Move, Player, SPEEDS};
 use crate::texts::{text, text_with};
 
@@ -18,13 +18,17 @@ pub struct RecordingState {
     comparison: ComparisonState,
 }
 
+/// Draws the bar of a recording. `has_focus` tells whether its panel has the focus.
 pub(super) fn show(
     ui: &mut egui::Ui,
-    state: &mut RecordingState,
-    player: &Player,
-    moves: &mut Vec<Move>,
+    state: &mut PanelState,
+    context: &mut PanelContext,
     has_focus: bool,
 ) {
+    let Some(player) = context.player else {
+        return;
+    };
+    let (state, moves) = (&mut state.recording, &mut *context.moves);
     ui.add_space(4.0);
     ui.horizontal(|ui| show_transport(ui, player, moves));
     show_position(ui, player, state.part.marks(player), moves);
