@@ -156,11 +156,16 @@ impl LayoutInstance {
         self.filter.as_deref_mut()
     }
 
-    /// Returns the text decoder and the targets.
-    pub(super) fn filter_and_scene(
+    /// Returns the text decoder, the targets, and who knows which keys the devices hold.
+    pub(super) fn filter_parts(
         &mut self,
-    ) -> (Option<&mut (dyn PressFilter + 'static)>, &Scene) {
-        (self.filter.as_deref_mut(), &self.scene)
+    ) -> (
+        Option<&mut (dyn PressFilter + 'static)>,
+        &Scene,
+        &KeyArbiter,
+    ) {
+        let filter = self.filter.as_deref_mut();
+        (filter, &self.scene, &self.key_arbiter)
     }
 
     /// Takes over the mode of the text decoder from the layout before.

@@ -416,9 +416,10 @@ impl Pipeline {
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         let replacing = layout.take_replacing_presses();
-        let (filter, scene) = layout.filter_and_scene();
+        let (filter, scene, arbiter) = layout.filter_parts();
         let step = (&output.pose, scene, &output.presses[..]);
-        let added = self.filters.apply(filter, step, first, events) + replacing;
+        let held = || arbiter.pressed_keys();
+        let added = self.filters.apply(filter, step, held, first, events) + replacing;
         let system_keys = self.gate.suppressed().system_keys;
         let is_within_limit = self.gate.filter(index, first, added, events);
         if self.gate.suppressed().system_keys > system_keys {
@@ -471,7 +472,6 @@ impl Pipeline {
         let first = events.len();
         let is_paused = self.is_paused();
         self.reset_filters();
-        self.filters.clear_held();
         let layout = self.active_layout();
         if is_paused {
             // The presses of a pause were never emitted.

@@ -80,19 +80,12 @@ pub struct TextState {
 #[derive(Default)]
 pub(super) struct PressFilters {
     filters: Vec<Box<dyn PressFilter>>,
-    /// The keys that the devices hold.
-    held: PressedKeys,
 }
 
 impl PressFilters {
     /// Adds a filter behind the others.
     pub(super) fn add(&mut self, filter: Box<dyn PressFilter>) {
         self.filters.push(filter);
-    }
-
-    /// Forgets the keys that the devices hold, because all are released.
-    pub(super) fn clear_held(&mut self) {
-        self.held = PressedKeys::default();
     }
 
     /// Forgets the presses that filters hold.
@@ -102,12 +95,13 @@ impl PressFilters {
         }
     }
 
-    /// Passes the events from index `first` through the filter of the active layout and then through the others. Returns the
-    /// number of presses and characters that they added.
+    /// Passes the events from index `first` through the filter of the active layout and then through the others. `held` returns
+    /// the keys that the devices hold after these events. Returns the number of presses and characters that the filters added.
     pub(super) fn apply(
         &mut self,
         own: Option<&mut (dyn PressFilter + 'static)>,
         (pose, scene, presses): FilteredStep,
+        held: impl FnOnce() -> PressedKeys,
         first: usize,
         events: &mut Events,
     ) -> usize {
@@ -115,21 +109,14 @@ impl PressFilters {
             return 0;
         }
         let emitted: Events = events.drain(first..).collect();
-        let held = self.held.clone();
+        let held = held();
         let input = FilterInput {
             time: pose.time,
             side: pose.side,
             presses,
-            held: &held,
+            held: &held_before(&held, &emitted),
             contact: Some((pose, scene)),
         };
-        for event in &emitted {
-            match event.kind {
-                EventKind::KeyDown(key) => _ = self.held.press(key),
-                EventKind::KeyUp(key) => _ = self.held.release(key),
-                _ => {}
-            }
-        }
         let mut filtered = emitted.clone();
         if let Some(own) = own {
             own.filter(&input, &mut filtered);
@@ -145,30 +132,43 @@ impl PressFilters {
         }
         for (index, &event) in filtered.iter().enumerate() {
             let later = &filtered[index + 1..];
-            self.push(event, later, events);
+            push(event, later, &held, events);
         }
         let press_count =
             |list: &[OutputEvent]| list.iter().filter(|event| is_press(event)).count();
         press_count(&events[first..]).saturating_sub(press_count(&emitted))
     }
+}
 
-    /// Appends an event, and its release if nothing else would release the key.
-    fn push(&self, event: OutputEvent, later: &[OutputEvent], events: &mut Events) {
-        let EventKind::KeyDown(key) = event.kind else {
-            let _ = events.try_push(event);
-            return;
-        };
-        let is_released_later = later.iter().any(|it| it.kind == EventKind::KeyUp(key));
-        let is_tap = !self.held.contains(key) && !is_released_later;
-        let releases = later.iter().filter(|it| is_release(it)).count();
-        if events.remaining_capacity() < 1 + usize::from(is_tap) + releases {
-            return;
+/// Returns the keys that were held before events, from those that are held after them.
+fn held_before(held: &PressedKeys, events: &[OutputEvent]) -> PressedKeys {
+    let mut before = held.clone();
+    for event in events.iter().rev() {
+        match event.kind {
+            EventKind::KeyDown(key) => _ = before.release(key),
+            EventKind::KeyUp(key) => _ = before.press(key),
+            _ => {}
         }
-        events.push(event);
-        if is_tap {
-            let kind = EventKind::KeyUp(key);
-            events.push(OutputEvent { kind, ..event });
-        }
+    }
+    before
+}
+
+/// Appends an event, and its release if neither a control that holds the key nor a later event would release it.
+fn push(event: OutputEvent, later: &[OutputEvent], held: &PressedKeys, events: &mut Events) {
+    let EventKind::KeyDown(key) = event.kind else {
+        let _ = events.try_push(event);
+        return;
+    };
+    let is_released_later = later.iter().any(|it| it.kind == EventKind::KeyUp(key));
+    let is_tap = !held.contains(key) && !is_released_later;
+    let releases = later.iter().filter(|it| is_release(it)).count();
+    if events.remaining_capacity() < 1 + usize::from(is_tap) + releases {
+        return;
+    }
+    events.push(event);
+    if is_tap {
+        let kind = EventKind::KeyUp(key);
+        events.push(OutputEvent { kind, ..event });
     }
 }
 
@@ -182,6 +182,8 @@ fn is_release(event: &OutputEvent) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc;
+
     use super::*;
     use crate::device::KeyCode;
 
@@ -220,10 +222,19 @@ mod tests {
     ) -> Vec<Vec<OutputEvent>> {
         let mut filters = PressFilters::default();
         filters.add(Box::new(Filter(filter)));
+        let mut held = PressedKeys::default();
         let apply = |step: &&[OutputEvent]| {
+            for event in *step {
+                match event.kind {
+                    EventKind::KeyDown(key) => held.press(key),
+                    EventKind::KeyUp(key) => held.release(key),
+                    _ => false,
+                };
+            }
             let mut events = Events::from_iter(step.iter().copied());
             let pose = HandPose::new(Timestamp(1_000), Side::Right, 0.006);
-            filters.apply(None, (&pose, &Scene::new(), &[]), 0, &mut events);
+            let input = (&pose, &Scene::new(), &[][..]);
+            filters.apply(None, input, || held.clone(), 0, &mut events);
             events.to_vec()
         };
         steps.iter().map(apply).collect()
@@ -274,6 +285,19 @@ mod tests {
     fn a_key_that_a_control_holds_stays_down() {
         let steps = filtered(|_, _| {}, &[&[down(key("A"))], &[], &[up(key("A"))]]);
         assert_eq!(steps, [vec![down(key("A"))], vec![], vec![up(key("A"))]]);
+    }
+
+    #[test]
+    fn a_filter_sees_the_keys_that_were_held_before_the_step() {
+        let (log, seen) = mpsc::channel();
+        let look = move |input: &FilterInput, _: &mut Events| {
+            let held = input.held.release_order().map(|key| key.to_string());
+            log.send(held.collect::<Vec<_>>()).unwrap();
+        };
+        let steps: [&[OutputEvent]; 3] = [&[down(key("A"))], &[up(key("A")), down(key("B"))], &[]];
+        filtered(look, &steps);
+        let seen: Vec<_> = seen.try_iter().collect();
+        assert_eq!(seen, [vec![], vec!["A"], vec!["B"]]);
     }
 
     #[test]

@@ -18,6 +18,7 @@ use self::locks::Locks;
 use self::multitap::Cycle;
 use self::one_shots::OneShots;
 use self::sequence::RunningSequence;
+use super::pressed_keys::PressedKeys;
 use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};
@@ -101,6 +102,15 @@ impl KeyArbiter {
             texts,
             ..Self::default()
         }
+    }
+
+    /// Returns the keys that are down for the receiver.
+    pub fn pressed_keys(&self) -> PressedKeys {
+        let mut pressed = PressedKeys::default();
+        for key in &self.pressed_keys {
+            pressed.press(key.code);
+        }
+        pressed
     }
 
     /// Returns the active layer, 0 for the base layer: the layer of the layer key pressed last, or else the
