@@ -2,7 +2,7 @@
 
 use std::fs;
 
-#[cfg(feature = "png")]
+#[cfg(feature = "pictures")]
 use super::ademan;
 use super::{run, text};
 
@@ -93,19 +93,22 @@ fn a_setup_chooses_the_hand_that_is_drawn() {
     assert!(short == same, "the same hand, by its lengths");
 }
 
-#[cfg(not(feature = "png"))]
+#[cfg(not(feature = "pictures"))]
 #[test]
-fn without_the_feature_a_png_is_refused_with_the_remedy() {
+fn without_the_feature_png_and_pdf_are_refused_with_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("board.png");
-    let refused = run(["layout", "show", "arrows", "--png", text(&path)]);
-    assert_ne!(refused.code, Some(0));
-    assert!(refused.err.contains("--features png"), "{}", refused.err);
-    assert!(!path.exists());
-    println!("SKIPPED: PNG pictures of all layouts; run with --features png");
+    for option in ["--png", "--pdf"] {
+        let path = folder.path().join("board");
+        let refused = run(["layout", "show", "arrows", option, text(&path)]);
+        assert_ne!(refused.code, Some(0));
+        let error = refused.err;
+        assert!(error.contains("--features pictures"), "{option}: {error}");
+        assert!(!path.exists());
+    }
+    println!("SKIPPED: PNG and PDF of all layouts; run with --features pictures");
 }
 
-#[cfg(feature = "png")]
+#[cfg(feature = "pictures")]
 #[test]
 fn every_shipped_layout_has_a_png_that_is_not_blank() {
     for (name, _) in ademan::layout::Layout::shipped().unwrap() {
@@ -124,6 +127,94 @@ fn every_shipped_layout_has_a_png_that_is_not_blank() {
         );
         assert!(pixels.iter().all(|pixel| pixel.alpha() == 255), "{name}");
     }
+}
+
+/// Runs a program of poppler on a page and returns what it prints.
+#[cfg(feature = "pictures")]
+fn read_by(program: &str, arguments: &[&str]) -> String {
+    let read = std::process::Command::new(program).args(arguments).output();
+    let read = read.expect("the program starts");
+    let complaints = String::from_utf8_lossy(&read.stderr);
+    assert!(
+        read.status.success() && complaints.is_empty(),
+        "{program}: {complaints}"
+    );
+    String::from_utf8(read.stdout).unwrap()
+}
+
+#[cfg(feature = "pictures")]
+#[test]
+fn another_program_reads_the_words_and_the_size_of_every_page() {
+    if std::process::Command::new("pdftotext")
+        .arg("-v")
+        .output()
+        .is_err()
+    {
+        println!("SKIPPED: pdftotext is not installed; Debian's poppler-utils has it");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (name, _) in ademan::layout::Layout::shipped().unwrap() {
+        let path = folder.path().join(name.replace('/', "-") + ".pdf");
+        run(["layout", "show", name, "--pdf", text(&path)]).done();
+        let svg = run(["layout", "show", name, "--svg", "-"]).done().out;
+        let svg = roxmltree::Document::parse(&svg).unwrap();
+        let mm = |name| {
+            let length = svg.root_element().attribute(name).unwrap();
+            length.trim_end_matches("mm").parse::<f64>().unwrap()
+        };
+        let facts = read_by("pdfinfo", &[text(&path)]);
+        let fact = |name: &str| {
+            let line = facts.lines().find(|line| line.starts_with(name));
+            line.unwrap().split_once(':').unwrap().1.trim().to_owned()
+        };
+        assert_eq!(fact("Pages"), "1");
+        let size = fact("Page size");
+        let mut points = size.split(' ').filter_map(|word| word.parse::<f64>().ok());
+        for side in ["width", "height"] {
+            let page_mm = points.next().unwrap() / 72.0 * 25.4;
+            assert!((page_mm - mm(side)).abs() < 0.01, "{name}: {size}");
+        }
+        // All words of the drawing, in any order.
+        let page = read_by("pdftotext", &["-layout", text(&path), "-"]);
+        let drawn = svg.descendants().filter(|it| it.has_tag_name("text"));
+        let words = drawn
+            .filter_map(|it| it.text())
+            .flat_map(str::split_whitespace);
+        for word in words {
+            assert!(page.contains(word), "{name}: no {word:?} in:\n{page}");
+        }
+    }
+}
+
+#[cfg(feature = "pictures")]
+#[test]
+fn keys_of_a_page_have_their_real_pitch() {
+    if std::process::Command::new("pdftotext")
+        .arg("-v")
+        .output()
+        .is_err()
+    {
+        println!("SKIPPED: pdftotext is not installed; Debian's poppler-utils has it");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.pdf");
+    run(["layout", "show", "qwerty-flat", "--pdf", text(&path)]).done();
+    let words = read_by("pdftotext", &["-bbox", text(&path), "-"]);
+    let middle_mm = |key: &str| {
+        let word = words
+            .lines()
+            .find(|line| line.contains(&format!(">{key}</word>")));
+        let word = word.unwrap_or_else(|| panic!("no {key} in {words}"));
+        let number = |name: &str| {
+            let (_, rest) = word.split_once(&format!("{name}=\"")).unwrap();
+            rest.split_once('"').unwrap().0.parse::<f64>().unwrap()
+        };
+        (number("xMin") + number("xMax")) / 2.0 / 72.0 * 25.4
+    };
+    let pitch_mm = middle_mm("S") - middle_mm("A");
+    assert!((pitch_mm - 19.0).abs() < 0.3, "{pitch_mm} mm");
 }
 
 #[test]

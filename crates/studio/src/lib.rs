@@ -68,3 +68,4 @@ pub mod typing;
 pub use self::app::{SessionRequest, StudioApp, StudioStart, open_window};
 pub use self::error::StudioError;
 pub use self::overlay::window::{Overlay, open_overlay};
+pub use self::panels::PictureFormats;

@@ -9,7 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::editor::{EditedFile, canvas, drag, press};
 use crate::picture;
-use crate::window::{StudioWindow, png_of};
+use crate::window::{PICTURES, StudioWindow};
 
 const TWO_KEYS: &str = "Layout(
     name: \"Two keys\",
@@ -211,15 +211,18 @@ fn pictures_are_written_beside_the_layout_and_never_replaced() {
     assert!(window.has_words(text("editor-exported")));
     let svg = fs::read_to_string(file.0.with_extension("svg")).expect("a picture");
     assert!(svg.contains("<svg"), "{svg}");
+    run_command(&mut window, "PDF");
+    let page = fs::read(file.0.with_extension("pdf")).expect("a page");
+    assert_eq!(Ok(page), (PICTURES.pdf)(&svg));
     run_command(&mut window, "PNG");
     let png = file.0.with_extension("png");
     let pixels = fs::read(&png).expect("a picture");
-    assert_eq!(pixels, png_of(&svg).expect("a picture"));
+    assert_eq!(Ok(pixels), (PICTURES.png)(&svg));
     fs::write(&png, "another").expect("a write");
     run_command(&mut window, "PNG");
     assert!(window.has_words(text("editor-export-exists")));
     assert_eq!(fs::read(&png).expect("the picture"), b"another");
-    for extension in ["svg", "png"] {
+    for extension in ["svg", "png", "pdf"] {
         fs::remove_file(file.0.with_extension(extension)).expect("the picture");
     }
 }

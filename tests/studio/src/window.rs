@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use ademan::capture::Source;
 use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::studio::StudioApp;
 use ademan::studio::model::StudioModel;
 use ademan::studio::playback::{Player, Recording};
 use ademan::studio::texts::text;
+use ademan::studio::{PictureFormats, StudioApp};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
@@ -121,7 +121,7 @@ impl Opening {
         let session = Session::start(setup, options).expect("the session starts");
         session.wait_until_started();
         let app = StudioApp::new(&session).expect("the session runs");
-        let mut app = prepare(app.with_png(png_of));
+        let mut app = prepare(app.with_pictures(PICTURES));
         if let Some(path) = self.settings {
             app = app.with_settings(path);
         }
@@ -140,10 +140,11 @@ impl Opening {
     }
 }
 
-/// Makes a picture of pixels by name only: the program draws them with a library of its own.
-pub fn png_of(svg: &str) -> Result<Vec<u8>, String> {
-    Ok(format!("pixels of {svg}").into_bytes())
-}
+/// Makes pictures by name only: the program draws them with libraries of its own.
+pub const PICTURES: PictureFormats = PictureFormats {
+    png: |svg| Ok(format!("pixels of {svg}").into_bytes()),
+    pdf: |svg| Ok(format!("page of {svg}").into_bytes()),
+};
 
 /// Draws Studio on the whole window: the harness leaves a margin.
 fn show(ui: &mut egui::Ui, app: &mut StudioApp) {

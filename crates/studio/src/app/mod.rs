@@ -18,7 +18,7 @@ use crate::first_start::{Answers, FirstStart};
 use crate::headset::HeadsetLink;
 use crate::lab::WatchedPerson;
 use crate::model::StudioModel;
-use crate::panels::{self, DrawPng, PanelContext, PanelState, WatchChange};
+use crate::panels::{self, PanelContext, PanelState, PictureFormats, WatchChange};
 use crate::playback::Player;
 use crate::sensor_control::SensorControl;
 use crate::settings::Settings;
@@ -51,7 +51,7 @@ pub struct StudioApp {
     hand: Option<HandControl>,
     /// Another setup can be opened in a session of its own.
     can_open: bool,
-    draw_png: Option<DrawPng>,
+    pictures: Option<PictureFormats>,
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
@@ -97,7 +97,7 @@ impl StudioApp {
             fingertip: None,
             hand: None,
             can_open: false,
-            draw_png: None,
+            pictures: None,
             sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
@@ -144,10 +144,10 @@ impl StudioApp {
         self
     }
 
-    /// Exports layouts as pictures of pixels, too.
+    /// Exports layouts in more formats than SVG.
     #[must_use]
-    pub fn with_png(mut self, draw: DrawPng) -> Self {
-        self.draw_png = Some(draw);
+    pub fn with_pictures(mut self, pictures: PictureFormats) -> Self {
+        self.pictures = Some(pictures);
         self
     }
 
@@ -234,7 +234,7 @@ impl StudioApp {
             attached: self.attached.as_ref(),
             has_hand: self.hand.is_some(),
             can_open: self.can_open,
-            draw_png: self.draw_png,
+            pictures: self.pictures,
             sensors: &mut self.sensors,
             trial: self.trial.as_ref(),
             sent: &mut sent,

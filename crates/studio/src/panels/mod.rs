@@ -56,8 +56,17 @@ pub use self::fonts::fonts;
 pub use self::lab::WatchChange;
 pub use self::space::{color32, paint};
 
-/// Draws an SVG document as a PNG picture, or returns the reason why it cannot.
-pub type DrawPng = fn(&str) -> Result<Vec<u8>, String>;
+/// Makes a file of another format of an SVG document, or returns the reason why it cannot.
+pub type ConvertSvg = fn(&str) -> Result<Vec<u8>, String>;
+
+/// What the program makes of a drawing beside SVG.
+#[derive(Clone, Copy)]
+pub struct PictureFormats {
+    /// Makes a picture of pixels.
+    pub png: ConvertSvg,
+    /// Makes a page to print.
+    pub pdf: ConvertSvg,
+}
 
 /// The state of the session, and commands to it, for a panel.
 pub struct PanelContext<'a> {
@@ -73,8 +82,8 @@ pub struct PanelContext<'a> {
     pub has_hand: bool,
     /// Another setup can be opened in a session of its own.
     pub can_open: bool,
-    /// Makes pictures of pixels, if the program can.
-    pub draw_png: Option<DrawPng>,
+    /// Makes pictures of other formats than SVG, if the program can.
+    pub pictures: Option<PictureFormats>,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
     /// Tries edited layouts; `None` while a recording or the session of another program is shown.

@@ -509,7 +509,8 @@ editor-open-name = File, or part of the name of a layout that comes with the pro
 editor-open-unsaved = This layout has unsaved changes. They are kept, and offered when it is opened again.
 editor-export = Write a picture (SVG)
 editor-export-png = Write a picture of pixels (PNG)
-editor-export-no-png = this window makes no PNG pictures; write an SVG picture
+editor-export-pdf = Write a page to print (PDF)
+editor-export-svg-only = this window makes neither PNG nor PDF; write an SVG picture
 editor-exported = The picture is written beside the layout
 editor-export-exists = the picture exists and is not overwritten; move it away
 

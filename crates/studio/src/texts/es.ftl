@@ -509,7 +509,8 @@ editor-open-name = Archivo, o parte del nombre de una distribución que viene co
 editor-open-unsaved = Esta distribución tiene cambios sin guardar. Se conservan y se ofrecen cuando se abra de nuevo.
 editor-export = Escribir una imagen (SVG)
 editor-export-png = Escribir una imagen de píxeles (PNG)
-editor-export-no-png = esta ventana no hace imágenes PNG; escriba una imagen SVG
+editor-export-pdf = Escribir una página para imprimir (PDF)
+editor-export-svg-only = esta ventana no hace imágenes PNG ni PDF; escriba una imagen SVG
 editor-exported = La imagen está escrita junto a la distribución
 editor-export-exists = la imagen existe y no se sobrescribe; muévala a otro sitio
 

@@ -1,7 +1,7 @@
 //! `ademan layout show`: a layout in the terminal, or as a picture in a file.
 
+pub mod convert;
 mod json;
-pub mod png;
 
 use std::fs;
 use std::io::{self, Write};
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::{complete, lab, layout_check};
 
 /// Examples of the command.
-pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards\n  ademan layout show qwerty-flat --heat result.json --svg missed.svg";
+pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show qwerty-arc --pdf board.pdf\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg\n  ademan layout show game --json - | jq .boards\n  ademan layout show qwerty-flat --heat result.json --svg missed.svg";
 
 /// A layout and the files to draw it to.
 #[derive(clap::Args)]
@@ -29,16 +29,19 @@ pub struct Args {
     /// Write a picture for documents and browsers; - is standard output
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
-    /// Write a picture of pixels; needs a program built with the feature `png`; - is standard output
+    /// Write a picture of pixels; needs a program built with the feature `pictures`; - is standard output
     #[arg(long, value_name = "OUT.png")]
     png: Option<PathBuf>,
+    /// Write a page to print, at the real size; needs a program built with the feature `pictures`; - is standard output
+    #[arg(long, value_name = "OUT.pdf")]
+    pdf: Option<PathBuf>,
     /// Write a page for browsers with a choice of layers; - is standard output
     #[arg(long, value_name = "OUT.html")]
     html: Option<PathBuf>,
     /// Write the boards and targets with their geometry in metres, for programs; - is standard output
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
-    /// Colour the targets of --svg or --png by a result of `ademan lab score`: how often they were missed
+    /// Colour the targets of --svg, --png or --pdf by a result of `ademan lab score`: how often they were missed
     #[arg(long, value_name = "RESULT.json")]
     heat: Option<PathBuf>,
     /// Replace files that exist
@@ -64,10 +67,11 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     let draft = LayoutDraft::from_document(&document)?;
     // A layout that cannot be used is drawn, and refused then.
     let refused = draft.error().cloned().map_or(Ok(()), Err);
-    let targets = [&args.svg, &args.png, &args.html, &args.json];
-    if args.heat.is_some() && args.svg.is_none() && args.png.is_none() {
+    let targets = [&args.svg, &args.png, &args.pdf, &args.html, &args.json];
+    let pictures = [&args.svg, &args.png, &args.pdf];
+    if args.heat.is_some() && pictures.iter().all(|target| target.is_none()) {
         return Err(Failure::wrong_use(
-            "--heat colours a picture; name its file with --svg or --png",
+            "--heat colours a picture; name its file with --svg, --png or --pdf",
         ));
     }
     if targets.iter().all(|target| target.is_none()) {
@@ -89,9 +93,10 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         Some(result) => heat_svg(layout, &wearer, &document, result),
         None => svg(layout, &wearer),
     };
-    let drawers: [&dyn Fn() -> Result<Picture, Failure>; 4] = [
+    let drawers: [&dyn Fn() -> Result<Picture, Failure>; 5] = [
         &|| Ok(draw_svg()?.into_bytes()),
-        &|| png::from_svg(&draw_svg()?).map_err(Failure::job),
+        &|| convert::png(&draw_svg()?).map_err(Failure::job),
+        &|| convert::pdf(&draw_svg()?).map_err(Failure::job),
         &|| {
             let page = layout.to_html(&wearer).map_err(cannot_draw)?;
             Ok(page.into_bytes())

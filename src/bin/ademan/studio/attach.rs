@@ -9,10 +9,9 @@ use ademan::setup::Setup;
 use ademan::studio::attached::Attached;
 use ademan::studio::{StudioApp, StudioError, open_window, texts};
 
-use super::window::{NO_OUTPUT, end, language, with_settings};
+use super::window::{NO_OUTPUT, PICTURES, end, language, with_settings};
 use super::{Args, source};
 use crate::failure::Failure;
-use crate::picture::png;
 use crate::{ctl, panics, session, signals};
 
 /// The value of `--attach` for a session of its own.
@@ -70,7 +69,7 @@ pub fn open(found: Found) -> Result<(), Failure> {
     let quiet = Session::start(setup.load_files()?, options)?;
     let app = StudioApp::new(&quiet).and_then(|app| app.with_attached(attached));
     let app = app.map_err(|error: StudioError| Failure::job(error.to_string()))?;
-    let app = with_settings(app.with_png(png::from_svg));
+    let app = with_settings(app.with_pictures(PICTURES));
     let shown = panics::contain(|| open_window(app.into(), signals::is_stop_requested));
     end(shown, None)
 }

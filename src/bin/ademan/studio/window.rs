@@ -15,16 +15,24 @@ use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::simulated::HandControl;
 use ademan::studio::texts::{self, Language};
-use ademan::studio::{Overlay, StudioApp, StudioError, StudioStart, open_overlay, open_window};
+use ademan::studio::{
+    Overlay, PictureFormats, StudioApp, StudioError, StudioStart, open_overlay, open_window,
+};
 
 use super::sessions::Sessions;
 use super::{Args, attach, first, headset_link, mesa, source};
 use crate::failure::Failure;
-use crate::picture::png;
+use crate::picture::convert;
 use crate::{panics, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file or the person names others: nothing is typed into other programs by surprise.
 pub(super) const NO_OUTPUT: &str = "none";
+
+/// The formats of exported pictures.
+pub(super) const PICTURES: PictureFormats = PictureFormats {
+    png: convert::png,
+    pdf: convert::pdf,
+};
 
 pub fn open(args: Args) -> Result<(), Failure> {
     mesa::draw_in_one_thread();
@@ -131,7 +139,7 @@ pub(super) fn live_app(
     session: &SessionHandle,
     hand: Option<HandControl>,
 ) -> Result<StudioApp, StudioError> {
-    let app = StudioApp::new(session)?.with_png(png::from_svg);
+    let app = StudioApp::new(session)?.with_pictures(PICTURES);
     let app = with_settings(app.with_sound(session));
     Ok(match hand {
         Some(hand) => app.with_hand(hand),

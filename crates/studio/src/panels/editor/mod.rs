@@ -26,7 +26,7 @@ use std::time::Duration;
 use eframe::egui;
 use parry3d::math::Vec2;
 
-use super::{DrawPng, PanelContext, PanelState};
+use super::{PanelContext, PanelState, PictureFormats};
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
@@ -103,7 +103,7 @@ pub struct EditorPanel {
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
     /// Makes pictures of pixels, as the session of the window has it.
-    draw_png: Option<DrawPng>,
+    pictures: Option<PictureFormats>,
     /// Result of the last operation, or the reason why it failed.
     message: Option<Result<&'static str, String>>,
     /// Title of the window.
@@ -161,7 +161,7 @@ impl EditorPanel {
             trial: None,
             reach: None,
             next_poll: 0.0,
-            draw_png: None,
+            pictures: None,
             message: None,
             title: String::new(),
             shown_line: None,
@@ -393,7 +393,7 @@ fn rounded(value: f32) -> f64 {
 
 /// Brings the editor to the present, and does what keys ask for.
 pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
-    panel.draw_png = context.draw_png;
+    panel.pictures = context.pictures;
     panel.show_title(ui);
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key};
 
+use super::super::{ConvertSvg, PictureFormats};
 use super::EditorPanel;
 use crate::texts::text;
 use ademan_core::document::shipped_layouts;
@@ -48,10 +49,23 @@ impl EditorPanel {
 
     /// Writes a picture of pixels beside the file of the layout.
     pub(super) fn export_png(&mut self) {
-        let draw = self.draw_png;
-        self.export("png", &|svg| match draw {
-            Some(draw) => draw(&svg),
-            None => Err(text("editor-export-no-png").to_owned()),
+        self.export_converted("png", |formats| formats.png);
+    }
+
+    /// Writes a page to print beside the file of the layout.
+    pub(super) fn export_pdf(&mut self) {
+        self.export_converted("pdf", |formats| formats.pdf);
+    }
+
+    fn export_converted(
+        &mut self,
+        extension: &str,
+        format: impl FnOnce(PictureFormats) -> ConvertSvg,
+    ) {
+        let convert = self.pictures.map(format);
+        self.export(extension, &|svg| match convert {
+            Some(convert) => convert(&svg),
+            None => Err(text("editor-export-svg-only").to_owned()),
         });
     }
 

@@ -64,6 +64,7 @@ fn commands() -> Vec<Command> {
         command("editor-open", "Ctrl-O", |panel, _| panel.ask_for_layout()),
         command("editor-export", "", |panel, _| panel.export_svg()),
         command("editor-export-png", "", |panel, _| panel.export_png()),
+        command("editor-export-pdf", "", |panel, _| panel.export_pdf()),
         command("editor-save", "Ctrl-S", |panel, _| _ = panel.save()),
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
         command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
