@@ -1,6 +1,6 @@
 //! `ademan run`: a session that types.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 
 use ademan::capture::Haptics;
@@ -108,7 +108,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let record_to = args.record;
     session::prepare()?;
+    let setup_file = args.setup.as_deref().map(Path::new);
+    let setup_file = setup_file.and_then(Path::file_name);
     let options = SessionOptions {
+        name: setup_file.map(|file| file.to_string_lossy().into_owned()),
         speed: Some(1.0),
         wait_for_source: args.wait,
         watchdog: Some(watchdog::program(Command::Pause)?),

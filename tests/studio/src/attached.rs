@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ademan::command::Command;
+use ademan::command::{Command, TextMode};
 use ademan::session::control_socket::{Client, WatchClient};
 use ademan::session::{ControlSocket, Session, SessionHandle, SessionOptions};
-use ademan::setup::Setup;
+use ademan::setup::{ProfileSetup, Setup};
 use ademan::studio::attached::Attached;
 use ademan::studio::texts::{text, text_with};
+use egui::accesskit::{Role, Toggled};
+use egui_kittest::kittest::{NodeT, Queryable};
 use tempfile::TempDir;
 
 use crate::picture;
@@ -60,9 +62,16 @@ impl Attachment {
 
 /// Starts a session of a hand that presses a key and holds it.
 fn start_other(socket: &Path) -> SessionHandle {
+    let arc = ProfileSetup {
+        name: "arc".into(),
+        layout: "qwerty-arc".into(),
+        text: None,
+    };
     let setup = Setup {
         source: "script:press H; wait 60000".parse().ok(),
         output: "none".into(),
+        profiles: vec![arc],
+        text: "literal".parse().ok(),
         ..Setup::default()
     };
     let options = SessionOptions {
@@ -88,8 +97,7 @@ fn the_hand_and_the_keys_of_another_session_are_shown() {
     let mut attachment = Attachment::open();
     attachment.wait_for_key();
     let window = &mut attachment.window;
-    let name = text_with("attached-name", &[("profile", "main".into())]);
-    assert!(window.has(&name), "the toolbar names it");
+    assert!(window.has(&name_with("main")), "the toolbar names it");
     let model = window.model();
     let pressed = model.view.state.pressed.first().expect("a target");
     assert!(model.contact_with(*pressed).expect("a contact").is_pressed);
@@ -102,6 +110,48 @@ fn the_hand_and_the_keys_of_another_session_are_shown() {
     }
     window.press_key(egui::Key::Num1);
     picture::draw(window, "attached");
+}
+
+/// Returns the words of the menu of the session, whose first layout is `qwerty-flat`, in this profile.
+fn name_with(profile: &str) -> String {
+    let session = format!("qwerty-flat · {profile}");
+    text_with("attached-name", &[("session", session.into())])
+}
+
+#[test]
+fn the_menu_of_the_session_names_its_process_and_changes_profile_and_text_mode() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    let window = &mut attachment.window;
+    window.click(&name_with("main"));
+    let process = std::process::id().to_string();
+    assert!(window.has(&text_with(
+        "attached-process",
+        &[("process", process.into())]
+    )));
+    picture::draw(window, "attached-menu");
+    window.click(text("attached-next-profile"));
+    window.wait_for("the other profile", |model| {
+        model.view.state.profile == "arc" && model.view.state.keys.is_empty()
+    });
+    window.draw(2);
+    for (mode, words) in [
+        (TextMode::Suggest, "attached-suggest"),
+        (TextMode::Auto, "attached-auto"),
+        (TextMode::Literal, "attached-literal"),
+    ] {
+        window.click(&name_with("arc"));
+        window.click(text(words));
+        window.wait_for(words, |model| model.view.state.text_mode == Some(mode));
+        window.draw(2);
+        window.click(&name_with("arc"));
+        let radio = window
+            .harness
+            .get_by_role_and_label(Role::RadioButton, text(words));
+        let is_chosen = radio.accesskit_node().toggled() == Some(Toggled::True);
+        assert!(is_chosen, "{words}");
+        window.press_key(egui::Key::Escape);
+    }
 }
 
 #[test]

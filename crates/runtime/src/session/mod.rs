@@ -44,6 +44,8 @@ mod write_failures;
 mod writer_thread;
 
 use std::io;
+use std::path::Path;
+use std::process;
 use std::sync::Arc;
 
 use crossbeam_channel::Sender;
@@ -411,11 +413,22 @@ fn start_view_hub(
         }
     };
     let names = SessionNames {
+        session: match &options.name {
+            Some(name) => name.clone(),
+            None => without_folders(&setup.setup.layout),
+        },
+        process: Some(process::id()),
         profiles: setup.profile_names().map(str::to_owned).collect(),
         source,
         output: setup.setup.output.clone(),
     };
     ViewHub::start(names, Arc::new(setup.layout.clone()))
+}
+
+/// Returns the name of a file or layout without its folders.
+fn without_folders(path: &str) -> String {
+    let name = Path::new(path).file_name();
+    name.map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into())
 }
 
 /// Returns a receiver of notices that also adds them to the views.

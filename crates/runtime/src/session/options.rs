@@ -17,6 +17,8 @@ pub type NoticeReceiver = Box<dyn FnMut(Notice) + Send>;
 /// Options of a session. The default is a session without control socket, recording, watched files or messages.
 #[derive(Default)]
 pub struct SessionOptions {
+    /// Name of the session for displays, such as the file of its setup. Default: its first layout, without folders.
+    pub name: Option<String>,
     /// Source in place of the setup's.
     pub source: Option<Box<dyn Source>>,
     /// Playback speed of a source that is not live, 1 for real time; `None` for as fast as possible.
@@ -92,6 +94,7 @@ pub struct WatchdogProgram {
 impl fmt::Debug for SessionOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("SessionOptions")
+            .field("name", &self.name)
             .field("speed", &self.speed)
             .field("wait_for_source", &self.wait_for_source)
             .field("watchdog", &self.watchdog)

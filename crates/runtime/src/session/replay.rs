@@ -27,6 +27,8 @@ pub fn replay(
     observe: &mut dyn FnMut(&StepView, &Pipeline, Option<View>),
 ) -> Result<Summary, SessionError> {
     let names = SessionNames {
+        session: String::new(),
+        process: None,
         profiles: setup.profile_names().map(str::to_owned).collect(),
         source: source.name().to_owned(),
         output: NO_OUTPUT.to_owned(),

@@ -7,6 +7,7 @@ use crate::attached::Attached;
 use crate::texts::{text, text_with};
 use ademan_core::command::{Command, TextMode};
 use ademan_core::message::{escape, escape_path};
+use ademan_runtime::session::view::ViewState;
 
 /// The modes of the text decoder, and the keys of their words.
 const MODES: [(TextMode, &str); 3] = [
@@ -15,12 +16,35 @@ const MODES: [(TextMode, &str); 3] = [
     (TextMode::Auto, "attached-auto"),
 ];
 
+/// The longest name of a session that is shown in full, in characters: the toolbar has one row.
+const MAX_NAME: usize = 24;
+
+/// Returns the words of the button: the session, unless its program names none, and its profile.
+fn name_of(state: &ViewState) -> String {
+    let profile = escape(&state.profile);
+    let mut name = escape(&state.name).into_owned();
+    if name.chars().count() > MAX_NAME {
+        name = name.chars().take(MAX_NAME - 1).chain(['…']).collect();
+    }
+    let session = if name.is_empty() {
+        profile.into_owned()
+    } else {
+        format!("{name} · {profile}")
+    };
+    text_with("attached-name", &[("session", session.into())])
+}
+
 pub(super) fn show(ui: &mut egui::Ui, session: &Attached, context: &mut PanelContext) {
     let state = &context.session.view.state;
     let is_live = !context.session.has_ended;
-    let profile = escape(&state.profile).into_owned();
-    let name = text_with("attached-name", &[("profile", profile.into())]);
-    let menu = ui.menu_button(name, |ui| {
+    let menu = ui.menu_button(name_of(state), |ui| {
+        if let Some(process) = state.process {
+            let process = process.to_string();
+            ui.label(text_with(
+                "attached-process",
+                &[("process", process.into())],
+            ));
+        }
         ui.label(escape(&state.source));
         ui.label(escape_path(session.path()));
         ui.separator();

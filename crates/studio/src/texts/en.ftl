@@ -615,7 +615,8 @@ lab-watch-typed = Typed
 
 ## Session of another program
 
-attached-name = Another session: { $profile }
+attached-name = Another session: { $session }
+attached-process = Process { $process }
 attached-hint = The window shows the session of another program and sends it commands. Closing the window does not end it.
 attached-next-profile = Next profile
 attached-text = Text decoder

@@ -615,7 +615,8 @@ lab-watch-typed = Escrito
 
 ## Session of another program
 
-attached-name = Otra sesión: { $profile }
+attached-name = Otra sesión: { $session }
+attached-process = Proceso { $process }
 attached-hint = La ventana muestra la sesión de otro programa y le envía órdenes. Al cerrar la ventana la sesión no termina.
 attached-next-profile = Perfil siguiente
 attached-text = Decodificador de texto

@@ -45,7 +45,11 @@ impl ViewHub {
         layout: Arc<Layout>,
     ) -> io::Result<(Self, ViewPublisher)> {
         let profile = names.profiles.first().map_or("", String::as_str);
-        let state = ViewState::starting(profile, &names.source, &names.output);
+        let state = ViewState {
+            name: names.session.clone(),
+            process: names.process,
+            ..ViewState::starting(profile, &names.source, &names.output)
+        };
         let view = View {
             layout: Arc::clone(&layout),
             boards: board_poses(&layout.scene),

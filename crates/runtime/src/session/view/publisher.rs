@@ -73,6 +73,10 @@ pub(in crate::session) struct ViewPublisher {
 
 /// Names that do not change.
 pub(in crate::session) struct SessionNames {
+    /// Name of the session.
+    pub session: String,
+    /// Number of its process; `None` for a recording.
+    pub process: Option<u32>,
     /// Names of the profiles, in order.
     pub profiles: Vec<String>,
     /// Name of the source.
@@ -184,6 +188,8 @@ impl ViewPublisher {
         let mut keys: Vec<KeyCode> = self.keys.release_order().collect();
         keys.reverse();
         let state = ViewState {
+            name: self.names.session.clone(),
+            process: self.names.process,
             time_us: time.unwrap_or_default(),
             state: step.state,
             paused_by: step.paused_by,

@@ -16,6 +16,12 @@ use ademan_core::time::Timestamp;
 /// The state of a session. Targets have the index that they have in the layout.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViewState {
+    /// Name of the session; empty in a view of a program that names none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Number of the process of the session; `None` for a recording.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub process: Option<u32>,
     /// Time of the last reading.
     pub time_us: Timestamp,
     /// State of the pipeline.
@@ -132,6 +138,8 @@ impl ViewState {
     /// Returns the state before the first reading.
     pub fn starting(profile: &str, source: &str, output: &str) -> Self {
         Self {
+            name: String::new(),
+            process: None,
             time_us: Timestamp::default(),
             state: PipelineState::Starting,
             paused_by: None,
