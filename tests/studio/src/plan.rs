@@ -260,6 +260,46 @@ fn a_copied_target_is_beside_its_original() {
     assert!(places.iter().any(|it| it.min.x > moon.max.x), "{places:?}");
 }
 
+/// Returns the part of the plan that the only board takes, in the direction in which it takes more, if it is within the plan.
+fn part_of_plan(window: &StudioWindow) -> Option<f32> {
+    let plan = window.rect_of(text("editor-plan-canvas"));
+    let board = place(window, "Board 1");
+    let part = board.size() / plan.size();
+    plan.contains_rect(board).then(|| part.max_elem())
+}
+
+#[test]
+fn the_plan_is_fitted_to_each_size_until_it_is_zoomed() {
+    let opening = Opening {
+        size: [1280.0, 720.0],
+        pixels_per_point: 2.0,
+        ..Opening::on_layout("qwerty-flat")
+    };
+    let mut window = opening.open();
+    window.click(text("workspace-layout"));
+    window.click(text("editor-plan"));
+    window.draw(3);
+    // All but the empty edge.
+    let fitted = 0.80..0.90;
+    let is_fitted =
+        |window: &StudioWindow| part_of_plan(window).is_some_and(|it| fitted.contains(&it));
+    assert!(is_fitted(&window), "{:?}", part_of_plan(&window));
+    for size in [vec2(1000.0, 560.0), vec2(1600.0, 1000.0)] {
+        window.harness.set_size(size);
+        window.draw(3);
+        assert!(is_fitted(&window), "{size}: {:?}", part_of_plan(&window));
+    }
+    let board = place(&window, "Board 1");
+    window.harness.hover_at(board.center());
+    window.harness.event(egui::Event::Zoom(0.5));
+    window.draw(3);
+    let zoomed = place(&window, "Board 1");
+    assert!(zoomed.width() < board.width() * 0.6, "{zoomed}");
+    window.harness.set_size(vec2(1280.0, 720.0));
+    window.draw(3);
+    assert_eq!(place(&window, "Board 1").size(), zoomed.size());
+}
+
 /// Keys for four fingers before the elbow, arcs for the thumb that move with the wrist, an upright board, and a ball.
 const WORKPLACE: &str = "Layout(
     name: \"Workplace\",

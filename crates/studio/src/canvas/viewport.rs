@@ -79,6 +79,60 @@ impl Viewport {
     }
 }
 
+/// The viewport of an area on the screen. It shows everything, and is fitted again when the size of the area changes, until a person
+/// pans, zooms or edits: what is below the mouse then stays there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AreaViewport {
+    /// The viewport of the last picture; `None` until the next one, which shows everything.
+    viewport: Option<Viewport>,
+    /// The size of the area and the revision of the text for which it shows everything; `None` once it was chosen.
+    fitted: Option<(Vec2, u64)>,
+}
+
+impl AreaViewport {
+    /// Shows a part that was chosen.
+    pub fn fixed(viewport: Viewport) -> Self {
+        Self {
+            viewport: Some(viewport),
+            fitted: None,
+        }
+    }
+
+    /// Returns the viewport for a picture of this size of a text of this revision, with all items in `bounds`. It stays while the mouse
+    /// holds something.
+    pub fn update(
+        &mut self,
+        bounds: Option<Bounds>,
+        size: Vec2,
+        revision: u64,
+        is_held: bool,
+    ) -> Viewport {
+        let is_to_be_fitted = match (self.viewport, self.fitted) {
+            (Some(_), Some((fitted, of))) => fitted != size && of == revision && !is_held,
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        if is_to_be_fitted {
+            let whole = bounds.map(|bounds| Viewport::fit(bounds, size));
+            self.viewport = Some(whole.unwrap_or_default());
+            self.fitted = Some((size, revision));
+        }
+        self.viewport.unwrap_or_default()
+    }
+
+    /// Keeps a viewport that was moved.
+    pub fn move_to(&mut self, viewport: Viewport) {
+        if self.viewport != Some(viewport) {
+            *self = Self::fixed(viewport);
+        }
+    }
+
+    /// Returns the point in the middle of the last picture, in millimetres.
+    pub fn center(&self) -> Option<Vec2> {
+        self.viewport.map(|viewport| viewport.center)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,6 +166,25 @@ mod tests {
         assert!(visible.min.cmple(bounds.min).all() && visible.max.cmpge(bounds.max).all());
         let far = viewport.to_screen(Vec2::new(0.0, 60.0), SIZE);
         assert!(far.y < viewport.to_screen(Vec2::ZERO, SIZE).y);
+    }
+
+    #[test]
+    fn an_area_that_changes_is_fitted_again_until_it_is_moved_or_edited() {
+        let bounds = Some(Bounds::between(Vec2::splat(-200.0), Vec2::splat(200.0)));
+        let smaller = SIZE - Vec2::new(0.0, 90.0);
+        let mut area = AreaViewport::default();
+        let first = area.update(bounds, SIZE, 1, false);
+        assert_eq!(area.update(bounds, smaller, 1, true), first, "it is held");
+        let second = area.update(bounds, smaller, 1, false);
+        assert!(second.scale < first.scale, "{second:?}");
+        assert_eq!(area.update(bounds, SIZE, 2, false), second, "an edit");
+        area = AreaViewport::default();
+        let mut moved = area.update(bounds, SIZE, 2, false);
+        area.move_to(moved);
+        assert_eq!(area.update(bounds, smaller, 2, false), second, "not moved");
+        moved.pan(Vec2::new(5.0, 0.0));
+        area.move_to(moved);
+        assert_eq!(area.update(bounds, SIZE, 2, false), moved);
     }
 
     #[test]

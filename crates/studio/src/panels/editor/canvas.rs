@@ -34,13 +34,12 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     name_for_readers(panel, &response);
     keep_arrow_keys(ui, &response);
     let bounds = Bounds::around(panel.items.items.iter().map(|item| &item.shape));
-    let viewport = panel.viewport.get_or_insert_with(|| match bounds {
-        Some(bounds) => Viewport::fit(bounds, size),
-        None => Viewport::default(),
-    });
+    let revision = panel.editor.revision();
+    let is_held = ui.input(|input| input.pointer.any_down());
+    let mut viewport = panel.viewport.update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    move_view(ui, &response, viewport, to_local, size);
-    let viewport = *viewport;
+    move_view(ui, &response, &mut viewport, to_local, size);
+    panel.viewport.move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
         handle_mouse(ui, panel, &response, point, viewport.scale);

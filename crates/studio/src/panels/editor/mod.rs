@@ -30,7 +30,7 @@ use super::{PanelContext, PanelState, PictureFormats};
 use crate::canvas::board::BoardItems;
 use crate::canvas::gesture::{Gesture, Preview};
 use crate::canvas::selection::Selection;
-use crate::canvas::viewport::Viewport;
+use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::canvas::{Bounds, Item};
 use crate::editor::{
     ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, UnsavedWork,
@@ -61,8 +61,8 @@ pub struct EditorPanel {
     board: usize,
     /// Size of the canvas in the last picture, in points.
     canvas_size: Option<Vec2>,
-    /// The part of the board that is shown; `None` until the first picture of a board.
-    viewport: Option<Viewport>,
+    /// The part of the board that is shown.
+    viewport: AreaViewport,
     /// The part of the board that the lab shows; `None` until it was moved or zoomed there, which shows the whole board.
     lab_viewport: Option<Viewport>,
     items: BoardItems,
@@ -137,7 +137,7 @@ impl EditorPanel {
             editor,
             board: 0,
             canvas_size: None,
-            viewport: None,
+            viewport: AreaViewport::default(),
             lab_viewport: None,
             items: BoardItems::default(),
             parts: Vec::new(),
@@ -276,7 +276,7 @@ impl EditorPanel {
         if self.plan.is_open {
             self.show_all_in_plan();
         } else {
-            self.viewport = None;
+            self.viewport = AreaViewport::default();
         }
     }
 
@@ -289,8 +289,8 @@ impl EditorPanel {
         let shapes = self.selected.shapes(&self.items.items);
         let bounds = Bounds::around(shapes.iter().map(|(_, shape)| shape));
         self.viewport = match (bounds, self.canvas_size) {
-            (Some(bounds), Some(size)) => Some(Viewport::fit(bounds, size)),
-            _ => None,
+            (Some(bounds), Some(size)) => AreaViewport::fixed(Viewport::fit(bounds, size)),
+            _ => AreaViewport::default(),
         };
     }
 
@@ -333,7 +333,7 @@ impl EditorPanel {
     fn show_board(&mut self, board: usize) {
         if board != self.board {
             self.board = board;
-            self.viewport = None;
+            self.viewport = AreaViewport::default();
             self.lab_viewport = None;
             // The form shows nothing of a board that is not on the canvas.
             self.editor.select([]);

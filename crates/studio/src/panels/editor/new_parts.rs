@@ -49,7 +49,7 @@ impl EditorPanel {
     /// Adds a control to the board, in free room near the middle of the canvas.
     pub(super) fn add_control(&mut self, kind: ControlKind) {
         self.leave_plan_for_control();
-        let center = self.viewport.map_or(Vec2::ZERO, |viewport| viewport.center);
+        let center = self.viewport.center().unwrap_or(Vec2::ZERO);
         let center = center.to_array().map(|mm| f64::from(mm.round()));
         let board = self.board;
         self.apply_where_free(None, |[x, y]| {
@@ -169,7 +169,7 @@ impl EditorPanel {
     /// Adds controls of the clipboard, in free room near the middle of the canvas.
     pub(super) fn paste(&mut self, text: String) {
         self.leave_plan_for_control();
-        let center = self.viewport.map(|viewport| viewport.center);
+        let center = self.viewport.center();
         let board = self.board;
         self.apply_where_free(center, |by_mm| Edit::Paste {
             board,

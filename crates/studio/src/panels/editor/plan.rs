@@ -11,7 +11,7 @@ use crate::canvas::plan::gesture::{self, PlanChange, PlanGesture};
 use crate::canvas::plan::{Plan, PlanView, at_start, handles};
 use crate::canvas::selection::Selection;
 use crate::canvas::snap::SnapSettings;
-use crate::canvas::viewport::Viewport;
+use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{Edit, Part};
 use crate::scene::{PlanScene, SceneColors, draw_plan};
 use crate::texts::{text, text_with};
@@ -31,8 +31,8 @@ pub(super) struct PlanPanel {
     /// The board that is shown was opened from the plan: Escape leads back.
     is_left: bool,
     pub view: PlanView,
-    /// The part of the plan that each view shows; `None` until its next picture, which shows everything.
-    viewports: [Option<Viewport>; PlanView::ALL.len()],
+    /// The part of the plan that each view shows.
+    viewports: [AreaViewport; PlanView::ALL.len()],
     plan: Plan,
     /// The hands at rest for the plan.
     hands: Vec<HandPose>,
@@ -68,7 +68,7 @@ impl PlanPanel {
         self.drag.is_some()
     }
 
-    fn viewport(&mut self) -> &mut Option<Viewport> {
+    fn viewport(&mut self) -> &mut AreaViewport {
         &mut self.viewports[self.view as usize]
     }
 }
@@ -160,7 +160,7 @@ impl EditorPanel {
 
     /// Shows everything in the next picture of a view.
     pub(super) fn show_all_in_plan(&mut self) {
-        *self.plan.viewport() = None;
+        *self.plan.viewport() = AreaViewport::default();
     }
 
     /// Shows the selected items as large as they fit, or everything without any.
@@ -173,7 +173,8 @@ impl EditorPanel {
             .bounds(view, |part| selection.contains(&part));
         let is_drawn = size.min_element() > 0.0;
         let bounds = bounds.filter(|_| is_drawn);
-        *self.plan.viewport() = bounds.map(|bounds| Viewport::fit(bounds, size));
+        let chosen = bounds.map(|bounds| AreaViewport::fixed(Viewport::fit(bounds, size)));
+        *self.plan.viewport() = chosen.unwrap_or_default();
     }
 
     /// Moves the selected items by a distance on the picture, in millimetres.
@@ -232,13 +233,15 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     canvas::keep_arrow_keys(ui, &response);
     let view = panel.plan.view;
     let bounds = panel.plan.plan.bounds(view, |_| true);
-    let viewport = panel.plan.viewport().get_or_insert_with(|| match bounds {
-        Some(bounds) => Viewport::fit(bounds, size),
-        None => Viewport::default(),
-    });
+    let revision = panel.editor.revision();
+    let is_held = ui.input(|input| input.pointer.any_down());
+    let mut viewport = panel
+        .plan
+        .viewport()
+        .update(bounds, size, revision, is_held);
     let to_local = |at: egui::Pos2| Vec2::new(at.x - area.min.x, at.y - area.min.y);
-    canvas::move_view(ui, &response, viewport, to_local, size);
-    let viewport = *viewport;
+    canvas::move_view(ui, &response, &mut viewport, to_local, size);
+    panel.plan.viewport().move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
         handle_mouse(ui, panel, &response, (point, viewport.scale));
