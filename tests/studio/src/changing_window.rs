@@ -78,6 +78,16 @@ impl ChangingWindow {
 
     /// Opens the window on a setup.
     pub fn on_setup(setup: Setup, settings: &Path) -> Self {
+        Self::with_look(setup, settings, egui::Theme::Dark, 1.0)
+    }
+
+    /// Opens the window on a setup, in colours and at a scale of the system.
+    pub fn with_look(
+        setup: Setup,
+        settings: &Path,
+        theme: egui::Theme,
+        pixels_per_point: f32,
+    ) -> Self {
         let running = Running::default();
         let app = begin(setup, false, settings, &running).expect("a session");
         let (path, sessions) = (settings.to_owned(), Rc::clone(&running));
@@ -92,7 +102,8 @@ impl ChangingWindow {
         });
         let builder = Harness::builder()
             .with_size([1280.0, 720.0])
-            .with_theme(egui::Theme::Dark)
+            .with_pixels_per_point(pixels_per_point)
+            .with_theme(theme)
             .with_render_cursor(false)
             .with_context_setup(StudioApp::prepare)
             .wgpu();

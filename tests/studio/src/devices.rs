@@ -1,7 +1,7 @@
 //! The window of the devices: source, glove, person, outputs and profile, each chosen while the session runs.
 
 use ademan::setup::{ProfileSetup, Setup};
-use ademan::studio::texts::{self, Language, text};
+use ademan::studio::texts::text;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
@@ -130,27 +130,4 @@ fn a_profile_of_the_setup_is_chosen_by_its_name() {
         app.model().view.state.profile == "numbers"
     });
     window.picture("devices-profiles");
-}
-
-#[test]
-fn the_window_of_the_devices_fits_in_both_languages() {
-    for language in Language::ALL {
-        texts::set_language(language);
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut window = ChangingWindow::open("arrows", &folder.path().join("studio.ron"));
-        window.app().settings().language = Some(language);
-        window.click(text("menu-devices"));
-        window.picture(&format!("devices-{}", language.name()));
-        let screen = window.harness.ctx.content_rect();
-        let root = window.harness.root();
-        for node in root.children_recursive() {
-            let own = node.accesskit_node();
-            let label = own.label().unwrap_or_default();
-            if label == text("devices-use") || label == text("devices-search") {
-                let area = node.rect();
-                assert!(screen.contains_rect(area), "{label}: {area}");
-            }
-        }
-    }
-    texts::set_language(Language::English);
 }

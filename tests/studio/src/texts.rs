@@ -3,12 +3,15 @@
 use std::fs;
 use std::path::Path;
 
+use ademan::setup::{ProfileSetup, Setup};
 use ademan::studio::settings::Theme;
 use ademan::studio::texts::{self, Language, text};
 use egui::accesskit::Role;
 use egui::{FontFamily, FontId, Rect};
-use egui_kittest::kittest::NodeT;
+use egui_kittest::Node;
+use egui_kittest::kittest::{NodeT, Queryable};
 
+use crate::changing_window::ChangingWindow;
 use crate::editor::press;
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
@@ -19,10 +22,12 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 /// An overlap that is not seen, in points: the rectangle of a text is larger than its letters.
 const UNSEEN: f32 = 3.0;
 
-/// Returns the texts of a window with their areas.
-fn labels(window: &StudioWindow) -> Vec<(String, Rect)> {
-    let root = window.harness.root();
-    let nodes = root.children_recursive();
+/// Width of the content of the window of the devices, in points.
+const DEVICES_WIDTH: f32 = 660.0;
+
+/// Returns the texts in a part of a window with their areas.
+fn labels(part: &Node) -> Vec<(String, Rect)> {
+    let nodes = part.children_recursive();
     let texts = nodes.filter_map(|node| {
         let own = node.accesskit_node();
         let is_text = matches!(
@@ -35,10 +40,9 @@ fn labels(window: &StudioWindow) -> Vec<(String, Rect)> {
     texts.collect()
 }
 
-/// Returns the texts that are beyond the window to a side, and the pairs that overlap unless a menu or a list is open over others.
-fn faults(window: &StudioWindow, is_covered: bool) -> Vec<String> {
-    let screen = window.harness.ctx.content_rect();
-    let labels = labels(window);
+/// Returns the texts that are beyond an area to a side, and the pairs that overlap unless a menu or a list is open over others.
+fn faults(part: &Node, screen: Rect, is_covered: bool) -> Vec<String> {
+    let labels = labels(part);
     let mut faults = Vec::new();
     for (index, (words, area)) in labels.iter().enumerate() {
         // Labels below the end of a list are scrolled to.
@@ -77,10 +81,7 @@ fn look_at_all(
     let mut window = opening.open();
     let settings = window.harness.state_mut().settings();
     settings.language = Some(language);
-    settings.theme = match theme {
-        egui::Theme::Dark => Theme::Dark,
-        egui::Theme::Light => Theme::Light,
-    };
+    settings.theme = own_theme(theme);
     settings.has_high_contrast = has_high_contrast;
     window.draw(3);
     let mut found = Vec::new();
@@ -90,11 +91,9 @@ fn look_at_all(
         let language = language.name();
         let part = format!("texts-{language}-{theme:?}{contrast}-{pixels_per_point}-{part}");
         picture::draw(window, &part);
-        found.extend(
-            faults(window, is_covered)
-                .into_iter()
-                .map(|fault| format!("{part}: {fault}")),
-        );
+        let screen = window.harness.ctx.content_rect();
+        let faults = faults(&window.harness.root(), screen, is_covered).into_iter();
+        found.extend(faults.map(|fault| format!("{part}: {fault}")));
     };
     look(&mut window, "hand");
     window.click(text("joint-elbow"));
@@ -126,8 +125,73 @@ fn look_at_all(
     found
 }
 
-#[test]
-fn no_text_is_clipped_or_lies_over_another() {
+/// Opens the window of the devices with profiles, draws it before and after a refused choice, and returns what is wrong with its texts.
+fn look_at_devices(
+    language: Language,
+    (theme, has_high_contrast): (egui::Theme, bool),
+    pixels_per_point: f32,
+) -> Vec<String> {
+    texts::set_language(language);
+    let folder = tempfile::tempdir().expect("a folder");
+    let profile = |name: &str, layout: &str| ProfileSetup {
+        name: name.into(),
+        layout: layout.into(),
+        text: None,
+    };
+    let setup = Setup {
+        output: "none".into(),
+        profiles: vec![profile("numbers", "numpad"), profile("sofa", "media")],
+        ..Setup::default()
+    };
+    let settings = folder.path().join("studio.ron");
+    let mut window = ChangingWindow::with_look(setup, &settings, theme, pixels_per_point);
+    let own = window.app().settings();
+    own.language = Some(language);
+    own.theme = own_theme(theme);
+    own.has_high_contrast = has_high_contrast;
+    window.draw();
+    window.click(text("menu-devices"));
+    let mut found = Vec::new();
+    let mut look = |window: &mut ChangingWindow, part: &str| {
+        let contrast = if has_high_contrast { "-contrast" } else { "" };
+        let language = language.name();
+        let part = format!("texts-{language}-{theme:?}{contrast}-{pixels_per_point}-{part}");
+        window.picture(&part);
+        let devices = devices(window);
+        let words = window.harness.get_by_label(text("devices-words")).rect();
+        let height = window.harness.ctx.content_rect().y_range();
+        let width = words.min.x..=words.min.x + DEVICES_WIDTH;
+        let area = Rect::from_x_y_ranges(width, height);
+        let faults = faults(&devices, area, false).into_iter();
+        found.extend(faults.map(|fault| format!("{part}: {fault}")));
+    };
+    look(&mut window, "devices");
+    window.enter(text("devices-glove"), "no/such/folder/of/gloves/glove.ron");
+    assert!(window.has("×"));
+    look(&mut window, "devices-error");
+    found
+}
+
+/// Returns the window of the devices: the smallest part with its first words and its last field.
+fn devices(window: &ChangingWindow) -> Node<'_> {
+    let mut part = window.harness.get_by_label(text("devices-words"));
+    while part.query_by_label(text("devices-setup")).is_none() {
+        part = part.parent().expect("the window has both");
+    }
+    let others = part.query_by_label(text("menu-view"));
+    assert!(others.is_none(), "nothing of the main window is in it");
+    part
+}
+
+fn own_theme(theme: egui::Theme) -> Theme {
+    match theme {
+        egui::Theme::Dark => Theme::Dark,
+        egui::Theme::Light => Theme::Light,
+    }
+}
+
+/// Looks at a part of the program in each language, theme and size, and fails with what is wrong.
+fn look_in_all_ways(look_at: impl Fn(Language, (egui::Theme, bool), f32) -> Vec<String>) {
     let mut found = Vec::new();
     for language in Language::ALL {
         for (theme, has_high_contrast, pixels_per_point) in [
@@ -139,11 +203,21 @@ fn no_text_is_clipped_or_lies_over_another() {
             (egui::Theme::Dark, true, 2.0),
         ] {
             let look = (theme, has_high_contrast);
-            found.extend(look_at_all(language, look, pixels_per_point));
+            found.extend(look_at(language, look, pixels_per_point));
         }
     }
     texts::set_language(Language::English);
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn no_text_is_clipped_or_lies_over_another() {
+    look_in_all_ways(look_at_all);
+}
+
+#[test]
+fn no_text_of_the_devices_is_clipped_or_lies_over_another() {
+    look_in_all_ways(look_at_devices);
 }
 
 /// Returns the strings of a Rust source.
