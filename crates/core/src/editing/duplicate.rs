@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::axes::TakenAxes;
 use super::draft::{Draft, written};
 use super::error::EditError;
 use super::geometry::{unsupported, without_children};
@@ -15,11 +16,12 @@ use crate::document::{Node, quote, read_tree};
 /// The largest number of copies of one repetition: each reads the text.
 const MAX_COPIES: usize = 400;
 
-/// The names of a layout while parts are copied.
+/// The names and axes of a layout while parts are copied.
 struct Names {
     taken: BTreeSet<String>,
     /// The names of originals and of their copies.
     copies: Vec<[String; 2]>,
+    axes: TakenAxes,
 }
 
 impl Names {
@@ -27,6 +29,7 @@ impl Names {
         Self {
             taken: taken(draft),
             copies: Vec::new(),
+            axes: TakenAxes::new(draft),
         }
     }
 
@@ -237,6 +240,9 @@ fn in_list(part: Part, index: usize) -> Part {
     }
 }
 
+/// Why a board whose keys are pressed by bending has no copy, and what does the same.
+const BENT_REMEDY: &str = " while its keys are pressed by bending: a finger presses one key; add a layer or chords for more keys";
+
 /// Returns the text of a board whose controls have new names and whose rows are single keys, at an offset along the axes of the
 /// world.
 fn copied_board(
@@ -246,6 +252,12 @@ fn copied_board(
     [right, forward]: [f64; 2],
 ) -> Result<String, EditError> {
     let text = draft.text_of(draft.node(Part::Board(board))?);
+    let is_bent = draft
+        .field(Part::Board(board), "contact")
+        .is_some_and(|contact| contact.text(draft.text()) == "Bend");
+    if is_bent {
+        return Err(unsupported(Part::Board(board), "duplicated", BENT_REMEDY));
+    }
     let mut own = Draft::new(&format!("(boards: [{text}])"))?;
     let copy = Part::Board(0);
     let targets = targets(own.text(), own.tree());
@@ -308,6 +320,7 @@ fn renamed(
     let mut patch = Patch::default();
     set_name(&mut patch, text, &tree, name, names);
     shift_copy(&mut patch, text, &tree, by_mm);
+    names.axes.replace(&mut patch, text, &tree)?;
     for option in tree.field(text, "options").map_or(&[][..], Node::items) {
         let option = option.value.in_some(text);
         let option_name = option
@@ -423,24 +436,22 @@ mod tests {
     }
 
     #[test]
-    fn every_board_of_a_shipped_layout_can_be_copied() {
+    fn every_board_of_a_shipped_layout_can_be_copied_or_the_reason_is_named() {
+        let mut refused = Vec::new();
         for name in shipped_layouts() {
             let text = Document::shipped(name).unwrap().text;
             let layout = Layout::parse(&text, name).unwrap();
             for index in 0..layout.boards.len() {
                 let board = Part::Board(index);
-                let edited = duplicate_parts(&text, &[board], [1200.0, 0.0]).unwrap();
-                let copied = match Layout::parse(&edited.text, name) {
-                    Ok(copied) => copied,
-                    // A hand has one board of bends, and a controller has each axis once.
+                let edited = match duplicate_parts(&text, &[board], [1200.0, 0.0]) {
+                    Ok(edited) => edited,
                     Err(error) => {
-                        let error = error.to_string();
-                        let is_single =
-                            error.contains("contact: Bend") || error.contains("sets the axis");
-                        assert!(is_single, "{name}: {error}");
+                        refused.push((name, index, error.to_string()));
                         continue;
                     }
                 };
+                let copied = Layout::parse(&edited.text, name);
+                let copied = copied.unwrap_or_else(|error| panic!("{name}: {error}"));
                 let fronts = |of: &Layout, number: usize| -> Vec<_> {
                     of.scene.surfaces()[number]
                         .targets()
@@ -456,5 +467,51 @@ mod tests {
                 assert_eq!(copied.board_overlaps(), [], "{name}");
             }
         }
+        let reason = "a board cannot be duplicated while its keys are pressed by bending: a finger presses one key; add a layer or \
+                      chords for more keys";
+        assert_eq!(refused, [("chords-bend", 0, reason.to_owned())]);
+    }
+
+    const STICKS: &str = "Layout(name: \"a\", boards: [(
+    pose: (anchor: elbow, forward_mm: 320),
+    joysticks: [(name: \"Stick\", at_mm: (0, 0), diameter_mm: 30, axes: (\"LeftX\", \"LeftY\"))],
+    sliders: [(name: \"Gas\", at_mm: (0, 60), length_mm: 60, output: Axis(\"Throttle\"))],
+    levers: [(name: \"Lift\", at_mm: (0, 90), length_mm: 60, width_mm: 20, output: Some(Axis(\"MoveZ\")))],
+)])";
+
+    #[test]
+    fn copies_of_controls_set_free_axes_of_the_same_kind() {
+        let edited = duplicate_parts(STICKS, &[Part::Board(0)], [400.0, 0.0]).unwrap();
+        for axes in [
+            "axes: (\"RightX\", \"RightY\")",
+            "output: Axis(\"LeftTrigger\")",
+            "output: Some(Axis(\"MoveX\"))",
+        ] {
+            assert!(edited.text.contains(axes), "{axes}: {}", edited.text);
+        }
+        Layout::parse(&edited.text, "a.ron").unwrap();
+        // The next copy of the stick would need the wheel and the rudder, and the one after that has none.
+        let again = duplicate_parts(&edited.text, &[Part::Board(1)], [400.0, 0.0]).unwrap();
+        assert!(again.text.contains("axes: (\"Wheel\", \"Rudder\")"));
+        let none = duplicate_parts(&again.text, &[Part::Board(0)], [800.0, 0.0]).unwrap_err();
+        assert_eq!(none, EditError::NoAxis("LeftX".into()));
+    }
+
+    #[test]
+    fn a_pasted_control_keeps_an_axis_that_is_free() {
+        let stick = Part::Control {
+            board: 0,
+            kind: ControlKind::Joystick,
+            index: 0,
+        };
+        let clipboard = copied(STICKS, &[stick]).unwrap();
+        let paste = |text: &str| {
+            let mut draft = Draft::new(text).unwrap();
+            paste(&mut draft, 0, &clipboard, [0.0, 40.0]).unwrap();
+            draft.text().to_owned()
+        };
+        let bare = "Layout(name: \"a\", boards: [(pose: (anchor: elbow, forward_mm: 320))])";
+        assert!(paste(bare).contains("axes: (\"LeftX\", \"LeftY\")"));
+        assert!(paste(STICKS).contains("axes: (\"RightX\", \"RightY\")"));
     }
 }

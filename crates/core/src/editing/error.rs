@@ -32,6 +32,11 @@ pub enum EditError {
         "the name `{0}` cannot be used: it is empty, or another part has it; choose another one"
     )]
     Name(String),
+    /// All axes are set by controls.
+    #[error(
+        "the copy of a control with the axis `{0}` needs another one, and none of its kind is free; give the control another output before"
+    )]
+    NoAxis(String),
     /// Too few parts for the edit.
     #[error("{0}")]
     Selection(&'static str),

@@ -6,6 +6,7 @@
 
 mod add;
 mod arrange;
+mod axes;
 mod bind;
 mod delete;
 mod draft;

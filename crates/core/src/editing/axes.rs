@@ -1,0 +1,72 @@
+//! The axes of gamepads and 6-DoF devices while parts are copied: one control sets each.
+
+use std::ops::Range;
+
+use super::draft::Draft;
+use super::error::EditError;
+use super::patch::Patch;
+use crate::device::Axis;
+use crate::document::{Node, quote};
+
+/// The axes that controls set.
+pub(super) struct TakenAxes(Vec<Axis>);
+
+impl TakenAxes {
+    /// Returns the axes of a layout.
+    pub fn new(draft: &Draft) -> Self {
+        let mut axes = Vec::new();
+        visit(draft.text(), draft.tree(), &mut |_, axis| axes.push(axis));
+        Self(axes)
+    }
+
+    /// Gives the copy of a part free axes of the same kind, and takes them.
+    ///
+    /// # Errors
+    /// If none is free.
+    pub fn replace(&mut self, patch: &mut Patch, text: &str, part: &Node) -> Result<(), EditError> {
+        let mut own = Vec::new();
+        visit(text, part, &mut |range, axis| own.push((range, axis)));
+        for (range, axis) in own {
+            let free = self.free(axis);
+            let free = free.ok_or_else(|| EditError::NoAxis(axis.name().into()))?;
+            self.0.push(free);
+            if free != axis {
+                patch.replace(range, quote(free.name()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the axis itself, or the first one of its device and range, that is free.
+    fn free(&self, axis: Axis) -> Option<Axis> {
+        let kind = |it: Axis| (it.is_gamepad(), it.is_trigger());
+        let others = Axis::ALL.iter().copied();
+        let alike = others.filter(|other| kind(*other) == kind(axis));
+        let mut candidates = [axis].into_iter().chain(alike);
+        candidates.find(|it| !self.0.contains(it))
+    }
+}
+
+/// Visits the quoted names of axes: `Axis("Wheel")`, `axes: ("LeftX", "LeftY")` and `axis: "MoveX"`.
+fn visit<F: FnMut(Range<usize>, Axis)>(text: &str, node: &Node, found: &mut F) {
+    let is_output = node.name(text) == Some("Axis");
+    for item in node.items() {
+        let field = item.key.clone().map(|key| &text[key]);
+        if is_output || field == Some("axis") {
+            visit_name(text, &item.value, found);
+        }
+        if field == Some("axes") {
+            for axis in item.value.in_some(text).items() {
+                visit_name(text, &axis.value, found);
+            }
+        }
+        visit(text, &item.value, found);
+    }
+}
+
+fn visit_name<F: FnMut(Range<usize>, Axis)>(text: &str, node: &Node, found: &mut F) {
+    let node = node.in_some(text);
+    if let Some(axis) = node.string(text).and_then(|name| name.parse().ok()) {
+        found(node.range.clone(), axis);
+    }
+}
