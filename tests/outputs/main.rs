@@ -9,6 +9,8 @@ mod chaos;
 mod ime;
 #[cfg(target_os = "linux")]
 mod music;
+#[cfg(all(target_os = "linux", any(feature = "ime", feature = "tray")))]
+mod session_bus;
 #[cfg(target_os = "linux")]
 mod spacenav;
 #[cfg(all(target_os = "linux", any(feature = "sound", feature = "studio")))]

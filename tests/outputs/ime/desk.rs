@@ -1,4 +1,4 @@
-//! A desktop with an input method: an X server, the daemon of IBus, and a window with a text field.
+//! A desktop with an input method: an X server, a message bus, the daemon of IBus, and a window with a text field.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
+use crate::session_bus::Bus;
 use crate::support::binary::ademan;
 use crate::support::process::{Process, collect_lines};
 use crate::support::program::Program;
@@ -21,6 +22,8 @@ pub const PYTHON: &str = "/usr/bin/python3";
 pub struct Desk {
     pub server: XServer,
     pub folder: TempDir,
+    /// Fields of GTK 4 show their keys only to a daemon that is on the bus of the session.
+    bus: Bus,
     daemon: Option<Process>,
     /// The candidate that the panel clicks.
     candidate: String,
@@ -58,10 +61,12 @@ impl Desk {
         if !succeeds(ibus.arg("--version"), "ibus") || !has_gtk() {
             return None;
         }
+        let bus = Bus::start()?;
         let folder = tempfile::tempdir().expect("a folder");
         Some(Self {
             server,
             folder,
+            bus,
             daemon: None,
             candidate: String::new(),
         })
@@ -113,8 +118,9 @@ impl Desk {
             .env("XDG_CONFIG_HOME", folder("config"))
             .env("XDG_CACHE_HOME", folder("cache"))
             .env("XDG_RUNTIME_DIR", folder("runtime"))
-            .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
+            .env("DBUS_SESSION_BUS_ADDRESS", self.bus.address())
             .env("GTK_IM_MODULE", "ibus")
+            .env("QT_IM_MODULE", "ibus")
             .env("XMODIFIERS", "@im=ibus")
             .env("LC_ALL", "C.UTF-8")
             .env("ADEMAN_PANEL", self.folder.path().join("panel"))
@@ -132,6 +138,42 @@ impl Desk {
     }
 }
 
+/// A library of windows beside GTK 3, with a program that opens a text field.
+pub struct Toolkit {
+    program: &'static str,
+    /// The second argument of the program.
+    version: &'static str,
+    /// What the program needs, in Python.
+    needs: &'static str,
+    packages: &'static str,
+}
+
+pub const GTK_4: Toolkit = Toolkit {
+    program: "field_gtk4.py",
+    version: "4",
+    needs: "import gi, glob; gi.require_version('Gtk', '4.0'); assert glob.glob('/usr/lib/*/gtk-4.0/*/immodules/libim-ibus.so')",
+    packages: "gir1.2-gtk-4.0 and ibus-gtk4",
+};
+pub const QT_5: Toolkit = Toolkit {
+    program: "field_qt.py",
+    version: "5",
+    needs: "import PyQt5.QtWidgets",
+    packages: "python3-pyqt5",
+};
+pub const QT_6: Toolkit = Toolkit {
+    program: "field_qt.py",
+    version: "6",
+    needs: "import PyQt6.QtWidgets",
+    packages: "python3-pyqt6",
+};
+
+impl Toolkit {
+    /// Returns whether its text fields can be opened. Prints a message if not.
+    pub fn is_installed(&self) -> bool {
+        succeeds(Command::new(PYTHON).args(["-c", self.needs]), self.packages)
+    }
+}
+
 /// A window with a text field that has the focus.
 pub struct Field {
     _process: Process,
@@ -141,7 +183,16 @@ pub struct Field {
 impl Field {
     /// Opens a window. `kind` is the argument of `field.py`.
     pub fn open(desk: &Desk, kind: &str) -> Self {
-        let field = Self::start(desk.command(PYTHON), kind);
+        Self::open_program(desk, &["field.py", kind])
+    }
+
+    /// Opens a window of another library.
+    pub fn open_with(toolkit: &Toolkit, desk: &Desk, kind: &str) -> Self {
+        Self::open_program(desk, &[toolkit.program, kind, toolkit.version])
+    }
+
+    fn open_program(desk: &Desk, words: &[&str]) -> Self {
+        let field = Self::start(desk.command(PYTHON), words);
         desk.server.focus_visible_window();
         field.wait_for("focused\t");
         field
@@ -154,15 +205,15 @@ impl Field {
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
             .env("XDG_CONFIG_HOME", "/nowhere")
             .env_remove("GTK_IM_MODULE");
-        let field = Self::start(command, kind);
+        let field = Self::start(command, &["field.py", kind]);
         field.wait_for("focused\t");
         field
     }
 
-    fn start(mut command: Command, kind: &str) -> Self {
+    fn start(mut command: Command, words: &[&str]) -> Self {
         command
-            .arg(path("field.py"))
-            .arg(kind)
+            .arg(path(words[0]))
+            .args(&words[1..])
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
         let mut process = Process::start(&mut command).expect("Python starts");

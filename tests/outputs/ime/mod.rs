@@ -1,4 +1,4 @@
-//! The output `ime` with the daemon of IBus, text fields of GTK and a terminal, and on a Wayland compositor.
+//! The output `ime` with the daemon of IBus, text fields of GTK and Qt and a terminal, and on a Wayland compositor.
 
 #[cfg(feature = "wayland")]
 mod compositor;
@@ -8,7 +8,7 @@ use std::fs;
 use std::process::Stdio;
 use std::time::Duration;
 
-use self::desk::{Desk, Field, start_if_installed};
+use self::desk::{Desk, Field, GTK_4, QT_5, QT_6, Toolkit, start_if_installed};
 use crate::support::process::signal;
 use crate::support::x11::{wait_at_most, wait_for};
 
@@ -56,6 +56,51 @@ fn a_password_is_typed_as_keys_and_not_corrected() {
         !lines.iter().any(|line| line.starts_with("word")),
         "{lines:#?}"
     );
+}
+
+/// Checks that fields take text, its corrections and keys in the order in which they were typed, and passwords as they are.
+fn check_fields(toolkit: &Toolkit) {
+    if !toolkit.is_installed() {
+        return;
+    }
+    let Some(desk) = Desk::start() else { return };
+    let field = Field::open_with(toolkit, &desk, "text");
+    let mut program = desk.type_text("thw ab\\nef ");
+    assert!(program.wait_for_exit().success());
+    assert_eq!(field.text(), "the abef ");
+    let lines = field.lines();
+    println!("{lines:#?}");
+    for line in ["word\tthw", "text\tthe ", "activated\tthe ab"] {
+        assert!(
+            lines.iter().any(|said| said == line),
+            "{line:?}: {lines:#?}"
+        );
+    }
+    drop(field);
+    let secret = Field::open_with(toolkit, &desk, "password");
+    let mut next = desk.type_text("thw ");
+    assert!(next.wait_for_exit().success());
+    assert_eq!(secret.text(), "thw ");
+    let secret_lines = secret.lines();
+    assert!(
+        !secret_lines.iter().any(|line| line.starts_with("word")),
+        "{secret_lines:#?}"
+    );
+}
+
+#[test]
+fn fields_of_gtk_4_take_text_in_the_order_of_the_keys() {
+    check_fields(&GTK_4);
+}
+
+#[test]
+fn fields_of_qt_5_take_text_in_the_order_of_the_keys() {
+    check_fields(&QT_5);
+}
+
+#[test]
+fn fields_of_qt_6_take_text_in_the_order_of_the_keys() {
+    check_fields(&QT_6);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! `cargo test --features tray --test outputs tray::`; on Debian, install `dbus python3-gi`.
 
-mod bus;
+mod desktop;
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -10,8 +10,9 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use self::bus::{Bus, Desktop};
+use self::desktop::Desktop;
 use crate::prepared_run::PreparedRun;
+use crate::session_bus::Bus;
 use crate::support::binary::ademan;
 use crate::support::process::signal;
 use crate::support::program::Program;

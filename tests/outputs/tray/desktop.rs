@@ -1,71 +1,18 @@
-//! A message bus of its own, and a desktop on it.
+//! A desktop on a message bus.
 
-use std::fs::{self, Permissions};
-use std::io::{ErrorKind, Write};
-use std::os::unix::fs::PermissionsExt;
+use std::io::Write;
 use std::path::Path;
 use std::process::{ChildStdin, Command, Stdio};
 use std::sync::{Arc, Mutex};
 
 use serde_json::Value;
-use tempfile::TempDir;
 
+use crate::session_bus::Bus;
 use crate::support::process::{Process, collect_lines};
 use crate::support::x11::wait_for;
 
 /// The Python that Debian's package of GLib is for.
 const PYTHON: &str = "/usr/bin/python3";
-
-/// A `dbus-daemon` that starts no services.
-pub struct Bus {
-    folder: TempDir,
-    daemon: Process,
-}
-
-impl Bus {
-    /// Starts a bus. Returns `None` with a message if the daemon is not installed.
-    pub fn start() -> Option<Self> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let socket = folder.path().join("bus");
-        let configuration = format!(
-            "<busconfig><type>session</type><listen>unix:path={}</listen><auth>EXTERNAL</auth>\
-             <policy context=\"default\"><allow user=\"*\"/><allow send_destination=\"*\" eavesdrop=\"true\"/><allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>",
-            socket.display()
-        );
-        let file = folder.path().join("bus.conf");
-        fs::write(&file, configuration).expect("space on the disk");
-        let mut command = Command::new("dbus-daemon");
-        command
-            .arg("--nofork")
-            .arg(format!("--config-file={}", file.display()))
-            .stderr(Stdio::null());
-        let daemon = match Process::start(&mut command) {
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                println!("SKIPPED: dbus-daemon is not installed");
-                return None;
-            }
-            started => started.expect("the daemon starts"),
-        };
-        assert!(wait_for(|| socket.exists()), "the daemon listens");
-        Some(Self { folder, daemon })
-    }
-
-    pub fn address(&self) -> String {
-        format!("unix:path={}/bus", self.folder.path().display())
-    }
-
-    /// Lets other users connect.
-    pub fn open_to_all(&self) {
-        let folder = self.folder.path();
-        fs::set_permissions(folder, Permissions::from_mode(0o755)).expect("an own folder");
-        fs::set_permissions(folder.join("bus"), Permissions::from_mode(0o777)).expect("own");
-    }
-
-    pub fn kill(&mut self) {
-        self.daemon.0.kill().expect("the daemon runs");
-        self.daemon.0.wait().expect("the daemon exits");
-    }
-}
 
 /// A desktop with a tray and notifications.
 pub struct Desktop {

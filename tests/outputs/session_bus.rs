@@ -1,0 +1,71 @@
+//! A message bus of its own.
+
+use std::fs;
+#[cfg(feature = "tray")]
+use std::fs::Permissions;
+use std::io::ErrorKind;
+#[cfg(feature = "tray")]
+use std::os::unix::fs::PermissionsExt;
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+use crate::support::process::Process;
+use crate::support::x11::wait_for;
+
+/// A `dbus-daemon` that starts no services.
+pub struct Bus {
+    folder: TempDir,
+    #[cfg_attr(
+        not(feature = "tray"),
+        expect(dead_code, reason = "its drop ends the daemon")
+    )]
+    daemon: Process,
+}
+
+impl Bus {
+    /// Starts a bus. Returns `None` with a message if the daemon is not installed.
+    pub fn start() -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let socket = folder.path().join("bus");
+        let configuration = format!(
+            "<busconfig><type>session</type><listen>unix:path={}</listen><auth>EXTERNAL</auth>\
+             <policy context=\"default\"><allow user=\"*\"/><allow send_destination=\"*\" eavesdrop=\"true\"/><allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>",
+            socket.display()
+        );
+        let file = folder.path().join("bus.conf");
+        fs::write(&file, configuration).expect("space on the disk");
+        let mut command = Command::new("dbus-daemon");
+        command
+            .arg("--nofork")
+            .arg(format!("--config-file={}", file.display()))
+            .stderr(Stdio::null());
+        let daemon = match Process::start(&mut command) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                println!("SKIPPED: dbus-daemon is not installed");
+                return None;
+            }
+            started => started.expect("the daemon starts"),
+        };
+        assert!(wait_for(|| socket.exists()), "the daemon listens");
+        Some(Self { folder, daemon })
+    }
+
+    pub fn address(&self) -> String {
+        format!("unix:path={}/bus", self.folder.path().display())
+    }
+
+    /// Lets other users connect.
+    #[cfg(feature = "tray")]
+    pub fn open_to_all(&self) {
+        let folder = self.folder.path();
+        fs::set_permissions(folder, Permissions::from_mode(0o755)).expect("an own folder");
+        fs::set_permissions(folder.join("bus"), Permissions::from_mode(0o777)).expect("own");
+    }
+
+    #[cfg(feature = "tray")]
+    pub fn kill(&mut self) {
+        self.daemon.0.kill().expect("the daemon runs");
+        self.daemon.0.wait().expect("the daemon exits");
+    }
+}
