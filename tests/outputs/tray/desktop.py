@@ -27,6 +27,7 @@ INTERFACES = Gio.DBusNodeInfo.new_for_xml("""<node>
 bus = Gio.bus_get_sync(Gio.BusType.SESSION)
 entries = {}
 item = None
+revision = 0
 
 
 def report(**line):
@@ -45,7 +46,8 @@ def read_icon():
 
 
 def read_menu():
-    (_, (_, _, children)) = call("/MenuBar", MENU, "GetLayout", GLib.Variant("(iias)", (0, -1, [])))
+    global revision
+    (revision, (_, _, children)) = call("/MenuBar", MENU, "GetLayout", GLib.Variant("(iias)", (0, -1, [])))
     entries.clear()
     labels = []
     for number, properties, _ in children:
@@ -55,10 +57,10 @@ def read_menu():
     report(entries=labels)
 
 
-def read():
+def read(*parts):
     try:
-        read_icon()
-        read_menu()
+        for part in parts:
+            part()
     except GLib.Error:
         pass  # The run has ended.
     return False
@@ -71,7 +73,7 @@ def handle(_bus, _sender, _path, _interface, method, arguments, invocation):
         item = arguments[0]
         report(registered=item)
         invocation.return_value(None)
-        GLib.idle_add(read)
+        GLib.idle_add(read, read_icon, read_menu)
     else:
         _, replaces, icon, summary, body, _, hints, _ = arguments
         report(replaces=replaces, icon=icon, summary=summary, body=body, urgency=hints["urgency"])
@@ -79,7 +81,13 @@ def handle(_bus, _sender, _path, _interface, method, arguments, invocation):
 
 
 def changed(*_):
-    read()
+    read(read_icon)
+
+
+def announced(_bus, _sender, _path, _interface, _signal, arguments):
+    # As libdbusmenu does, which Xfce and waybar use.
+    if arguments.unpack()[0] > revision:
+        read(read_menu)
 
 
 def clicked(*_):
@@ -94,6 +102,6 @@ for path, interface in zip(["/StatusNotifierWatcher", "/org/freedesktop/Notifica
     bus.register_object(path, interface, handle, None, None)
     Gio.bus_own_name_on_connection(bus, interface.name, Gio.BusNameOwnerFlags.NONE, None, None)
 bus.signal_subscribe(None, ITEM, "NewIcon", None, None, Gio.DBusSignalFlags.NONE, changed)
-bus.signal_subscribe(None, MENU, "LayoutUpdated", None, None, Gio.DBusSignalFlags.NONE, changed)
+bus.signal_subscribe(None, MENU, "LayoutUpdated", None, None, Gio.DBusSignalFlags.NONE, announced)
 GLib.io_add_watch(sys.stdin, GLib.PRIORITY_DEFAULT, GLib.IO_IN | GLib.IO_HUP, clicked)
 GLib.MainLoop().run()

@@ -77,6 +77,12 @@ fn the_tray_shows_the_state_and_its_menu_controls_the_run() {
         return;
     };
     let mut run = Run::start(&bus.address());
+    // A unique name.
+    desktop.wait_for("registered", |line| {
+        line["registered"]
+            .as_str()
+            .is_some_and(|name| name.starts_with(':'))
+    });
     desktop.wait_for(
         "status",
         icon("input-keyboard", "Active", "Ademán is armed"),
@@ -89,6 +95,7 @@ fn the_tray_shows_the_state_and_its_menu_controls_the_run() {
             "-",
             profiles[0],
             profiles[1],
+            "-",
             "End the session"
         ])
     };
@@ -203,7 +210,8 @@ fn a_pause_a_loss_and_their_ends_are_shown_in_one_notification() {
         shown[0]["body"],
         "Everything is released. Paused by a command."
     );
-    assert_eq!([&shown[0]["urgency"], &shown[2]["urgency"]], [0, 1]);
+    let urgencies: Vec<_> = shown.iter().map(|line| line["urgency"].clone()).collect();
+    assert_eq!(urgencies, [json!(1), json!(0), json!(1)]);
     run.end();
 }
 

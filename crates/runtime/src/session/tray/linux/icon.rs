@@ -24,14 +24,38 @@ type Pixmap = (i32, i32, Vec<u8>);
 
 /// The state that the bus reads, shared with the thread that sets it.
 #[derive(Clone)]
-pub struct Shared(Arc<Mutex<TrayState>>);
+pub struct Shared(Arc<Mutex<Shown>>);
+
+/// A state and the number of states so far.
+struct Shown {
+    state: TrayState,
+    revision: u32,
+}
 
 impl Shared {
-    pub fn get(&self) -> TrayState {
-        *self.lock()
+    fn new() -> Self {
+        Self(Arc::new(Mutex::new(Shown {
+            state: TrayState::STARTING,
+            revision: 1,
+        })))
     }
 
-    fn lock(&self) -> MutexGuard<'_, TrayState> {
+    pub fn get(&self) -> TrayState {
+        self.lock().state
+    }
+
+    /// Returns the revision of the menu. Some trays read the menu again only if it has risen.
+    pub fn revision(&self) -> u32 {
+        self.lock().revision
+    }
+
+    fn set(&self, state: TrayState) {
+        let mut shown = self.lock();
+        shown.state = state;
+        shown.revision = shown.revision.wrapping_add(1);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shown> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -48,7 +72,6 @@ pub fn name(state: &TrayState) -> &'static str {
 /// An icon on the bus.
 pub struct Icon {
     connection: Connection,
-    service: String,
     state: Shared,
 }
 
@@ -59,7 +82,7 @@ impl Icon {
         profiles: Vec<String>,
         commands: CommandSender,
     ) -> zbus::Result<Self> {
-        let state = Shared(Arc::new(Mutex::new(TrayState::STARTING)));
+        let state = Shared::new();
         let objects = connection.object_server();
         objects.at(ITEM_PATH, Item(state.clone()))?;
         objects.at(MENU_PATH, Menu::new(state.clone(), profiles, commands))?;
@@ -68,14 +91,16 @@ impl Icon {
         connection.call_method(Some(BUS), BUS_PATH, Some(BUS), "RequestName", &name)?;
         Ok(Self {
             connection: connection.clone(),
-            service,
             state,
         })
     }
 
     /// Asks the tray to show the icon. Returns `false` if there is none.
+    ///
+    /// It gets the unique name of the connection: AppIndicator of GNOME may drop an icon whose service has a name of its own.
     pub fn register(&self) -> bool {
-        let service = (self.service.as_str(),);
+        let name = self.connection.unique_name();
+        let service = (name.map_or("", |name| name.as_str()),);
         let method = "RegisterStatusNotifierItem";
         self.connection
             .call_method(Some(WATCHER), WATCHER_PATH, Some(WATCHER), method, &service)
@@ -84,7 +109,7 @@ impl Icon {
 
     /// Shows another state. A bus that has ended is noticed elsewhere.
     pub fn show(&self, state: TrayState) {
-        *self.state.lock() = state;
+        self.state.set(state);
         let emit = |signal: &str| {
             let none = None::<&str>;
             _ = self
@@ -98,7 +123,7 @@ impl Icon {
         _ = self
             .connection
             .emit_signal(none, ITEM_PATH, ITEM, "NewStatus", &status);
-        Menu::announce(&self.connection);
+        Menu::announce(&self.connection, self.state.revision());
     }
 }
 

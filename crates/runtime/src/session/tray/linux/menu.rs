@@ -20,11 +20,8 @@ const ROOT: i32 = 0;
 const STATE: i32 = 1;
 const PAUSE: i32 = 2;
 const STOP: i32 = 3;
-const SEPARATORS: [i32; 2] = [4, 5];
+const SEPARATORS: [i32; 3] = [4, 5, 6];
 const FIRST_PROFILE: i32 = 10;
-
-/// The revision that is announced; readers ask for the layout whenever one is.
-const REVISION: u32 = 1;
 
 /// Properties of an entry.
 type Properties = HashMap<String, OwnedValue>;
@@ -49,9 +46,9 @@ impl Menu {
     }
 
     /// Tells readers that entries have changed.
-    pub fn announce(connection: &Connection) {
+    pub fn announce(connection: &Connection, revision: u32) {
         let none = None::<&str>;
-        let body = (REVISION, ROOT);
+        let body = (revision, ROOT);
         _ = connection.emit_signal(none, MENU_PATH, MENU, "LayoutUpdated", &body);
     }
 
@@ -63,6 +60,7 @@ impl Menu {
         if self.profiles.len() > 1 {
             ids.push(SEPARATORS[1]);
             ids.extend(profiles);
+            ids.push(SEPARATORS[2]);
         }
         ids.push(STOP);
         ids
@@ -155,7 +153,10 @@ impl Menu {
             Value::from(entry).try_to_owned().ok()
         };
         let children = children.into_iter().filter_map(entry).collect();
-        (REVISION, (parent, self.properties(parent), children))
+        (
+            self.state.revision(),
+            (parent, self.properties(parent), children),
+        )
     }
 
     fn get_group_properties(&self, ids: Vec<i32>, _names: Vec<String>) -> Vec<(i32, Properties)> {

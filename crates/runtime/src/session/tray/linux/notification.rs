@@ -66,8 +66,9 @@ impl Notifications {
     }
 
     fn notify(&self, state: &TrayState) -> zbus::Result<u32> {
-        let is_lost = condition(state) == Condition::Lost;
-        let urgency = if is_lost { NORMAL } else { LOW };
+        // GNOME shows no banner for a low urgency.
+        let needs_attention = matches!(condition(state), Condition::Paused | Condition::Lost);
+        let urgency = if needs_attention { NORMAL } else { LOW };
         let hints = HashMap::from([
             ("urgency", Value::from(urgency)),
             ("transient", Value::from(true)),
