@@ -187,7 +187,7 @@ pub fn no_virtual_keyboard(program: Option<&str>) -> Advice {
     let program = escape(program.unwrap_or(UNKNOWN_COMPOSITOR));
     Advice::new(
         format!("{program} does not support {KEYBOARD_PROTOCOL}, so programs cannot press keys"),
-        "use the output `uinput`",
+        "use the output `uinput`, or `ime:uinput` instead of `ime`",
     )
 }
 

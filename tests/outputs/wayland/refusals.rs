@@ -26,7 +26,7 @@ fn a_compositor_without_virtual_keyboards_is_an_error_and_the_doctor_reports_it(
     let (code, _, text) = run_to_end(run);
     let why = "does not support zwp_virtual_keyboard_manager_v1, so programs cannot press keys";
     let expected = format!(
-        "error: cannot open the output `desktop`: the compositor {why}; use the output `uinput`\n"
+        "error: cannot open the output `desktop`: the compositor {why}; use the output `uinput`, or `ime:uinput` instead of `ime`\n"
     );
     assert!(text.ends_with(&expected), "{text}");
     assert_eq!(code, Some(2));

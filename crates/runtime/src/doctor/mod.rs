@@ -27,7 +27,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::capture::SourceUri;
-use crate::output::{self, Backend};
+use crate::output;
 use crate::setup::Setup;
 
 /// The permissions and services that a setup needs.
@@ -35,9 +35,9 @@ use crate::setup::Setup;
 pub struct Requirements {
     /// Serial ports to be read.
     pub ports: Vec<String>,
-    /// `true` if the setup uses the output `desktop`.
+    /// `true` if the setup uses the output `desktop`, also for the keys of `ime`.
     pub desktop: bool,
-    /// `true` if the setup uses the output `uinput`.
+    /// `true` if the setup uses the output `uinput`, also for the keys of `ime:uinput`.
     pub uinput: bool,
 }
 
@@ -45,11 +45,18 @@ impl Requirements {
     /// Returns the requirements of a setup.
     pub fn from_setup(setup: &Setup) -> Self {
         let port = |source: &SourceUri| source.serial_port().map(str::to_owned);
-        let uses = |backend: &Backend| output::uses_backend(&setup.output, backend.name);
+        let uses = |name: &str| output::uses_backend(&setup.output, name);
+        // The output `ime` sends keys through one of them.
+        let [desktop, ime, uinput] = [
+            output::desktop::BACKEND,
+            output::ime::BACKEND,
+            output::uinput::BACKEND,
+        ]
+        .map(|backend| backend.name);
         Self {
             ports: setup.source_uris().filter_map(port).collect(),
-            desktop: uses(&output::desktop::BACKEND),
-            uinput: uses(&output::uinput::BACKEND),
+            desktop: uses(desktop) || uses(ime) || uses(&format!("{ime}:{desktop}")),
+            uinput: uses(uinput) || uses(&format!("{ime}:{uinput}")),
         }
     }
 }
@@ -137,6 +144,11 @@ mod tests {
         setup.output = "desktop".into();
         requirements.ports.push("/dev/ttyUSB1".into());
         (requirements.desktop, requirements.uinput) = (true, false);
+        assert_eq!(Requirements::from_setup(&setup), requirements);
+        setup.output = "ime".into();
+        assert_eq!(Requirements::from_setup(&setup), requirements);
+        setup.output = "ime:uinput".into();
+        (requirements.desktop, requirements.uinput) = (false, true);
         assert_eq!(Requirements::from_setup(&setup), requirements);
         let empty = Requirements::from_setup(&Setup::default());
         assert_eq!(empty, Requirements::default());

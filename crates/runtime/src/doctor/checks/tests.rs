@@ -200,7 +200,7 @@ fn a_compositor_needs_the_protocols_and_this_program_wayland_support() {
     );
     assert_eq!(
         of_compositor(&["wl_seat"], true),
-        "compositor: needed, missing: use the output `uinput`"
+        "compositor: needed, missing: use the output `uinput`, or `ime:uinput` instead of `ime`"
     );
 }
 
