@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::num::NonZeroU32;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, after, never, select};
+use crossbeam_channel::{Receiver, after, never, select_biased};
 use zbus::Message;
 use zbus::message::Type;
 use zbus::zvariant::{OwnedValue, Value};
@@ -98,7 +98,8 @@ impl<'a> Engine<'a> {
             } else {
                 after((self.waiting_since + KEY_TIMEOUT).saturating_duration_since(Instant::now()))
             };
-            let done = select! {
+            // A key of the daemon never overtakes text that was requested before it, even if this thread comes late.
+            let done = select_biased! {
                 recv(requests) -> request => match request {
                     Ok(request) => self.take(request),
                     Err(_) => {
