@@ -199,6 +199,7 @@ impl Field {
     }
 
     /// Opens a window of a compositor, which focuses it.
+    #[cfg(feature = "wayland")]
     pub fn open_on_wayland(mut command: Command, kind: &str) -> Self {
         command
             .env("GDK_BACKEND", "wayland")
