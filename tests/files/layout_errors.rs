@@ -328,7 +328,6 @@ fn an_error_in_a_layer_has_its_position() {
             "(name: \"x\", keys: {\"Q\": \"1\", \"KeyQ\": \"2\"})",
             "2:31: duplicate key `KeyQ` in the layer `x`",
         ),
-        ("(name: \"x\")", "2:11: the field `keys` is missing"),
         (&many.join(",\n"), "33:9: a layout has at most 31 layers"),
     ] {
         check(&layers(text), expected);

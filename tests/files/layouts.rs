@@ -448,6 +448,7 @@ fn controls_gestures_and_chords_are_listed_below_the_boards() {
         ("chords-bend", "thumb bent beyond 50 %, until 40 %"),
         ("qwerty-arc", "Q 1 · W 2"),
         ("phone-pad", "one of ABC2"),
+        ("phone-pad", "one of .,-/="),
         ("direct", "index fingertip in a box of 200 × 120 × 160 mm,"),
         ("ray", "middle pinch          right mouse button"),
         ("space", "Door   box 60 × 40 × 30 mm at (160, 50, -320) mm"),

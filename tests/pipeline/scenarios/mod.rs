@@ -45,8 +45,8 @@ macro_rules! scenario_files {
 }
 
 scenario_files!(
-    arm, arming, bends, faults, gestures, lines, multitap, notes, reloads, sequences, steps,
-    swipes, together, waits
+    arm, arming, bends, faults, gestures, layers, lines, multitap, notes, reloads, sequences,
+    steps, swipes, together, waits
 );
 
 fn folder() -> PathBuf {

@@ -10,6 +10,7 @@ use super::part::{ControlKind, Part, words};
 use super::rows::take_out;
 use crate::device::KeyCode;
 use crate::document::{quote, quoted_content};
+use crate::layout::is_multitap;
 
 /// An action as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +21,8 @@ pub enum Binding {
     Layer(String),
     /// Types a text.
     Text(String),
+    /// Types one of several letters, which blanks separate.
+    Multitap(String),
     /// Starts a sequence.
     Sequence(String),
     /// Issues a command.
@@ -37,7 +40,7 @@ pub enum Binding {
 pub enum Slot {
     /// The action of a key.
     Base,
-    /// The key code of a key in a layer, by the index of the layer in the file.
+    /// The action of a key in a layer, by the index of the layer in the file.
     Layer(usize),
     /// The action of a key that is held.
     Hold,
@@ -47,12 +50,18 @@ pub enum Slot {
 }
 
 impl Binding {
+    /// Returns the multitap key with these letters, or `None` if they are no list of letters.
+    pub fn multitap(letters: &str) -> Option<Self> {
+        is_multitap(letters).then(|| Self::Multitap(letters.to_owned()))
+    }
+
     /// Returns the action as RON text.
     pub fn to_ron(&self) -> String {
         match self {
             Self::Key(code) => format!("Key({})", quote(code)),
             Self::Layer(name) => format!("Layer({})", quote(name)),
             Self::Text(text) => format!("Text({})", quote(text)),
+            Self::Multitap(letters) => format!("Multitap({})", quote(letters)),
             Self::Sequence(name) => format!("Sequence({})", quote(name)),
             Self::Command(command) => format!("Command({})", quote(command)),
             Self::Clutch => "Clutch".into(),
@@ -74,9 +83,11 @@ impl Binding {
     pub(super) fn implied_name(&self) -> Option<String> {
         match self {
             Self::Key(code) => Some(canonical(code)),
-            Self::Layer(text) | Self::Text(text) | Self::Sequence(text) | Self::Command(text) => {
-                Some(text.clone())
-            }
+            Self::Layer(text)
+            | Self::Text(text)
+            | Self::Multitap(text)
+            | Self::Sequence(text)
+            | Self::Command(text) => Some(text.clone()),
             Self::Clutch | Self::Precision | Self::NoOp => None,
         }
     }
@@ -219,36 +230,47 @@ fn bind_in_layer(
     require_key(part)?;
     let name = name_of(draft.text(), draft.tree(), part).ok_or(EditError::NoPart("key"))?;
     let layer = Part::Layer(layer);
-    let text = draft.text();
-    let map = draft
-        .field(layer, "keys")
-        .ok_or(EditError::NoPart("layer"))?
-        .clone();
-    let entry = map.items().iter().position(|item| {
-        let key = item
-            .key
-            .as_ref()
-            .and_then(|key| quoted_content(&text[key.clone()]));
-        key.is_some_and(|key| key == name || canonical(key) == name)
-    });
-    match (entry, binding) {
-        (Some(index), Some(Binding::Key(code))) => {
-            let range = map.items()[index].value.in_some(text).range.clone();
-            draft.replace(range, quote(code));
-        }
-        (None, Some(Binding::Key(code))) => {
-            let new_entry = format!("{}: {}", quote(&name), quote(code));
-            draft.push_entry(&map, &new_entry);
-        }
-        (Some(index), None) => draft.remove(&map, index),
-        (None, None) => {}
-        (_, Some(_)) => {
-            let message = "in a layer a key can only press another key; choose a key, or bind it in the base layer";
-            return Err(EditError::Selection(message));
-        }
+    draft.node(layer)?;
+    let is_code = matches!(binding, Some(Binding::Key(_)));
+    for (field, is_own) in [("keys", is_code), ("actions", !is_code)] {
+        let value = binding.filter(|_| is_own).map(|binding| match binding {
+            Binding::Key(code) => quote(code),
+            other => other.to_ron(),
+        });
+        set_entry(draft, layer, field, &name, value)?;
     }
     draft.commit()?;
     Ok(vec![part])
+}
+
+/// Sets the value of a key in a map of a layer, or removes it.
+fn set_entry(
+    draft: &mut Draft,
+    layer: Part,
+    field: &str,
+    name: &str,
+    value: Option<String>,
+) -> Result<(), EditError> {
+    let text = draft.text();
+    let Some(map) = draft.field(layer, field).cloned() else {
+        let entry = value.map(|value| format!("{{{}: {value}}}", quote(name)));
+        return entry.map_or(Ok(()), |entry| draft.set(layer, field, &entry));
+    };
+    let index = map.items().iter().position(|item| {
+        let key = item.key.as_ref();
+        let key = key.and_then(|key| quoted_content(&text[key.clone()]));
+        key.is_some_and(|key| key == name || canonical(key) == name)
+    });
+    match (index, value) {
+        (Some(index), Some(value)) => {
+            let range = map.items()[index].value.in_some(text).range.clone();
+            draft.replace(range, value);
+        }
+        (None, Some(value)) => draft.push_entry(&map, &format!("{}: {value}", quote(name))),
+        (Some(index), None) => draft.remove(&map, index),
+        (None, None) => {}
+    }
+    Ok(())
 }
 
 fn require_key(part: Part) -> Result<Part, EditError> {
@@ -271,4 +293,74 @@ pub(super) fn free_code(taken: &BTreeSet<String>) -> Option<&'static str> {
     KeyCode::all()
         .map(KeyCode::name)
         .find(|name| !taken.contains(*name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editing::{Edit, edit};
+    use crate::layout::Layout;
+
+    #[test]
+    fn a_key_has_any_action_in_a_layer_in_one_of_its_maps() {
+        let mut text = r#"Layout(
+    name: "A",
+    boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: "Q W")])],
+    layers: [(name: "x", keys: {"KeyQ": "1"})],
+)"#
+        .to_owned();
+        let mut bind = |column: usize, binding: Option<Binding>| {
+            let bound = edit(
+                &text,
+                &Edit::Bind {
+                    part: Part::RowKey {
+                        board: 0,
+                        row: 0,
+                        column,
+                    },
+                    slot: Slot::Layer(0),
+                    binding,
+                },
+            );
+            text = bound.expect("a key and a layer").text;
+            Layout::parse(&text, "a.ron").expect("a layout");
+            let layer = text.lines().find(|line| line.contains("layers")).unwrap();
+            layer.trim().to_owned()
+        };
+        let multitap = || Binding::multitap("Period ñ 2");
+        let steps = [
+            (
+                (0, multitap()),
+                r#"keys: {}, actions: {"Q": Multitap("Period ñ 2")}"#,
+            ),
+            (
+                (1, Some(Binding::Text("¿".into()))),
+                r#"keys: {}, actions: {"Q": Multitap("Period ñ 2"), "W": Text("¿")}"#,
+            ),
+            (
+                (1, multitap()),
+                r#"keys: {}, actions: {"Q": Multitap("Period ñ 2"), "W": Multitap("Period ñ 2")}"#,
+            ),
+            (
+                (0, Some(Binding::Key("2".into()))),
+                r#"keys: {"Q": "2"}, actions: {"W": Multitap("Period ñ 2")}"#,
+            ),
+            ((1, None), r#"keys: {"Q": "2"}, actions: {}"#),
+        ];
+        for ((column, binding), expected) in steps {
+            let layers = bind(column, binding);
+            assert_eq!(layers, format!("layers: [(name: \"x\", {expected})],"));
+        }
+    }
+
+    #[test]
+    fn letters_are_words_that_each_type_a_character() {
+        for letters in ["A B C 2", "Period ñ ¿"] {
+            let expected = Some(Binding::Multitap(letters.to_owned()));
+            assert_eq!(Binding::multitap(letters), expected);
+        }
+        for letters in ["", "A", "hello you", "A Enter", "A B C D E F G H I J K L M"] {
+            assert_eq!(Binding::multitap(letters), None, "{letters}");
+        }
+    }
 }

@@ -122,7 +122,8 @@ pub(super) fn mentions(draft: &Draft, names: &BTreeSet<String>) -> Vec<(String, 
         .map_or(&[][..], Node::items);
     let layers = layers.iter().map(|item| item.value.in_some(text));
     let maps = layers
-        .filter_map(|layer| layer.field(text, "keys"))
+        .flat_map(|layer| ["keys", "actions"].map(|map| layer.field(text, map)))
+        .flatten()
         .chain(draft.field(Part::Layout, "labels"))
         .chain(draft.field(Part::Layout, "signals"));
     for map in maps {

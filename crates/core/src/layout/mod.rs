@@ -54,6 +54,7 @@ pub use model::{
     BASE_LAYER, Board, Control, ControlKind, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, POINTER,
     SpaceTargets,
 };
+pub(crate) use multitap::is_multitap;
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
 pub use render::{

@@ -28,22 +28,41 @@ pub(super) fn build_multitap<'a>(
             format!("a multitap key has 2 to {MAX_LETTERS} letters, this one has {count}");
         return Err(builder.error(text, message));
     }
-    Ok(builder.add_multitap(multitap))
+    builder.add_multitap(multitap, text)
+}
+
+/// Returns whether a text is a list of 2 to 12 letters of a multitap key.
+pub fn is_multitap(letters: &str) -> bool {
+    let is_letter = |word: &str| match word.parse::<KeyCode>() {
+        Ok(code) => types_character(code),
+        Err(_) => is_character(word),
+    };
+    let count = letters.split_whitespace().count();
+    (2..=MAX_LETTERS).contains(&count) && letters.split_whitespace().all(is_letter)
+}
+
+/// Returns whether a key types a character, which a further tap can replace.
+fn types_character(code: KeyCode) -> bool {
+    let character = code.us_character(false);
+    character.is_some_and(|character| !character.is_control())
+}
+
+/// Returns whether a word is one character.
+fn is_character(word: &str) -> bool {
+    let mut characters = word.chars();
+    characters.next().is_some_and(|first| !first.is_control()) && characters.next().is_none()
 }
 
 /// Returns the action of a letter: a key that types a character, or a character that no key has as its name.
 fn letter<'a>(builder: &mut LayoutBuilder<'a>, word: &'a str) -> Result<KeyAction, DocumentError> {
     let spanned = Spanned { text: word };
     let Ok(code) = word.parse::<KeyCode>() else {
-        let mut characters = word.chars();
-        let is_one = characters.next().is_some_and(|first| !first.is_control());
-        if is_one && characters.next().is_none() {
+        if is_character(word) {
             return Ok(KeyAction::Text(builder.text_id(spanned)?));
         }
         return Err(builder.key_code(spanned).expect_err("no name of a key"));
     };
-    let character = code.us_character(false);
-    if character.is_none_or(char::is_control) {
+    if !types_character(code) {
         let message = format!("`{code}` types no character, which a further tap could replace");
         return Err(builder.error(word, message));
     }

@@ -461,6 +461,7 @@ editor-slot-base = Pressed
 editor-slot-hold = Held
 editor-slot-layer = Layer
 editor-command = Command
+editor-multitap = One of
 editor-clutch = Hold the pointer still
 editor-precision = Slow the pointer down
 editor-no-action = No action

@@ -461,6 +461,7 @@ editor-slot-base = Pulsada
 editor-slot-hold = Mantenida
 editor-slot-layer = Capa
 editor-command = Orden
+editor-multitap = Una de
 editor-clutch = Detener el puntero
 editor-precision = Frenar el puntero
 editor-no-action = Sin acción

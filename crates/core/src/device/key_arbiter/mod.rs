@@ -211,8 +211,10 @@ impl KeyArbiter {
         }
         let was_one_shot = self.one_shots.deactivate(action);
         let was_locked = self.locks.deactivate(action);
-        if let KeyAction::Key(_) = action {
-            self.apply_one_shots(source);
+        match action {
+            KeyAction::Key(_) => self.apply_one_shots(source),
+            KeyAction::Text(_) => self.use_layers(),
+            _ => {}
         }
         self.presses.push(Press {
             source,
@@ -275,6 +277,14 @@ impl KeyArbiter {
         self.one_shots.apply_to(source);
         for press in &mut self.presses {
             press.is_used = true;
+        }
+    }
+
+    /// Ends the one-shot layer. Layer keys that are pressed act as momentary. A text leaves modifiers as they are.
+    fn use_layers(&mut self) {
+        self.one_shots.layer = None;
+        for press in &mut self.presses {
+            press.is_used |= matches!(press.action, KeyAction::Layer(..));
         }
     }
 

@@ -54,6 +54,10 @@ pub(super) struct Cycle {
     one_shots: ArrayVec<KeyCode, MODIFIER_COUNT>,
     /// The time of the last tap.
     time: Timestamp,
+    /// The layer that was active after the last tap.
+    layer: usize,
+    /// The first tap has used a one-shot layer up, which the further ones keep.
+    has_one_shot_layer: bool,
     performer: Performer,
 }
 
@@ -85,6 +89,21 @@ impl KeyArbiter {
         }
     }
 
+    /// Returns the action of a press at `time` that chooses another letter of a one-shot layer: the first tap has used the layer up,
+    /// and the letter belongs to it.
+    pub fn repeated_tap(&self, source: PressSource, time: Timestamp) -> Option<KeyAction> {
+        let cycle = self.cycle.as_ref()?;
+        let is_repeated = cycle.has_one_shot_layer && self.continues(cycle, source, time);
+        is_repeated.then_some(KeyAction::Multitap(cycle.id))
+    }
+
+    /// Returns whether a tap chooses another letter: it is on the same control, in the same layer and in time.
+    fn continues(&self, cycle: &Cycle, source: PressSource, time: Timestamp) -> bool {
+        is_same_control(cycle.source, source)
+            && cycle.layer == self.active_layer()
+            && time.since(cycle.time) <= self.multitaps.timeout
+    }
+
     /// Types the first letter of a key, or in place of the letter of `before` the next one. Returns `false`, and has no effect, if there
     /// is no room. Everything that it presses besides Shift is released at once, so that no receiver repeats a letter.
     pub(super) fn tap_multitap(
@@ -101,10 +120,9 @@ impl KeyArbiter {
             self.cycle = before;
             return false;
         }
+        let layer = self.active_layer();
         let before = before.filter(|cycle| {
-            is_same_control(cycle.source, source)
-                && time.since(cycle.time) <= self.multitaps.timeout
-                && self.can_replace(events)
+            cycle.id == id && self.continues(cycle, source, time) && self.can_replace(events)
         });
         let mut cycle = before.unwrap_or(Cycle {
             id,
@@ -112,6 +130,8 @@ impl KeyArbiter {
             source,
             one_shots: ArrayVec::new(),
             time,
+            layer,
+            has_one_shot_layer: false,
             performer: Performer::new(source),
         });
         let Some(key) = self.multitaps.keys.get(usize::from(cycle.id.0)) else {
@@ -126,7 +146,10 @@ impl KeyArbiter {
             self.delete_letter(time, events);
         }
         let is_typed = match letter {
-            KeyAction::Text(text) => self.write(text, time, events),
+            KeyAction::Text(text) => {
+                self.use_layers();
+                self.write(text, time, events)
+            }
             KeyAction::Key(code) => {
                 if !is_first {
                     self.one_shots.armed = cycle.one_shots;
@@ -138,6 +161,8 @@ impl KeyArbiter {
             _ => false,
         };
         cycle.time = time;
+        cycle.layer = self.active_layer();
+        cycle.has_one_shot_layer |= cycle.layer != layer;
         self.cycle = (is_typed && !self.holds_shortcut()).then_some(cycle);
         true
     }

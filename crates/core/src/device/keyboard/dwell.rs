@@ -69,7 +69,7 @@ impl Keyboard {
             }
             self.press_gathered(due, out);
             self.hold_pending(due, out);
-            if let Some(action) = self.action(target, out.arbiter.active_layer()) {
+            if let Some(action) = self.action_of_press(source, target, due, out) {
                 out.tap(source, action, due);
                 self.debouncer.record_release(key, due);
             }

@@ -84,6 +84,23 @@ impl Keyboard {
         in_layer.or_else(|| actions.first().copied().flatten())
     }
 
+    /// Returns the action of a press at `time`: in the active layer, or in the one-shot layer of the letter that it replaces.
+    fn action_of_press(
+        &self,
+        source: PressSource,
+        target: TargetId,
+        time: Timestamp,
+        out: &DeviceOutput,
+    ) -> Option<KeyAction> {
+        // A chord may have had the same finger on the same key.
+        let is_own = |action: &KeyAction| {
+            let binding = self.binding(target);
+            binding.is_some_and(|it| it.actions.contains(&Some(*action)))
+        };
+        let repeated = out.arbiter.repeated_tap(source, time).filter(is_own);
+        repeated.or_else(|| self.action(target, out.arbiter.active_layer()))
+    }
+
     fn press(&mut self, touch: &Touch, presses: &[Press], out: &mut DeviceOutput) {
         self.cancel_finger(touch, out);
         self.press_gathered_if_due(touch.time, out);
@@ -117,7 +134,7 @@ impl Keyboard {
         };
         let activation = binding.activation;
         self.hold_pending(time, out);
-        let Some(action) = self.action(touch.target, out.arbiter.active_layer()) else {
+        let Some(action) = self.action_of_press(source, touch.target, time, out) else {
             return;
         };
         match PendingPress::new(source, action, activation, touch.time) {

@@ -101,14 +101,24 @@ impl<'a> LayoutBuilder<'a> {
         Ok(KeyAction::Layer(layer, checked_latch(latch)))
     }
 
-    /// Adds the letters of a multitap key.
-    pub fn add_multitap(&mut self, multitap: Multitap) -> MultitapId {
+    /// Adds the letters of a multitap key, which are written at `source`.
+    pub fn add_multitap(
+        &mut self,
+        multitap: Multitap,
+        source: &str,
+    ) -> Result<MultitapId, DocumentError> {
         let index = self.multitaps.len();
+        let index = self.checked_index(index, source, "multitap keys in all layers")?;
         self.multitaps.push(multitap);
-        let index = index
-            .try_into()
-            .expect("a layout has at most 10 000 targets");
-        MultitapId(index)
+        Ok(MultitapId(index))
+    }
+
+    /// Returns an index as the actions of keys keep it.
+    fn checked_index(&self, index: usize, source: &str, what: &str) -> Result<u16, DocumentError> {
+        index.try_into().map_err(|_| {
+            let count = usize::from(u16::MAX) + 1;
+            self.error(source, format!("a layout has at most {count} {what}"))
+        })
     }
 
     /// Adds a sequence. Its index fits: a layout has few.
@@ -143,9 +153,7 @@ impl<'a> LayoutBuilder<'a> {
             return Err(self.error(text, message));
         }
         let index = index_of_or_push(&mut self.texts, text);
-        let index = index
-            .try_into()
-            .expect("a layout has at most 10 000 keys and 8192 steps of sequences");
+        let index = self.checked_index(index, text, "different texts")?;
         Ok(TextId(index))
     }
 

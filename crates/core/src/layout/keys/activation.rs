@@ -162,16 +162,16 @@ impl<'a> ActivationFields<'a> {
 }
 
 /// Rejects an action in a layer that the key cannot have.
-pub(super) fn check_layer_action<'a>(
-    builder: &LayoutBuilder<'a>,
+pub(super) fn check_layer_action(
+    builder: &LayoutBuilder,
     key: &Key,
-    code: Spanned<'a>,
+    source: &str,
     action: KeyAction,
     layer: usize,
 ) -> Result<(), DocumentError> {
     let name = format!("key `{}`", key.face.name);
-    check_unlocks(builder, code.text, &name, key.action(0), layer)?;
-    check_action(builder, code.text, action, key.activation)
+    check_unlocks(builder, source, &name, key.action(0), layer)?;
+    check_action(builder, source, action, key.activation)
 }
 
 /// Rejects another action in the layer that a key or chord, `name` with its kind, locks.

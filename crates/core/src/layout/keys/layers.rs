@@ -6,6 +6,7 @@ use super::ChordSchema;
 use super::activation::check_layer_action;
 use crate::document::{DocumentError, Pairs, Spanned, schema};
 use crate::layout::builder::LayoutBuilder;
+use crate::layout::schema::Action;
 
 schema! {
     /// Actions of keys while a layer is active.
@@ -16,8 +17,11 @@ schema! {
         #[serde(borrow)]
         pub name: Spanned<'a>,
         /// Name of a key → its key code in this layer. All other keys keep their action of the base layer.
-        #[serde(borrow)]
+        #[serde(borrow, default)]
         keys: Pairs<'a, Spanned<'a>>,
+        /// Name of a key → any other action in this layer.
+        #[serde(borrow, default)]
+        actions: Pairs<'a, Action<'a>>,
         /// Actions of chords in this layer. All other chords keep their action of the base layer.
         #[serde(borrow, default)]
         chords: Vec<ChordSchema<'a>>,
@@ -31,8 +35,10 @@ impl<'a> LayerSchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         layer: usize,
     ) -> Result<(), DocumentError> {
-        for &(name, code) in &self.keys.0 {
-            let built = self.build_key(builder, layer, name, code);
+        let codes = self.keys.0.iter();
+        let codes = codes.map(|&(name, code)| (name, Action::Key(code)));
+        for (name, action) in codes.chain(self.actions.0.iter().copied()) {
+            let built = self.build_key(builder, layer, name, action);
             builder.collect(built)?;
         }
         Ok(())
@@ -56,11 +62,12 @@ impl<'a> LayerSchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         layer: usize,
         name: Spanned<'a>,
-        code: Spanned<'a>,
+        action: Action<'a>,
     ) -> Result<(), DocumentError> {
         let index = builder.key_index(name.text)?;
-        let action = builder.key_action(code, None)?;
-        check_layer_action(builder, &builder.keys()[index], code, action, layer)?;
+        let source = action.argument().unwrap_or(name).text;
+        let action = builder.action(action, None)?;
+        check_layer_action(builder, &builder.keys()[index], source, action, layer)?;
         let actions = &mut builder.key_mut(index).actions;
         if actions.len() > layer {
             let message = format!(

@@ -244,14 +244,14 @@ impl Layout {
 
     fn layer_text(&self, layer: usize) -> String {
         let changes = self.keys.iter().filter_map(|key| {
-            let label = self.label_in_layer(key, layer)?;
+            let action = words::in_layer(self, key, layer)?;
             // Chords name their keys; the labels of such keys are their actions alone.
             let own = if self.is_chord_key(key.face.target) {
                 &key.face.name
             } else {
                 &key.face.label
             };
-            Some(format!("{} {}", escape(own), escape(label)))
+            Some(format!("{} {}", escape(own), escape(&action)))
         });
         let mut changes: Vec<String> = changes.collect();
         changes.extend(self.chords_text(layer));

@@ -118,6 +118,12 @@ pub(super) struct ChordWords<'a> {
     pub action: String,
 }
 
+/// Describes the action of a key in a layer, or returns `None` if the layer does not change the key.
+pub(super) fn in_layer(layout: &Layout, key: &Key, layer: usize) -> Option<String> {
+    let action = (*key.actions.get(layer)?)?;
+    Some(Words(layout).action(action))
+}
+
 /// Returns the chords with an action of their own in a layer.
 pub(super) fn chords(layout: &Layout, layer: usize) -> Vec<ChordWords<'_>> {
     let words = Words(layout);

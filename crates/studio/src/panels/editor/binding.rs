@@ -166,10 +166,10 @@ fn current(panel: &EditorPanel, part: Part, slot: &Slot) -> Option<String> {
             let index = panel.selected.single()?;
             let target = *panel.items.targets.get(index)?;
             let layout = editor.layout()?;
-            let action = (*layout.key_at(target)?.actions.get(layer + 1)?)?;
-            match action {
+            let key = layout.key_at(target)?;
+            match (*key.actions.get(layer + 1)?)? {
                 KeyAction::Key(code) | KeyAction::Modifier(code, _) => Some(code.name().into()),
-                _ => Some("…".into()),
+                _ => layout.label_in_layer(key, layer + 1).map(str::to_owned),
             }
         }
         Slot::Field(field) => written(field),
@@ -184,9 +184,6 @@ fn choices(panel: &EditorPanel, slot: &Slot) -> Vec<Binding> {
     }
     let keys = matching_keys(query).into_iter().take(MAX_RESULTS);
     let mut choices: Vec<_> = keys.map(|code| Binding::Key(code.name().into())).collect();
-    if matches!(slot, Slot::Layer(_)) {
-        return choices;
-    }
     let layers = (0..panel.editor.count("layers")).filter_map(|index| {
         let name = panel.editor.part_name(Part::Layer(index))?;
         let is_match = name.to_lowercase().contains(&query.to_lowercase());
@@ -208,13 +205,15 @@ fn choices(panel: &EditorPanel, slot: &Slot) -> Vec<Binding> {
         ("precision", Binding::Precision),
         ("noop", Binding::NoOp),
     ];
-    let matching = words
-        .into_iter()
-        .filter(|(word, _)| word.contains(&query.to_lowercase()));
+    let matching = words.into_iter().filter(|(word, binding)| {
+        let can_have = *binding != Binding::NoOp || !matches!(slot, Slot::Layer(_));
+        can_have && word.contains(&query.to_lowercase())
+    });
     choices.extend(matching.map(|(_, binding)| binding));
     if query.parse::<ademan_core::command::Command>().is_ok() {
         choices.push(Binding::Command(query.to_owned()));
     }
+    choices.extend(Binding::multitap(query));
     choices.push(Binding::Text(query.to_owned()));
     choices
 }
@@ -225,6 +224,7 @@ fn choice_name(choice: &Binding) -> String {
         Binding::Layer(name) => format!("{} {name}", text("editor-slot-layer")),
         Binding::Sequence(name) => format!("{} {name}", text("editor-new-sequence")),
         Binding::Text(words) => format!("“{words}”"),
+        Binding::Multitap(letters) => format!("{} {letters}", text("editor-multitap")),
         Binding::Command(command) => format!("{} {command}", text("editor-command")),
         Binding::Clutch => text("editor-clutch").to_owned(),
         Binding::Precision => text("editor-precision").to_owned(),
