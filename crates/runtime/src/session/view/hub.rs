@@ -9,6 +9,7 @@ use std::thread;
 use crossbeam_channel::TryRecvError::Disconnected;
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
+use super::hand::ViewHand;
 use super::publisher::{Published, SessionNames, ViewPublisher};
 use super::{MAX_MESSAGES, View, ViewState, board_poses};
 use crate::capture::HeadsetStatus;
@@ -122,12 +123,13 @@ impl Shared {
         loop {
             select! {
                 recv(views) -> view => match view {
-                    Ok(Published { layout, boards, state }) => self.show(|shown| {
+                    Ok(Published { layout, boards, poses, state }) => self.show(|shown| {
                         shown.layout = layout;
                         shown.boards = boards;
+                        let hands = poses.iter().flatten().map(ViewHand::from).collect();
                         // The session loop does not know it.
                         let headset = shown.state.headset.clone();
-                        shown.state = Arc::new(ViewState { headset, ..state });
+                        shown.state = Arc::new(ViewState { headset, hands, ..state });
                     }),
                     Err(_) => break,
                 },

@@ -9,7 +9,6 @@ use arrayvec::ArrayVec;
 use parry3d::math::Pose;
 
 use super::board_poses;
-use super::hand::ViewHand;
 use super::state::{FingerBend, Fingertip, ViewCounts, ViewState};
 use crate::session::latest::LatestSender;
 use crate::session::observer::Observer;
@@ -46,6 +45,9 @@ const MAX_FINGERTIPS: usize = 80;
 pub(super) struct Published {
     pub layout: Arc<Layout>,
     pub boards: Arc<[Pose]>,
+    /// The poses of the hands that are tracked.
+    pub poses: [Option<HandPose>; Side::COUNT],
+    /// The state, without its hands.
     pub state: ViewState,
 }
 
@@ -201,7 +203,8 @@ impl ViewPublisher {
             readings_per_second: self.rate.per_second,
             counts: ViewCounts::from(step.stats),
             awaits_hand: pipeline.awaits_start(),
-            hands: self.poses.iter().flatten().map(ViewHand::from).collect(),
+            // The hub adds them.
+            hands: Vec::new(),
             fingertips: self.fingertips(active),
             bends: bends(pipeline).collect(),
             pressed: active.pressed_targets().collect(),
@@ -226,6 +229,7 @@ impl ViewPublisher {
         self.views.send(Published {
             layout,
             boards,
+            poses: self.poses,
             state,
         });
     }

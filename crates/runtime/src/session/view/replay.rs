@@ -40,9 +40,8 @@ impl ReplayViews {
         let elapsed = pipeline.time().since(Timestamp::default());
         let now = self.start.checked_add(elapsed).unwrap_or(self.start);
         self.publisher.observe(step, now, pipeline);
-        let mut published = self.published.try_recv().ok()?;
-        // The steps of a replay have the poses, and Studio keeps many views.
-        published.state.hands = Vec::new();
+        // The steps of a replay have the poses, and Studio keeps many views: they have no hands.
+        let published = self.published.try_recv().ok()?;
         Some(View {
             layout: published.layout,
             boards: published.boards,
