@@ -48,22 +48,14 @@ fn load(layout: &str, person: &str) -> LoadedSetup {
         .expect("a layout")
         .has_board_for(first.opposite());
     let uses_both = !person.contains("One");
+    let folder = Folder::new();
     let setup = Setup {
         layout: layout.into(),
-        person: Some(Folder::new().keep(person)),
+        person: Some(folder.file("person.ron", person)),
         other_hand: (has_other && uses_both).then(OtherHand::default),
         ..Setup::default()
     };
     setup.load_files().expect("a setup")
-}
-
-impl Folder {
-    /// Writes a person to a file that stays until the end of the tests.
-    fn keep(self, person: &str) -> String {
-        let path = self.file("person.ron", person);
-        let _ = self.0.keep();
-        path
-    }
 }
 
 fn readings(hand: SimulatedTypist) -> Vec<Reading> {
@@ -198,7 +190,13 @@ fn every_person_types_on_the_layout_for_their_hand() {
 fn a_person_has_the_arm_of_the_same_measured_lengths_unless_the_setup_names_an_arm() {
     let length = |arm: &ArmModel| arm.reach().expect("a reach").from_elbow;
     let person = "Person(hand_length_mm: 160, forearm_length_mm: 220)";
-    let setup = load("qwerty-flat", person);
+    let folder = Folder::new();
+    let setup = Setup {
+        layout: "qwerty-flat".into(),
+        person: Some(folder.file("person.ron", person)),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("a setup");
     let measured = Setup {
         arm: ArmSetup::Measured {
             hand_length_mm: 160.0,
@@ -225,7 +223,10 @@ fn a_recording_of_a_person_is_replayed_without_the_file() {
     let setup = load("qwerty-flat", PERSONS[2]);
     let recorded = setup.recorded_setup();
     let path = setup.setup.person.clone().expect("a person");
-    std::fs::remove_file(path).expect("the file is removed");
+    assert!(
+        !std::path::Path::new(&path).exists(),
+        "its folder was temporary"
+    );
     let again = LoadedSetup::from_recording(&recorded, &Default::default()).expect("a setup");
     assert_eq!(again.person, setup.person);
     assert_eq!(again.arm.reach(), setup.arm.reach());
@@ -234,8 +235,9 @@ fn a_recording_of_a_person_is_replayed_without_the_file() {
 #[test]
 fn a_person_and_a_glove_of_different_sides_are_refused() {
     let refused = |person: &str, change: &dyn Fn(&mut Setup)| {
+        let folder = Folder::new();
         let mut setup = Setup {
-            person: Some(Folder::new().keep(person)),
+            person: Some(folder.file("person.ron", person)),
             ..Setup::default()
         };
         change(&mut setup);

@@ -5,7 +5,7 @@ use ademan::capture::{Reading, SourceUri};
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
 use ademan::pipeline::PipelineState;
-use ademan::setup::{OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::time::Timestamp;
 use glam::DVec3;
 
@@ -52,27 +52,27 @@ struct Tracker {
     keys: Vec<String>,
 }
 
-fn setup(source: &str, other_hand: Option<OtherHand>) -> Setup {
-    let folder = tempfile::tempdir().expect("a folder").keep();
-    let layout = folder.join("two-keys.ron");
+fn setup(source: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
+    let folder = tempfile::tempdir().expect("a folder");
+    let layout = folder.path().join("two-keys.ron");
     std::fs::write(&layout, TWO_KEYS).expect("a layout");
-    Setup {
+    let setup = Setup {
         source: Some(source.parse().expect("a source")),
         other_hand,
         layout: layout.display().to_string(),
         ..Setup::default()
-    }
+    };
+    setup.load_files().expect("a valid setup")
 }
 
 impl Tracker {
     /// Creates a tracker that sees both hands above their keys, with armed output.
     fn new(source: &str, encode: fn(&[(Side, JointPositions)]) -> String) -> Self {
         let setup = setup(source, Some(OtherHand::default()));
-        let Some(SourceUri::Stream(stream)) = &setup.source else {
+        let Some(SourceUri::Stream(stream)) = &setup.setup.source else {
             panic!("a stream");
         };
         let decoder = stream.format.decoder();
-        let setup = setup.load_files().expect("a valid setup");
         let mut tracker = Self {
             pipeline: CheckedPipeline::new(&setup),
             decoder,
@@ -202,7 +202,7 @@ fn a_setup_with_one_hand_has_the_arm_of_the_side_that_its_source_names() {
         ("stdin:?protocol=body-landmarks&hand=left", Side::Left),
         ("file:walk.bvh?protocol=bvh&hand=left", Side::Left),
     ] {
-        let setup = setup(source, None).load_files().expect("a valid setup");
+        let setup = setup(source, None);
         assert!(setup.glove.is_none(), "{source}");
         assert_eq!(setup.arm.side(), side, "{source}");
     }

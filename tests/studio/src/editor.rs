@@ -10,20 +10,20 @@ use ademan::studio::model::StudioModel;
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use tempfile::TempDir;
 
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
 /// A file with a layout of its own in a folder of the test.
-pub struct EditedFile(pub PathBuf);
+pub struct EditedFile(pub PathBuf, #[allow(dead_code, reason = "keeps the folder")] TempDir);
 
 impl EditedFile {
     pub fn new(name: &str, content: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("ademan-editor-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder for the test");
-        let path = folder.join(name);
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let path = folder.path().join(name);
         fs::write(&path, content).expect("the file can be written");
-        Self(path)
+        Self(path, folder)
     }
 
     pub fn open(&self) -> StudioWindow {
@@ -35,12 +35,6 @@ impl EditedFile {
 
     pub fn text(&self) -> String {
         fs::read_to_string(&self.0).expect("the file can be read")
-    }
-}
-
-impl Drop for EditedFile {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.0);
     }
 }
 
