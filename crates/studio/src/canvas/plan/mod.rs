@@ -166,6 +166,12 @@ impl Plan {
         items.map(|item| item.bounds(view)).reduce(Bounds::union)
     }
 
+    /// Returns the rectangle around all that is drawn of those items for which `is_within` is true; `None` without any.
+    pub fn extent(&self, view: PlanView, is_within: impl Fn(Part) -> bool) -> Option<Bounds> {
+        let items = self.items.iter().filter(|item| is_within(item.part));
+        items.map(|item| item.extent(view)).reduce(Bounds::union)
+    }
+
     /// Returns the item at a point; of several the one nearest to the eye. An item is hit up to `reach` millimetres beside it.
     pub fn item_at(&self, view: PlanView, point: Vec2, reach: f32) -> Option<&PlanItem> {
         let hit = self.items.iter();
@@ -302,6 +308,14 @@ impl PlanItem {
         };
         let center = view.flatten(self.center());
         bounds.unwrap_or(Bounds::between(center, center))
+    }
+
+    /// Returns the rectangle around its fronts and its plate, which has corners without keys, or around its volume.
+    pub fn extent(&self, view: PlanView) -> Bounds {
+        let outline = self.board().into_iter().flat_map(PlanBoard::outline);
+        let points = outline.map(|point| view.flatten(point));
+        let points = points.map(|point| Bounds::between(point, point));
+        points.fold(self.bounds(view), Bounds::union)
     }
 
     /// Returns its origin or center.

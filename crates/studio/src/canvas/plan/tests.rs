@@ -385,6 +385,21 @@ fn boards_in_one_place_are_red_and_say_the_distance_while_they_are() {
 }
 
 #[test]
+fn a_corner_of_a_plate_without_keys_is_within_the_extent() {
+    let corner = "Layout(name: \"a\", boards: [(
+        pose: (anchor: elbow, bearing_deg: 45, forward_mm: 300),
+        keys: [(code: \"A\", at_mm: (0, 0)), (code: \"B\", at_mm: (200, 0)), (code: \"C\", at_mm: (0, 100))],
+    )])";
+    let plan = plan(&editor(corner));
+    let extent = plan.extent(PlanView::Above, |_| true).unwrap();
+    let board = plan.items[0].board().unwrap();
+    let mut corners = board.outline().map(|at| PlanView::Above.flatten(at));
+    assert!(corners.all(|at| extent.min.cmple(at).all() && extent.max.cmpge(at).all()));
+    let keys = plan.bounds(PlanView::Above, |_| true).unwrap();
+    assert!(keys.size().max_element() < extent.size().max_element());
+}
+
+#[test]
 fn keys_of_the_plan_are_where_they_are_hit() {
     let editor = editor(TWO_BOARDS);
     let pictures = drawn(&editor, PlanView::Above);

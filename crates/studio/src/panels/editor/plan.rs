@@ -170,7 +170,7 @@ impl EditorPanel {
         let bounds = self
             .plan
             .plan
-            .bounds(view, |part| selection.contains(&part));
+            .extent(view, |part| selection.contains(&part));
         let is_drawn = size.min_element() > 0.0;
         let bounds = bounds.filter(|_| is_drawn);
         let chosen = bounds.map(|bounds| AreaViewport::fixed(Viewport::fit(bounds, size)));
@@ -232,7 +232,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
     canvas::keep_arrow_keys(ui, &response);
     let view = panel.plan.view;
-    let bounds = panel.plan.plan.bounds(view, |_| true);
+    let bounds = panel.plan.plan.extent(view, |_| true);
     let revision = panel.editor.revision();
     let is_held = ui.input(|input| input.pointer.any_down());
     let mut viewport = panel
