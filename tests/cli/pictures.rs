@@ -159,13 +159,13 @@ fn another_program_reads_the_words_and_the_size_of_every_page() {
         run(["layout", "show", name, "--pdf", text(&path)]).done();
         let svg = run(["layout", "show", name, "--svg", "-"]).done().out;
         let svg = roxmltree::Document::parse(&svg).unwrap();
-        let mm = |name| {
-            let length = svg.root_element().attribute(name).unwrap();
+        let mm = |side| {
+            let length = svg.root_element().attribute(side).unwrap();
             length.trim_end_matches("mm").parse::<f64>().unwrap()
         };
         let facts = read_by("pdfinfo", &[text(&path)]);
-        let fact = |name: &str| {
-            let line = facts.lines().find(|line| line.starts_with(name));
+        let fact = |title: &str| {
+            let line = facts.lines().find(|line| line.starts_with(title));
             line.unwrap().split_once(':').unwrap().1.trim().to_owned()
         };
         assert_eq!(fact("Pages"), "1");

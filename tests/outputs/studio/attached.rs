@@ -1,15 +1,9 @@
 //! The window on the session of `ademan run`, which goes on whatever the window does.
 
-use std::fs;
-use std::path::Path;
 use std::process::{Command, Output};
 
-use ademan::command::TextMode;
-use ademan::session::control_socket::WatchClient;
-use ademan::session::view::ViewState;
 use tempfile::TempDir;
 
-use super::devices::{ESCAPE, Keyboard, TAB};
 use super::safety::close_window;
 use super::{is_drawn, is_typing, studio};
 use crate::support::binary::ademan;
@@ -27,13 +21,9 @@ struct Other {
 
 impl Other {
     fn start() -> Self {
-        let source = format!("typist:{}", "hello ".repeat(300));
         let folder = tempfile::tempdir().expect("a folder");
-        Self::run(folder, &["--source", &source])
-    }
-
-    fn run(folder: TempDir, arguments: &[&str]) -> Self {
-        let mut command = ademan(["run"].iter().chain(arguments));
+        let source = format!("typist:{}", "hello ".repeat(300));
+        let mut command = ademan(["run", "--source", &source]);
         command.env("XDG_RUNTIME_DIR", folder.path());
         let run = Program::from_command(command);
         run.wait_for_line("armed", 1);
@@ -88,88 +78,6 @@ fn a_window_that_hangs_or_is_killed_does_not_hold_a_run_up() {
     other.ctl("resume");
     other.ctl("stop");
     assert!(other.run.wait_for_exit().success());
-}
-
-/// A setup with two profiles and a text decoder, whose hand rests.
-const TWO_PROFILES: &str = "Setup(
-    source: \"script:wait 600000\",
-    output: \"none\",
-    profiles: [(name: \"arc\", layout: \"qwerty-arc\")],
-    text: (mode: Literal),
-)";
-
-/// The number of widgets before the menu of the session in the toolbar, which the Tab key visits first: three workspaces and three
-/// commands.
-const BEFORE_MENU: usize = 6;
-
-/// Views of two seconds of a hand that is seen.
-const MAX_VIEWS: usize = 60;
-
-/// Chooses an entry of the menu of the session, with the keyboard.
-fn choose(keyboard: &Keyboard, entry: usize) {
-    let space = u32::from(' ');
-    keyboard.tap(ESCAPE);
-    for _ in 0..=BEFORE_MENU {
-        keyboard.tap(TAB);
-    }
-    keyboard.tap(space);
-    for _ in 0..=entry {
-        keyboard.tap(TAB);
-    }
-    keyboard.tap(space);
-}
-
-/// Returns the first state that meets a condition, of those of the next seconds.
-fn state_where(socket: &Path, condition: impl Fn(&ViewState) -> bool) -> Option<ViewState> {
-    let mut client = WatchClient::connect(socket).expect("the run listens");
-    for _ in 0..MAX_VIEWS {
-        let view = client.next_view().expect("a view").expect("it runs");
-        if condition(&view.state) {
-            return Some(ViewState::clone(&view.state));
-        }
-    }
-    None
-}
-
-#[test]
-fn the_menu_of_the_session_changes_profile_and_text_mode_of_a_run() {
-    let Some(server) = XServer::start() else {
-        return;
-    };
-    let folder = tempfile::tempdir().expect("a folder");
-    let setup = folder.path().join("sofa.ron");
-    let socket = folder.path().join("c.sock");
-    fs::write(&setup, TWO_PROFILES).expect("space on the disk");
-    let [setup, control] = [&setup, &socket].map(|path| path.to_str().expect("a plain path"));
-    let other = Other::run(folder, &[setup, "--control", control]);
-    let state = state_where(&socket, |_| true).expect("a view");
-    assert_eq!(
-        (state.name.as_str(), state.process),
-        ("sofa.ron", Some(other.run.id()))
-    );
-    let mut command = studio(&server, &["--attach", control]);
-    command.env("XDG_CONFIG_HOME", other.folder.path());
-    let window = Program::from_command(command);
-    window.wait_for_line(ATTACHED, 1);
-    assert!(is_drawn(&server), "{:#?}", window.stderr_lines());
-    server.focus_visible_window();
-    let keyboard = Keyboard::new(&server);
-    let changed = |condition: &dyn Fn(&ViewState) -> bool| {
-        let changed = state_where(&socket, condition);
-        assert!(changed.is_some(), "{:#?}", window.stderr_lines());
-    };
-    choose(&keyboard, 0);
-    changed(&|state| state.profile == "arc");
-    for (entry, mode) in [
-        (3, TextMode::Auto),
-        (2, TextMode::Suggest),
-        (1, TextMode::Literal),
-    ] {
-        choose(&keyboard, entry);
-        changed(&|state| state.text_mode == Some(mode));
-    }
-    choose(&keyboard, 0);
-    changed(&|state| state.profile == "main");
 }
 
 #[test]

@@ -13,8 +13,7 @@ use crate::support::x11::{XServer, wait_for};
 /// Keysyms of keys without a character.
 const F9: u32 = 0xffc6;
 const ENTER: u32 = 0xff0d;
-pub(super) const ESCAPE: u32 = 0xff1b;
-pub(super) const TAB: u32 = 0xff09;
+const ESCAPE: u32 = 0xff1b;
 const SHIFT: u32 = 0xffe1;
 const CONTROL: u32 = 0xffe3;
 
@@ -25,7 +24,7 @@ const MARGIN: (i16, i16) = (15, 330);
 const TAP_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The keyboard of an X server, on which a person types.
-pub(super) struct Keyboard {
+struct Keyboard {
     client: RustConnection,
     /// The keysyms of each key, without Shift and with it.
     keysyms: Vec<[u32; 2]>,
@@ -33,7 +32,7 @@ pub(super) struct Keyboard {
 }
 
 impl Keyboard {
-    pub(super) fn new(server: &XServer) -> Self {
+    fn new(server: &XServer) -> Self {
         let (client, _) = x11rb::connect(Some(server.display())).expect("the server answers");
         let setup = client.setup();
         let (first, last) = (setup.min_keycode, setup.max_keycode);
@@ -93,7 +92,7 @@ impl Keyboard {
     }
 
     /// Presses and releases the key of a keysym, with Shift where that is needed.
-    pub(super) fn tap(&self, keysym: u32) {
+    fn tap(&self, keysym: u32) {
         let find = |column: usize| self.keysyms.iter().position(|key| key[column] == keysym);
         let (index, needs_shift) = match find(0) {
             Some(index) => (index, false),

@@ -130,6 +130,7 @@ impl Workspace {
 }
 
 /// The state of the panels between two pictures.
+#[derive(Default)]
 pub struct PanelState {
     workspace: Workspace,
     /// The layout editor, once its tab was opened, or the reason why it has no layout.
@@ -169,36 +170,6 @@ pub struct PanelState {
     focused_panel: Option<usize>,
     /// Reason why something was not done: a command was not sent, or the settings were not kept.
     pub message: Option<String>,
-}
-
-impl Default for PanelState {
-    fn default() -> Self {
-        Self {
-            workspace: Workspace::default(),
-            editor: None,
-            unsaved_work: None,
-            camera: Camera::default(),
-            next_viewpoint: None,
-            is_camera_placed: false,
-            scene: SceneOptions::default(),
-            is_fingertip: false,
-            scope: ScopeState::default(),
-            recording: RecordingState::default(),
-            lab: LabState::default(),
-            settings: Settings::default(),
-            person_file: String::new(),
-            layout_file: String::new(),
-            devices: DevicesWindow::default(),
-            next_setup: None,
-            applied_look: None,
-            tour: Tour::default(),
-            shows_keys: false,
-            headset: None,
-            panel_ids: Vec::new(),
-            focused_panel: None,
-            message: None,
-        }
-    }
 }
 
 impl PanelState {

@@ -167,9 +167,9 @@ impl Panel {
         let sized = |panel: egui::Panel, [min, first]: [f32; 2]| {
             panel.default_size(kept.unwrap_or(first)).min_size(min)
         };
-        let content = |ui: &mut Ui| {
-            let has_focus = look::mark_panel(ui, state, self.key);
-            (self.show)(ui, state, context, has_focus);
+        let content = |inner: &mut Ui| {
+            let has_focus = look::mark_panel(inner, state, self.key);
+            (self.show)(inner, state, context, has_focus);
         };
         let (panel, is_wide) = match self.place {
             Place::Top => (egui::Panel::top(self.key), None),
