@@ -5,6 +5,7 @@ mod support;
 
 mod arming;
 mod bends;
+mod body_anchors;
 mod body_angles;
 mod body_landmarks;
 mod calibration;

@@ -266,7 +266,7 @@ impl StudioModel {
         let anchor_from_board = self.view.boards.get(index)?;
         let origin = match surface.anchor() {
             Anchor::World => Vec3::ZERO,
-            anchor @ (Anchor::Joint(_) | Anchor::Start | Anchor::OtherHand) => {
+            anchor @ (Anchor::Joint(_) | Anchor::Start | Anchor::OtherHand | Anchor::Body(_)) => {
                 let is_own = |pose: &&HandPose| surface.side().is_none_or(|side| side == pose.side);
                 let mut poses = self.poses.iter().rev().flatten().filter(is_own);
                 poses.find_map(|pose| anchor.position(pose, surface.side().is_none()))?

@@ -119,7 +119,7 @@ fn json_of(file: &str, outcome: &Result<Checked, DocumentError>) -> Value {
 }
 
 /// Returns one warning for all controls that no hand of the setup can press, one for each pair of boards in one place, and one for a
-/// layout that follows a hand which the setup does not measure. Such a layout is still valid.
+/// layout that follows a hand or a point of the body which the setup does not measure. Such a layout is still valid.
 fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let setup = Setup {
         layout: layout.file.clone(),
@@ -134,10 +134,12 @@ fn warnings(layout: &Layout, setup: &Setup) -> Result<Vec<String>, SetupError> {
     let overlaps = overlaps.iter().map(BoardOverlap::message);
     let missing = setup.missing_other_hand(&setup.layout);
     let missing = missing.map(str::to_owned).into_iter();
+    let unmeasured = setup.unmeasured_body_point(&setup.layout);
     Ok(out_of_reach
         .into_iter()
         .chain(overlaps)
         .chain(missing)
+        .chain(unmeasured)
         .collect())
 }
 

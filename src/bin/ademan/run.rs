@@ -133,6 +133,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
         release_keys::report(&result);
     }
     let setup = setup.load_files()?;
+    let mut layouts = setup.layouts();
+    if let Some(reason) = layouts.find_map(|layout| setup.unmeasured_body_point(layout)) {
+        return Err(Failure::wrong_use(reason));
+    }
+    drop(layouts);
     if view == ViewKind::Board {
         messages::hold();
         if is_replaced {
@@ -191,6 +196,9 @@ fn choose_view(
 fn report_reach(setup: LoadedSetup) -> Result<(), Failure> {
     let report = move || {
         for layout in setup.layouts() {
+            if let Some(missing) = setup.missing_other_hand(layout) {
+                say!("{}: {missing}", escape(&layout.file));
+            }
             if let Some(report) = setup.reach_report(layout) {
                 say!("{}: {report}", escape(&layout.file));
             }

@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Vec3};
 use super::TargetId;
 use super::front_index::FrontIndex;
 pub use super::target::{DRAG_MARGIN, Shape, Share, TREMOR_MARGIN, Target};
-use crate::hand::{Finger, Joint, Side};
+use crate::hand::{BodyPoint, Finger, Joint, Side};
 use crate::kinematics::HandPose;
 
 /// The reference point of a surface.
@@ -20,6 +20,8 @@ pub enum Anchor {
     Start,
     /// The [wrist of the other hand](HandPose::other_wrist).
     OtherHand,
+    /// A [measured point of the body](HandPose::body).
+    Body(BodyPoint),
 }
 
 impl Anchor {
@@ -32,6 +34,7 @@ impl Anchor {
             Self::Start if is_shared => pose.start.shared,
             Self::Start => pose.start.own,
             Self::OtherHand => pose.other_wrist,
+            Self::Body(point) => pose.body.get(point),
         }
     }
 }
@@ -66,9 +69,10 @@ impl Surface {
         ))
     }
 
-    /// Returns whether the hand may touch the surface once the surface has its place, at the start or at the other hand.
+    /// Returns whether the hand may touch the surface once the surface has its place, at the start, at the other hand or at the body.
     pub fn waits_for_place(&self, pose: &HandPose) -> bool {
-        matches!(self.anchor, Anchor::Start | Anchor::OtherHand)
+        let has_place = matches!(self.anchor, Anchor::World | Anchor::Joint(_));
+        !has_place
             && self.side.is_none_or(|side| side == pose.side)
             && self.anchor.position(pose, self.side.is_none()).is_none()
     }
@@ -251,6 +255,12 @@ impl Scene {
     pub fn follows_other_hand(&self) -> bool {
         let mut surfaces = self.surfaces.iter();
         surfaces.any(|surface| surface.anchor == Anchor::OtherHand)
+    }
+
+    /// Returns whether a surface is anchored at a point of the body.
+    pub fn follows_body(&self) -> bool {
+        let mut surfaces = self.surfaces.iter();
+        surfaces.any(|surface| matches!(surface.anchor, Anchor::Body(_)))
     }
 
     /// Returns whether a finger presses a target by bending.

@@ -11,7 +11,7 @@ use super::tip_speed::{TipSpeed, Tips};
 use super::zero::{Zero, ZeroError, Zeroed};
 use super::{BendRanges, ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
 use crate::capture::{Reading, Sample, SampleKind};
-use crate::hand::{Displacement, Joint, JointAngles};
+use crate::hand::{BodyPoint, Displacement, Joint, JointAngles};
 use crate::time::Timestamp;
 
 /// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
@@ -104,6 +104,14 @@ impl Estimator {
     /// Returns the angles at which the fingers are straight and closed.
     pub fn bend_ranges(&self) -> &BendRanges {
         &self.bend_ranges
+    }
+
+    /// Returns where a point of the body is by the latest accepted reading, in the frame of the hand (metres); `None` if it was not measured.
+    pub fn body_point(&self, point: BodyPoint) -> Option<Vec3> {
+        match point {
+            BodyPoint::Shoulder => self.estimate.measured.get(Joint::Shoulder),
+            BodyPoint::Head | BodyPoint::Hip => self.converter.body_points().get(point),
+        }
     }
 
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.

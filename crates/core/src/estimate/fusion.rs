@@ -111,6 +111,12 @@ impl FusedEstimator {
         self.estimate.lose_hand();
     }
 
+    /// Returns the estimator of the arm, unless its source is lost.
+    pub(super) fn arm(&self) -> Option<&Estimator> {
+        let arm = &self.parts[HandPart::Arm.index()];
+        arm.seen_at.map(|_| &arm.estimator)
+    }
+
     /// Returns the estimator of the fingers.
     pub(super) fn fingers(&self) -> &Estimator {
         &self.parts[HandPart::Fingers.index()].estimator

@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
+use parry3d::math::Vec3;
+
 use super::{
     BendRanges, Estimate, Estimator, FusedEstimator, LearnedRange, Rejection, ZeroError, Zeroed,
 };
 use crate::capture::Reading;
-use crate::hand::HandPart;
+use crate::hand::{BodyPoint, HandPart};
 
 /// The estimator of one hand.
 #[derive(Clone, Debug)]
@@ -78,6 +80,14 @@ impl HandEstimator {
     /// Discards what was observed of ranges and not learned yet.
     pub fn forget_excursions(&mut self) {
         self.fingers_mut().forget_excursions();
+    }
+
+    /// Returns where a point of the body is by the source of the arm: see [`Estimator::body_point`].
+    pub fn body_point(&self, point: BodyPoint) -> Option<Vec3> {
+        match self {
+            Self::Single(estimator) => estimator.body_point(point),
+            Self::Fused(estimator) => estimator.arm()?.body_point(point),
+        }
     }
 
     /// Returns the angles at which the fingers are straight and closed.

@@ -1,7 +1,8 @@
 //! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles, joint
-//! positions, rotations of bones, displacements, the inputs of a glove, and angles of the body.
+//! positions, rotations of bones, displacements, the inputs of a glove, and angles and points of the body.
 
 mod body_angles;
+mod body_point;
 mod bone_rotations;
 mod displacement;
 mod inputs;
@@ -10,6 +11,7 @@ mod joint_positions;
 pub(crate) mod open_hand;
 
 pub use body_angles::BodyAngle;
+pub use body_point::{BodyPoint, BodyPoints};
 pub use bone_rotations::{ArmBone, ArmRotations, BoneRotations};
 pub use displacement::Displacement;
 pub use inputs::{Input, InputValues};

@@ -21,7 +21,7 @@ pub use reach::{HandReach, half_bent_fingers, typing_angle};
 
 use parry3d::math::{Pose, Vec3};
 
-use crate::hand::{Finger, FingerSet, Joint, JointPositions, Side};
+use crate::hand::{BodyPoints, Finger, FingerSet, Joint, JointPositions, Side};
 use crate::time::Timestamp;
 
 /// The position of the index fingertip of an open hand that was held still at the start (world, metres); `None` until then.
@@ -50,6 +50,8 @@ pub struct HandPose {
     pub start: StartPlace,
     /// The position of the wrist of the other hand (world, metres), if one source measures both in one frame. A new reading keeps it.
     pub other_wrist: Option<Vec3>,
+    /// The points of the body that are measured together with the hand, if the layout follows any. A new reading keeps them.
+    pub body: BodyPoints,
     joints: [Pose; Joint::COUNT],
     known: u32,
 }
@@ -65,6 +67,7 @@ impl HandPose {
             tip_radius,
             start: StartPlace::default(),
             other_wrist: None,
+            body: BodyPoints::default(),
             joints: [Pose::IDENTITY; Joint::COUNT],
             known: 0,
         }

@@ -105,7 +105,12 @@ impl Fit {
             Vec3::new(shift.x, away * cos + up * sin, up * cos - away * sin)
         };
         match pose.anchor {
-            AnchorSchema::World | AnchorSchema::Start | AnchorSchema::Other => PoseFit::NONE,
+            AnchorSchema::World
+            | AnchorSchema::Start
+            | AnchorSchema::Other
+            | AnchorSchema::Shoulder
+            | AnchorSchema::Head
+            | AnchorSchema::Hip => PoseFit::NONE,
             AnchorSchema::Elbow => PoseFit {
                 shift: hand.from_elbow,
                 scale: hand.scale,

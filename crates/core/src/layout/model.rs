@@ -19,7 +19,7 @@ use crate::device::signals::Signals;
 use crate::device::trigger::{Measure, Trigger};
 use crate::device::value_output::{NamedValue, ValueOutput};
 use crate::device::{KeyAction, Multitap, MultitapId, Multitaps, Sequence, SequenceId, TextId};
-use crate::hand::Side;
+use crate::hand::{BodyPoint, Side};
 
 /// The maximum number of targets of a layout: keys, other controls, triggers, and targets in space.
 pub const MAX_TARGETS: usize = 10_000;
@@ -279,6 +279,21 @@ impl Layout {
     /// Returns whether a board, pointer or space is anchored at the other hand.
     pub fn follows_other_hand(&self) -> bool {
         self.scene.follows_other_hand() || self.has_frame_at(Anchor::OtherHand)
+    }
+
+    /// Returns whether a board, pointer or space is anchored at a point of the body.
+    pub fn follows_body(&self) -> bool {
+        self.followed_body_points().next().is_some()
+    }
+
+    /// Iterates over the points of the body at which a board, pointer or space is anchored.
+    pub fn followed_body_points(&self) -> impl Iterator<Item = BodyPoint> {
+        let points = BodyPoint::ALL.iter().copied();
+        points.filter(|point| {
+            let anchor = Anchor::Body(*point);
+            let mut surfaces = self.scene.surfaces().iter();
+            surfaces.any(|surface| surface.anchor() == anchor) || self.has_frame_at(anchor)
+        })
     }
 
     /// Returns whether a pointer or space has this anchor.

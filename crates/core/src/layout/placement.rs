@@ -10,7 +10,7 @@ use super::schema::{
 };
 use crate::contact::board_pose::{AutoRecenter, BoardPose};
 use crate::contact::surface::{Anchor, Shape};
-use crate::hand::Joint;
+use crate::hand::{BodyPoint, Joint};
 
 impl BoardShapeSchema {
     /// Returns the shape in metres. The radius of an arc grows with the reach, as its center stays at the anchor.
@@ -81,6 +81,9 @@ impl From<AnchorSchema> for Anchor {
             AnchorSchema::Wrist => Self::Joint(Joint::Wrist),
             AnchorSchema::Start => Self::Start,
             AnchorSchema::Other => Self::OtherHand,
+            AnchorSchema::Shoulder => Self::Body(BodyPoint::Shoulder),
+            AnchorSchema::Head => Self::Body(BodyPoint::Head),
+            AnchorSchema::Hip => Self::Body(BodyPoint::Hip),
         }
     }
 }

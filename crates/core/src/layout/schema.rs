@@ -157,6 +157,12 @@ schema! {
         Start,
         /// The wrist of your other hand, for a source that measures both hands in one room, such as a camera or a headset. Without that hand nothing is touched.
         Other,
+        /// The shoulder of the hand, for a source that measures it: body landmarks, a BVH file, or markers. While it is not seen nothing is touched.
+        Shoulder,
+        /// The head, between the ears, for body landmarks. While it is not seen nothing is touched.
+        Head,
+        /// The hip on the side of the hand, for body landmarks. While it is not seen nothing is touched.
+        Hip,
     }
 }
 

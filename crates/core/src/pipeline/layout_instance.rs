@@ -48,6 +48,8 @@ pub struct LayoutInstance {
     starts_at_hand: bool,
     /// Something is anchored at the other hand.
     follows_other_hand: bool,
+    /// Something is anchored at a point of the body.
+    follows_body: bool,
     /// The text decoder.
     filter: Option<Box<dyn PressFilter>>,
 }
@@ -68,6 +70,7 @@ impl LayoutInstance {
             needs_bends: scene.has_bend_targets() || devices.iter().any(|it| it.needs_bends()),
             starts_at_hand: scene.starts_at_hand(),
             follows_other_hand: scene.follows_other_hand(),
+            follows_body: scene.follows_body(),
             bend_trackers: Default::default(),
             scene,
             target_names,
@@ -96,6 +99,7 @@ impl LayoutInstance {
         Self {
             starts_at_hand: self.starts_at_hand || layout.has_frame_at(Anchor::Start),
             follows_other_hand: layout.follows_other_hand(),
+            follows_body: layout.follows_body(),
             layout: Some(layout),
             ..self
         }
@@ -200,6 +204,11 @@ impl LayoutInstance {
     /// Returns whether a board, pointer or space is anchored at the other hand.
     pub(super) fn follows_other_hand(&self) -> bool {
         self.follows_other_hand
+    }
+
+    /// Returns whether a board, pointer or space is anchored at a point of the body.
+    pub(super) fn follows_body(&self) -> bool {
+        self.follows_body
     }
 
     /// Returns whether a device points somewhere.

@@ -4,6 +4,7 @@ mod arming;
 mod auto_recenter;
 mod bends;
 mod board_move;
+mod body_points;
 mod command_error;
 mod commands;
 mod hand_pipeline;
@@ -206,6 +207,9 @@ impl Pipeline {
     /// Runs forward kinematics and contact for the present estimate of a hand.
     fn update_pose(&mut self, index: usize) {
         self.update_other_wrist(index);
+        if self.layout().follows_body() {
+            self.hands[index].update_body_points();
+        }
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
         hand.arm.forward_into(&output.estimate, &mut output.pose);

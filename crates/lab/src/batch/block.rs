@@ -59,7 +59,7 @@ impl LaneSurface {
         } = surface.anchor_from_surface();
         Self {
             anchor: match surface.anchor() {
-                Anchor::World | Anchor::Start | Anchor::OtherHand => None,
+                Anchor::World | Anchor::Start | Anchor::OtherHand | Anchor::Body(_) => None,
                 Anchor::Joint(joint) => Some(joint),
             },
             translation: splat(translation.to_array()),
@@ -67,7 +67,7 @@ impl LaneSurface {
             heights: surface.front_heights(),
             is_flat: surface.is_flat(),
             tip_radius,
-            has_no_place: matches!(surface.anchor(), Anchor::Start | Anchor::OtherHand)
+            has_no_place: !matches!(surface.anchor(), Anchor::World | Anchor::Joint(_))
                 || surface.side().is_some_and(|other| other != side),
         }
     }

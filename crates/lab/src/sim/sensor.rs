@@ -5,7 +5,9 @@ use glam::{Quat, Vec3};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::{Sample, SampleKind};
 use crate::estimate::{ChannelMap, Estimate, JointAngles, bones_from_angles};
-use crate::hand::{BodyAngle, BoneRotations, Displacement, Finger, Joint, Side};
+use crate::hand::{
+    BodyAngle, BodyPoint, BodyPoints, BoneRotations, Displacement, Finger, Joint, Side,
+};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
 
@@ -152,6 +154,25 @@ const UPPER_ARM: f32 = 0.3;
 
 /// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.
 const FIRST_PAIR: usize = 11;
+
+/// Returns the points of the body of an upright person with this pose, whose shoulders, ears and hips are those of the landmarks.
+pub(super) fn body_points(pose: &HandPose) -> BodyPoints {
+    let elbow = || Some(pose.position(Joint::Elbow)? + Vec3::Y * UPPER_ARM);
+    let shoulder = pose.position(Joint::Shoulder).or_else(elbow);
+    let inwards = match pose.side {
+        Side::Left => Vec3::X * HALF_SHOULDERS,
+        Side::Right => Vec3::NEG_X * HALF_SHOULDERS,
+    };
+    let mut points = BodyPoints::default();
+    points.set(BodyPoint::Shoulder, shoulder);
+    let head = shoulder.map(|shoulder| shoulder + inwards + NECK);
+    points.set(BodyPoint::Head, head);
+    points.set(
+        BodyPoint::Hip,
+        shoulder.map(|shoulder| shoulder - Vec3::Y * TRUNK),
+    );
+    points
+}
 
 /// Returns the landmarks of an upright person who faces the camera. The landmarks of the other arm are not visible.
 fn body(pose: &HandPose, posture: &BodyPosture) -> BodyLandmarks {

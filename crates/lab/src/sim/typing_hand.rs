@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
 use super::effector::Effector;
+use super::sensor::body_points;
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Input, Joint, Side};
 use crate::kinematics::{
@@ -214,6 +215,7 @@ impl TypingHand {
     fn placed(&self, angles: JointAngles) -> HandPose {
         let mut pose = self.arm.forward(&Estimate::new(Timestamp(0), angles));
         pose.start = self.start;
+        pose.body = body_points(&pose);
         pose
     }
 

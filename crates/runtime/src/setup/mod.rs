@@ -1,5 +1,6 @@
 //! Setups: sources, gloves, arms, layouts, output and limits, as written in a file and as loaded.
 
+mod body_points;
 mod check;
 mod first;
 mod loaded;

@@ -30,7 +30,8 @@ impl LoadedSetup {
             person: self.simulated_person.clone(),
             keys: TypingKeys::new(&self.layout),
         };
-        self.typist_with(text, &settings, SampleKind::Channels)
+        let kind = Self::simulated_kind(self.layout.follows_body());
+        self.typist_with(text, &settings, kind)
     }
 
     /// Returns a simulated hand that types `text` on the layout through the bytes of a protocol.
@@ -192,9 +193,15 @@ impl LoadedSetup {
         text
     }
 
-    /// Returns what a script moves: a camera that sees the person for a layout of head or feet, else a glove.
+    /// Returns what a script moves.
     fn scripted_kind(&self) -> SampleKind {
-        if self.layout.uses_body() {
+        let layout = &self.layout;
+        Self::simulated_kind(layout.uses_body() || layout.follows_body())
+    }
+
+    /// Returns what the simulated person moves: a camera that sees the person if the body counts, else a glove.
+    fn simulated_kind(sees_body: bool) -> SampleKind {
+        if sees_body {
             SampleKind::Body
         } else {
             SampleKind::Channels

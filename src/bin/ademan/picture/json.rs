@@ -78,6 +78,7 @@ fn anchor(surface: &Surface) -> &'static str {
         Anchor::Joint(joint) => joint.name(),
         Anchor::Start => "start",
         Anchor::OtherHand => "other",
+        Anchor::Body(point) => point.name(),
     }
 }
 

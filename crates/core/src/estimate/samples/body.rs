@@ -6,12 +6,13 @@ use glam::DVec3;
 use parry3d::math::Vec3;
 
 use super::body_angles::BodyAngles;
+use super::body_points::SeenPoints;
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks};
 use crate::estimate::arm_attributes::{
     ArmAttributes, ArmAttributesError, HALF_POSE_ROWS, HalfPose, shoulder_basis,
 };
 use crate::estimate::{Estimate, EstimatorSettings, JointLimits, Rejection};
-use crate::hand::{Dof, Finger, FingerSet, Joint, JointAngles, Side};
+use crate::hand::{BodyPoints, Dof, Finger, FingerSet, Joint, JointAngles, Side};
 use crate::time::Timestamp;
 
 /// The first landmark of a half pose: the left shoulder.
@@ -32,6 +33,7 @@ const UNSEEN: [Finger; 2] = [Finger::Middle, Finger::Ring];
 pub(super) struct BodyConverter {
     held: Option<Held>,
     angles: BodyAngles,
+    points: SeenPoints,
 }
 
 /// The last arm that was seen.
@@ -48,6 +50,11 @@ struct Held {
 const JOINTS: usize = 9;
 
 impl BodyConverter {
+    /// Returns head and hip, in the frame of the joints.
+    pub(super) fn points(&self) -> &BodyPoints {
+        self.points.points()
+    }
+
     /// Writes the angles and positions of the arm of one side into `estimate`.
     ///
     /// An arm whose landmarks have a confidence below the limit keeps its last pose for the hold time. After that it is
@@ -66,10 +73,16 @@ impl BodyConverter {
         angles.write(body, settings, estimate.time, inputs);
         if confidence(body, side) >= settings.landmarks.min_confidence {
             let was_lost = self.held.as_ref().is_some_and(|held| held.is_lost);
-            let seen = self.see(body, side, settings.limits.as_ref(), estimate.time)?;
+            let pose = half_pose(body);
+            let frame = ArmFrame::new(&pose, side)?;
+            let seen = self.see(&pose, &frame, settings.limits.as_ref(), estimate.time)?;
             estimate.jumped = was_lost;
             seen.write(estimate);
+            let position = |landmark| frame.position(landmark);
+            self.points
+                .see(body, side, settings, estimate.time, position);
         } else {
+            self.points.hold(settings, estimate.time);
             match &mut self.held {
                 Some(held) => {
                     held.is_lost |= estimate.time.since(held.time) > settings.landmarks.hold;
@@ -87,19 +100,19 @@ impl BodyConverter {
 
     fn see(
         &mut self,
-        body: &BodyLandmarks,
-        side: Side,
+        pose: &HalfPose,
+        frame: &ArmFrame,
         limits: Option<&JointLimits>,
         time: Timestamp,
     ) -> Result<&Held, Rejection> {
-        let pose = half_pose(body);
-        let attributes = ArmAttributes::from_landmarks(&pose, side).map_err(rejection)?;
+        let side = frame.side;
+        let attributes = ArmAttributes::from_landmarks(pose, side).map_err(rejection)?;
         let angles = attributes.joint_angles(side).ok_or(Rejection::Collapsed)?;
         let mut angles = steady_plane(angles, self.held.as_ref());
         if let Some(limits) = limits {
             limits.clamp_all(&mut angles);
         }
-        let joints = joints(&pose, side)?;
+        let joints = joints(pose, frame);
         Ok(self.held.insert(Held {
             time,
             angles,
@@ -169,30 +182,53 @@ fn nearest_turn(radians: f64) -> f64 {
     (radians + PI / 2.0).rem_euclid(2.0 * PI) - PI / 2.0
 }
 
-/// Returns the positions of the joints of an arm in metres, in a frame that moves with the body: the origin is the
-/// shoulder, X points to the right, Y up the trunk and Z backwards.
+/// The frame of an arm, which moves with the body: the origin is the shoulder, X points to the right, Y up the trunk and Z backwards.
+struct ArmFrame {
+    side: Side,
+    shoulder: DVec3,
+    right: DVec3,
+    down: DVec3,
+    back: DVec3,
+}
+
+impl ArmFrame {
+    fn new(pose: &HalfPose, side: Side) -> Result<Self, Rejection> {
+        let basis = shoulder_basis(&pose.trunk(), side).map_err(rejection)?;
+        // The first axis points outwards, the third backwards for the left arm and forwards for the right.
+        let (right, back) = match side {
+            Side::Left => (-basis.x_axis, basis.z_axis),
+            Side::Right => (basis.x_axis, -basis.z_axis),
+        };
+        Ok(Self {
+            side,
+            shoulder: pose.arm(side).shoulder,
+            right,
+            down: basis.y_axis,
+            back,
+        })
+    }
+
+    /// Returns the position of a landmark, in metres.
+    fn position(&self, landmark: DVec3) -> Vec3 {
+        let offset = landmark - self.shoulder;
+        DVec3::new(
+            offset.dot(self.right),
+            -offset.dot(self.down),
+            offset.dot(self.back),
+        )
+        .as_vec3()
+    }
+}
+
+/// Returns the positions of the joints of an arm in its frame, in metres.
 ///
 /// The landmark of a finger is its knuckle, or the last joint of the thumb. It is also the point that touches, because no
 /// landmark is closer to the tip.
-fn joints(pose: &HalfPose, side: Side) -> Result<[(Joint, Vec3); JOINTS], Rejection> {
-    let basis = shoulder_basis(&pose.trunk(), side).map_err(rejection)?;
-    let arm = pose.arm(side);
-    // The first axis points outwards, the third backwards for the left arm and forwards for the right.
-    let (right, back) = match side {
-        Side::Left => (-basis.x_axis, basis.z_axis),
-        Side::Right => (basis.x_axis, -basis.z_axis),
-    };
-    let position = |landmark: DVec3| {
-        let offset = landmark - arm.shoulder;
-        DVec3::new(
-            offset.dot(right),
-            -offset.dot(basis.y_axis),
-            offset.dot(back),
-        )
-        .as_vec3()
-    };
+fn joints(pose: &HalfPose, frame: &ArmFrame) -> [(Joint, Vec3); JOINTS] {
+    let arm = pose.arm(frame.side);
+    let position = |landmark| frame.position(landmark);
     let [index, little, thumb] = [arm.index, arm.little, arm.thumb].map(position);
-    Ok([
+    [
         (Joint::Shoulder, position(arm.shoulder)),
         (Joint::Elbow, position(arm.elbow)),
         (Joint::Wrist, position(arm.wrist)),
@@ -202,5 +238,5 @@ fn joints(pose: &HalfPose, side: Side) -> Result<[(Joint, Vec3); JOINTS], Reject
         (Joint::LittleTip, little),
         (Joint::ThumbPhalanxDistal, thumb),
         (Joint::ThumbTip, thumb),
-    ])
+    ]
 }

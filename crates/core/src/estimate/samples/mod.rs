@@ -3,6 +3,7 @@
 mod angles;
 mod body;
 mod body_angles;
+mod body_points;
 mod bones;
 mod channel_table;
 mod channels;
@@ -12,7 +13,7 @@ mod joints;
 pub(super) use self::channels::ChannelConverter;
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
-use crate::hand::{JointAngles, Side};
+use crate::hand::{BodyPoints, JointAngles, Side};
 
 /// The converter of one hand, with the state that the kinds of samples need.
 #[derive(Clone, Debug)]
@@ -47,6 +48,11 @@ impl SampleConverter {
     /// Returns the converter of sensor channels, to learn the ranges of its sensors.
     pub(super) fn channels_mut(&mut self) -> Option<&mut ChannelConverter> {
         self.channels.as_mut()
+    }
+
+    /// Returns head and hip, if landmarks of a body show them.
+    pub(super) fn body_points(&self) -> &BodyPoints {
+        self.body.points()
     }
 
     /// Writes what a reading shows without its history into `estimate`: angles within the joint limits, not filtered.

@@ -68,7 +68,7 @@ impl Wearer {
     pub(super) fn has(&self, anchor: Anchor) -> bool {
         match anchor {
             Anchor::World => true,
-            Anchor::Joint(_) | Anchor::Start | Anchor::OtherHand => {
+            Anchor::Joint(_) | Anchor::Start | Anchor::OtherHand | Anchor::Body(_) => {
                 let mut hands = self.hands.iter();
                 hands.any(|hand| anchor.position(hand, false).is_some())
             }

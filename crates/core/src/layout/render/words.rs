@@ -194,6 +194,7 @@ pub(super) fn anchor(anchor: Anchor) -> &'static str {
         Anchor::Joint(_) => "elbow",
         Anchor::Start => "start",
         Anchor::OtherHand => "other wrist",
+        Anchor::Body(point) => point.name(),
     }
 }
 
