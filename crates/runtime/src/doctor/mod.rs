@@ -2,7 +2,7 @@
 //!
 //! [`gather_facts`] inspects the machine once and changes nothing. In particular it opens no serial port, since that can
 //! reset the adapter. [`check`] turns the [`Facts`] into [`Finding`]s, with the advice of [`advice`](crate::advice), which
-//! the errors of outputs and sources contain too. [`Backend::check`] uses an output without a visible effect.
+//! the errors of outputs and sources contain too. [`Backend::check`](output::Backend::check) uses an output without a visible effect.
 
 mod checks;
 mod facts;
