@@ -142,15 +142,20 @@ fn read_by(program: &str, arguments: &[&str]) -> String {
     String::from_utf8(read.stdout).unwrap()
 }
 
+/// Returns whether there is a program that reads pages, or says that the test is skipped.
+#[cfg(feature = "pictures")]
+fn has_reader_of_pages() -> bool {
+    let reader = std::process::Command::new("pdftotext").arg("-v").output();
+    if reader.is_err() {
+        println!("SKIPPED: pdftotext is not installed; Debian's poppler-utils has it");
+    }
+    reader.is_ok()
+}
+
 #[cfg(feature = "pictures")]
 #[test]
 fn another_program_reads_the_words_and_the_size_of_every_page() {
-    if std::process::Command::new("pdftotext")
-        .arg("-v")
-        .output()
-        .is_err()
-    {
-        println!("SKIPPED: pdftotext is not installed; Debian's poppler-utils has it");
+    if !has_reader_of_pages() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -190,12 +195,7 @@ fn another_program_reads_the_words_and_the_size_of_every_page() {
 #[cfg(feature = "pictures")]
 #[test]
 fn keys_of_a_page_have_their_real_pitch() {
-    if std::process::Command::new("pdftotext")
-        .arg("-v")
-        .output()
-        .is_err()
-    {
-        println!("SKIPPED: pdftotext is not installed; Debian's poppler-utils has it");
+    if !has_reader_of_pages() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

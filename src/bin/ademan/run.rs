@@ -133,11 +133,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         release_keys::report(&result);
     }
     let setup = setup.load_files()?;
-    let mut layouts = setup.layouts();
-    if let Some(reason) = layouts.find_map(|layout| setup.unmeasured_body_point(layout)) {
+    let unmeasured = |layout| setup.unmeasured_body_point(layout);
+    if let Some(reason) = setup.layouts().find_map(unmeasured) {
         return Err(Failure::wrong_use(reason));
     }
-    drop(layouts);
     if view == ViewKind::Board {
         messages::hold();
         if is_replaced {

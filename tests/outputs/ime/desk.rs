@@ -143,7 +143,7 @@ pub struct Toolkit {
     program: &'static str,
     /// The second argument of the program.
     version: &'static str,
-    /// What the program needs, in Python.
+    /// Imports of the program, in Python.
     needs: &'static str,
     packages: &'static str,
 }

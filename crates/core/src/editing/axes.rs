@@ -70,3 +70,56 @@ fn visit_name<F: FnMut(Range<usize>, Axis)>(text: &str, node: &Node, found: &mut
         found(node.range.clone(), axis);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::draft::Draft;
+    use super::super::duplicate::{copied, paste};
+    use super::super::error::EditError;
+    use super::super::part::{ControlKind, Part};
+    use crate::editing::duplicate_parts;
+    use crate::layout::Layout;
+
+    const STICKS: &str = "Layout(name: \"a\", boards: [(
+    pose: (anchor: elbow, forward_mm: 320),
+    joysticks: [(name: \"Stick\", at_mm: (0, 0), diameter_mm: 30, axes: (\"LeftX\", \"LeftY\"))],
+    sliders: [(name: \"Gas\", at_mm: (0, 60), length_mm: 60, output: Axis(\"Throttle\"))],
+    levers: [(name: \"Lift\", at_mm: (0, 90), length_mm: 60, width_mm: 20, output: Some(Axis(\"MoveZ\")))],
+)])";
+
+    #[test]
+    fn copies_of_controls_set_free_axes_of_the_same_kind() {
+        let edited = duplicate_parts(STICKS, &[Part::Board(0)], [400.0, 0.0]).unwrap();
+        for axes in [
+            "axes: (\"RightX\", \"RightY\")",
+            "output: Axis(\"LeftTrigger\")",
+            "output: Some(Axis(\"MoveX\"))",
+        ] {
+            assert!(edited.text.contains(axes), "{axes}: {}", edited.text);
+        }
+        Layout::parse(&edited.text, "a.ron").unwrap();
+        // The next copy of the stick would need the wheel and the rudder, and the one after that has none.
+        let again = duplicate_parts(&edited.text, &[Part::Board(1)], [400.0, 0.0]).unwrap();
+        assert!(again.text.contains("axes: (\"Wheel\", \"Rudder\")"));
+        let none = duplicate_parts(&again.text, &[Part::Board(0)], [800.0, 0.0]).unwrap_err();
+        assert_eq!(none, EditError::NoAxis("LeftX".into()));
+    }
+
+    #[test]
+    fn a_pasted_control_keeps_an_axis_that_is_free() {
+        let stick = Part::Control {
+            board: 0,
+            kind: ControlKind::Joystick,
+            index: 0,
+        };
+        let clipboard = copied(STICKS, &[stick]).unwrap();
+        let paste = |text: &str| {
+            let mut draft = Draft::new(text).unwrap();
+            paste(&mut draft, 0, &clipboard, [0.0, 40.0]).unwrap();
+            draft.text().to_owned()
+        };
+        let bare = "Layout(name: \"a\", boards: [(pose: (anchor: elbow, forward_mm: 320))])";
+        assert!(paste(bare).contains("axes: (\"LeftX\", \"LeftY\")"));
+        assert!(paste(STICKS).contains("axes: (\"RightX\", \"RightY\")"));
+    }
+}

@@ -59,7 +59,7 @@ pub use self::space::{color32, paint};
 /// Makes a file of another format of an SVG document, or returns the reason why it cannot.
 pub type ConvertSvg = fn(&str) -> Result<Vec<u8>, String>;
 
-/// What the program makes of a drawing beside SVG.
+/// The formats into which the program converts SVG drawings.
 #[derive(Clone, Copy)]
 pub struct PictureFormats {
     /// Makes a picture of pixels.

@@ -19,7 +19,7 @@ const FAMILIES: [&str; 7] = [
 
 /// A drawing of a layout.
 pub struct Drawing {
-    /// What is drawn.
+    /// Shapes and texts.
     pub tree: Tree,
     /// Name of the layout; empty if the drawing has none.
     pub title: String,
