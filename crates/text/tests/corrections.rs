@@ -347,6 +347,31 @@ fn a_long_text_stays_in_step() {
 }
 
 #[test]
+fn a_sentence_behind_a_committed_one_is_corrected() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    // Long enough that the decoder commits at the period, in front of the space.
+    let sentence = "the quick brown fox and the lazy dog and the quick brown fox.";
+    field.types(sentence);
+    assert_eq!(field.corrector.decoder().taps(), 0, "it is committed");
+    field.types(" teh dog ");
+    assert_eq!(field.text, format!("{sentence} the dog "));
+    // Behind a pause, too.
+    field.types("the fox.");
+    field.corrector.reset();
+    field.types(" teh dog ");
+    assert_eq!(field.text, format!("{sentence} the dog the fox. the dog "));
+}
+
+#[test]
+fn a_quotation_mark_behind_a_comma_stays() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("the fox,' the dog ");
+    assert_eq!(field.text, "the fox,' the dog ");
+}
+
+#[test]
 fn a_swiped_word_replaces_its_letter_and_one_backspace_deletes_all_of_it() {
     for mode in [Mode::Suggest, Mode::Auto] {
         let bytes = english();

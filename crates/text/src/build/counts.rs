@@ -14,6 +14,8 @@ const COMMON_AS_NAME: u32 = 10;
 
 /// The word that stands for the start of a sentence in pairs.
 pub const SENTENCE_START: &str = "";
+/// The word that stands for a comma in pairs.
+pub const COMMA: &str = ",";
 
 /// The counts of a spelling.
 #[derive(Clone, Debug, Default)]
@@ -85,11 +87,13 @@ impl Counts {
         let sentence = sentence.replace('\u{2019}', "'");
         for piece in sentence.split_whitespace() {
             let is_part = |letter: char| letter.is_alphabetic() || letter == '\'';
-            let ends = piece.ends_with(['.', ',', ';', ':', '!', '?']);
             let word = piece.trim_matches(|letter: char| !letter.is_alphanumeric());
             if word.is_empty() {
                 continue;
             }
+            let behind = piece.trim_start_matches(|letter: char| !letter.is_alphanumeric());
+            let behind = &behind[word.len()..];
+            let ends = behind.contains(['.', ',', ';', ':', '!', '?']);
             let found = word.chars().all(is_part).then(|| spelling(word)).flatten();
             let Some((key, case)) = found else {
                 before = None;
@@ -111,7 +115,11 @@ impl Counts {
                 }
             }
             earlier = before.filter(|_| !ends);
-            before = (!ends).then_some(key);
+            before = if ends {
+                behind.starts_with(',').then(|| COMMA.to_owned())
+            } else {
+                Some(key)
+            };
         }
     }
 
@@ -188,9 +196,17 @@ mod tests {
     #[test]
     fn pairs_do_not_reach_over_punctuation_and_numbers() {
         let mut counts = Counts::default();
-        counts.sentence("Well, it's 5 o'clock (now).");
+        counts.sentence("Well, it's 5 o'clock (now); then \"no,\" she said.");
         let pairs: Vec<_> = counts.pairs().collect();
-        assert_eq!(pairs, [("", "well", 1), ("o'clock", "now", 1)]);
+        let expected = [
+            ("", "well", 1),
+            (COMMA, "it's", 1),
+            (COMMA, "she", 1),
+            ("o'clock", "now", 1),
+            ("she", "said", 1),
+            ("then", "no", 1),
+        ];
+        assert_eq!(pairs, expected);
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::counts::{Counts, SENTENCE_START};
+use super::counts::{COMMA, Counts, SENTENCE_START};
 use super::trie::Indices;
 use super::{Words, ln};
 use crate::logarithm::quantize;
-use crate::model::bigrams::{CONTEXT_BYTES, NO_ROW, ROW_BYTES};
+use crate::model::bigrams::{AFTER_COMMA, CONTEXT_BYTES, NO_ROW, ROW_BYTES};
 use crate::model::lexicon::ROOT;
 
 /// The discount of each count in favour of words that were not seen.
@@ -66,6 +66,15 @@ fn least(counts: impl Iterator<Item = u32> + Clone, from: u32, limit: usize) -> 
     least
 }
 
+/// Returns the node that stands for what is in front of a word.
+fn context(before: &str, indices: &Indices) -> Option<u32> {
+    match before {
+        SENTENCE_START => Some(ROOT),
+        COMMA => Some(AFTER_COMMA),
+        before => indices.get(before).copied(),
+    }
+}
+
 /// Returns the rows and entries of pairs, and the contexts and entries of threes.
 pub fn build(counts: &Counts, words: &Words, indices: &Indices) -> [Vec<u8>; 4] {
     let alone: BTreeMap<u32, f64> = indices
@@ -76,11 +85,9 @@ pub fn build(counts: &Counts, words: &Words, indices: &Indices) -> [Vec<u8>; 4] 
     let mut rows: BTreeMap<u32, Row> = BTreeMap::new();
     let fewest = least(counts.pairs().map(|(.., count)| count), 1, MAX_PAIRS);
     for (before, word, count) in counts.pairs() {
-        let before = match before {
-            SENTENCE_START => Some(ROOT),
-            before => indices.get(before).copied(),
+        let Some(before) = context(before, indices) else {
+            continue;
         };
-        let Some(before) = before else { continue };
         let node = indices.get(word).copied();
         rows.entry(before).or_default().add(node, count, fewest);
     }
@@ -133,11 +140,8 @@ fn triples(
     );
     let mut contexts: BTreeMap<u32, (u32, Row)> = BTreeMap::new();
     for ([earlier, before, word], count) in counts.triples() {
-        let earlier = match earlier {
-            SENTENCE_START => Some(ROOT),
-            earlier => indices.get(earlier).copied(),
-        };
-        let (Some(earlier), Some(&before)) = (earlier, indices.get(before)) else {
+        let (Some(earlier), Some(&before)) = (context(earlier, indices), indices.get(before))
+        else {
             continue;
         };
         let Some(&place) = places.get(&(earlier, before)) else {

@@ -14,14 +14,14 @@ use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
-/// More punctuation or a letter right behind punctuation.
+/// A closing quotation mark or a letter right behind punctuation.
 const RARE: f32 = -3.0;
+/// More punctuation right behind punctuation.
+const DOUBLE: f32 = -5.0;
 /// A second space.
 const SECOND_SPACE: f32 = -7.0;
 /// A spurious tap that hits the space bar, which a thumb rests on.
 const SPURIOUS_SPACE: f32 = -7.0;
-/// Punctuation other than a period or a comma.
-const RARE_PUNCTUATION: f32 = -2.0;
 
 /// The step of one tap.
 pub struct Expansion<'a, 'm> {
@@ -53,12 +53,18 @@ pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool
     }
 }
 
-/// Returns the log-probability of punctuation behind a word.
+/// Returns the log-probability of punctuation behind a word: [`Options::punctuation`] plus how much rarer or more frequent the
+/// character is than a comma (counted in the sentences that the English model is made of).
 pub fn punctuation(options: &Options, character: char) -> f32 {
-    match character {
-        '.' | ',' => options.punctuation,
-        _ => options.punctuation + RARE_PUNCTUATION,
-    }
+    options.punctuation
+        + match character {
+            '.' => 0.9,
+            ',' => 0.0,
+            '?' => -1.2,
+            '!' => -1.8,
+            '-' => -2.0,
+            _ => -3.3,
+        }
 }
 
 /// A hypothesis on the way: further letters may be left out before the tap is used.
@@ -261,12 +267,7 @@ impl Expansion<'_, '_> {
             let mut next = *ended;
             next.token.score += touch + punctuation(self.options, near.character);
             next.token.place = Place::Gap;
-            let ends_sentence = matches!(near.character, '.' | '!' | '?');
-            next.token.row = if ends_sentence {
-                self.model.row(ROOT)
-            } else {
-                NO_ROW
-            };
+            next.token.row = self.model.row_behind(near.character);
             next.token.drift = self.drift(touch, near.key, &ended.token.drift);
             next.emission = next.emission.with(near.character, From::This, case);
             self.push(next);
@@ -354,9 +355,11 @@ impl Expansion<'_, '_> {
         }
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
-            if is_punctuation(near.character) {
+            let is_quote = matches!(near.character, '\'' | '"');
+            if is_quote || is_punctuation(near.character) {
+                let cost = if is_quote { RARE } else { DOUBLE };
                 let mut next = *partial;
-                next.token.score += RARE + self.touches.of_key(near.key, &partial.token.drift);
+                next.token.score += cost + self.touches.of_key(near.key, &partial.token.drift);
                 next.emission = next.emission.with(near.character, From::This, Case::Lower);
                 self.push(next);
             }

@@ -1,9 +1,10 @@
 //! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
+use super::expand::is_punctuation;
 use super::finish::Finished;
 use super::token::Place;
-use super::{Decoder, NONE};
+use super::{Decoder, NONE, Start};
 use crate::correction::ends_word;
 use crate::keyboard::Millimetres;
 use crate::model::Model;
@@ -68,7 +69,11 @@ impl Decoder<'_> {
             Some(node) => self.model.next_row(token.row, node),
             None => token.row,
         };
-        self.restart();
+        self.restart(match token.place {
+            Place::Word(ROOT) => Start::Word,
+            Place::Gap => Start::Behind,
+            _ => Start::Anywhere,
+        });
     }
 
     /// Takes what was typed as meant, and starts afresh behind it.
@@ -84,19 +89,23 @@ impl Decoder<'_> {
             .map_or(self.touch.drift, |token| token.drift);
         let text = text.unwrap_or(self.literal.text());
         learn_words(&mut self.words, &self.model, text);
+        let start = match text.chars().next_back() {
+            Some(' ') => Start::Word,
+            Some(mark) if is_punctuation(mark) => Start::Behind,
+            _ => Start::Anywhere,
+        };
         let last = text.trim_end();
         self.starts_sentence = last.ends_with(['.', '!', '?']);
-        let word = last
-            .rsplit(' ')
-            .next()
-            .and_then(|word| self.model.find(word));
-        self.row = match (self.starts_sentence, word) {
-            (true, _) => self.model.row(ROOT),
-            (false, Some(found)) => self.model.row(found.node),
-            (false, None) => NO_ROW,
+        self.row = match last.chars().next_back() {
+            Some(mark) if is_punctuation(mark) => self.model.row_behind(mark),
+            _ => {
+                let word = last.rsplit(' ').next();
+                let found = word.and_then(|word| self.model.find(word));
+                found.map_or(NO_ROW, |found| self.model.row(found.node))
+            }
         };
         self.update_costs();
-        self.restart();
+        self.restart(start);
     }
 
     /// Learns where the keys were tapped that a text consists of.

@@ -78,9 +78,9 @@ impl Literal {
             let (language, node) = self.language(model, options);
             self.score += language;
             self.row = match character {
-                '.' | '!' | '?' => model.row(ROOT),
                 ' ' if self.is_empty => self.row,
-                _ => node.map_or(NO_ROW, |node| model.next_row(self.row, node)),
+                ' ' => node.map_or(NO_ROW, |node| model.next_row(self.row, node)),
+                mark => model.row_behind(mark),
             };
             if character != ' ' {
                 self.score += punctuation(options, character);

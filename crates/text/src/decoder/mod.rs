@@ -62,6 +62,17 @@ const GAIN: f32 = 8.0;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
 
+/// The place in front of the first tap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Start {
+    /// The start of a word.
+    Word,
+    /// Behind punctuation, before its space.
+    Behind,
+    /// Either of them.
+    Anywhere,
+}
+
 /// Decodes the taps of a person on a keyboard.
 ///
 /// ```
@@ -105,6 +116,7 @@ pub struct Decoder<'m> {
     literal: Literal,
     row: Row,
     starts_sentence: bool,
+    start: Start,
     /// The knowledge of the touches before the first tap, for [`untap`](Self::untap).
     before: Carried,
     words: WordRates,
@@ -151,6 +163,7 @@ impl<'m> Decoder<'m> {
             spare: Vec::with_capacity(MAX_TAPS),
             literal: Literal::new(MAX_TAPS),
             starts_sentence: true,
+            start: Start::Word,
             finished: Vec::with_capacity(FINISHED + 1),
             rendered: Rendered::new(),
             candidates: std::array::from_fn(|_| candidate()),
@@ -191,7 +204,7 @@ impl<'m> Decoder<'m> {
     pub fn start_sentence(&mut self) {
         self.row = self.model.row(ROOT);
         self.starts_sentence = true;
-        self.restart();
+        self.restart(Start::Word);
     }
 
     /// Drops all taps and goes on behind unknown text, without learning, and with hands that may have moved.
@@ -199,10 +212,11 @@ impl<'m> Decoder<'m> {
         self.touches.lift();
         self.row = NO_ROW;
         self.starts_sentence = false;
-        self.restart();
+        self.restart(Start::Anywhere);
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, start: Start) {
+        self.start = start;
         self.before = self.touches.carried();
         self.begin();
     }
@@ -213,13 +227,23 @@ impl<'m> Decoder<'m> {
         self.previous.clear();
         self.tokens.clear();
         self.literal.clear(self.row);
-        self.tokens.push(Token {
+        let token = Token {
             score: self.options.language * self.model.lexicon.node(ROOT).best(),
             place: Place::Word(ROOT),
             row: self.row,
             end: NONE,
             drift: self.touch.drift,
-        });
+        };
+        if self.start != Start::Behind {
+            self.tokens.push(token);
+        }
+        if self.start != Start::Word {
+            self.tokens.push(Token {
+                score: 0.0,
+                place: Place::Gap,
+                ..token
+            });
+        }
     }
 
     /// Decodes a tap. Positions that are not finite are ignored.

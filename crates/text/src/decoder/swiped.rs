@@ -1,6 +1,6 @@
 //! Words from the path of a finger.
 
-use super::{CANDIDATES, Candidate, Decoder};
+use super::{CANDIDATES, Candidate, Decoder, Start};
 use crate::keyboard::Millimetres;
 use crate::model::bigrams::Row;
 use crate::model::lexicon::Case;
@@ -81,6 +81,6 @@ impl<'m> Decoder<'m> {
     pub(crate) fn start_behind(&mut self, before: Before) {
         self.row = before.row;
         self.starts_sentence = before.starts_sentence;
-        self.restart();
+        self.restart(Start::Anywhere);
     }
 }

@@ -79,7 +79,8 @@ pub const SLACK: f32 = 1.0;
 /// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
 const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
-
+/// One tap in 22 scatters twice as widely as the others: ln(1 / 22) − 2 ln 2. Taps of people have heavier tails than a normal distribution.
+const TAIL: f32 = -4.5;
 /// A key that is this much less likely than the likeliest one is not near.
 const NEAR: f32 = 8.0;
 
@@ -278,7 +279,9 @@ impl Touches {
         let y = tap[1] - key.spread.mean[1] - shift[1];
         let [xx, yy, xy] = key.inverse;
         let distance = x * x * xx + y * y * yy + 2.0 * x * y * xy;
-        (key.peak - 0.5 * distance).max(self.floor)
+        let near = key.peak - 0.5 * distance;
+        let far = key.peak + TAIL - 0.125 * distance;
+        near.max(far).max(self.floor)
     }
 
     /// Returns the log-likelihood of a tap if it means a letter, and the key; `None` if the keyboard has no key for it.

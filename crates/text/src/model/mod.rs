@@ -19,7 +19,7 @@ pub mod lexicon;
 pub mod spelling;
 
 use alphabet::Alphabet;
-use bigrams::{Bigrams, Row};
+use bigrams::{AFTER_COMMA, Bigrams, NO_ROW, Row};
 use bytes::{checksum, u32_at, u64_at};
 use lexicon::{Case, Lexicon, ROOT};
 use spelling::Spelling;
@@ -170,6 +170,15 @@ impl<'a> Model<'a> {
     /// Returns the row of the words that follow a word; the row of the root has the words that start a sentence.
     pub fn row(&self, node: u32) -> Row {
         self.bigrams.row(node)
+    }
+
+    /// Returns the row of the words that follow a punctuation mark.
+    pub fn row_behind(&self, punctuation: char) -> Row {
+        match punctuation {
+            '.' | '!' | '?' => self.row(ROOT),
+            ',' => self.row(AFTER_COMMA),
+            _ => NO_ROW,
+        }
     }
 
     /// Returns the row of the words that follow a word which itself is in a row.
