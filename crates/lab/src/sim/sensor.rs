@@ -155,7 +155,7 @@ const UPPER_ARM: f32 = 0.3;
 /// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.
 const FIRST_PAIR: usize = 11;
 
-/// Returns the points of the body of an upright person with this pose, whose shoulders, ears and hips are those of the landmarks.
+/// Returns the shoulder, head and hip of a person who stands upright with the arm in this pose. They match the landmarks from [`body`].
 pub(super) fn body_points(pose: &HandPose) -> BodyPoints {
     let elbow = || Some(pose.position(Joint::Elbow)? + Vec3::Y * UPPER_ARM);
     let shoulder = pose.position(Joint::Shoulder).or_else(elbow);
