@@ -12,11 +12,9 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
+use crate::camera::{Camera, images, load};
 use crate::recorded_landmarks::recording;
 use crate::support::checked::CheckedPipeline;
-
-/// The time between two images, in microseconds.
-const PERIOD_US: u64 = 33_333;
 
 /// The ears and the hips of a body.
 const EARS: [usize; 2] = [7, 8];
@@ -24,45 +22,37 @@ const HIPS: [usize; 2] = [23, 24];
 
 /// Returns the setup of a layout with one key at a point of the body.
 fn setup(anchor: &str, place: &str, source: Option<&str>) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("badge.ron");
     let board = format!(
         r#"Layout(name: "badge", boards: [(
             pose: (anchor: {anchor}, {place}),
             keys: [(code: "A", at_mm: (0, 0), size_mm: Box(60, 60), travel_mm: 10)],
         )])"#
     );
-    std::fs::write(&path, board).expect("a file");
     let setup = Setup {
-        layout: path.display().to_string(),
         source: source.map(|source| source.parse().expect("a source")),
         ..Setup::default()
     };
-    setup.load_files().unwrap_or_else(|error| panic!("{error}"))
+    load(&board, setup)
 }
 
 /// A person who is seen as a whole, in the frame of the right shoulder: X to the right, Y up, Z backwards.
 struct Person {
-    pipeline: CheckedPipeline,
-    time_us: u64,
+    camera: Camera,
     /// The index fingertip.
     tip: Vec3,
     /// The middle between the ears.
     head: Vec3,
     /// Landmarks that are not seen.
     hidden: Vec<usize>,
-    events: Vec<EventKind>,
 }
 
 impl Person {
     fn new(setup: &LoadedSetup, tip: Vec3) -> Self {
         Self {
-            pipeline: CheckedPipeline::new(setup),
-            time_us: 1_000_000,
+            camera: Camera::new(setup),
             tip,
             head: Vec3::new(-0.18, 0.22, 0.0),
             hidden: Vec::new(),
-            events: Vec::new(),
         }
     }
 
@@ -101,13 +91,9 @@ impl Person {
     }
 
     fn show(&mut self) {
-        self.time_us += PERIOD_US;
+        self.camera.advance();
         let sample = Sample::Body(self.landmarks());
-        let reading = Reading::new(Timestamp(self.time_us), Some(Side::Right), sample);
-        let mut events = Events::new();
-        let step = self.pipeline.step(&reading, &mut events);
-        step.expect("the arm is seen");
-        self.events.extend(events.iter().map(|event| event.kind));
+        assert!(self.camera.send(Side::Right, sample), "the arm is seen");
     }
 
     fn hold(&mut self, seconds: f64) {
@@ -116,23 +102,11 @@ impl Person {
 
     /// Moves the fingertip in a straight line.
     fn go(&mut self, seconds: f64, tip: Vec3) {
-        let count = (seconds * 1e6 / PERIOD_US as f64).round() as u32;
         let from = self.tip;
-        for number in 1..=count {
-            self.tip = from.lerp(tip, number as f32 / count as f32);
+        for t in images(seconds) {
+            self.tip = from.lerp(tip, t as f32);
             self.show();
         }
-    }
-
-    /// Returns the keys that went down (`A`) and up (`-A`) since the last call.
-    fn keys(&mut self) -> String {
-        let events = std::mem::take(&mut self.events);
-        let keys = events.iter().filter_map(|event| match event {
-            EventKind::KeyDown(key) => Some(key.name().to_owned()),
-            EventKind::KeyUp(key) => Some(format!("-{}", key.name())),
-            _ => None,
-        });
-        keys.collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -157,12 +131,13 @@ fn boards_are_measured_from_the_shoulder_the_head_and_the_hip() {
         let above = key + Vec3::Y * 0.05;
         let mut person = Person::new(&setup(anchor, place, CAMERA), above);
         person.hold(1.0);
-        assert_eq!(person.pipeline.state(), PipelineState::Running, "{anchor}");
+        let state = person.camera.pipeline.state();
+        assert_eq!(state, PipelineState::Running, "{anchor}");
         person.go(0.3, key - Vec3::Y * 0.01);
         person.hold(0.2);
-        assert_eq!(person.keys(), "A", "{anchor}");
+        assert_eq!(person.camera.keys(), "A", "{anchor}");
         person.go(0.3, above);
-        assert_eq!(person.keys(), "-A", "{anchor}");
+        assert_eq!(person.camera.keys(), "-A", "{anchor}");
     }
 }
 
@@ -176,12 +151,12 @@ fn a_board_goes_with_the_head() {
     person.hold(1.0);
     person.go(0.3, key - Vec3::Y * 0.01);
     person.hold(0.2);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     person.go(0.3, key + Vec3::Y * 0.05);
     person.go(0.3, key + Vec3::new(0.16, 0.05, 0.0));
     person.go(0.3, key + Vec3::new(0.16, -0.01, 0.0));
     person.hold(0.2);
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
 }
 
 #[test]
@@ -200,21 +175,22 @@ fn a_head_or_hip_that_is_not_seen_releases_after_the_hold_time_and_does_not_touc
         person.hold(1.0);
         person.go(0.3, key - Vec3::Y * 0.01);
         person.hold(0.2);
-        assert_eq!(person.keys(), "A", "{anchor}");
+        assert_eq!(person.camera.keys(), "A", "{anchor}");
         person.hidden = vec![hidden];
         // The hold time is 100 ms: the reading after it releases.
         person.hold(0.1);
-        assert_eq!(person.keys(), "", "{anchor}");
+        assert_eq!(person.camera.keys(), "", "{anchor}");
         person.show();
-        assert_eq!(person.keys(), "-A", "{anchor}");
+        assert_eq!(person.camera.keys(), "-A", "{anchor}");
         person.hold(0.5);
         person.hidden.clear();
         person.hold(0.5);
-        assert_eq!(person.keys(), "", "{anchor}: it has to leave the key first");
+        let keys = person.camera.keys();
+        assert_eq!(keys, "", "{anchor}: it has to leave the key first");
         person.go(0.3, key + Vec3::Y * 0.05);
         person.go(0.3, key - Vec3::Y * 0.01);
         person.hold(0.2);
-        assert_eq!(person.keys(), "A", "{anchor}");
+        assert_eq!(person.camera.keys(), "A", "{anchor}");
     }
 }
 

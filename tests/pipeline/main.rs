@@ -9,6 +9,7 @@ mod body_anchors;
 mod body_angles;
 mod body_landmarks;
 mod calibration;
+mod camera;
 mod estimator;
 mod examples;
 mod faulty_readings;

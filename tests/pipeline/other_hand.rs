@@ -1,19 +1,14 @@
 //! Boards that follow the wrist of the other hand.
 
-use ademan::capture::{Reading, Sample};
-use ademan::device::{EventKind, Events};
+use ademan::capture::Sample;
+use ademan::device::Events;
 use ademan::hand::{JointPositions, Side};
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::time::Timestamp;
 use glam::DVec3;
 
-use crate::start::hand;
-use crate::support::checked::CheckedPipeline;
-
-/// The time between two images, in microseconds.
-const PERIOD_US: u64 = 33_333;
+use crate::camera::{Camera, hand, images, load};
 
 /// A key 40 mm above the left wrist.
 const BOARD: &str = r#"Layout(name: "watch", boards: [(
@@ -30,61 +25,47 @@ const ABOVE: DVec3 = DVec3::new(0.02, 0.09, 0.18);
 
 /// Returns the setup of the board for a camera or for gloves.
 fn setup(has_camera: bool, other_hand: Option<OtherHand>) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("watch.ron");
-    std::fs::write(&path, BOARD).expect("a file");
     let camera = || "stdin:?protocol=hand-landmarks".parse().expect("a source");
     let setup = Setup {
-        layout: path.display().to_string(),
         source: has_camera.then(camera),
         other_hand,
         ..Setup::default()
     };
-    setup.load_files().unwrap_or_else(|error| panic!("{error}"))
+    load(BOARD, setup)
 }
 
 /// A person whose hands a camera sees.
 struct Person {
-    pipeline: CheckedPipeline,
-    time_us: u64,
+    camera: Camera,
     right: DVec3,
     /// `None` while the left hand is out of the picture.
     left: Option<DVec3>,
     /// The camera sends readings of the left hand.
     sends_left: bool,
-    events: Vec<EventKind>,
 }
 
 impl Person {
     fn new() -> Self {
         Self {
-            pipeline: CheckedPipeline::new(&setup(true, Some(OtherHand::default()))),
-            time_us: 1_000_000,
+            camera: Camera::new(&setup(true, Some(OtherHand::default()))),
             right: LEFT + ABOVE,
             left: Some(LEFT),
             sends_left: true,
-            events: Vec::new(),
         }
     }
 
     fn show(&mut self) {
-        self.time_us += PERIOD_US;
-        let left = self.left.map(|tip| hand(tip, 0.0)).unwrap_or_default();
-        let left = self.sends_left.then_some((Side::Left, left));
-        self.see(left);
-        self.see(Some((Side::Right, hand(self.right, 0.0))));
+        self.camera.advance();
+        if self.sends_left {
+            let left = self.left.map(|tip| hand(tip, 0.0));
+            self.send(Side::Left, left.unwrap_or_default());
+        }
+        self.send(Side::Right, hand(self.right, 0.0));
     }
 
-    fn see(&mut self, shown: Option<(Side, JointPositions)>) {
-        let Some((side, positions)) = shown else {
-            return;
-        };
-        let sample = Sample::Joints { positions };
-        let reading = Reading::new(Timestamp(self.time_us), Some(side), sample);
-        let mut events = Events::new();
+    fn send(&mut self, side: Side, positions: JointPositions) {
         // A hand that was never seen is rejected.
-        _ = self.pipeline.step(&reading, &mut events);
-        self.events.extend(events.iter().map(|event| event.kind));
+        _ = self.camera.send(side, Sample::Joints { positions });
     }
 
     fn hold(&mut self, seconds: f64) {
@@ -93,10 +74,8 @@ impl Person {
 
     /// Moves the fingertips in straight lines.
     fn go(&mut self, seconds: f64, left: Option<DVec3>, right: DVec3) {
-        let count = (seconds * 1e6 / PERIOD_US as f64).round();
         let (from_left, from_right) = (self.left, self.right);
-        for number in 1..=count as u32 {
-            let t = f64::from(number) / count;
+        for t in images(seconds) {
             self.left = from_left
                 .zip(left)
                 .map(|(from, to)| from.lerp(to, t))
@@ -117,33 +96,22 @@ impl Person {
         self.press(above);
         self.go(0.3, self.left, above);
     }
-
-    /// Returns the keys that went down (`A`) and up (`-A`) since the last call.
-    fn keys(&mut self) -> String {
-        let events = std::mem::take(&mut self.events);
-        let keys = events.iter().filter_map(|event| match event {
-            EventKind::KeyDown(key) => Some(key.name().to_owned()),
-            EventKind::KeyUp(key) => Some(format!("-{}", key.name())),
-            _ => None,
-        });
-        keys.collect::<Vec<_>>().join(" ")
-    }
 }
 
 #[test]
 fn a_board_goes_with_the_other_hand() {
     let mut person = Person::new();
     person.hold(1.0);
-    assert_eq!(person.pipeline.state(), PipelineState::Running);
+    assert_eq!(person.camera.pipeline.state(), PipelineState::Running);
     person.tap(LEFT + ABOVE);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
     let far = LEFT + DVec3::new(0.1, 0.05, -0.1);
     person.go(1.0, Some(far), LEFT + ABOVE + DVec3::Y * 0.1);
     person.tap(LEFT + ABOVE);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     person.go(0.5, Some(far), far + ABOVE + DVec3::Y * 0.1);
     person.tap(far + ABOVE);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
 }
 
 #[test]
@@ -153,7 +121,7 @@ fn a_hand_can_bring_the_board_to_a_finger_that_rests() {
     let right = person.right;
     person.go(0.5, Some(LEFT + DVec3::Y * 0.058), right);
     person.go(0.5, Some(LEFT), right);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
 }
 
 #[test]
@@ -161,17 +129,17 @@ fn without_the_other_hand_nothing_is_touched_and_the_run_goes_on() {
     let mut person = Person::new();
     person.left = None;
     person.hold(1.0);
-    assert_eq!(person.pipeline.state(), PipelineState::Running);
+    assert_eq!(person.camera.pipeline.state(), PipelineState::Running);
     person.tap(LEFT + ABOVE);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     // It appears around a finger that is inside its key, which has to leave first.
     person.press(LEFT + ABOVE);
     person.left = Some(LEFT);
     person.hold(1.0);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     person.go(0.3, Some(LEFT), LEFT + ABOVE);
     person.tap(LEFT + ABOVE);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
 }
 
 #[test]
@@ -179,16 +147,16 @@ fn a_hand_that_leaves_the_picture_releases_what_the_other_presses_on_it() {
     let mut person = Person::new();
     person.hold(1.0);
     person.press(LEFT + ABOVE);
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
     person.left = None;
     person.hold(1.0);
-    assert_eq!(person.keys(), "-A");
+    assert_eq!(person.camera.keys(), "-A");
     // Found again elsewhere, and moved below the finger: the board was not seen on its way.
     person.left = Some(LEFT + DVec3::Y * 0.2);
     person.hold(0.5);
     person.left = Some(LEFT);
     person.hold(0.5);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
 }
 
 #[test]
@@ -196,10 +164,10 @@ fn readings_of_a_hand_that_stop_release_what_the_other_presses_on_it() {
     let mut person = Person::new();
     person.hold(1.0);
     person.press(LEFT + ABOVE);
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
     person.sends_left = false;
     person.hold(1.0);
-    assert_eq!(person.keys(), "-A");
+    assert_eq!(person.camera.keys(), "-A");
 }
 
 #[test]
@@ -207,11 +175,17 @@ fn a_source_of_a_hand_that_is_lost_releases_what_the_other_presses_on_it_at_once
     let mut person = Person::new();
     person.hold(1.0);
     person.press(LEFT + ABOVE);
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
     let mut events = Events::new();
-    person.pipeline.lose(Some(Side::Left), None, &mut events);
-    person.events.extend(events.iter().map(|event| event.kind));
-    assert_eq!(person.keys(), "-A");
+    person
+        .camera
+        .pipeline
+        .lose(Some(Side::Left), None, &mut events);
+    person
+        .camera
+        .events
+        .extend(events.iter().map(|event| event.kind));
+    assert_eq!(person.camera.keys(), "-A");
 }
 
 #[test]

@@ -2,19 +2,15 @@
 
 use std::ops::Range;
 
-use ademan::capture::{Reading, Sample};
+use ademan::capture::Sample;
 use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint, JointPositions, Side};
 use ademan::pipeline::PipelineState;
-use ademan::setup::{OtherHand, Setup};
-use ademan::time::Timestamp;
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use glam::DVec3;
 
-use crate::support::checked::CheckedPipeline;
-
-/// The time between two images, in microseconds.
-const PERIOD_US: u64 = 33_333;
+use crate::camera::{Camera, hand, images, load};
 
 const PLACE: DVec3 = DVec3::new(0.05, 0.02, 0.45);
 
@@ -27,59 +23,53 @@ const BOARDS: &str = r#"Layout(name: "a", boards: [
     ]),
 ])"#;
 
+/// Returns a setup with a camera.
+fn setup() -> Setup {
+    let source = "stdin:?protocol=hand-landmarks".parse();
+    Setup {
+        source: Some(source.expect("a source")),
+        ..Setup::default()
+    }
+}
+
 /// A person whose right hand a camera sees, palm down and fingers forward.
 struct Person {
-    pipeline: CheckedPipeline,
-    time_us: u64,
+    camera: Camera,
     tip: DVec3,
     bend: f64,
     /// The finger whose tip the thumb touches.
     pinched: Option<Finger>,
     side: Side,
-    events: Vec<EventKind>,
 }
 
 impl Person {
+    /// Returns a person in front of a layout with this text.
     fn with_layout(layout: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.ron");
-        std::fs::write(&path, layout).expect("a file");
-        Self::with(&path.display().to_string())
+        Self::new(&load(layout, setup()))
     }
 
+    /// Returns a person in front of a layout that comes with the program.
     fn with(layout: &str) -> Self {
-        Self::with_hands(layout, None)
+        let layout = layout.into();
+        let setup = Setup { layout, ..setup() };
+        let loaded = setup.load_files().unwrap_or_else(|error| panic!("{error}"));
+        Self::new(&loaded)
     }
 
-    fn with_hands(layout: &str, other_hand: Option<OtherHand>) -> Self {
-        let source = "stdin:?protocol=hand-landmarks".parse();
-        let setup = Setup {
-            layout: layout.into(),
-            source: Some(source.expect("a source")),
-            other_hand,
-            ..Setup::default()
-        };
-        let loaded = setup.load_files().unwrap_or_else(|error| panic!("{error}"));
+    fn new(setup: &LoadedSetup) -> Self {
         Self {
-            pipeline: CheckedPipeline::new(&loaded),
-            time_us: 1_000_000,
+            camera: Camera::new(setup),
             tip: PLACE,
             bend: 0.0,
             pinched: None,
             side: Side::Right,
-            events: Vec::new(),
         }
     }
 
     fn show(&mut self, positions: JointPositions) {
-        self.time_us += PERIOD_US;
-        let time = Timestamp(self.time_us);
-        let sample = Sample::Joints { positions };
-        let mut events = Events::new();
-        let reading = Reading::new(time, Some(self.side), sample);
-        let stepped = self.pipeline.step(&reading, &mut events);
-        stepped.expect("an accepted reading");
-        self.events.extend(events.iter().map(|event| event.kind));
+        self.camera.advance();
+        let is_accepted = self.camera.send(self.side, Sample::Joints { positions });
+        assert!(is_accepted, "a rejected reading");
     }
 
     fn hold(&mut self, seconds: f64) {
@@ -88,9 +78,9 @@ impl Person {
 
     /// Moves the index fingertip in a straight line.
     fn go(&mut self, seconds: f64, tip: DVec3) {
-        let (from, count) = (self.tip, (seconds * 1e6 / PERIOD_US as f64).round());
-        for number in 1..=count as u32 {
-            self.tip = from.lerp(tip, f64::from(number) / count);
+        let from = self.tip;
+        for t in images(seconds) {
+            self.tip = from.lerp(tip, t);
             self.show(self.hand());
         }
     }
@@ -131,84 +121,40 @@ impl Person {
     }
 
     fn hide(&mut self, seconds: f64) {
-        for _ in 0..(seconds * 1e6) as u64 / PERIOD_US {
+        for _ in images(seconds) {
             self.show(JointPositions::default());
         }
     }
 
     fn place(&mut self) {
         self.hold(2.0);
-        assert!(!self.pipeline.awaits_start());
+        assert!(!self.camera.pipeline.awaits_start());
     }
-
-    /// Holds the open hand still until its board is placed.
-    fn place_hand(&mut self) {
-        self.hold(2.0);
-    }
-
-    /// Returns the keys that went down (`A`) and up (`-A`) since the last call.
-    fn keys(&mut self) -> String {
-        let events = std::mem::take(&mut self.events);
-        let keys = events.iter().filter_map(|event| match event {
-            EventKind::KeyDown(key) => Some(key.name().to_owned()),
-            EventKind::KeyUp(key) => Some(format!("-{}", key.name())),
-            _ => None,
-        });
-        keys.collect::<Vec<_>>().join(" ")
-    }
-}
-
-/// Returns a hand whose index fingertip is at `tip` and whose other fingers are bent by `bend` degrees at two joints.
-pub(crate) fn hand(tip: DVec3, bend: f64) -> JointPositions {
-    let mut positions = JointPositions::default();
-    let wrist = tip + DVec3::new(0.02, 0.0, 0.18);
-    positions.set(Joint::Wrist, wrist);
-    for &finger in Finger::ALL {
-        let side = 0.024 * (finger.index() as f64 - 1.0);
-        let is_thumb = finger == Finger::Thumb;
-        let turns = if is_thumb || finger == Finger::Index {
-            [0.0; 3]
-        } else {
-            [0.0, bend, bend]
-        };
-        let mut position = tip + DVec3::new(side, 0.0, if is_thumb { 0.12 } else { 0.09 });
-        let mut angle = 0.0_f64;
-        let (first, last) = finger.joints()[finger.joints().len() - 4..]
-            .split_first()
-            .expect("four joints");
-        positions.set(*first, position);
-        for ((joint, bone), turn) in last.iter().zip([0.042, 0.027, 0.021]).zip(turns) {
-            angle += turn.to_radians();
-            position += DVec3::new(0.0, -angle.sin(), -angle.cos()) * bone;
-            positions.set(*joint, position);
-        }
-    }
-    positions
 }
 
 #[test]
 fn a_board_appears_where_the_open_hand_was_held_still_and_presses_nothing_before() {
     let mut person = Person::with_layout(BOARDS);
-    assert!(!person.pipeline.awaits_start());
+    assert!(!person.camera.pipeline.awaits_start());
     // The hand goes through the place of the key, and is never still for a second.
     for _ in 0..4 {
         person.tap(PLACE);
     }
-    assert_eq!(person.pipeline.state(), PipelineState::Running);
-    assert!(person.pipeline.awaits_start());
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.pipeline.state(), PipelineState::Running);
+    assert!(person.camera.pipeline.awaits_start());
+    assert_eq!(person.camera.keys(), "");
     person.place();
     person.tap(PLACE);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
     // Units are metric: 20 mm beside the key there is none.
     person.tap(PLACE + DVec3::X * 0.02);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     // A stall and a hand that leaves the picture keep the place.
     person.hide(1.0);
-    person.time_us += 3_000_000;
+    person.camera.time_us += 3_000_000;
     person.hold(1.0);
     person.tap(PLACE);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
 }
 
 #[test]
@@ -216,25 +162,27 @@ fn a_hand_that_is_lost_jumps_or_is_bent_places_nothing() {
     let mut person = Person::with_layout(BOARDS);
     person.bend = 50.0;
     person.hold(3.0);
-    assert_eq!(person.pipeline.state(), PipelineState::Running);
-    assert!(person.pipeline.awaits_start(), "a bent hand");
+    assert_eq!(person.camera.pipeline.state(), PipelineState::Running);
+    assert!(person.camera.pipeline.awaits_start(), "a bent hand");
     person.bend = 0.0;
     for _ in 0..5 {
         person.hold(0.8);
         person.hide(0.3);
     }
-    assert!(person.pipeline.awaits_start(), "a lost hand");
+    assert!(person.camera.pipeline.awaits_start(), "a lost hand");
     for number in 0..6 {
         person.tip = PLACE + DVec3::X * 0.1 * f64::from(number % 2);
         person.hold(0.8);
     }
-    assert!(person.pipeline.awaits_start(), "a hand that jumps");
+    assert!(person.camera.pipeline.awaits_start(), "a hand that jumps");
+    let mut events = Events::new();
     person
+        .camera
         .pipeline
-        .pause(CommandOrigin::Client, &mut Events::new());
+        .pause(CommandOrigin::Client, &mut events);
     person.hold(3.0);
-    person.pipeline.resume(CommandOrigin::Client);
-    assert_eq!(person.keys(), "");
+    person.camera.pipeline.resume(CommandOrigin::Client);
+    assert_eq!(person.camera.keys(), "");
     person.place();
     // A hand that comes back inside the key has to leave it first.
     let place = person.tip;
@@ -242,9 +190,9 @@ fn a_hand_that_is_lost_jumps_or_is_bent_places_nothing() {
     person.tip = place - DVec3::Y * 0.055;
     person.hold(0.5);
     person.go(0.3, place);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     person.tap(place);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
 }
 
 #[test]
@@ -252,14 +200,14 @@ fn nothing_is_placed_while_a_key_is_pressed() {
     let mut person = Person::with_layout(BOARDS);
     let above_b = DVec3::new(0.2, 0.0, 0.45);
     person.tap(above_b);
-    assert_eq!(person.keys(), "B -B");
+    assert_eq!(person.camera.keys(), "B -B");
     person.press(above_b);
     person.hold(3.0);
-    assert_eq!(person.keys(), "B");
-    assert!(person.pipeline.awaits_start());
+    assert_eq!(person.camera.keys(), "B");
+    assert!(person.camera.pipeline.awaits_start());
     person.go(0.3, above_b);
     person.place();
-    assert_eq!(person.keys(), "-B");
+    assert_eq!(person.camera.keys(), "-B");
 }
 
 #[test]
@@ -267,38 +215,36 @@ fn recenter_releases_what_is_held_and_places_the_board_again() {
     let mut person = Person::with_layout(BOARDS);
     person.place();
     person.press(PLACE);
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
     let mut events = Events::new();
-    person
-        .pipeline
-        .recenter(&mut events)
-        .expect("a layout that starts at the hand");
+    let recentered = person.camera.pipeline.recenter(&mut events);
+    recentered.expect("a layout that starts at the hand");
     let kinds: Vec<_> = events.iter().map(|event| event.kind).collect();
     assert!(
         matches!(kinds[..], [EventKind::KeyUp(key)] if key.name() == "A"),
         "{kinds:?}"
     );
-    assert!(person.pipeline.awaits_start());
+    assert!(person.camera.pipeline.awaits_start());
     person.go(0.3, PLACE);
     person.tap(PLACE);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     let other = PLACE + DVec3::new(-0.1, 0.05, 0.05);
     person.go(0.5, other);
     person.place();
     person.tap(other);
-    assert_eq!(person.keys(), "A -A");
+    assert_eq!(person.camera.keys(), "A -A");
     // A key with the command does the same.
     person.tap(DVec3::new(0.26, 0.0, 0.45));
-    assert!(person.pipeline.awaits_start());
+    assert!(person.camera.pipeline.awaits_start());
     person.tap(other);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
 }
 
 #[test]
 fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_hand() {
     let mut person = Person::with("webcam-mouse");
     let moves = |moving: &mut Person| {
-        let events = std::mem::take(&mut moving.events);
+        let events = std::mem::take(&mut moving.camera.events);
         let moved = events.iter().filter_map(|event| match event {
             EventKind::MoveBy(x, _) => Some(*x),
             _ => None,
@@ -328,30 +274,28 @@ fn a_pointer_moves_after_its_range_is_placed_and_drops_what_it_holds_with_the_ha
 fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls() {
     let mut person = Person::with("webcam-mouse");
     person.place();
-    person.events.clear();
+    person.camera.events.clear();
     for (finger, button) in [(Finger::Index, "MouseLeft"), (Finger::Ring, "MouseRight")] {
         person.pinch(Some(finger));
-        assert_eq!(person.keys(), button);
+        assert_eq!(person.camera.keys(), button);
         person.pinch(None);
-        assert_eq!(person.keys(), format!("-{button}"));
+        assert_eq!(person.camera.keys(), format!("-{button}"));
     }
     // The left button stays down while the hand moves.
     person.pinch(Some(Finger::Index));
     person.go(0.5, PLACE + DVec3::X * 0.05);
-    let moved = person
-        .events
-        .iter()
-        .any(|it| matches!(it, EventKind::MoveBy(x, _) if *x > 0));
-    assert!(moved, "{:?}", person.events);
-    assert_eq!(person.keys(), "MouseLeft");
+    let dragged = &person.camera.events;
+    let is_right = |it: &EventKind| matches!(it, EventKind::MoveBy(x, _) if *x > 0);
+    assert!(dragged.iter().any(is_right), "{dragged:?}");
+    assert_eq!(person.camera.keys(), "MouseLeft");
     person.pinch(None);
-    assert_eq!(person.keys(), "-MouseLeft");
+    assert_eq!(person.camera.keys(), "-MouseLeft");
     // With the middle finger, an upward movement turns the wheel up and moves no pointer.
     person.pinch(Some(Finger::Middle));
-    person.events.clear();
+    person.camera.events.clear();
     let place = person.tip;
     let scrolled = |scrolling: &mut Person| {
-        let events = std::mem::take(&mut scrolling.events);
+        let events = std::mem::take(&mut scrolling.camera.events);
         let moves = events
             .iter()
             .filter(|it| matches!(it, EventKind::MoveBy(..)));
@@ -367,15 +311,11 @@ fn the_webcam_mouse_clicks_with_the_left_and_the_right_button_drags_and_scrolls(
     person.go(0.6, place);
     assert!(scrolled(&mut person) < 0);
     person.pinch(None);
-    person.events.clear();
+    person.camera.events.clear();
     person.go(0.3, place + DVec3::X * 0.05);
-    assert!(
-        person
-            .events
-            .iter()
-            .all(|it| matches!(it, EventKind::MoveBy(..)))
-    );
-    assert!(!person.events.is_empty());
+    let moved = &person.camera.events;
+    let is_move = |it: &EventKind| matches!(it, EventKind::MoveBy(..));
+    assert!(moved.iter().all(is_move) && !moved.is_empty());
 }
 
 /// A key for each hand, 50 mm below the place where that hand is shown.
@@ -386,30 +326,31 @@ const TWO_BOARDS: &str = r#"Layout(name: "two", boards: [
 
 #[test]
 fn each_of_two_hands_places_its_own_board_and_presses_only_that() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("two.ron");
-    std::fs::write(&path, TWO_BOARDS).expect("a file");
-    let path = path.display().to_string();
-    let mut person = Person::with_hands(&path, Some(OtherHand::default()));
+    let both = Setup {
+        other_hand: Some(OtherHand::default()),
+        ..setup()
+    };
+    let mut person = Person::new(&load(TWO_BOARDS, both));
     let far = PLACE - DVec3::X * 0.3;
-    person.place_hand();
+    // Its board is placed where it is held still.
+    person.hold(2.0);
     person.tap(PLACE);
-    assert_eq!(person.keys(), "R -R");
+    assert_eq!(person.camera.keys(), "R -R");
     // The other hand is not placed yet.
     person.side = Side::Left;
     person.tip = far + DVec3::X * 0.08;
     person.tap(far);
-    assert_eq!(person.keys(), "");
-    person.place_hand();
+    assert_eq!(person.camera.keys(), "");
+    person.hold(2.0);
     person.tap(far);
-    assert_eq!(person.keys(), "L -L");
+    assert_eq!(person.camera.keys(), "L -L");
     // Its board is not where the right hand is, and the other way round.
     person.tap(PLACE);
     person.side = Side::Right;
     person.tap(far);
-    assert_eq!(person.keys(), "");
+    assert_eq!(person.camera.keys(), "");
     person.tap(PLACE);
-    assert_eq!(person.keys(), "R -R");
+    assert_eq!(person.camera.keys(), "R -R");
 }
 
 /// The name of a control and the way to it.
@@ -420,8 +361,8 @@ fn unreached(person: &mut Person, seconds: Range<u32>) -> Option<(u32, Option<Ne
     for second in seconds {
         let x = if second % 2 == 0 { 0.08 } else { 0.0 };
         person.go(1.0, PLACE + DVec3::X * x);
-        if let Some(found) = person.pipeline.unreached() {
-            let names = person.pipeline.target_names();
+        if let Some(found) = person.camera.pipeline.unreached() {
+            let names = person.camera.pipeline.target_names();
             let named = found.nearest.map(|nearest| {
                 let name = nearest
                     .target
@@ -449,9 +390,9 @@ fn a_hand_that_moves_for_5_s_and_reaches_nothing_is_told_the_way_to_the_nearest_
     // It reaches the key, and later moves elsewhere.
     person.go(1.0, DVec3::new(0.0, 0.35, 0.45));
     person.go(1.0, DVec3::new(0.0, 0.30, 0.45));
-    assert_eq!(person.keys(), "A");
+    assert_eq!(person.camera.keys(), "A");
     person.go(1.0, DVec3::new(0.0, 0.35, 0.45));
-    assert_eq!(person.pipeline.unreached(), None);
+    assert_eq!(person.camera.pipeline.unreached(), None);
     assert_eq!(unreached(&mut person, 0..10), None);
 }
 
@@ -475,7 +416,7 @@ fn a_hand_that_waits_rests_or_points_is_not_told_that_it_reaches_nothing() {
     );
     let mut resting = Person::with_layout(&BOARDS.replace("start", "world"));
     resting.hold(8.0);
-    assert_eq!(resting.pipeline.unreached(), None, "it rests");
+    assert_eq!(resting.camera.pipeline.unreached(), None, "it rests");
     let mut pointing = Person::with("webcam-mouse");
     pointing.place();
     assert_eq!(unreached(&mut pointing, 0..10), None, "it points");
