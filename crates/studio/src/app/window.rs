@@ -36,6 +36,7 @@ impl eframe::App for Window<'_> {
         }
         self.content.show(ui);
         let context = ui.ctx();
+        name_window(context);
         if is_stopped {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
@@ -50,6 +51,12 @@ impl eframe::App for Window<'_> {
         let pause = self.pace.pause(now, app.has_changed, cost);
         context.request_repaint_after(pause);
     }
+}
+
+/// Gives the window its title in the accessibility tree, where the toolkit leaves the name of a window empty.
+fn name_window(context: &egui::Context) {
+    let root = egui::accesskit_root_id();
+    context.accesskit_node_builder(root, |window| window.set_label(text("window-title")));
 }
 
 /// Shows the program in a window until that is closed, or `should_close` returns `true`. On the main thread only, as desktops
