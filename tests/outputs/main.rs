@@ -9,7 +9,10 @@ mod chaos;
 mod ime;
 #[cfg(target_os = "linux")]
 mod music;
-#[cfg(all(target_os = "linux", any(feature = "ime", feature = "tray")))]
+#[cfg(all(
+    target_os = "linux",
+    any(feature = "ime", feature = "studio", feature = "tray")
+))]
 mod session_bus;
 #[cfg(target_os = "linux")]
 mod spacenav;

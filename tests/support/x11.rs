@@ -11,9 +11,11 @@ use tempfile::TempDir;
 use x11rb::connection::Connection;
 use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
-    ButtonPressEvent, ConnectionExt, CreateWindowAux, EventMask, InputFocus, KeyButMask, MapState,
-    QueryPointerReply, Window, WindowClass,
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ButtonPressEvent, ConnectionExt, CreateWindowAux,
+    EventMask, InputFocus, KeyButMask, MOTION_NOTIFY_EVENT, MapState, QueryPointerReply, Window,
+    WindowClass,
 };
+use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use super::process::{Process, signal};
@@ -123,6 +125,22 @@ impl XServer {
         let reply = self.client.query_pointer(root);
         let reply = reply.expect("the server runs").reply();
         reply.expect("the server answers")
+    }
+
+    /// Moves the pointer to a position, in pixels from the left and from the top, and clicks with the left button.
+    pub fn click(&self, x: i16, y: i16) {
+        let root = self.client.setup().roots[0].root;
+        for (event, button) in [
+            (MOTION_NOTIFY_EVENT, 0),
+            (BUTTON_PRESS_EVENT, 1),
+            (BUTTON_RELEASE_EVENT, 1),
+        ] {
+            let fake = self
+                .client
+                .xtest_fake_input(event, button, 0, root, x, y, 0);
+            let fake = fake.expect("the server runs").check();
+            fake.expect("the server has XTEST");
+        }
     }
 
     /// Kills the server.

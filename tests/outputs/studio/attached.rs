@@ -1,7 +1,10 @@
 //! The window on the session of `ademan run`, which goes on whatever the window does.
 
+use std::fs;
 use std::process::{Command, Output};
 
+use ademan::command::TextMode;
+use ademan::session::control_socket::WatchClient;
 use tempfile::TempDir;
 
 use super::safety::close_window;
@@ -13,18 +16,36 @@ use crate::support::x11::XServer;
 /// The start of the line that Studio prints when it shows another session.
 const ATTACHED: &str = "this window shows the session at";
 
-/// A run of a hand that types, at the default control socket of a folder.
-struct Other {
-    run: Program,
+/// A run at the default control socket of a folder.
+pub(super) struct Other {
+    pub(super) run: Program,
     folder: TempDir,
 }
 
 impl Other {
+    /// Starts a run of a hand that types.
     fn start() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let source = format!("typist:{}", "hello ".repeat(300));
-        let mut command = ademan(["run", "--source", &source]);
+        Self::start_in(folder, &["--source", &source])
+    }
+
+    /// Starts a run with a setup of this text, in the file `setup.ron`.
+    pub(super) fn start_setup(setup: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("setup.ron");
+        fs::write(&path, setup).expect("space on the disk");
+        Self::start_in(folder, &[&path.display().to_string()])
+    }
+
+    fn start_in(folder: TempDir, arguments: &[&str]) -> Self {
+        let mut command = ademan(["run"].iter().chain(arguments));
         command.env("XDG_RUNTIME_DIR", folder.path());
+        // Studio has been started before: its first start has pages before the window, and a tour.
+        let config = folder.path().join("config/ademan");
+        fs::create_dir_all(&config).expect("space on the disk");
+        let settings = "(has_seen_tour: true)";
+        fs::write(config.join("studio.ron"), settings).expect("space on the disk");
         let run = Program::from_command(command);
         run.wait_for_line("armed", 1);
         Self { run, folder }
@@ -32,18 +53,42 @@ impl Other {
 
     /// Opens Studio for this user.
     fn open(&self, server: &XServer, arguments: &[&str]) -> Program {
+        self.open_with(server, arguments, |_| {})
+    }
+
+    /// Opens Studio with a command that is changed before.
+    pub(super) fn open_with(
+        &self,
+        server: &XServer,
+        arguments: &[&str],
+        change: impl FnOnce(&mut Command),
+    ) -> Program {
         let mut command = studio(server, arguments);
-        command.env("XDG_RUNTIME_DIR", self.folder.path());
+        command
+            .env("XDG_RUNTIME_DIR", self.folder.path())
+            .env("XDG_CONFIG_HOME", self.folder.path().join("config"));
+        change(&mut command);
         Program::from_command(command)
     }
 
     /// Sends a command to the run and returns the reply.
-    fn ctl(&self, command: &str) -> String {
+    pub(super) fn ctl(&self, command: &str) -> String {
         let mut ctl = ademan(["ctl", command]);
         ctl.env("XDG_RUNTIME_DIR", self.folder.path());
         let Output { status, stdout, .. } = ctl.output().expect("the program starts");
         assert!(status.success(), "{command}");
         String::from_utf8_lossy(&stdout).into_owned()
+    }
+
+    /// Returns the mode of the text decoder, as the run sends it to a client of its own.
+    pub(super) fn text_mode(&self) -> Option<TextMode> {
+        let socket = self.folder.path().join("ademan/control.sock");
+        let mut client = WatchClient::connect(&socket).expect("the run listens");
+        let view = client
+            .next_view()
+            .expect("a view")
+            .expect("the run goes on");
+        view.state.text_mode
     }
 }
 

@@ -5,6 +5,10 @@ mod bad_input;
 mod devices;
 mod overlay;
 mod safety;
+#[cfg(target_os = "linux")]
+mod screen_reader;
+#[cfg(target_os = "linux")]
+mod session_menu;
 mod sound;
 
 use std::collections::HashSet;
