@@ -169,7 +169,7 @@ fn a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal() {
         .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
         .arg(program.get_program())
         .args(program.get_args())
-        .env("XDG_CONFIG_HOME", "/nowhere")
+        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
         .env_remove("DISPLAY")
         .env_remove("XDG_RUNTIME_DIR")
         .stdin(Stdio::null())

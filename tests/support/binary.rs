@@ -28,9 +28,9 @@ pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command
         commands.iter().any(|known| first.as_ref() == *known)
     });
     command.args(arguments);
-    // The files and settings of the person who runs the tests have no effect.
+    // The files and settings of the person who runs the tests have no effect: below a file nobody makes a folder, root neither.
     command
-        .env("XDG_CONFIG_HOME", "/nowhere")
+        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
         .env_remove("RUST_LOG");
     if may_type {
         command.arg("--allow-root");

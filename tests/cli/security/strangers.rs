@@ -430,7 +430,7 @@ fn a_file_of_root_is_trusted_by_a_user() {
         .args(["--reuid=65534", "--regid=65534", "--clear-groups"])
         .arg(&program)
         .args(["layout", "check", "layout.ron"])
-        .env("XDG_CONFIG_HOME", "/nowhere")
+        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
         .current_dir(place.0.path());
     let Ok(ended) = check.output() else {
         println!("SKIPPED: setpriv is not installed");

@@ -204,7 +204,7 @@ impl Field {
         command
             .env("GDK_BACKEND", "wayland")
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
-            .env("XDG_CONFIG_HOME", "/nowhere")
+            .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
             .env_remove("GTK_IM_MODULE");
         let field = Self::start(command, &["field.py", kind]);
         field.wait_for("focused\t");

@@ -334,7 +334,7 @@ fn signals_that_the_parent_has_blocked_stop_the_typing_and_the_program() {
     blocked
         .args([
             "--block-signal=USR1,INT,TERM,HUP,TSTP",
-            "XDG_CONFIG_HOME=/nowhere",
+            "XDG_CONFIG_HOME=/dev/null/nowhere",
         ])
         .arg(run.get_program())
         .args(run.get_args());
