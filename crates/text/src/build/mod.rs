@@ -7,7 +7,7 @@
 //!   before it plus that weight (Kneser and Ney 1995), so that `francisco` is unlikely behind other words than `san`.
 //! - A pair of words has its count less a discount of 0.75, divided by the count of the first word; what
 //!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting). Three words in a row
-//!   that occur at least twice do alike with what follows the second one.
+//!   that occur at least twice do alike with what follows the second one. The start of a sentence and a comma count as first words.
 //! - Spelling: the letters of all words, each word weighted by the root of its probability, up to four letters before the next one,
 //!   interpolated after Witten and Bell.
 
