@@ -1,96 +1,132 @@
-//! The numbers of a clip that a model sees.
+//! The movement of a hand in a clip: its size and place taken out, and the moment of the tap found.
 
 use super::{PICTURES, POINTS, Picture};
 
-/// The pictures around the fastest movement: one before it to four after it.
-const WINDOW: usize = 6;
-const BEFORE: isize = 1;
+/// The numbers of one picture: where 20 points are from the wrist, and where the wrist is from its place at the start.
+pub const NUMBERS: usize = 2 * POINTS;
 
-/// The number of features: the points from the wrist and the wrist in each picture of the window, as differences from the hand at
-/// rest; and the hand at rest.
-pub const FEATURES: usize = 2 * (WINDOW * POINTS + POINTS - 1);
-
+const WRIST: usize = 0;
+/// The knuckle of the middle finger: from the wrist to it is the direction in which fingers tap.
+const MIDDLE_KNUCKLE: usize = 9;
 /// Landmarks that give the breadth of the palm: the knuckles of index and little finger.
 const BREADTH: [usize; 2] = [5, 17];
 const TIPS: [usize; 5] = [4, 8, 12, 16, 20];
 
-/// Pictures at the start that show the hand at rest, at most.
-const AT_REST: usize = 4;
-/// Pictures at the start that give the breadth.
-const FOR_BREADTH: usize = 3;
+/// Pictures at the start that show the hand at rest.
+const AT_REST: usize = 3;
+/// Energy of a hand that does not move, so that its onset is defined.
+const STILL: f32 = 1e-9;
 
-/// Returns the mean breadth of the palm in the first pictures; `None` unless it is a number above 0.
-fn breadth(pictures: &[Picture; PICTURES]) -> Option<f32> {
-    let [a, b] = BREADTH;
-    let mut sum = [0.0; 2];
-    for points in &pictures[..FOR_BREADTH] {
-        for (axis, part) in sum.iter_mut().enumerate() {
-            *part += points[a][axis] - points[b][axis];
-        }
-    }
-    let breadth = sum[0].hypot(sum[1]) / FOR_BREADTH as f32;
-    (breadth.is_finite() && breadth > f32::EPSILON).then_some(breadth)
+/// A point or a direction in a picture.
+type Point = [f32; 2];
+
+/// The movement of a hand in a clip, in breadths of its palm.
+#[derive(Clone, Debug)]
+pub struct Movement {
+    /// The points, from the place of the wrist at the start.
+    pictures: [Picture; PICTURES],
+    /// The moment, in pictures, at which half of the press is done.
+    onset: f32,
 }
 
-/// Returns the picture before the fastest movement of the fingertips: that at which half the sum of their squared speeds is reached.
-pub fn onset(pictures: &[Picture; PICTURES]) -> usize {
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn length([x, y]: Point) -> f32 {
+    x.hypot(y)
+}
+
+/// Returns the mean of something in the first pictures.
+fn at_rest(pictures: &[Picture; PICTURES], of: impl Fn(&Picture) -> Point) -> Point {
+    let points = pictures[..AT_REST].iter().map(of);
+    let sum = points.fold([0.0; 2], |[x, y], point| [x + point[0], y + point[1]]);
+    sum.map(|sum| sum / AT_REST as f32)
+}
+
+impl Movement {
+    /// Returns the movement in a clip; `None` if there is no hand, or a number is not finite.
+    pub fn new(pictures: &[Picture; PICTURES]) -> Option<Self> {
+        let [index, little] = BREADTH;
+        let breadth = length(at_rest(pictures, |points| {
+            minus(points[index], points[little])
+        }));
+        let numbers = pictures.as_flattened().as_flattened();
+        if !(breadth > f32::EPSILON && numbers.iter().all(|number| number.is_finite())) {
+            return None;
+        }
+        let start = at_rest(pictures, |points| points[WRIST]);
+        let scaled = |point: Point| minus(point, start).map(|number| number / breadth);
+        let normal = pictures.map(|points| points.map(scaled));
+        Some(Self {
+            onset: onset(&normal)?,
+            pictures: normal,
+        })
+    }
+
+    /// Returns how far a fingertip is at most, at any time, from where it was at rest, both seen from the wrist.
+    pub fn largest(&self) -> f32 {
+        let tip = |points: &Picture, tip: usize| minus(points[tip], points[WRIST]);
+        let changes = TIPS.iter().flat_map(|&index| {
+            let rest = at_rest(&self.pictures, |points| tip(points, index));
+            let change = move |points| length(minus(tip(points, index), rest));
+            self.pictures.iter().map(change)
+        });
+        changes.fold(0.0, f32::max)
+    }
+
+    /// Returns the numbers of a moment, in pictures from the onset, between two pictures by interpolation. Before the first picture and after
+    /// the last one the hand stands still.
+    pub fn at(&self, moment: f32) -> [f32; NUMBERS] {
+        let time = (self.onset + moment).clamp(0.0, (PICTURES - 1) as f32);
+        let first = (time as usize).min(PICTURES - 2);
+        let part = time - first as f32;
+        let (before, after) = (&self.pictures[first], &self.pictures[first + 1]);
+        let point = |index: usize| {
+            [0, 1].map(|axis| before[index][axis] * (1.0 - part) + after[index][axis] * part)
+        };
+        let wrist = point(WRIST);
+        let mut numbers = [0.0; NUMBERS];
+        for (pair, index) in numbers.chunks_exact_mut(2).zip(1..) {
+            let values = if index < POINTS {
+                minus(point(index), wrist)
+            } else {
+                wrist
+            };
+            pair.copy_from_slice(&values);
+        }
+        numbers
+    }
+}
+
+/// Returns the moment, in pictures, at which half of the energy of the fingertips towards the board is spent: the sum of their squared
+/// speeds along the fingers. The way back does not count. `None` if the hand has no direction.
+fn onset(pictures: &[Picture; PICTURES]) -> Option<f32> {
+    let direction = at_rest(pictures, |points| {
+        minus(points[MIDDLE_KNUCKLE], points[WRIST])
+    });
+    let norm = length(direction);
+    if norm <= f32::EPSILON {
+        return None;
+    }
+    let along = |points: &Picture, tip: usize| {
+        let [x, y] = minus(points[tip], points[WRIST]);
+        (x * direction[0] + y * direction[1]) / norm
+    };
     let mut energies = [0.0; PICTURES - 1];
     for (energy, pair) in energies.iter_mut().zip(pictures.windows(2)) {
-        let way = |tip: usize| {
-            let [x, y] = [0, 1].map(|axis| pair[1][tip][axis] - pair[0][tip][axis]);
-            x.hypot(y)
-        };
-        *energy = TIPS.into_iter().map(way).sum::<f32>().powi(2);
+        let speeds = TIPS
+            .iter()
+            .map(|&tip| along(&pair[1], tip) - along(&pair[0], tip));
+        *energy = STILL + speeds.map(|speed| speed.max(0.0).powi(2)).sum::<f32>();
     }
     let half = 0.5 * energies.iter().sum::<f32>();
-    let mut sum = 0.0;
-    let before = energies.iter().take_while(|energy| {
-        sum += **energy;
-        sum < half
-    });
-    before.count()
-}
-
-/// Returns the features of a clip whose fastest movement is after the picture `onset`, in breadths of the palm; `None` if there is no
-/// hand, or a number is not finite. Does not allocate.
-pub fn features(pictures: &[Picture; PICTURES], onset: usize) -> Option<[f32; FEATURES]> {
-    let scale = 1.0 / breadth(pictures)?;
-    let count = onset.saturating_sub(1).clamp(1, AT_REST);
-    let mut rest = [[0.0; 2]; POINTS];
-    for points in &pictures[..count] {
-        for (resting, point) in rest.iter_mut().zip(points) {
-            *resting = [
-                resting[0] + point[0] / count as f32,
-                resting[1] + point[1] / count as f32,
-            ];
+    let mut spent = 0.0;
+    for (picture, energy) in energies.into_iter().enumerate() {
+        if spent + energy >= half {
+            return Some(picture as f32 + (half - spent) / energy);
         }
+        spent += energy;
     }
-    let mut features = [0.0; FEATURES];
-    let mut next = features.iter_mut();
-    let mut add = |value: f32| {
-        if let Some(feature) = next.next() {
-            *feature = value * scale;
-        }
-    };
-    let picture = |step: usize| {
-        let index = onset as isize + step as isize - BEFORE;
-        &pictures[index.clamp(0, PICTURES as isize - 1) as usize]
-    };
-    for step in 0..WINDOW {
-        let points = picture(step);
-        for (point, rest_point) in points.iter().zip(&rest).skip(1) {
-            for axis in 0..2 {
-                add((point[axis] - points[0][axis]) - (rest_point[axis] - rest[0][axis]));
-            }
-        }
-        for axis in 0..2 {
-            add(points[0][axis] - rest[0][axis]);
-        }
-    }
-    for point in &rest[1..] {
-        for axis in 0..2 {
-            add(point[axis] - rest[0][axis]);
-        }
-    }
-    features.iter().all(|it| it.is_finite()).then_some(features)
+    Some((PICTURES - 1) as f32)
 }

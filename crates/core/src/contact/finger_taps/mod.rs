@@ -13,14 +13,12 @@
 //! assert!(fingers.is_none_or(|fingers| fingers.is_empty()));
 //! ```
 //!
-//! `crates/core/examples/train_finger_taps.rs` makes the shipped weights, and says how and what they
-//! reach.
+//! `train.py` beside the weights makes them, and says how; `docs/typing.md` of the project says what they reach.
 
 mod features;
 mod model;
 
-pub use features::{FEATURES, features, onset};
-pub use model::{Layer, Network, TapModel, TapModelError};
+pub use model::{SETS, TapModel, TapModelError};
 
 /// Landmarks of a hand in one picture, in the order of MediaPipe: wrist, then four of each finger from the thumb, its tip last; X
 /// to the right and Y down, in one unit of any size.
@@ -109,6 +107,20 @@ mod tests {
         for (score, other) in scores.into_iter().zip(others) {
             assert!((score - other).abs() < 1e-2, "{score} {other}");
         }
+        assert_eq!(
+            model.fingers(&TapClip::new(clip)),
+            model.fingers(&TapClip::new(moved))
+        );
+    }
+
+    #[test]
+    fn a_hand_that_moves_as_a_whole_taps_with_no_finger() {
+        let moves = |number: usize| {
+            let along = number as f32 * 9.0;
+            picture(0).map(|[x, y]| [x + along, y - along])
+        };
+        let clip = TapClip::new(std::array::from_fn(moves));
+        assert_eq!(TapModel::shipped().fingers(&clip), Some(FingerSet::NONE));
     }
 
     #[test]
@@ -160,11 +172,25 @@ mod tests {
             return;
         };
         let model = TapModel::shipped();
-        let exact = clips
+        let read: Vec<(FingerSet, FingerSet)> = clips
             .iter()
-            .filter(|(clip, tapped)| model.fingers(clip) == Some(*tapped));
+            .map(|(clip, tapped)| (model.fingers(clip).expect("a hand"), *tapped))
+            .collect();
+        for finger in Finger::ALL {
+            let count = |is_one: &dyn Fn(bool, bool) -> bool| {
+                let both = |(a, b): &&(FingerSet, FingerSet)| {
+                    is_one(a.contains(*finger), b.contains(*finger))
+                };
+                read.iter().filter(both).count() as f32
+            };
+            let (right, wrong) = (count(&|a, b| a && b), count(&|a, b| a != b));
+            let f1 = 2.0 * right / (2.0 * right + wrong);
+            println!("{finger}: F1 {f1:.3}");
+            assert!(f1 >= 0.9, "{finger}: {f1}");
+        }
+        let exact = read.iter().filter(|(found, tapped)| found == tapped);
         let exact = exact.count() as f32 / clips.len() as f32;
         println!("{exact} of {} clips", clips.len());
-        assert!(exact >= 0.9, "{exact}");
+        assert!(exact >= 0.93, "{exact}");
     }
 }

@@ -1,120 +1,113 @@
-//! The model that reads fingers from the features of a clip: a projection and small networks.
+//! The model that reads fingers from the movement of a hand: networks, whose mean counts.
 
-use super::features::{FEATURES, features, onset};
+use super::features::{Movement, NUMBERS};
 use super::{PICTURES, TapClip};
 use crate::hand::{Finger, FingerSet};
 
 /// The first bytes of a file of weights.
-const MAGIC: &[u8; 8] = b"ademtap1";
+const MAGIC: &[u8; 8] = b"ademtap2";
 
 /// The shipped weights.
 const SHIPPED: &[u8] = include_bytes!("weights.bin");
 
 /// The largest number of inputs and outputs of a layer; more is no file of this program.
 const MAX_WIDTH: usize = 1_024;
-/// The largest number of networks.
+/// The largest number of networks of a kind.
 const MAX_NETWORKS: usize = 16;
 
+/// The number of sets of fingers.
+pub const SETS: usize = 1 << Finger::COUNT;
+
 /// The shifts in pictures for which a clip is read; their mean counts.
-const SHIFTS: [isize; 3] = [-1, 0, 1];
+const SHIFTS: [f32; 3] = [-0.5, 0.0, 0.5];
+/// The part that networks without convolutions have in the mean.
+const DENSE_PART: f32 = 0.25;
+/// A hand whose fingertips move less than this, in breadths of the palm, taps with none.
+const LEAST_MOVEMENT: f32 = 0.14;
+
+/// The first moment that networks with convolutions see, in pictures from the onset. They see as many as a clip has.
+const CONVOLVED_FROM: isize = -6;
+/// The moments that the other networks see.
+const DENSE_MOMENTS: std::ops::Range<isize> = -4..8;
+/// The layers of a network: three convolutions of three pictures and two layers, or three layers.
+const CONVOLVED_LAYERS: usize = 5;
+const DENSE_LAYERS: usize = 3;
+const CONVOLUTIONS: usize = 3;
+const CONVOLUTION: usize = 3;
+/// The pairs of pictures of which the larger value goes on behind the convolutions.
+const PAIRS: usize = PICTURES / 2;
 
 /// Reason why bytes are no model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TapModelError {
     /// It is not such a file.
-    #[error("not a model of finger taps; make one with the example `train_finger_taps`")]
+    #[error(
+        "not a model of finger taps; make one with `train.py`, which stands beside the weights"
+    )]
     NotAModel,
     /// It ends early, has bytes left, or layers that do not fit to each other.
     #[error(
-        "the model of finger taps is damaged; make it again with the example `train_finger_taps`"
+        "the model of finger taps is damaged; make it again with `train.py`, which stands beside the weights"
     )]
     Damaged,
 }
 
 /// A layer: a matrix with an offset for each output.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// The number of inputs.
-    pub inputs: usize,
+struct Layer {
+    inputs: usize,
     /// The weights of each output, one after the other.
-    pub weights: Vec<f32>,
-    /// The offset of each output.
-    pub offsets: Vec<f32>,
+    weights: Vec<f32>,
+    offsets: Vec<f32>,
 }
 
-/// A network with one hidden layer and one output for each finger.
+/// A network.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Network {
-    /// The hidden layer; its outputs are cut at 0.
-    pub hidden: Layer,
-    /// The outputs: logarithms of the odds that a finger tapped.
-    pub output: Layer,
+struct Network {
+    /// The means of the inputs, which are subtracted.
+    means: Vec<f32>,
+    layers: Vec<Layer>,
 }
 
 /// A model of finger taps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TapModel {
-    /// The projection of the features.
-    pub projection: Layer,
-    /// The networks, whose mean counts.
-    pub networks: Vec<Network>,
+    convolved: Vec<Network>,
+    dense: Vec<Network>,
 }
 
 impl Layer {
-    /// Sets `outputs` to those for some inputs. Does not allocate beyond the capacity of `outputs`.
-    pub fn apply(&self, inputs: &[f32], outputs: &mut Vec<f32>) {
-        outputs.clear();
-        let rows = self.weights.chunks_exact(self.inputs.max(1));
+    fn outputs(&self) -> usize {
+        self.offsets.len()
+    }
+
+    /// Appends the outputs for some inputs.
+    fn apply(&self, inputs: &[f32], outputs: &mut Vec<f32>) {
+        let rows = self.weights.chunks_exact(self.inputs);
         outputs.extend(rows.zip(&self.offsets).map(|(row, offset)| {
             let products = row.iter().zip(inputs).map(|(weight, input)| weight * input);
             offset + products.sum::<f32>()
         }));
     }
 
-    fn write(&self, bytes: &mut Vec<u8>) {
-        for width in [self.inputs, self.offsets.len()] {
-            bytes.extend((width as u32).to_le_bytes());
-        }
-        let rows = self.weights.chunks_exact(self.inputs.max(1));
-        for (row, offset) in rows.zip(&self.offsets) {
-            let largest = row
-                .iter()
-                .fold(0.0_f32, |largest, it| largest.max(it.abs()));
-            let scale = largest.max(f32::MIN_POSITIVE) / 127.0;
-            bytes.extend(offset.to_le_bytes());
-            bytes.extend(scale.to_le_bytes());
-            bytes.extend(row.iter().map(|it| (it / scale).round() as i8 as u8));
-        }
-    }
-
     fn read(bytes: &mut &[u8]) -> Result<Self, TapModelError> {
-        let [inputs, outputs] =
-            [word(bytes)?, word(bytes)?].map(|it| u32::from_le_bytes(it) as usize);
-        if inputs == 0 || inputs > MAX_WIDTH || outputs > MAX_WIDTH {
-            return Err(TapModelError::Damaged);
-        }
+        let [inputs, outputs] = [size(bytes)?, size(bytes)?];
         let mut layer = Self {
             inputs,
             weights: Vec::with_capacity(inputs * outputs),
             offsets: Vec::with_capacity(outputs),
         };
         for _ in 0..outputs {
-            let [offset, scale] = [word(bytes)?, word(bytes)?].map(f32::from_le_bytes);
+            let [offset, scale] = [number(bytes)?, number(bytes)?];
             let (row, rest) = bytes
                 .split_at_checked(inputs)
                 .ok_or(TapModelError::Damaged)?;
             *bytes = rest;
             layer.offsets.push(offset);
-            layer
-                .weights
-                .extend(row.iter().map(|it| f32::from(*it as i8) * scale));
+            let weights = row.iter().map(|&it| f32::from(it.cast_signed()) * scale);
+            layer.weights.extend(weights);
         }
-        let mut numbers = layer.weights.iter().chain(&layer.offsets);
-        if numbers.all(|it| it.is_finite()) {
-            Ok(layer)
-        } else {
-            Err(TapModelError::Damaged)
-        }
+        Ok(layer)
     }
 }
 
@@ -124,85 +117,209 @@ fn word(bytes: &mut &[u8]) -> Result<[u8; 4], TapModelError> {
     Ok(*word)
 }
 
+fn number(bytes: &mut &[u8]) -> Result<f32, TapModelError> {
+    let number = f32::from_le_bytes(word(bytes)?);
+    let is_sane = number.is_finite();
+    is_sane.then_some(number).ok_or(TapModelError::Damaged)
+}
+
+fn size(bytes: &mut &[u8]) -> Result<usize, TapModelError> {
+    let size = u32::from_le_bytes(word(bytes)?) as usize;
+    let is_sane = (1..=MAX_WIDTH).contains(&size);
+    is_sane.then_some(size).ok_or(TapModelError::Damaged)
+}
+
+impl Network {
+    fn read(bytes: &mut &[u8], layers: usize) -> Result<Self, TapModelError> {
+        let means = (0..size(bytes)?)
+            .map(|_| number(bytes))
+            .collect::<Result<_, _>>()?;
+        let layers = (0..layers)
+            .map(|_| Layer::read(bytes))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { means, layers })
+    }
+
+    /// Returns `true` if the means and the inputs of each layer have these sizes, and the last layer an output for each set.
+    fn fits(&self, means: usize, inputs: &[usize]) -> bool {
+        let found = self.layers.iter().map(|layer| layer.inputs);
+        let last = self.layers.last().map(Layer::outputs);
+        self.means.len() == means && found.eq(inputs.iter().copied()) && last == Some(SETS)
+    }
+
+    fn is_convolved(&self) -> bool {
+        let [first, second, third, hidden, _] = &self.layers[..] else {
+            return false;
+        };
+        let width = first.outputs();
+        let same = [second, third].iter().all(|layer| layer.outputs() == width);
+        let next = CONVOLUTION * width;
+        let sizes = [
+            CONVOLUTION * NUMBERS,
+            next,
+            next,
+            PAIRS * width,
+            hidden.outputs(),
+        ];
+        same && self.fits(NUMBERS, &sizes)
+    }
+
+    fn is_dense(&self) -> bool {
+        let [first, second, _] = &self.layers[..] else {
+            return false;
+        };
+        let inputs = DENSE_MOMENTS.len() * NUMBERS;
+        self.fits(inputs, &[inputs, first.outputs(), second.outputs()])
+    }
+
+    /// Returns the values of the sets for the pictures around the onset, with three convolutions.
+    fn convolved(&self, movement: &Movement, shift: f32) -> Vec<f32> {
+        let moments = (CONVOLVED_FROM..).take(PICTURES);
+        let mut pictures = self.centered(movement, shift, moments);
+        for (index, layer) in self.layers[..CONVOLUTIONS].iter().enumerate() {
+            let width = pictures.len() / PICTURES;
+            let mut outputs = Vec::with_capacity(PICTURES * layer.outputs());
+            let mut inputs = vec![0.0; layer.inputs];
+            for picture in 0..PICTURES {
+                for (part, place) in inputs.chunks_exact_mut(width).zip(picture..) {
+                    // The picture before the first one and the one behind the last one are 0.
+                    let source = place.checked_sub(1).filter(|&source| source < PICTURES);
+                    match source {
+                        Some(source) => part.copy_from_slice(&pictures[source * width..][..width]),
+                        None => part.fill(0.0),
+                    }
+                }
+                layer.apply(&inputs, &mut outputs);
+            }
+            cut(&mut outputs);
+            if index > 0 {
+                for (output, before) in outputs.iter_mut().zip(&pictures) {
+                    *output += before;
+                }
+            }
+            pictures = outputs;
+        }
+        let width = pictures.len() / PICTURES;
+        let mut larger = Vec::with_capacity(PAIRS * width);
+        for pair in pictures.chunks_exact(2 * width) {
+            let (a, b) = pair.split_at(width);
+            larger.extend(a.iter().zip(b).map(|(a, b)| a.max(*b)));
+        }
+        self.rest(CONVOLUTIONS, larger)
+    }
+
+    /// Returns the values of the sets for the moments around the onset, without convolutions.
+    fn dense(&self, movement: &Movement, shift: f32) -> Vec<f32> {
+        self.rest(0, self.centered(movement, shift, DENSE_MOMENTS))
+    }
+
+    /// Returns the numbers of some moments without their means.
+    fn centered(
+        &self,
+        movement: &Movement,
+        shift: f32,
+        moments: impl Iterator<Item = isize>,
+    ) -> Vec<f32> {
+        let numbers = moments.flat_map(|moment| movement.at(shift + moment as f32));
+        let centered = numbers.zip(self.means.iter().cycle());
+        centered.map(|(number, mean)| number - mean).collect()
+    }
+
+    /// Applies the layers from one on; all but the last one are cut at 0.
+    fn rest(&self, from: usize, mut values: Vec<f32>) -> Vec<f32> {
+        for (layer, left) in self
+            .layers
+            .iter()
+            .zip((0..self.layers.len()).rev())
+            .skip(from)
+        {
+            let mut outputs = Vec::with_capacity(layer.outputs());
+            layer.apply(&values, &mut outputs);
+            if left > 0 {
+                cut(&mut outputs);
+            }
+            values = outputs;
+        }
+        values
+    }
+}
+
+fn cut(values: &mut [f32]) {
+    values.iter_mut().for_each(|value| *value = value.max(0.0));
+}
+
+/// Adds a part of the log-probabilities that values stand for.
+fn add(scores: &mut [f32; SETS], values: &[f32], part: f32) {
+    let largest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let sum: f32 = values.iter().map(|value| (value - largest).exp()).sum();
+    let norm = largest + sum.ln();
+    for (score, value) in scores.iter_mut().zip(values) {
+        *score += part * (value - norm);
+    }
+}
+
 impl TapModel {
     /// Returns the shipped model.
     pub fn shipped() -> Self {
         Self::from_bytes(SHIPPED).expect("the shipped weights are tested")
     }
 
-    /// Reads a model as [`to_bytes`](Self::to_bytes) writes it.
+    /// Reads a model as `train.py` writes it.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, TapModelError> {
         let mut bytes = bytes.strip_prefix(MAGIC).ok_or(TapModelError::NotAModel)?;
-        let projection = Layer::read(&mut bytes)?;
-        let count = u32::from_le_bytes(word(&mut bytes)?) as usize;
-        if projection.inputs != FEATURES || count == 0 || count > MAX_NETWORKS {
+        let counts = [size(&mut bytes)?, size(&mut bytes)?];
+        if counts.iter().any(|&count| count > MAX_NETWORKS) {
             return Err(TapModelError::Damaged);
         }
-        let mut networks = Vec::with_capacity(count);
-        for _ in 0..count {
-            let network = Network {
-                hidden: Layer::read(&mut bytes)?,
-                output: Layer::read(&mut bytes)?,
-            };
-            let fits = network.hidden.inputs == projection.offsets.len()
-                && network.output.inputs == network.hidden.offsets.len()
-                && network.output.offsets.len() == Finger::COUNT;
-            if !fits {
-                return Err(TapModelError::Damaged);
-            }
-            networks.push(network);
-        }
-        let model = Self {
-            projection,
-            networks,
+        let [convolved, dense] = counts;
+        let mut read = |count: usize, layers: usize| {
+            let networks = (0..count).map(|_| Network::read(&mut bytes, layers));
+            networks.collect::<Result<Vec<_>, _>>()
         };
-        bytes
-            .is_empty()
+        let model = Self {
+            convolved: read(convolved, CONVOLVED_LAYERS)?,
+            dense: read(dense, DENSE_LAYERS)?,
+        };
+        let fits = model.convolved.iter().all(Network::is_convolved)
+            && model.dense.iter().all(Network::is_dense);
+        (fits && bytes.is_empty())
             .then_some(model)
             .ok_or(TapModelError::Damaged)
     }
 
-    /// Returns the bytes of the model: weights of 8 bits with a scale for each output.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
-        self.projection.write(&mut bytes);
-        bytes.extend((self.networks.len() as u32).to_le_bytes());
-        for network in &self.networks {
-            network.hidden.write(&mut bytes);
-            network.output.write(&mut bytes);
-        }
-        bytes
-    }
-
-    /// Returns the fingers that tapped in a clip; `None` if the clip is not full or has no hand.
+    /// Returns the fingers that most probably tapped in a clip; `None` if the clip is not full or has no hand.
     pub fn fingers(&self, clip: &TapClip) -> Option<FingerSet> {
-        let scores = self.scores(clip)?;
-        let fingers = Finger::ALL.iter().zip(scores);
-        let tapped = fingers.filter(|(_, score)| *score > 0.0);
+        let movement = Movement::new(clip.pictures()?)?;
+        if movement.largest() < LEAST_MOVEMENT {
+            return Some(FingerSet::NONE);
+        }
+        let scores = self.read(&movement);
+        let best = (0..SETS).max_by(|&a, &b| scores[a].total_cmp(&scores[b]))?;
+        let fingers = Finger::ALL.iter().zip(0..);
+        let tapped = fingers.filter(|(_, bit)| best >> bit & 1 == 1);
         Some(tapped.fold(FingerSet::NONE, |set, (finger, _)| set.with(*finger)))
     }
 
-    /// Returns the logarithm of the odds that each finger tapped in a clip, thumb first; `None` if the clip is not full or has no hand.
-    pub fn scores(&self, clip: &TapClip) -> Option<[f32; Finger::COUNT]> {
-        let pictures = clip.pictures()?;
-        let onset = onset(pictures) as isize;
-        let mut scores = [0.0; Finger::COUNT];
-        let [mut projected, mut hidden, mut output] = [const { Vec::new() }; 3];
-        let weight = 1.0 / (SHIFTS.len() * self.networks.len()) as f32;
+    /// Returns the log-probability of each set of fingers, up to a constant, whatever the hand moves; the bits of an index are the fingers, thumb
+    /// first. `None` if the clip is not full or has no hand.
+    pub fn scores(&self, clip: &TapClip) -> Option<[f32; SETS]> {
+        Some(self.read(&Movement::new(clip.pictures()?)?))
+    }
+
+    fn read(&self, movement: &Movement) -> [f32; SETS] {
+        let mut scores = [0.0; SETS];
+        let shifts = SHIFTS.len() as f32;
+        let convolved = (1.0 - DENSE_PART) / (shifts * self.convolved.len() as f32);
+        let dense = DENSE_PART / (shifts * self.dense.len() as f32);
         for shift in SHIFTS {
-            let onset = (onset + shift).clamp(0, PICTURES as isize - 1) as usize;
-            self.projection
-                .apply(&features(pictures, onset)?, &mut projected);
-            for network in &self.networks {
-                network.hidden.apply(&projected, &mut hidden);
-                hidden.iter_mut().for_each(|it| *it = it.max(0.0));
-                network.output.apply(&hidden, &mut output);
-                for (score, value) in scores.iter_mut().zip(&output) {
-                    *score += value * weight;
-                }
+            for network in &self.convolved {
+                add(&mut scores, &network.convolved(movement, shift), convolved);
+            }
+            for network in &self.dense {
+                add(&mut scores, &network.dense(movement, shift), dense);
             }
         }
-        Some(scores)
+        scores
     }
 }
 
@@ -212,17 +329,20 @@ mod tests {
 
     #[test]
     fn damaged_and_foreign_files_are_refused() {
-        let bytes = TapModel::shipped().to_bytes();
-        assert!(TapModel::from_bytes(&bytes).is_ok());
+        assert!(TapModel::from_bytes(SHIPPED).is_ok());
         assert_eq!(TapModel::from_bytes(b"PNG"), Err(TapModelError::NotAModel));
-        for length in [8, 9, 20, 400, bytes.len() - 1] {
-            let found = TapModel::from_bytes(&bytes[..length]);
+        for length in [8, 9, 20, 400, SHIPPED.len() - 1] {
+            let found = TapModel::from_bytes(&SHIPPED[..length]);
             assert_eq!(found, Err(TapModelError::Damaged), "{length}");
         }
-        let longer = [&bytes[..], b"x"].concat();
+        let longer = [SHIPPED, b"x"].concat();
         assert_eq!(TapModel::from_bytes(&longer), Err(TapModelError::Damaged));
-        let mut wide = bytes;
-        wide[8..12].fill(0xff);
-        assert_eq!(TapModel::from_bytes(&wide), Err(TapModelError::Damaged));
+        // Both counts, the size of the means, and a mean.
+        for place in [8, 12, 16, 20] {
+            let mut wide = SHIPPED.to_vec();
+            wide[place..place + 4].fill(0xff);
+            let found = TapModel::from_bytes(&wide);
+            assert_eq!(found, Err(TapModelError::Damaged), "{place}");
+        }
     }
 }
