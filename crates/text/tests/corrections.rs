@@ -19,16 +19,16 @@ struct Field<'m> {
 
 impl<'m> Field<'m> {
     fn new(bytes: &'m [u8], mode: Mode) -> Self {
-        Self::with(bytes, mode, Restored::default())
+        Self::with(bytes, mode, Restored::default(), Options::default())
     }
 
-    fn with(bytes: &'m [u8], mode: Mode, restored: Restored) -> Self {
-        let model = Model::from_bytes(bytes).expect("a model");
-        let touch = TouchModel::new(Prior::default());
+    fn with(bytes: &'m [u8], mode: Mode, restored: Restored, options: Options) -> Self {
         let options = Options {
             capitals: false,
-            ..Options::default()
+            ..options
         };
+        let model = Model::from_bytes(bytes).expect("a model");
+        let touch = TouchModel::new(Prior::default());
         let decoder = Decoder::new(model, keyboard(), touch, options).with_swipes();
         Self {
             corrector: Corrector::new(decoder, mode, restored),
@@ -48,14 +48,17 @@ impl<'m> Field<'m> {
         edits.len()
     }
 
+    /// Returns the center of the key of a character, or a place beside the keyboard.
+    fn center(&self, character: char) -> [f32; 2] {
+        let lower = character.to_lowercase().next().expect("a letter");
+        let key = self.keyboard.index(lower);
+        key.map_or([20.0 * PITCH, 0.0], |key| self.keyboard.keys()[key].center)
+    }
+
     /// Taps the centers of keys.
     fn types(&mut self, text: &str) {
         for character in text.chars() {
-            let lower = character.to_lowercase().next().expect("a letter");
-            let position = match self.keyboard.index(lower) {
-                Some(key) => self.keyboard.keys()[key].center,
-                None => [20.0 * PITCH, 0.0],
-            };
+            let position = self.center(character);
             self.tap(position, character);
         }
     }
@@ -145,7 +148,7 @@ fn one_backspace_restores_what_was_typed_and_the_word_is_not_changed_again() {
     assert!(field.corrector.restored().words().eq(["teh"]));
     // The knowledge can be stored.
     let stored = field.corrector.restored().clone();
-    let mut restored = Field::with(&bytes, Mode::Auto, stored);
+    let mut restored = Field::with(&bytes, Mode::Auto, stored, Options::default());
     restored.types("teh ");
     assert_eq!(restored.text, "teh ");
     // A second Backspace deletes as usual.
@@ -369,6 +372,40 @@ fn a_quotation_mark_behind_a_comma_stays() {
     let mut field = Field::new(&bytes, Mode::Auto);
     field.types("the fox,' the dog ");
     assert_eq!(field.text, "the fox,' the dog ");
+}
+
+#[test]
+fn what_was_corrected_stays_while_no_word_is_complete() {
+    let bytes = english();
+    let options = Options {
+        beam: 1,
+        ..Options::default()
+    };
+    let mut field = Field::with(&bytes, Mode::Auto, Restored::default(), options);
+    field.types("thr w");
+    assert_eq!(field.text, "the w");
+    // An `o` that hit the hyphen: the only hypothesis is in the middle of `world`.
+    let [x, y] = field.center('o');
+    field.tap([x, y - 0.4 * PITCH], '-');
+    assert_eq!(field.text, "the w-");
+    field.types("rld ");
+    assert_eq!(field.text, "the world ");
+}
+
+#[test]
+fn a_copy_reads_on_as_the_original_does() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    field.types("the wisdom of teh ");
+    let mut copy = field.corrector.clone();
+    for character in "wrold ".chars() {
+        let tap = Tap {
+            position: field.center(character),
+            typed: Some(character),
+        };
+        assert_eq!(copy.press(tap), field.corrector.press(tap));
+    }
+    assert_eq!(copy.shown(), "the wisdom of the world ");
 }
 
 #[test]

@@ -23,6 +23,8 @@ struct Slot {
 /// The hypotheses of a tap.
 #[derive(Clone, Debug)]
 pub struct Beam {
+    /// The most hypotheses of a tap.
+    capacity: usize,
     next: Vec<Next>,
     order: Vec<(f32, u32)>,
     slots: Vec<Slot>,
@@ -43,6 +45,7 @@ impl Beam {
     pub fn new(width: f32, count: usize) -> Self {
         let capacity = (CAPACITY * count).max(LEAST_CAPACITY);
         Self {
+            capacity,
             next: Vec::with_capacity(capacity),
             order: Vec::with_capacity(capacity),
             slots: vec![Slot::default(); (2 * capacity).next_power_of_two()],
@@ -121,7 +124,7 @@ impl Beam {
         loop {
             let found = &mut self.slots[slot];
             if found.round != self.round {
-                if self.next.len() < self.next.capacity() {
+                if self.next.len() < self.capacity {
                     *found = Slot {
                         key,
                         round: self.round,

@@ -23,6 +23,20 @@ pub struct Finished {
     pub token: usize,
 }
 
+impl Finished {
+    /// Returns a hypothesis as it is, with its last word as far as it was tapped.
+    pub fn partial(index: usize, token: &Token) -> Self {
+        Self {
+            score: token.score,
+            end: token.end,
+            omitted: None,
+            case: Case::Lower,
+            word: None,
+            token: index,
+        }
+    }
+}
+
 /// Calls `found` with each way in which a hypothesis can be complete, unless it is worse than a score for sure.
 pub fn finish(
     model: &Model,
@@ -32,14 +46,7 @@ pub fn finish(
     worst: f32,
     mut found: impl FnMut(Finished),
 ) {
-    let plain = Finished {
-        score: token.score,
-        end: token.end,
-        omitted: None,
-        case: Case::Lower,
-        word: None,
-        token: index,
-    };
+    let plain = Finished::partial(index, token);
     let node = match token.place {
         Place::Word(node) => node,
         Place::Gap | Place::Verbatim => return found(plain),

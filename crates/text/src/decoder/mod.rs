@@ -466,5 +466,9 @@ impl<'m> Decoder<'m> {
                 }
             });
         }
+        // In the middle of a long word nothing may be complete. What was typed is no better then.
+        if let (true, Some(token)) = (self.finished.is_empty(), self.tokens.first()) {
+            self.finished.push(Finished::partial(0, token));
+        }
     }
 }

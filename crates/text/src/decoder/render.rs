@@ -5,6 +5,9 @@ use super::history::{Entry, History};
 use crate::keyboard::Tap;
 use crate::model::lexicon::Case;
 
+/// The most characters of a text.
+const MAX_ENTRIES: usize = 4 * super::MAX_TAPS;
+
 /// The text of a hypothesis, in memory that is used again.
 #[derive(Clone, Debug)]
 pub struct Rendered {
@@ -15,7 +18,7 @@ pub struct Rendered {
 impl Rendered {
     pub fn new() -> Self {
         Self {
-            entries: Vec::with_capacity(4 * super::MAX_TAPS),
+            entries: Vec::with_capacity(MAX_ENTRIES),
             text: String::with_capacity(16 * super::MAX_TAPS),
         }
     }
@@ -32,7 +35,7 @@ impl Rendered {
         self.text.clear();
         let mut end = finished.end;
         while let Some(entry) = history.get(end) {
-            if self.entries.len() == self.entries.capacity() {
+            if self.entries.len() == MAX_ENTRIES {
                 break;
             }
             self.entries.push(entry);
