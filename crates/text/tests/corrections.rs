@@ -4,105 +4,9 @@ mod support;
 
 use ademan_text::build::Builder;
 use ademan_text::correction::Restored;
-use ademan_text::{
-    Corrector, Decoder, Edit, Keyboard, Mode, Model, Options, Prior, SwipePath, Tap, TouchModel,
-};
+use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, SwipePath, Tap, TouchModel};
+use support::field::{Field, english};
 use support::simulated::{PITCH, keyboard};
-
-/// A text field behind a corrector.
-struct Field<'m> {
-    corrector: Corrector<'m>,
-    keyboard: Keyboard,
-    text: String,
-    edits: usize,
-}
-
-impl<'m> Field<'m> {
-    fn new(bytes: &'m [u8], mode: Mode) -> Self {
-        Self::with(bytes, mode, Restored::default(), Options::default())
-    }
-
-    fn with(bytes: &'m [u8], mode: Mode, restored: Restored, options: Options) -> Self {
-        let options = Options {
-            capitals: false,
-            ..options
-        };
-        let model = Model::from_bytes(bytes).expect("a model");
-        let touch = TouchModel::new(Prior::default());
-        let decoder = Decoder::new(model, keyboard(), touch, options).with_swipes();
-        Self {
-            corrector: Corrector::new(decoder, mode, restored),
-            keyboard: keyboard(),
-            text: String::new(),
-            edits: 0,
-        }
-    }
-
-    fn apply(text: &mut String, edits: &[Edit]) -> usize {
-        for edit in edits {
-            match edit {
-                Edit::Backspace => assert!(text.pop().is_some(), "a Backspace at the start"),
-                Edit::Type(character) => text.push(*character),
-            }
-        }
-        edits.len()
-    }
-
-    /// Returns the center of the key of a character, or a place beside the keyboard.
-    fn center(&self, character: char) -> [f32; 2] {
-        let lower = character.to_lowercase().next().expect("a letter");
-        let key = self.keyboard.index(lower);
-        key.map_or([20.0 * PITCH, 0.0], |key| self.keyboard.keys()[key].center)
-    }
-
-    /// Taps the centers of keys.
-    fn types(&mut self, text: &str) {
-        for character in text.chars() {
-            let position = self.center(character);
-            self.tap(position, character);
-        }
-    }
-
-    fn tap(&mut self, position: [f32; 2], character: char) {
-        let edits = self.corrector.press(Tap {
-            position,
-            typed: Some(character),
-        });
-        self.edits = Self::apply(&mut self.text, edits);
-    }
-
-    /// Taps the first letter of a word, and swipes along straight lines between all its letters.
-    fn swipes(&mut self, word: &str) {
-        let mut letters = word.chars();
-        self.types(&letters.by_ref().take(1).collect::<String>());
-        let mut path = SwipePath::default();
-        let center = |letter: char| {
-            let index = self.keyboard.index(letter.to_ascii_lowercase());
-            self.keyboard.keys()[index.expect("a key")].center
-        };
-        let centers: Vec<[f32; 2]> = word.chars().map(center).collect();
-        for pair in centers.windows(2) {
-            for step in 0..=20 {
-                let t = step as f32 / 20.0;
-                let along = |axis: usize| pair[0][axis] + t * (pair[1][axis] - pair[0][axis]);
-                path.push([along(0), along(1)]);
-            }
-        }
-        let edits = self.corrector.swipe(path.points());
-        self.edits = Self::apply(&mut self.text, edits);
-    }
-
-    fn backspace(&mut self) {
-        self.edits = Self::apply(&mut self.text, self.corrector.backspace());
-    }
-}
-
-fn english() -> Vec<u8> {
-    let mut builder = Builder::new();
-    builder.words("the\t200\nof\t90\ncat\t20\nsat\t20\nwisdom\t5\ndon't\t20\nI\t50\nparis\t3\nParis\t3\nquick\t9\nhello\t10\nworld\t10");
-    builder.text("the wisdom of the world\nthe wisdom of the world\nthe cat sat\nthe cat sat\nI don't\nI saw Paris");
-    builder.build().expect("a model")
-}
 
 #[test]
 fn a_word_is_corrected_at_its_end_in_one_burst() {
@@ -390,6 +294,20 @@ fn what_was_corrected_stays_while_no_word_is_complete() {
     assert_eq!(field.text, "the w-");
     field.types("rld ");
     assert_eq!(field.text, "the world ");
+}
+
+#[test]
+fn lines_are_learned_from() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Auto);
+    let known = |at: &Field| at.corrector.decoder().touch().person.taps;
+    field.types("the cat");
+    field.corrector.reset();
+    assert_eq!(known(&field), 0.0, "nothing is learned at a pause");
+    field.types(" the cat sat");
+    field.corrector.start_word();
+    assert!(known(&field) > 5.0, "{}", known(&field));
+    assert_eq!(field.text, "the cat the cat sat");
 }
 
 #[test]

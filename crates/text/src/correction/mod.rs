@@ -51,8 +51,8 @@ pub enum Edit {
     Type(char),
 }
 
-/// The longest tail that is replaced, in characters.
-pub const MAX_TAIL: usize = 64;
+/// The most edits of a correction, about half of them Backspaces: as many as one step of the pipeline has room for.
+pub const MAX_EDITS: usize = 84;
 /// At the end of a word, after this many taps, the text before is final.
 const SETTLED_TAPS: usize = 60;
 
@@ -140,8 +140,11 @@ impl<'m> Corrector<'m> {
         self.is_partial = true;
     }
 
-    /// Drops what is pending, and starts at the beginning of a word: after a key that ends a line.
+    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word: after a key that ends a line.
     pub fn start_word(&mut self) {
+        if self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0 {
+            self.decoder.commit();
+        }
         self.reset();
         self.is_partial = false;
     }
@@ -227,13 +230,13 @@ impl<'m> Corrector<'m> {
 
     /// Replaces the tail behind a prefix, unless it is too long.
     fn replace_tail(&mut self, prefix: usize, removed: usize) {
-        if removed > MAX_TAIL {
+        let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);
+        if removed + new.chars().count() > MAX_EDITS {
             // Out of reach: what follows starts afresh, so that it can be corrected.
             self.decoder.commit();
             self.shown.clear();
             return;
         }
-        let (old, new) = (&self.shown[prefix..], &self.target[prefix..]);
         self.edits.extend(old.chars().map(|_| Edit::Backspace));
         self.edits.extend(new.chars().map(Edit::Type));
         self.undo.is_possible = true;

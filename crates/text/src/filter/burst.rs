@@ -1,6 +1,7 @@
 //! Edits as the events of one step.
 
 use crate::Edit;
+use crate::correction::MAX_EDITS;
 use arrayvec::ArrayVec;
 
 use super::keys::{TextKeys, Typed};
@@ -8,11 +9,9 @@ use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, Events, KeyCode, OutputEvent};
 use ademan_core::time::Timestamp;
 
-/// The most edits of a burst: what fits into one step beside the releases of all keys.
-pub(super) const MAX_EDITS: usize = 40;
-
-/// The events of a burst: each edit is a tap, perhaps with a Shift that goes down and comes up.
-type Kinds = ArrayVec<EventKind, { 4 * MAX_EDITS + 8 }>;
+/// The events of a burst: each edit is a tap, and a capital has a Shift that goes down and comes up. They fit into one step beside
+/// the releases of some keys.
+type Kinds = ArrayVec<EventKind, { 2 * MAX_EDITS + 16 }>;
 
 const SHIFTS: [KeyCode; 2] = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT];
 

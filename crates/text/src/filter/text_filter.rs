@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
+use crate::correction::MAX_EDITS;
 use crate::keyboard::Millimetres;
 use crate::{Corrector, Edit, Tap};
 use arrayvec::ArrayVec;
 
-use super::burst::{self, MAX_EDITS};
+use super::burst;
 use super::decoder_mode;
 use super::keys::{TextKeys, lower};
 use super::stroke::{Progress, Stroke};

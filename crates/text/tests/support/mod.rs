@@ -23,5 +23,6 @@ pub mod phrases;
 pub mod session;
 pub mod simulated;
 pub mod baselines;
+pub mod field;
 pub mod statistics;
 pub mod swipes;
