@@ -271,6 +271,21 @@ fn a_sentence_behind_a_committed_one_is_corrected() {
 }
 
 #[test]
+fn a_letter_behind_a_sentence_has_no_empty_candidate() {
+    let bytes = english();
+    let mut field = Field::new(&bytes, Mode::Suggest);
+    field.types("the cat. ");
+    field.corrector.reset();
+    // Far from the space bar, and near it.
+    for letter in ["a", "c"] {
+        field.types(letter);
+        let candidates = field.corrector.candidates();
+        assert!(candidates.iter().all(|it| !it.text.trim().is_empty()));
+        field.corrector.reset();
+    }
+}
+
+#[test]
 fn a_quotation_mark_behind_a_comma_stays() {
     let bytes = english();
     let mut field = Field::new(&bytes, Mode::Auto);

@@ -397,7 +397,9 @@ impl<'m> Decoder<'m> {
             let is_new = self.candidates[..self.found]
                 .iter()
                 .all(|known| known.text != text);
-            if is_new {
+            // A lone space says nothing about a letter.
+            let is_empty = text.trim().is_empty() && !self.literal.text().trim().is_empty();
+            if is_new && !is_empty {
                 let candidate = &mut self.candidates[self.found];
                 candidate.text.clear();
                 candidate.text.push_str(text);
