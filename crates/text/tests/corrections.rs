@@ -323,6 +323,11 @@ fn lines_are_learned_from() {
     field.corrector.start_word();
     assert!(known(&field) > 5.0, "{}", known(&field));
     assert_eq!(field.text, "the cat the cat sat");
+    // Nothing is learned from a line that stays although another text is more probable.
+    let mut other = Field::new(&bytes, Mode::Suggest);
+    other.types("teh");
+    other.corrector.start_word();
+    assert_eq!(known(&other), 0.0);
 }
 
 #[test]

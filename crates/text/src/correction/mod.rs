@@ -22,7 +22,7 @@ mod tail;
 
 use serde::{Deserialize, Serialize};
 
-use crate::decoder::{Candidate, Decoder, MAX_TAPS};
+use crate::decoder::{Candidate, Decoder, MAX_TAPS, same_letters};
 use crate::keyboard::Tap;
 pub use restored::Restored;
 use swiped::Swiped;
@@ -142,7 +142,9 @@ impl<'m> Corrector<'m> {
 
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word: after a key that ends a line.
     pub fn start_word(&mut self) {
-        if self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0 {
+        let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
+        // A text that stays although another one is more probable is no evidence.
+        if is_known && same_letters(self.decoder.best(), &self.shown) {
             self.decoder.commit();
         }
         self.reset();

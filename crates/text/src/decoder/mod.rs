@@ -33,7 +33,7 @@ pub use options::{MAX_BEAM, Options};
 pub(crate) use swiped::Before;
 
 use beam::Beam;
-use candidate::same_letters;
+pub(crate) use candidate::same_letters;
 use expand::Expansion;
 use finish::{Finished, finish};
 use history::{Entry, History, NONE};
