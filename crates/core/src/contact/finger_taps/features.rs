@@ -37,6 +37,11 @@ fn length([x, y]: Point) -> f32 {
     x.hypot(y)
 }
 
+/// Returns where a point is from the wrist.
+fn from_wrist(points: &Picture, index: usize) -> Point {
+    minus(points[index], points[WRIST])
+}
+
 /// Returns the mean of something in the first pictures.
 fn at_rest(pictures: &[Picture; PICTURES], of: impl Fn(&Picture) -> Point) -> Point {
     let points = pictures[..AT_REST].iter().map(of);
@@ -66,17 +71,16 @@ impl Movement {
 
     /// Returns how far a fingertip is at most, at any time, from where it was at rest, both seen from the wrist.
     pub fn largest(&self) -> f32 {
-        let tip = |points: &Picture, tip: usize| minus(points[tip], points[WRIST]);
-        let changes = TIPS.iter().flat_map(|&index| {
-            let rest = at_rest(&self.pictures, |points| tip(points, index));
-            let change = move |points| length(minus(tip(points, index), rest));
+        let changes = TIPS.iter().flat_map(|&tip| {
+            let rest = at_rest(&self.pictures, |points| from_wrist(points, tip));
+            let change = move |points| length(minus(from_wrist(points, tip), rest));
             self.pictures.iter().map(change)
         });
         changes.fold(0.0, f32::max)
     }
 
-    /// Returns the numbers of a moment, in pictures from the onset, between two pictures by interpolation. Before the first picture and after
-    /// the last one the hand stands still.
+    /// Returns the numbers of a moment, in pictures from the onset. They are interpolated between two pictures; before the first
+    /// picture and after the last one the hand stands still.
     pub fn at(&self, moment: f32) -> [f32; NUMBERS] {
         let time = (self.onset + moment).clamp(0.0, (PICTURES - 1) as f32);
         let first = (time as usize).min(PICTURES - 2);
@@ -102,15 +106,13 @@ impl Movement {
 /// Returns the moment, in pictures, at which half of the energy of the fingertips towards the board is spent: the sum of their squared
 /// speeds along the fingers. The way back does not count. `None` if the hand has no direction.
 fn onset(pictures: &[Picture; PICTURES]) -> Option<f32> {
-    let direction = at_rest(pictures, |points| {
-        minus(points[MIDDLE_KNUCKLE], points[WRIST])
-    });
+    let direction = at_rest(pictures, |points| from_wrist(points, MIDDLE_KNUCKLE));
     let norm = length(direction);
     if norm <= f32::EPSILON {
         return None;
     }
     let along = |points: &Picture, tip: usize| {
-        let [x, y] = minus(points[tip], points[WRIST]);
+        let [x, y] = from_wrist(points, tip);
         (x * direction[0] + y * direction[1]) / norm
     };
     let mut energies = [0.0; PICTURES - 1];

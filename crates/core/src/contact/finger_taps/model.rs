@@ -25,10 +25,10 @@ const DENSE_PART: f32 = 0.25;
 /// A hand whose fingertips move less than this, in breadths of the palm, taps with none.
 const LEAST_MOVEMENT: f32 = 0.14;
 
-/// The first moment that networks with convolutions see, in pictures from the onset. They see as many as a clip has.
-const CONVOLVED_FROM: isize = -6;
-/// The moments that the other networks see.
-const DENSE_MOMENTS: std::ops::Range<isize> = -4..8;
+/// The first moment that networks see, in pictures from the onset. Those with convolutions see as many as a clip has.
+const FIRST_MOMENT: isize = -6;
+/// The moments that the other networks see, among them: from the fourth picture before the onset to the seventh behind it.
+const DENSE_MOMENTS: std::ops::Range<usize> = 2..14;
 /// The layers of a network: three convolutions of three pictures and two layers, or three layers.
 const CONVOLVED_LAYERS: usize = 5;
 const DENSE_LAYERS: usize = 3;
@@ -172,24 +172,16 @@ impl Network {
         self.fits(inputs, &[inputs, first.outputs(), second.outputs()])
     }
 
-    /// Returns the values of the sets for the pictures around the onset, with three convolutions.
-    fn convolved(&self, movement: &Movement, shift: f32) -> Vec<f32> {
-        let moments = (CONVOLVED_FROM..).take(PICTURES);
-        let mut pictures = self.centered(movement, shift, moments);
+    /// Returns the values of the sets for the numbers of all moments, with three convolutions.
+    fn convolved(&self, numbers: &[f32]) -> Vec<f32> {
+        let mut pictures = self.centered(numbers);
         for (index, layer) in self.layers[..CONVOLUTIONS].iter().enumerate() {
-            let width = pictures.len() / PICTURES;
+            // The picture before the first one and the one behind the last one are 0.
+            let edge = vec![0.0; pictures.len() / PICTURES];
+            let padded = [&edge[..], &pictures, &edge].concat();
             let mut outputs = Vec::with_capacity(PICTURES * layer.outputs());
-            let mut inputs = vec![0.0; layer.inputs];
-            for picture in 0..PICTURES {
-                for (part, place) in inputs.chunks_exact_mut(width).zip(picture..) {
-                    // The picture before the first one and the one behind the last one are 0.
-                    let source = place.checked_sub(1).filter(|&source| source < PICTURES);
-                    match source {
-                        Some(source) => part.copy_from_slice(&pictures[source * width..][..width]),
-                        None => part.fill(0.0),
-                    }
-                }
-                layer.apply(&inputs, &mut outputs);
+            for inputs in padded.windows(layer.inputs).step_by(edge.len()) {
+                layer.apply(inputs, &mut outputs);
             }
             cut(&mut outputs);
             if index > 0 {
@@ -205,43 +197,33 @@ impl Network {
             let (a, b) = pair.split_at(width);
             larger.extend(a.iter().zip(b).map(|(a, b)| a.max(*b)));
         }
-        self.rest(CONVOLUTIONS, larger)
+        apply_all(&self.layers[CONVOLUTIONS..], larger)
     }
 
-    /// Returns the values of the sets for the moments around the onset, without convolutions.
-    fn dense(&self, movement: &Movement, shift: f32) -> Vec<f32> {
-        self.rest(0, self.centered(movement, shift, DENSE_MOMENTS))
+    /// Returns the values of the sets for the numbers of all moments, of which it sees some, without convolutions.
+    fn dense(&self, numbers: &[f32]) -> Vec<f32> {
+        let seen = NUMBERS * DENSE_MOMENTS.start..NUMBERS * DENSE_MOMENTS.end;
+        apply_all(&self.layers, self.centered(&numbers[seen]))
     }
 
-    /// Returns the numbers of some moments without their means.
-    fn centered(
-        &self,
-        movement: &Movement,
-        shift: f32,
-        moments: impl Iterator<Item = isize>,
-    ) -> Vec<f32> {
-        let numbers = moments.flat_map(|moment| movement.at(shift + moment as f32));
-        let centered = numbers.zip(self.means.iter().cycle());
+    /// Returns numbers without their means.
+    fn centered(&self, numbers: &[f32]) -> Vec<f32> {
+        let centered = numbers.iter().zip(self.means.iter().cycle());
         centered.map(|(number, mean)| number - mean).collect()
     }
+}
 
-    /// Applies the layers from one on; all but the last one are cut at 0.
-    fn rest(&self, from: usize, mut values: Vec<f32>) -> Vec<f32> {
-        for (layer, left) in self
-            .layers
-            .iter()
-            .zip((0..self.layers.len()).rev())
-            .skip(from)
-        {
-            let mut outputs = Vec::with_capacity(layer.outputs());
-            layer.apply(&values, &mut outputs);
-            if left > 0 {
-                cut(&mut outputs);
-            }
-            values = outputs;
+/// Applies layers one after the other; all but the last one are cut at 0.
+fn apply_all(layers: &[Layer], mut values: Vec<f32>) -> Vec<f32> {
+    for (index, layer) in layers.iter().enumerate() {
+        let mut outputs = Vec::with_capacity(layer.outputs());
+        layer.apply(&values, &mut outputs);
+        if index + 1 < layers.len() {
+            cut(&mut outputs);
         }
-        values
+        values = outputs;
     }
+    values
 }
 
 fn cut(values: &mut [f32]) {
@@ -300,8 +282,8 @@ impl TapModel {
         Some(tapped.fold(FingerSet::NONE, |set, (finger, _)| set.with(*finger)))
     }
 
-    /// Returns the log-probability of each set of fingers, up to a constant, whatever the hand moves; the bits of an index are the fingers, thumb
-    /// first. `None` if the clip is not full or has no hand.
+    /// Returns the log-probability of each set of fingers, up to a constant, however little the hand moves. The bits of an index
+    /// are the fingers, thumb first. `None` if the clip is not full or has no hand.
     pub fn scores(&self, clip: &TapClip) -> Option<[f32; SETS]> {
         Some(self.read(&Movement::new(clip.pictures()?)?))
     }
@@ -312,11 +294,15 @@ impl TapModel {
         let convolved = (1.0 - DENSE_PART) / (shifts * self.convolved.len() as f32);
         let dense = DENSE_PART / (shifts * self.dense.len() as f32);
         for shift in SHIFTS {
+            let moments = (FIRST_MOMENT..).take(PICTURES);
+            let numbers: Vec<f32> = moments
+                .flat_map(|moment| movement.at(shift + moment as f32))
+                .collect();
             for network in &self.convolved {
-                add(&mut scores, &network.convolved(movement, shift), convolved);
+                add(&mut scores, &network.convolved(&numbers), convolved);
             }
             for network in &self.dense {
-                add(&mut scores, &network.dense(movement, shift), dense);
+                add(&mut scores, &network.dense(&numbers), dense);
             }
         }
         scores
