@@ -87,12 +87,13 @@ impl Counts {
         let sentence = sentence.replace('\u{2019}', "'");
         for piece in sentence.split_whitespace() {
             let is_part = |letter: char| letter.is_alphabetic() || letter == '\'';
-            let word = piece.trim_matches(|letter: char| !letter.is_alphanumeric());
+            let is_around = |letter: char| !letter.is_alphanumeric();
+            let start = piece.trim_start_matches(is_around);
+            let word = start.trim_end_matches(is_around);
             if word.is_empty() {
                 continue;
             }
-            let behind = piece.trim_start_matches(|letter: char| !letter.is_alphanumeric());
-            let behind = &behind[word.len()..];
+            let behind = &start[word.len()..];
             let ends = behind.contains(['.', ',', ';', ':', '!', '?']);
             let found = word.chars().all(is_part).then(|| spelling(word)).flatten();
             let Some((key, case)) = found else {

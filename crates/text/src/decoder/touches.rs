@@ -79,7 +79,8 @@ pub const SLACK: f32 = 1.0;
 /// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
 const STRAY_NEAR: f32 = 0.8;
 const STRAY_SPREAD: f32 = 0.9;
-/// One tap in 22 scatters twice as widely as the others: ln(1 / 22) − 2 ln 2. Taps of people have heavier tails than a normal distribution.
+/// One tap in 22 scatters twice as widely as the others, ln(1 / 22) − 2 ln 2: taps of people have heavier tails than a normal
+/// distribution.
 const TAIL: f32 = -4.5;
 /// A key that is this much less likely than the likeliest one is not near.
 const NEAR: f32 = 8.0;
