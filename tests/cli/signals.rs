@@ -6,6 +6,7 @@ use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 
 use super::ademan;
+use crate::support::binary::NO_FOLDER;
 use crate::support::free_address::free_address;
 
 /// A program that is killed at the end of the test.
@@ -169,7 +170,7 @@ fn a_run_that_is_started_by_nohup_ignores_a_hangup_and_no_other_signal() {
         .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
         .arg(program.get_program())
         .args(program.get_args())
-        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
+        .env("XDG_CONFIG_HOME", NO_FOLDER)
         .env_remove("DISPLAY")
         .env_remove("XDG_RUNTIME_DIR")
         .stdin(Stdio::null())

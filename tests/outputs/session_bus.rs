@@ -6,12 +6,17 @@ use std::fs::Permissions;
 use std::io::ErrorKind;
 #[cfg(feature = "tray")]
 use std::os::unix::fs::PermissionsExt;
+#[cfg(any(feature = "studio", feature = "tray"))]
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
 use crate::support::process::Process;
 use crate::support::x11::wait_for;
+
+/// The Python that Debian's packages of GLib and GTK are for.
+pub const PYTHON: &str = "/usr/bin/python3";
 
 /// A `dbus-daemon` that starts no services.
 pub struct Bus {
@@ -53,6 +58,24 @@ impl Bus {
 
     pub fn address(&self) -> String {
         format!("unix:path={}/bus", self.folder.path().display())
+    }
+
+    /// Starts a script of the tests on the bus, with pipes as its standard input and output. Returns `None` with a message if Python
+    /// has no GLib.
+    #[cfg(any(feature = "studio", feature = "tray"))]
+    pub fn start_script(&self, path: &str) -> Option<Process> {
+        let gi = Command::new(PYTHON).args(["-c", "import gi"]).output();
+        if !gi.is_ok_and(|output| output.status.success()) {
+            println!("SKIPPED: python3-gi is not installed");
+            return None;
+        }
+        let mut command = Command::new(PYTHON);
+        command
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+            .env("DBUS_SESSION_BUS_ADDRESS", self.address())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        Some(Process::start(&mut command).expect("Python starts"))
     }
 
     /// Lets other users connect.

@@ -5,6 +5,9 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
+/// A folder of settings that does not exist, and that not even root can make, because it is below a file.
+pub const NO_FOLDER: &str = "/dev/null/nowhere";
+
 /// Copies the binary to `path`. Another process writes it: a file that this process had open for writing may be open in the
 /// child of another test when it is started, which is an error then (ETXTBSY).
 pub fn copy_binary(path: &Path) {
@@ -28,9 +31,9 @@ pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command
         commands.iter().any(|known| first.as_ref() == *known)
     });
     command.args(arguments);
-    // The files and settings of the person who runs the tests have no effect: below a file nobody makes a folder, root neither.
+    // The files and settings of the person who runs the tests have no effect.
     command
-        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
+        .env("XDG_CONFIG_HOME", NO_FOLDER)
         .env_remove("RUST_LOG");
     if may_type {
         command.arg("--allow-root");

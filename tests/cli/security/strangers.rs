@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::support::binary::copy_binary;
+use crate::support::binary::{NO_FOLDER, copy_binary};
 use crate::support::run::{MOVE_TIME, Run, TIMEOUT, shipped};
 use crate::{Ended, ademan, text};
 
@@ -430,7 +430,7 @@ fn a_file_of_root_is_trusted_by_a_user() {
         .args(["--reuid=65534", "--regid=65534", "--clear-groups"])
         .arg(&program)
         .args(["layout", "check", "layout.ron"])
-        .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
+        .env("XDG_CONFIG_HOME", NO_FOLDER)
         .current_dir(place.0.path());
     let Ok(ended) = check.output() else {
         println!("SKIPPED: setpriv is not installed");

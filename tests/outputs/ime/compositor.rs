@@ -1,8 +1,9 @@
 //! The output `ime` as the input method of `sway`, with text fields of GTK and the terminal `foot`.
 
-use super::desk::{Field, PYTHON, has_gtk, write_setup};
+use super::desk::{Field, has_gtk, write_setup};
 use ademan::output::Desktop;
 
+use crate::session_bus::PYTHON;
 use crate::support::process::signal;
 use crate::support::program::Program;
 use crate::wayland::compositor::Compositor;

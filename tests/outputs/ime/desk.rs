@@ -9,14 +9,11 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::session_bus::Bus;
-use crate::support::binary::ademan;
+use crate::session_bus::{Bus, PYTHON};
+use crate::support::binary::{NO_FOLDER, ademan};
 use crate::support::process::{Process, collect_lines};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
-
-/// The Python that Debian's packages of GTK are for.
-pub const PYTHON: &str = "/usr/bin/python3";
 
 /// A running desktop.
 pub struct Desk {
@@ -204,7 +201,7 @@ impl Field {
         command
             .env("GDK_BACKEND", "wayland")
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
-            .env("XDG_CONFIG_HOME", "/dev/null/nowhere")
+            .env("XDG_CONFIG_HOME", NO_FOLDER)
             .env_remove("GTK_IM_MODULE");
         let field = Self::start(command, &["field.py", kind]);
         field.wait_for("focused\t");

@@ -11,9 +11,6 @@ use crate::session_bus::Bus;
 use crate::support::process::{Process, signal};
 use crate::support::x11::{XServer, wait_for};
 
-/// The Python that Debian's package of GLib is for.
-const PYTHON: &str = "/usr/bin/python3";
-
 /// The program that starts the accessibility bus.
 const LAUNCHER: &str = "/usr/libexec/at-spi-bus-launcher";
 
@@ -39,16 +36,12 @@ pub(super) struct Widget {
 impl ScreenReader {
     /// Starts the buses and the reader. Returns `None` with a message if a program for it is not installed.
     pub(super) fn start() -> Option<Self> {
-        let gi = Command::new(PYTHON).args(["-c", "import gi"]).output();
-        if !gi.is_ok_and(|output| output.status.success()) {
-            println!("SKIPPED: python3-gi is not installed");
-            return None;
-        }
         if !Path::new(LAUNCHER).exists() {
             println!("SKIPPED: at-spi2-core is not installed");
             return None;
         }
         let bus = Bus::start()?;
+        let mut script = bus.start_script("tests/outputs/studio/screen_reader.py")?;
         let folder = tempfile::tempdir().expect("a folder");
         let mut launcher = Command::new(LAUNCHER);
         launcher
@@ -61,14 +54,6 @@ impl ScreenReader {
             .stdout(Stdio::null())
             .stderr(Stdio::null());
         let launcher = Process::start(&mut launcher).expect("the launcher starts");
-        let path = "tests/outputs/studio/screen_reader.py";
-        let mut command = Command::new(PYTHON);
-        command
-            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
-            .env("DBUS_SESSION_BUS_ADDRESS", bus.address())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped());
-        let mut script = Process::start(&mut command).expect("Python starts");
         let mut reader = Self {
             stdin: script.0.stdin.take().expect("stdin is piped"),
             stdout: BufReader::new(script.0.stdout.take().expect("stdout is piped")),

@@ -1,8 +1,7 @@
 //! A desktop on a message bus.
 
 use std::io::Write;
-use std::path::Path;
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::ChildStdin;
 use std::sync::{Arc, Mutex};
 
 use serde_json::Value;
@@ -10,9 +9,6 @@ use serde_json::Value;
 use crate::session_bus::Bus;
 use crate::support::process::{Process, collect_lines};
 use crate::support::x11::wait_for;
-
-/// The Python that Debian's package of GLib is for.
-const PYTHON: &str = "/usr/bin/python3";
 
 /// A desktop with a tray and notifications.
 pub struct Desktop {
@@ -24,19 +20,7 @@ pub struct Desktop {
 impl Desktop {
     /// Starts a desktop. Returns `None` with a message if Python has no GLib.
     pub fn start(bus: &Bus) -> Option<Self> {
-        let gi = Command::new(PYTHON).args(["-c", "import gi"]).output();
-        if !gi.is_ok_and(|output| output.status.success()) {
-            println!("SKIPPED: python3-gi is not installed");
-            return None;
-        }
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/outputs/tray/desktop.py");
-        let mut command = Command::new(PYTHON);
-        command
-            .arg(script)
-            .env("DBUS_SESSION_BUS_ADDRESS", bus.address())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped());
-        let mut process = Process::start(&mut command).expect("Python starts");
+        let mut process = bus.start_script("tests/outputs/tray/desktop.py")?;
         let stdin = process.0.stdin.take().expect("stdin is piped");
         let stdout = process.0.stdout.take().expect("stdout is piped");
         Some(Self {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::ends::{Typing, held_keys};
 use super::lost_watchdog::copied;
 use super::{hold, wait_for_release};
-use crate::support::binary::ademan;
+use crate::support::binary::{NO_FOLDER, ademan};
 use crate::support::glove::Glove;
 use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, x11_code};
@@ -332,10 +332,8 @@ fn signals_that_the_parent_has_blocked_stop_the_typing_and_the_program() {
     let run = ademan(["run", "--output", "desktop", "--source", &source]);
     let mut blocked = Command::new("env");
     blocked
-        .args([
-            "--block-signal=USR1,INT,TERM,HUP,TSTP",
-            "XDG_CONFIG_HOME=/dev/null/nowhere",
-        ])
+        .arg("--block-signal=USR1,INT,TERM,HUP,TSTP")
+        .env("XDG_CONFIG_HOME", NO_FOLDER)
         .arg(run.get_program())
         .args(run.get_args());
     let mut program = Program::from_command(on_display(blocked, &server));
