@@ -18,8 +18,10 @@ const MIN_LETTERS: usize = 10;
 /// The distance between boards in the plane of the decoder, in millimetres: too far for a tap to miss its board.
 const BOARD_GAP: f32 = 200.0;
 
-/// The coordinate of keys without a place in the plane of the decoder, such as `?` above `/`, in millimetres.
+/// The coordinate of keys without a place in the plane of the decoder, in millimetres.
 const ELSEWHERE: f32 = 20_000.0;
+/// The distance of what keys type with Shift from what they type without, such as `?` from `/`, in millimetres.
+const SHIFTED: f32 = 40_000.0;
 
 /// The way in which a character is typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,6 +190,16 @@ impl TextKeys {
         Some(self.keyboard.keys()[index].center)
     }
 
+    /// Returns the character in the base layer of the key that types a character, and how far its taps are from that key in the plane
+    /// of the decoder, in millimetres to the right.
+    pub(super) fn pressed_for(&self, character: char) -> (char, f32) {
+        let plain = lower(character);
+        if self.places.iter().any(|place| place.character == plain) {
+            return (plain, 0.0);
+        }
+        base_character(character).map_or((plain, 0.0), |base| (base, SHIFTED))
+    }
+
     /// Returns how a character is typed; `None` if it cannot be.
     pub(super) fn typed(&self, character: char) -> Option<Typed> {
         let by_key = [false, true].into_iter().find_map(|shifted| {
@@ -219,8 +231,14 @@ fn character(layout: &Layout, action: KeyAction, shifted: bool) -> Option<char> 
     }
 }
 
+/// Returns the character that a key of the US keymap types without Shift, if it types this one with it.
+fn base_character(shifted: char) -> Option<char> {
+    let mut keys = KeyCode::for_us_character(shifted);
+    keys.find_map(|(code, has_shift)| code.us_character(false).filter(|_| has_shift))
+}
+
 /// Adds keys for the characters that are typed with Shift or in a layer. They are away from all others: their taps say nothing about
-/// the keys below.
+/// the keys below. What is typed with Shift has its neighbors around it; the rest is away from everything.
 fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
     for key in &layout.keys {
         let actions = key.actions.iter().copied().flatten();
@@ -233,9 +251,13 @@ fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
             if is_known || keys.len() >= MAX_KEYS {
                 continue;
             }
+            let base = base_character(character).filter(|_| shifted);
+            let below = keys.iter().find(|known| Some(known.character) == base);
+            let place = below.map(|below| [below.center[0] + SHIFTED, below.center[1]]);
+            let center = place.unwrap_or([ELSEWHERE + 100.0 * keys.len() as f32, ELSEWHERE]);
             keys.push(Key {
                 character,
-                center: [ELSEWHERE + 100.0 * keys.len() as f32, ELSEWHERE],
+                center,
                 size: [1.0; 2],
                 hand: 0,
             });

@@ -2,6 +2,7 @@
 
 mod burst;
 mod keys;
+mod step;
 mod stroke;
 mod text_filter;
 

@@ -9,7 +9,8 @@ use arrayvec::ArrayVec;
 
 use super::burst;
 use super::decoder_mode;
-use super::keys::{TextKeys, lower};
+use super::keys::TextKeys;
+use super::step::{Step, is_shift};
 use super::stroke::{Progress, Stroke};
 use ademan_core::command::TextMode;
 use ademan_core::device::pressed_keys::PressedKeys;
@@ -144,9 +145,13 @@ impl TextFilter {
     /// Returns where the key of a character was tapped; its center if that is not known. `None` if no key types it.
     fn position(&mut self, character: char) -> Option<Millimetres> {
         let center = self.keys.center(character)?;
-        let is_own = |press: &Evidence| press.character == lower(character);
+        let (pressed, shift) = self.keys.pressed_for(character);
+        let is_own = |press: &Evidence| press.character == pressed;
         let index = self.evidence.iter().position(is_own);
-        Some(index.map_or(center, |index| self.evidence.remove(index).position))
+        Some(index.map_or(center, |index| {
+            let [x, y] = self.evidence.remove(index).position;
+            [x + shift, y]
+        }))
     }
 
     fn leave(&mut self) {
@@ -172,20 +177,11 @@ impl TextFilter {
             position,
             typed: Some(character),
         });
-        // The last character of the new tail is the pressed one, which need not be typed and deleted.
-        let tail = match edits {
-            [Edit::Type(_)] => Ok(ArrayVec::new()),
-            [_, Edit::Backspace, tail @ .., Edit::Type(last)] if *last == character => {
-                burst::copy(tail)
-            }
-            _ => Err(burst::TooMany),
-        };
-        let is_replaced = tail.is_ok_and(|tail| step.append(&tail, &self.keys, event.time));
-        if !is_replaced {
+        if !step.append_press(edits, &self.keys, event) {
             // The typed text stays.
             self.corrector.start_word();
+            step.tap(event);
         }
-        step.tap(event);
     }
 
     /// Handles a Backspace of the person, and appends it unless it takes a correction back.
@@ -251,7 +247,7 @@ impl TextFilter {
                 step.push(event);
             }
             // The candidate before has brought it.
-            Some(' ') if is_spaced => _ = step.tapped.press(key),
+            Some(' ') if is_spaced => step.swallow(event),
             Some(character) => self.type_character(character, event, step),
             None => {
                 self.leave();
@@ -313,8 +309,9 @@ impl PressFilter for TextFilter {
                     _ => self.take_choice(event.time, &mut step),
                 }
                 match event.kind {
-                    EventKind::KeyDown(key) if was_swiping => _ = step.tapped.press(key),
-                    EventKind::Character(_) if was_swiping => {}
+                    EventKind::KeyDown(_) | EventKind::Character(_) if was_swiping => {
+                        step.swallow(event);
+                    }
                     EventKind::KeyDown(_) if replaces_letter(&given[index..]) => {
                         self.leave();
                         step.push(event);
@@ -380,84 +377,6 @@ impl PressFilter for TextFilter {
     }
 }
 
-/// The events of a step.
-struct Step {
-    /// The keys that are down at this event.
-    held: PressedKeys,
-    tapped: PressedKeys,
-    /// The number of events that follow.
-    waiting: usize,
-    events: Events,
-}
-
-impl Step {
-    /// Creates a step without events; `held` are the keys that controls hold before it.
-    fn new(held: &PressedKeys, tapped: &PressedKeys, waiting: usize) -> Self {
-        let mut step = Self {
-            held: PressedKeys::default(),
-            tapped: PressedKeys::default(),
-            waiting,
-            events: Events::new(),
-        };
-        for key in held.release_order() {
-            if tapped.contains(key) {
-                step.tapped.press(key)
-            } else {
-                step.held.press(key)
-            };
-        }
-        step
-    }
-
-    /// Appends an event as it is.
-    fn push(&mut self, event: OutputEvent) {
-        match event.kind {
-            EventKind::KeyDown(key) => _ = self.held.press(key),
-            EventKind::KeyUp(key) => {
-                self.held.release(key);
-                self.tapped.release(key);
-            }
-            _ => {}
-        }
-        let _ = self.events.try_push(event);
-    }
-
-    /// Appends an event, and the release of its key unless that is held by another control.
-    fn tap(&mut self, event: OutputEvent) {
-        match event.kind {
-            EventKind::KeyDown(key) if self.held.contains(key) => {}
-            EventKind::KeyDown(key) if self.events.remaining_capacity() > self.waiting + 1 => {
-                let kind = EventKind::KeyUp(key);
-                self.events.push(event);
-                self.events.push(OutputEvent { kind, ..event });
-                self.tapped.press(key);
-            }
-            _ => self.push(event),
-        }
-    }
-
-    fn append(&mut self, edits: &[Edit], keys: &TextKeys, time: Timestamp) -> bool {
-        burst::append(
-            edits,
-            keys,
-            &self.held,
-            time,
-            self.waiting,
-            &mut self.events,
-        )
-    }
-
-    fn is_shifted(&self) -> bool {
-        self.held.release_order().any(is_shift)
-    }
-
-    /// Returns whether a modifier other than Shift is down.
-    fn has_shortcut(&self) -> bool {
-        let mut held = self.held.release_order();
-        held.any(|key| key.is_modifier() && !is_shift(key))
-    }
-}
-
 /// Returns whether events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
 /// that letter and takes no correction back.
 fn replaces_letter(events: &[OutputEvent]) -> bool {
@@ -468,10 +387,6 @@ fn replaces_letter(events: &[OutputEvent]) -> bool {
         && release.kind == EventKind::KeyUp(KeyCode::BACKSPACE)
         && matches!(letter.kind, EventKind::KeyDown(_) | EventKind::Character(_))
         && [release.time, letter.time] == [press.time; 2]
-}
-
-fn is_shift(key: KeyCode) -> bool {
-    key == KeyCode::SHIFT_LEFT || key == KeyCode::SHIFT_RIGHT
 }
 
 /// Returns the end of a candidate from the last word of what is shown, or from the word in which both differ first.
