@@ -201,8 +201,8 @@ fn numbers_signs_and_unknown_words_are_left_alone() {
 fn capitals_that_were_typed_stay() {
     let bytes = english();
     let mut field = Field::new(&bytes, Mode::Auto);
-    field.types("Teh HELLO ");
-    assert_eq!(field.text, "The HELLO ");
+    field.types("Teh HELLO WRoLD cAt HELOL ");
+    assert_eq!(field.text, "The HELLO World cAt HELLO ");
 }
 
 #[test]

@@ -71,17 +71,31 @@ impl Rendered {
         &self.text
     }
 
+    /// Appends a word. The capitals that were typed inside it are kept if its letters are, or if it has no others: in a word that is
+    /// corrected, one of them is a slip to Shift.
     fn word(&mut self, start: usize, end: usize, case: Case, taps: &[Tap], capital: bool) {
+        let word = &self.entries[start..end];
+        let typed_for = |entry: &Entry| taps.get(entry.tap as usize).and_then(|tap| tap.typed);
+        let is_same = |(entry, before): (&Entry, Option<&Entry>)| {
+            let follows = before.is_none_or(|before| before.tap.wrapping_add(1) == entry.tap);
+            let same = |typed: char| typed.to_lowercase().eq(entry.character.to_lowercase());
+            follows && typed_for(entry).is_some_and(same)
+        };
+        let before = [None].into_iter().chain(word.iter().map(Some));
+        let is_typed = word.iter().zip(before).all(is_same);
+        let is_upper_case = |entry: &Entry| typed_for(entry).is_none_or(char::is_uppercase);
+        let keeps_capitals = is_typed || word.iter().all(is_upper_case);
         for index in start..end {
             let entry = self.entries[index];
-            let typed = taps.get(entry.tap as usize).and_then(|tap| tap.typed);
+            let typed = typed_for(&entry);
             let is_first = index == start;
             let by_case = match case {
                 Case::Lower => false,
                 Case::Title => is_first,
                 Case::Upper => true,
             };
-            let is_upper = by_case || capital && is_first || typed.is_some_and(char::is_uppercase);
+            let has_capital = typed.is_some_and(char::is_uppercase) && (is_first || keeps_capitals);
+            let is_upper = by_case || capital && is_first || has_capital;
             if is_upper {
                 self.text.extend(entry.character.to_uppercase());
             } else {
