@@ -215,6 +215,7 @@ fn typed(
                 wanted: now + 0.3,
                 now,
                 is_shallow: false,
+                is_exact: false,
             };
             hand.tap(&layout.scene, tap);
         }

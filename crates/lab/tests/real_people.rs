@@ -186,6 +186,7 @@ impl Parameters {
                     wanted: 0.0,
                     now: 0.0,
                     is_shallow: false,
+                    is_exact: false,
                 };
                 let plan = hand.tap(&layout.scene, tap).expect("a key within reach");
                 for (axis, place) in [plan.point.x, plan.point.y].into_iter().enumerate() {

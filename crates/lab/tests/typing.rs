@@ -4,10 +4,14 @@ mod support;
 
 use std::num::NonZeroUsize;
 
+use ademan_core::capture::Sample;
+use ademan_core::estimate::JointAngles;
+use ademan_core::hand::Finger;
 use ademan_lab::measures::{PersonScore, summarize};
 use ademan_lab::people::{People, Tier, population};
 use ademan_lab::phrases::{Corpus, PhraseSet};
 use ademan_lab::sim::fluent::SourceKind;
+use ademan_lab::trials::{Observed, Station, Watch};
 use support::{Run, steady};
 
 #[test]
@@ -53,6 +57,43 @@ fn more_scatter_makes_more_errors() {
     assert!(rates[0] < 0.06, "{rates:?}");
     assert!(rates[0] < rates[1] && rates[1] < rates[2], "{rates:?}");
     assert!(cer(Tier::Toff) > rates[1], "{rates:?}");
+}
+
+#[test]
+fn no_finger_turns_too_fast_for_the_pipeline() {
+    let run = Run::new("qwerty-flat");
+    let mut turned = 0;
+    for person in population(&People::Drawn(6), Some(Tier::T2), 3) {
+        let mut station =
+            Station::new(&run.document, &person, SourceKind::Ideal).expect("a station");
+        let strokes = station.strokes_for(run.corpus.phrases.iter().map(String::as_str));
+        let mut watch = Watch::default();
+        let mut observed = Observed::default();
+        for (phrase, seed) in run.corpus.phrases.iter().zip(0..6) {
+            station.type_watched(phrase, &strokes, seed, &mut observed, Some(&mut watch));
+        }
+        let angles: Vec<&JointAngles> = watch
+            .readings
+            .iter()
+            .filter_map(|reading| match &reading.sample {
+                Sample::Angles { angles } => Some(angles),
+                _ => None,
+            })
+            .collect();
+        for (pair, readings) in angles.windows(2).zip(watch.readings.windows(2)) {
+            let [earlier, later] = readings else { continue };
+            if later.time <= earlier.time {
+                continue;
+            }
+            let seconds = later.time.since(earlier.time).as_secs_f64();
+            for &dof in Finger::FLEXIONS.as_flattened() {
+                let speed = (pair[1].get(dof) - pair[0].get(dof)).abs() / seconds;
+                turned += usize::from(speed > 5.0);
+                assert!(speed < 40.0, "{dof:?} turns at {speed:.0} rad/s");
+            }
+        }
+    }
+    assert!(turned > 100, "{turned}");
 }
 
 #[test]

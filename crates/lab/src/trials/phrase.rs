@@ -153,6 +153,7 @@ impl Station {
         watch: Option<&mut Watch>,
     ) -> (String, String) {
         let presented = strokes.typable(phrase);
+        let length = presented.chars().count();
         let is_decoded = self.recorder.is_some();
         let steps_from = |first: usize| {
             let characters = presented.chars().enumerate().skip(first);
@@ -160,10 +161,9 @@ impl Station {
                 let steps = strokes.known[&it].iter();
                 steps.map(move |step| (index, step))
             });
-            // A decoder corrects a word at its end.
+            // A decoder corrects a word at its end: with a space that is not part of the phrase, and hits.
             let space = strokes.known.get(&' ').filter(|_| is_decoded);
-            let end = presented.chars().count();
-            let space = space.into_iter().flatten().map(|step| (end, step));
+            let space = space.into_iter().flatten().map(|step| (length, step));
             steps.chain(space).collect::<VecDeque<(usize, &Step)>>()
         };
         let mut steps = steps_from(0);
@@ -200,7 +200,8 @@ impl Station {
                 let Some((index, step)) = steps.pop_front() else {
                     break;
                 };
-                self.plan(step, &mut session, seconds, observed);
+                let is_exact = index >= length;
+                self.plan(step, is_exact, &mut session, seconds, observed);
                 planned.push((session.bottom, index + 1));
             }
             self.read(&mut session, seconds, period, observed);
@@ -300,7 +301,14 @@ impl Station {
     }
 
     /// Plans a stroke, and perhaps a spurious one after it.
-    fn plan(&mut self, step: &Step, session: &mut Session, now: f64, observed: &mut Observed) {
+    fn plan(
+        &mut self,
+        step: &Step,
+        is_exact: bool,
+        session: &mut Session,
+        now: f64,
+        observed: &mut Observed,
+    ) {
         let factor = match session.strokes.last() {
             Some(last) if last.hand != step.hand => OTHER_HAND,
             Some(last) if last.finger == step.finger && last.target != step.targets[0] => {
@@ -311,7 +319,7 @@ impl Station {
         let median = self.person.interval() * factor;
         let interval = session.draw.log_normal(median, self.person.interval_cv);
         let wanted = session.bottom + interval.max(APART);
-        let is_shallow = session.draw.happens(self.person.missed);
+        let is_shallow = session.draw.happens(self.person.missed) && !is_exact;
         let kind = if is_shallow {
             StrokeKind::Shallow
         } else {
@@ -326,6 +334,7 @@ impl Station {
             wanted,
             now,
             is_shallow,
+            is_exact,
         };
         let plan = if step.is_bent {
             hand.chord(scene, &step.targets, wanted, now, is_shallow)
@@ -341,7 +350,7 @@ impl Station {
         } else {
             person.movement_time(plan.distance, width)
         };
-        let is_followed = !step.is_bent && session.draw.happens(self.person.spurious);
+        let is_followed = !step.is_bent && session.draw.happens(self.person.spurious) && !is_exact;
         let reach = (SPURIOUS * width) as f32;
         let shift = Vec2::new(
             session.draw.between(-1.0, 1.0) as f32,

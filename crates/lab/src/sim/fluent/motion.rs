@@ -63,6 +63,8 @@ pub struct Tap {
     pub now: f64,
     /// `true` for a tap that does not reach the target.
     pub is_shallow: bool,
+    /// `true` for a tap without an error of its place.
+    pub is_exact: bool,
 }
 
 impl FluentHand {
@@ -79,7 +81,8 @@ impl FluentHand {
         let place = goal - self.reach_of(tap.finger);
         let moved = self.last_place.map_or(Vec3::ZERO, |last| place - last);
         let distance = f64::from(moved.length());
-        let point = tap.shift + self.error(tap.finger, size, moved);
+        let error = self.error(tap.finger, size, moved);
+        let point = tap.shift + if tap.is_exact { Vec2::ZERO } else { error };
         let depth = self.depth(found.travel, tap.is_shallow);
         let (above, reached) = self.posture_at(scene, tap.target, &aim, point.extend(HOVER))?;
         let (below, _) = self.posture_at(scene, tap.target, &aim, point.extend(depth))?;
@@ -90,12 +93,16 @@ impl FluentHand {
         let depart = self.free_at.max(self.timeline.settled_at()).max(tap.now);
         let width = f64::from(size.min_element());
         let shortest = self.person.movement_time(distance, width);
-        let bottom = tap.wanted.max(depart + shortest);
+        let lifted = self.lifted(scene, tap, &aim, point);
+        let ways = self.ways(lifted, above.clone());
+        let turning: f64 = ways.iter().map(|(_, seconds)| seconds).sum();
+        let bottom = tap
+            .wanted
+            .max(depart + shortest.max(turning + EARLY * press));
         let arrival = (bottom - EARLY * press).max(depart + 0.5 * shortest);
         let release = bottom + dwell;
-        let lifted = self.lifted(scene, tap, &aim, point);
         self.last_tap = Some((tap.target, tap.finger, point));
-        self.travel(lifted, above.clone(), (depart, arrival));
+        self.travel(ways, depart, arrival - depart - turning);
         let change: Vec<f64> = below.iter().zip(&above).map(|(b, a)| b - a).collect();
         let bump = Bump {
             change,
@@ -121,16 +128,22 @@ impl FluentHand {
     /// Returns the shortest time in which a finger bends to press, in seconds.
     fn bend_time(&self) -> f64 {
         let hand = self.typing_hand(Finger::Index);
-        let straight = hand.angles(&self.initial);
-        let turns = Finger::ALL.iter().flat_map(|&finger| {
-            let mut values = self.initial.clone();
+        let times = Finger::ALL.iter().map(|&finger| {
+            let mut bent = self.initial.clone();
             for (index, value) in hand.values_at_bend(finger, BENT) {
-                values[index] = value;
+                bent[index] = value;
             }
-            let bent = hand.angles(&values);
-            let joints = Finger::FLEXIONS[finger.index()].into_iter();
-            joints.map(move |dof| (bent.get(dof) - straight.get(dof)).abs())
+            self.turn_time(&self.initial, &bent)
         });
+        times.fold(0.0, f64::max)
+    }
+
+    /// Returns the shortest time from one posture to another, in seconds: no finger bends faster than [`FASTEST`].
+    fn turn_time(&self, from: &[f64], to: &[f64]) -> f64 {
+        let hand = self.typing_hand(Finger::Index);
+        let (from, to) = (hand.angles(from), hand.angles(to));
+        let joints = Finger::FLEXIONS.as_flattened().iter();
+        let turns = joints.map(|&dof| (to.get(dof) - from.get(dof)).abs());
         PEAK * turns.fold(0.0, f64::max) / FASTEST
     }
 
@@ -152,21 +165,26 @@ impl FluentHand {
         Some([old, new])
     }
 
-    /// Goes to a posture of a finger. With another finger than the last one, the hand goes by postures high above the keys, so that neither
-    /// touches a key on the way.
-    fn travel(
-        &mut self,
-        lifted: Option<[Vec<f64>; 2]>,
-        above: Vec<f64>,
-        (depart, arrival): (f64, f64),
-    ) {
-        let Some([old, new]) = lifted else {
-            return self.timeline.go_to(above, depart, arrival - depart);
-        };
-        let part = (arrival - depart) / 3.0;
-        self.timeline.go_to(old, depart, part);
-        self.timeline.go_to(new, depart + part, part);
-        self.timeline.go_to(above, depart + 2.0 * part, part);
+    /// Returns the postures on the way to one of a finger, with the shortest time to each in seconds. With another finger than the last
+    /// one, the hand goes by postures high above the keys, so that neither touches a key on the way.
+    fn ways(&self, lifted: Option<[Vec<f64>; 2]>, above: Vec<f64>) -> Vec<(Vec<f64>, f64)> {
+        let mut ways: Vec<(Vec<f64>, f64)> = Vec::new();
+        for posture in lifted.into_iter().flatten().chain([above]) {
+            let last = ways.last().map(|(last, _)| last.as_slice());
+            let seconds = self.turn_time(last.unwrap_or(self.timeline.goal()), &posture);
+            ways.push((posture, seconds));
+        }
+        ways
+    }
+
+    /// Goes ways one after another, with `spare` seconds more than they take at least.
+    fn travel(&mut self, ways: Vec<(Vec<f64>, f64)>, depart: f64, spare: f64) {
+        let each = spare / ways.len() as f64;
+        let mut start = depart;
+        for (posture, seconds) in ways {
+            self.timeline.go_to(posture, start, seconds + each);
+            start += seconds + each;
+        }
     }
 
     /// Starts above a target, clear of all keys, if nothing has moved yet.

@@ -66,6 +66,11 @@ impl Timeline {
         });
     }
 
+    /// Returns the posture at the end of the ways.
+    pub(super) fn goal(&self) -> &[f64] {
+        self.ways.back().map_or(&self.from, |way| &way.goal)
+    }
+
     /// Returns the end of the last way; 0 without one.
     pub(super) fn settled_at(&self) -> f64 {
         let last = self.ways.back();

@@ -118,7 +118,7 @@ schema! {
             #[serde(default)]
             off: Option<Reversals>,
         },
-        /// A circle that the hand draws in the air, or flat as on a table, within 2.5 s and with a radius of 30 mm or more.
+        /// A circle that the hand draws in the air, or flat as on a table, within 2.5 s and with a radius of 35 mm or more.
         Circle {
             /// The point that draws: the palm or the tip of the index finger. Default: `"palm"`.
             #[serde(default)]
