@@ -163,7 +163,7 @@ fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
     field.types("hte teh ");
     assert_eq!(field.text, "cathte the ");
     field.types("te");
-    field.corrector.start_word();
+    field.corrector.start_line();
     field.types("teh ");
     assert_eq!(field.text, "cathte the tethe ");
     assert_eq!(field.corrector.shown(), "the ");
@@ -309,6 +309,22 @@ fn what_was_corrected_stays_while_no_word_is_complete() {
     assert_eq!(field.text, "the w-");
     field.types("rld ");
     assert_eq!(field.text, "the world ");
+}
+
+#[test]
+fn the_first_letter_behind_unknown_text_is_no_space() {
+    let mut field = Field::new(ademan_text::languages::ENGLISH, Mode::Auto);
+    for (is_line, typed) in [(false, "n2a "), (true, "vut ")] {
+        if is_line {
+            field.corrector.start_line();
+        } else {
+            field.corrector.reset();
+        }
+        field.text.clear();
+        field.types(typed);
+        let expected = if is_line { "but " } else { typed };
+        assert_eq!(field.text, expected);
+    }
 }
 
 #[test]

@@ -140,7 +140,13 @@ impl<'m> Corrector<'m> {
         self.is_partial = true;
     }
 
-    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word: after a key that ends a line.
+    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a line.
+    pub fn start_line(&mut self) {
+        self.start_word();
+        self.decoder.start_line();
+    }
+
+    /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word behind text that is not known.
     pub fn start_word(&mut self) {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
         // A text that stays although another one is more probable is no evidence.

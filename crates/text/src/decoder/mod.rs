@@ -62,6 +62,9 @@ const GAIN: f32 = 8.0;
 /// The hypotheses of the step before that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
 
+/// The log-probability that unknown text ends with punctuation without the space behind it.
+const BEHIND_UNKNOWN: f32 = -3.0;
+
 /// The place in front of the first tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Start {
@@ -215,6 +218,13 @@ impl<'m> Decoder<'m> {
         self.restart(Start::Anywhere);
     }
 
+    /// Drops all taps and starts at the beginning of a line, without learning.
+    pub fn start_line(&mut self) {
+        self.row = self.model.row(ROOT);
+        self.starts_sentence = false;
+        self.restart(Start::Word);
+    }
+
     fn restart(&mut self, start: Start) {
         self.start = start;
         self.before = self.touches.carried();
@@ -239,7 +249,10 @@ impl<'m> Decoder<'m> {
         }
         if self.start != Start::Word {
             self.tokens.push(Token {
-                score: 0.0,
+                score: match self.start {
+                    Start::Anywhere => BEHIND_UNKNOWN,
+                    _ => 0.0,
+                },
                 place: Place::Gap,
                 ..token
             });

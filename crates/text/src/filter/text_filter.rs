@@ -242,7 +242,7 @@ impl TextFilter {
         match key.us_character(step.is_shifted()) {
             // A line break or a tab.
             Some(character) if character.is_control() => {
-                self.corrector.start_word();
+                self.corrector.start_line();
                 self.is_changed = true;
                 step.push(event);
             }
