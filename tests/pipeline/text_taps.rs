@@ -221,6 +221,12 @@ fn the_key_that_ends_a_word_is_corrected_with_it() {
     desk.tap_beside('/', [-9.0, 0.0]);
     desk.types(" ");
     assert_eq!(desk.take_text(), "not upon my words. ");
+    // One Backspace brings back what was typed, with the slash.
+    desk.types("not upon my wprds");
+    desk.tap_beside('/', [-9.0, 0.0]);
+    assert_eq!(desk.field.text(), "not upon my words.");
+    desk.tap(desk.typist.key(KeyCode::BACKSPACE).expect("a key"));
+    assert_eq!(desk.take_text(), "not upon my wprds/");
     // An `m` that hit the comma.
     desk.types("this is for ");
     desk.tap_beside(',', [-9.0, 0.0]);

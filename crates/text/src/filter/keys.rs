@@ -253,13 +253,15 @@ fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
             }
             let base = base_character(character).filter(|_| shifted);
             let below = keys.iter().find(|known| Some(known.character) == base);
-            let place = below.map(|below| [below.center[0] + SHIFTED, below.center[1]]);
-            let center = place.unwrap_or([ELSEWHERE + 100.0 * keys.len() as f32, ELSEWHERE]);
+            let place =
+                below.map(|below| ([below.center[0] + SHIFTED, below.center[1]], below.hand));
+            let away = [ELSEWHERE + 100.0 * keys.len() as f32, ELSEWHERE];
+            let (center, hand) = place.unwrap_or((away, 0));
             keys.push(Key {
                 character,
                 center,
                 size: [1.0; 2],
-                hand: 0,
+                hand,
             });
         }
     }
