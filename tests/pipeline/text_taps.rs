@@ -89,7 +89,6 @@ impl Typist {
     }
 }
 
-/// Types the phrases with a scatter in metres, and returns the wrong characters.
 /// A person in front of the board, with a text decoder and a text field.
 struct Desk {
     typist: Typist,
@@ -198,7 +197,7 @@ impl Desk {
     }
 }
 
-/// Returns the wrong characters of the phrases.
+/// Types the phrases with a scatter in metres, and returns the wrong characters.
 fn wrong(mode: Option<TextMode>, scatter: f32, seed: u64) -> usize {
     let mut desk = Desk::new(mode, seed);
     let mut total = 0;

@@ -258,6 +258,11 @@ impl KeyCode {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
+    /// Returns whether this is a Shift key.
+    pub const fn is_shift(self) -> bool {
+        matches!(self.0, 42 | 54)
+    }
+
     /// Returns whether this is a Control key.
     pub const fn is_control(self) -> bool {
         matches!(self.0, 29 | 97)

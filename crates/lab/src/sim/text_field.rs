@@ -51,15 +51,14 @@ impl UsTextField {
     }
 
     fn edit(&mut self, key: KeyCode) {
-        let shifts = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT];
-        let is_shortcut = |held: KeyCode| held.is_modifier() && !shifts.contains(&held);
+        let is_shortcut = |held: KeyCode| held.is_modifier() && !held.is_shift();
         if self.pressed.release_order().any(is_shortcut) {
             return;
         }
         if key == KeyCode::BACKSPACE {
             self.text.pop();
         }
-        let is_shifted = shifts.iter().any(|shift| self.pressed.contains(*shift));
+        let is_shifted = self.pressed.release_order().any(KeyCode::is_shift);
         if let Some(character) = key.us_character(is_shifted) {
             self.push(character);
         }

@@ -205,9 +205,8 @@ impl<'m> Decoder<'m> {
 
     /// Drops all taps and starts a sentence, without learning.
     pub fn start_sentence(&mut self) {
-        self.row = self.model.row(ROOT);
+        self.start_line();
         self.starts_sentence = true;
-        self.restart(Start::Word);
     }
 
     /// Drops all taps and goes on behind unknown text, without learning, and with hands that may have moved.

@@ -100,12 +100,13 @@ impl Step {
 
     /// Appends edits; before a Shift that goes down in this step for what follows.
     pub(super) fn append(&mut self, edits: &[Edit], keys: &TextKeys, time: Timestamp) -> bool {
-        let last = self.events.last().map(|event| event.kind);
-        let is_for_next = matches!(last, Some(EventKind::KeyDown(key)) if is_shift(key));
-        let shift = is_for_next.then(|| self.events.pop()).flatten();
-        if let Some(EventKind::KeyDown(key)) = shift.map(|event| event.kind) {
-            self.held.release(key);
-        }
+        let shift = match self.events.last().map(|event| event.kind) {
+            Some(EventKind::KeyDown(key)) if key.is_shift() => {
+                self.held.release(key);
+                self.events.pop()
+            }
+            _ => None,
+        };
         let waiting = self.waiting + usize::from(shift.is_some());
         let is_appended = burst::append(edits, keys, &self.held, time, waiting, &mut self.events);
         if let Some(event) = shift {
@@ -115,17 +116,12 @@ impl Step {
     }
 
     pub(super) fn is_shifted(&self) -> bool {
-        self.held.release_order().any(is_shift)
+        self.held.release_order().any(KeyCode::is_shift)
     }
 
     /// Returns whether a modifier other than Shift is down.
     pub(super) fn has_shortcut(&self) -> bool {
         let mut held = self.held.release_order();
-        held.any(|key| key.is_modifier() && !is_shift(key))
+        held.any(|key| key.is_modifier() && !key.is_shift())
     }
-}
-
-/// Returns whether a key is a Shift.
-pub(super) fn is_shift(key: KeyCode) -> bool {
-    key == KeyCode::SHIFT_LEFT || key == KeyCode::SHIFT_RIGHT
 }

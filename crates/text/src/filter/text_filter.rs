@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 use super::burst;
 use super::decoder_mode;
 use super::keys::TextKeys;
-use super::step::{Step, is_shift};
+use super::step::Step;
 use super::stroke::{Progress, Stroke};
 use ademan_core::command::TextMode;
 use ademan_core::device::pressed_keys::PressedKeys;
@@ -226,7 +226,7 @@ impl TextFilter {
 
     fn press(&mut self, key: KeyCode, event: OutputEvent, step: &mut Step) {
         self.last_key = event.time;
-        if is_shift(key) {
+        if key.is_shift() {
             return step.push(event);
         }
         let is_spaced = std::mem::take(&mut self.is_spaced);

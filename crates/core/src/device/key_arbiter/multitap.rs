@@ -181,14 +181,14 @@ impl KeyArbiter {
     /// Returns whether a modifier other than Shift is down: a letter is then a shortcut and types nothing.
     fn holds_shortcut(&self) -> bool {
         let mut keys = self.pressed_keys.iter();
-        keys.any(|key| key.is_modifier && !is_shift(key.code))
+        keys.any(|key| key.is_modifier && !key.code.is_shift())
     }
 
     /// Taps Backspace without Shift, which the letter behind it presses again.
     fn delete_letter(&mut self, time: Timestamp, events: &mut Events) {
         for index in (0..self.pressed_keys.len()).rev() {
             let code = self.pressed_keys[index].code;
-            if is_shift(code) && self.push_event(time, EventKind::KeyUp(code), events) {
+            if code.is_shift() && self.push_event(time, EventKind::KeyUp(code), events) {
                 self.pressed_keys.remove(index);
                 self.replacing_presses += 1;
             }
@@ -221,10 +221,6 @@ impl KeyArbiter {
         self.emit_changes(time, events);
         is_typed
     }
-}
-
-fn is_shift(code: KeyCode) -> bool {
-    code == KeyCode::SHIFT_LEFT || code == KeyCode::SHIFT_RIGHT
 }
 
 #[cfg(test)]

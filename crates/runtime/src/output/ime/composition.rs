@@ -133,7 +133,7 @@ impl Composition {
 
     /// Returns whether a modifier other than Shift is down.
     fn has_shortcut(&self) -> bool {
-        self.modifiers.release_order().any(|key| !is_shift(key))
+        self.modifiers.release_order().any(|key| !key.is_shift())
     }
 
     fn type_character(&mut self, character: char, way: Way, emit: &mut dyn FnMut(Part)) {
@@ -161,10 +161,6 @@ fn capital(character: char) -> char {
         (Some(capital), None) => capital,
         _ => character,
     }
-}
-
-fn is_shift(key: KeyCode) -> bool {
-    [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT].contains(&key)
 }
 
 #[cfg(test)]
