@@ -22,6 +22,19 @@ pub fn ln(value: f64) -> f64 {
     2.0 * sum + exponent as f64 * std::f64::consts::LN_2
 }
 
+/// Returns e to the power of a number between −700 and 700, computed with exactly rounded operations only.
+pub fn exp(value: f64) -> f64 {
+    // e^x = 2^n · e^r, with r between −ln 2 / 2 and ln 2 / 2.
+    let exponent = (value / std::f64::consts::LN_2).round();
+    let rest = value - exponent * std::f64::consts::LN_2;
+    let (mut term, mut sum) = (1.0, 1.0);
+    for factor in 1..20 {
+        term *= rest / f64::from(factor);
+        sum += term;
+    }
+    sum * f64::from_bits(((exponent as i64 + 1023) as u64) << 52)
+}
+
 /// The nats of one step of a stored log-probability.
 pub const NATS_PER_STEP: f32 = 0.1;
 
@@ -51,6 +64,14 @@ mod tests {
                 error < 1e-13 * value.ln().abs().max(1.0),
                 "{value}: {error}"
             );
+        }
+    }
+
+    #[test]
+    fn powers_agree_with_the_library_of_the_system() {
+        for value in [-700.0, -99.0, -1.5, -0.3, 0.0, 0.34, 0.35, 2.0, 700.0_f64] {
+            let error = exp(value) / value.exp() - 1.0;
+            assert!(error.abs() < 1e-13, "{value}: {error}");
         }
     }
 

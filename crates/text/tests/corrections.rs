@@ -225,7 +225,9 @@ fn sentences_start_with_a_capital_if_asked_to() {
 #[test]
 fn accents_are_set_by_likelihood() {
     let mut builder = Builder::new();
-    builder.words("cómo\t5\ncomo\t50\nestá\t40\nniño\t10");
+    builder
+        .words("cómo\t5\ncomo\t50\nestá\t40\nniño\t10")
+        .expect("a list");
     let sentence = "¿cómo está?\nalto como él\n";
     builder.text(&sentence.repeat(5));
     let bytes = builder.build().expect("a model");

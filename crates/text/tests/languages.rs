@@ -3,20 +3,23 @@
 
 mod support;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use ademan_text::Model;
 use ademan_text::build::{Builder, held_out};
 use support::shared;
 
-/// Returns the bytes that the lists and the sentences give, or `None` without them.
+/// The language model of English that comes with a recognizer of speech.
+const SPHINX: &str = "/usr/share/pocketsphinx/model/en-us/en-us.lm.bin";
+
+/// Returns the bytes that the lists and the sentences give, with another model for English, or `None` without them.
 fn built(language: &str, folder: &Path) -> Option<Vec<u8>> {
     let text = std::fs::read_to_string(shared(&format!("data/text/common_voice_{language}.txt"))?);
     let text = text.expect("the sentences");
     let list = std::fs::read_to_string(folder.join(format!("{language}.words"))).expect("a list");
     let mut builder = Builder::new();
-    builder.words(&list);
+    builder.words(&list).expect("a list");
     let kept: String = text
         .lines()
         .enumerate()
@@ -24,21 +27,39 @@ fn built(language: &str, folder: &Path) -> Option<Vec<u8>> {
         .flat_map(|(_, line)| [line, "\n"])
         .collect();
     builder.text(&kept);
+    if language == "en" {
+        let converted = Command::new(languages().join("arpa")).arg(SPHINX).output();
+        let converted = converted.expect("Python");
+        assert!(converted.status.success());
+        let text = String::from_utf8(converted.stdout).expect("text");
+        builder.arpa(&text).expect("a model in the ARPA format");
+    }
     Some(builder.build().expect("a model"))
+}
+
+/// Returns the folder of the models.
+fn languages() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("languages")
 }
 
 #[test]
 fn the_shipped_models_are_rebuilt_byte_by_byte() {
-    if !Path::new("/usr/share/dict/scowl/english-words.10").exists()
-        || !Path::new("/usr/share/dict/spanish").exists()
-    {
-        println!("SKIPPED: Debian's packages scowl and wspanish are not installed");
+    let sources = [
+        "/usr/share/dict/scowl/english-words.10",
+        "/usr/share/dict/spanish",
+        SPHINX,
+    ];
+    if sources.iter().any(|source| !Path::new(source).exists()) {
+        println!(
+            "SKIPPED: Debian's packages scowl, wspanish and pocketsphinx-en-us are not installed"
+        );
         return;
     }
     let folder = std::env::temp_dir().join(format!("ademan-languages-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let languages = Path::new(env!("CARGO_MANIFEST_DIR")).join("languages");
-    let lists = Command::new(languages.join("lists")).arg(&folder).status();
+    let lists = Command::new(languages().join("lists"))
+        .arg(&folder)
+        .status();
     assert!(lists.expect("bash").success());
     for language in ["en", "es"] {
         let Some(bytes) = built(language, &folder) else {
@@ -53,7 +74,7 @@ fn the_shipped_models_are_rebuilt_byte_by_byte() {
             model.lexicon.nodes(),
             model.bigrams.len(),
         );
-        let path = languages.join(format!("{language}.adm"));
+        let path = languages().join(format!("{language}.adm"));
         if std::env::var_os("ADEMAN_WRITE").is_some() {
             std::fs::write(&path, &bytes).expect("a model");
         }

@@ -1,17 +1,140 @@
 //! Models are built alike from the same lines, and files that are none are refused.
 
-use ademan_text::build::{BuildError, Builder};
+use ademan_text::build::{BuildError, Builder, LineError};
 use ademan_text::model::lexicon::Case;
 use ademan_text::{Model, ModelError};
 
 const LIST: &str = "cat\t5\ncar\t3\nAnna\t1\nNASA\t1\ndon't\t2\nat\nNiño\t1";
 const TEXT: &str = "The cat saw Anna.\nThe cat saw the car, and NASA.\nThe cat sat.";
 
+/// A model of another program: `car` is likely behind `the`, and behind `saw the` certain.
+const ARPA: &str = "\\data\\\nngram 1=6\nngram 2=3\nngram 3=1\n
+\\1-grams:\n-1.0\tcat\t-0.3\n-1.0\tcar\n-0.5\tThe\t-0.2\n-0.7 saw -0.1\n-99 <s> -0.4\n-1 truck\n
+\\2-grams:\n-0.1\tThe car\t-0.2\n-0.3\tsaw The -0.1\n-0.2 <s> car\n
+\\3-grams:\n-0.01\tsaw The car\n\n\\end\\\n";
+
 fn built() -> Vec<u8> {
+    built_with("")
+}
+
+fn built_with(arpa: &str) -> Vec<u8> {
     let mut builder = Builder::new();
-    builder.words(LIST);
+    builder.words(LIST).expect("a list");
     builder.text(TEXT);
+    if !arpa.is_empty() {
+        builder.arpa(arpa).expect("a model in the ARPA format");
+    }
     builder.build().expect("a model")
+}
+
+/// Returns the log-probability of the last of some words; an empty word is the start of a sentence.
+fn last(model: &Model, words: &[&str]) -> f32 {
+    let mut row = ademan_text::model::bigrams::NO_ROW;
+    let mut last = f32::NAN;
+    for word in words {
+        if word.is_empty() {
+            row = model.row(ademan_text::model::lexicon::ROOT);
+            continue;
+        }
+        let found = model.find(word).expect("a word");
+        last = model.bigrams.after(row, found.node, found.log_probability);
+        row = model.next_row(row, found.node);
+    }
+    last
+}
+
+#[test]
+fn another_model_has_its_share_behind_the_words_that_it_knows() {
+    let [plain, mixed] = [built(), built_with(ARPA)];
+    let [plain, mixed] = [&plain, &mixed].map(|bytes| Model::from_bytes(bytes).expect("a model"));
+    // Behind `the`: a half of 0.79 and a half of what the sentences say, which is 0.1 to 0.15.
+    let counted = last(&plain, &["the", "car"]).exp();
+    let expected = 0.5 * counted + 0.5 * 10_f32.powf(-0.1);
+    let found = last(&mixed, &["the", "car"]).exp();
+    assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+    // Behind `saw the`, which the sentences have once with `car`.
+    assert!(last(&mixed, &["saw", "the", "car"]) > last(&mixed, &["the", "car"]) + 0.1);
+    assert!(last(&mixed, &["", "car"]) > last(&plain, &["", "car"]));
+    // It adds no words, and does not change what stands behind words that it lacks.
+    assert_eq!(mixed.find("truck"), None);
+    assert_eq!(
+        last(&mixed, &["anna", "cat"]),
+        mixed.find("cat").expect("a word").log_probability
+    );
+    // Without text, what it says counts for nearly all.
+    let mut builder = Builder::new();
+    builder.words("the\ncar\ncat").expect("a list");
+    builder.arpa(ARPA).expect("a model in the ARPA format");
+    let bytes = builder.build().expect("a model");
+    let alone = Model::from_bytes(&bytes).expect("a model");
+    assert!(last(&alone, &["the", "car"]).exp() > 0.6);
+    assert!(last(&alone, &["the"]) > last(&alone, &["cat"]) + 0.5);
+}
+
+#[test]
+fn lines_that_are_not_in_the_arpa_format_are_named() {
+    let refused = |from: &str, to: &str| {
+        let text = ARPA.replacen(from, to, 1);
+        assert_ne!(text, ARPA, "{from}");
+        Builder::new().arpa(&text).expect_err("a damaged model")
+    };
+    let number = "it does not start with a logarithm of at most 0";
+    let unknown = "it has a word that is not among the 1-grams";
+    let weight = "the weight at its end is no number, or it has too many words";
+    let cases = [
+        (refused("-1.0\tcat", "x\tcat"), 7, number),
+        (refused("-1.0\tcat", "0.3\tcat"), 7, number),
+        (refused("-1.0\tcat", "nan\tcat"), 7, number),
+        (refused("The car\t-0.2", "The bus\t-0.2"), 15, unknown),
+        (refused("The car\t-0.2", "The car\tmuch"), 15, weight),
+        (refused("saw The -0.1", "saw"), 16, "it has too few words"),
+        (refused("\\1-grams:", "\\0-grams:"), 15, unknown),
+    ];
+    for (error, line, fault) in cases {
+        assert_eq!(error, LineError { line, fault });
+    }
+    for text in ["", "the quick fox\n", "Trie Language Model"] {
+        let error = Builder::new().arpa(text).expect_err("a foreign text");
+        assert!(
+            error.fault.contains("no language model in the ARPA format"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn damaged_models_in_the_arpa_format_do_no_harm() {
+    let mut random = fastrand::Rng::with_seed(5);
+    let (mut refused, mut accepted) = (0, 0);
+    for _ in 0..500 {
+        let mut bytes = ARPA.as_bytes().to_vec();
+        for _ in 0..random.usize(1..6) {
+            let index = random.usize(..bytes.len());
+            bytes[index] = b" \t\n\\-0189.etharw"[random.usize(..16)];
+        }
+        let text = String::from_utf8(bytes).expect("ASCII");
+        let mut builder = Builder::new();
+        builder.words(LIST).expect("a list");
+        if builder.arpa(&text).is_ok() {
+            accepted += 1;
+            let bytes = builder.build().expect("a model");
+            assert!(Model::from_bytes(&bytes).is_ok(), "{text}");
+        } else {
+            refused += 1;
+        }
+    }
+    assert!(refused > 50 && accepted > 50, "{refused} {accepted}");
+}
+
+#[test]
+fn weights_that_are_no_numbers_are_refused_with_their_line() {
+    for weight in ["abc", "1,000", "nan", "inf", "-50"] {
+        let mut builder = Builder::new();
+        let list = format!("fix 2\nfox {weight}\n");
+        let error = builder.words(&list).expect_err("a wrong weight");
+        assert_eq!(error.line, 2, "{weight}: {error}");
+        assert_eq!(builder.build(), Err(BuildError::Empty), "{weight}");
+    }
 }
 
 #[test]
@@ -19,7 +142,7 @@ fn the_order_of_lines_does_not_matter() {
     let reversed = |text: &str| text.lines().rev().collect::<Vec<_>>().join("\n");
     let mut builder = Builder::new();
     builder.text(&reversed(TEXT));
-    builder.words(&reversed(LIST));
+    builder.words(&reversed(LIST)).expect("a list");
     assert!(builder.build() == Ok(built()));
 }
 
@@ -188,12 +311,12 @@ fn checksum(bytes: &[u8]) -> u64 {
 fn without_words_there_is_no_model() {
     assert_eq!(Builder::new().build(), Err(BuildError::Empty));
     let mut builder = Builder::new();
-    builder.words("1\n2\n");
+    builder.words("1\n2\n").expect("a list");
     assert_eq!(builder.build(), Err(BuildError::Empty));
     let letters: String = (0x4e00_u32..0x4e00 + 70)
         .filter_map(char::from_u32)
         .collect();
     let list: Vec<String> = letters.chars().map(String::from).collect();
-    builder.words(&list.join("\n"));
+    builder.words(&list.join("\n")).expect("a list");
     assert_eq!(builder.build(), Err(BuildError::Letters(70)));
 }

@@ -9,7 +9,7 @@ use ademan::document::DocumentError;
 use ademan::files::{self, Load};
 use ademan::layout::Layout;
 use ademan::message::{escape, escape_path};
-use ademan_text::build::{Builder, held_out};
+use ademan_text::build::{Builder, LineError, held_out};
 use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, languages};
 
 use crate::complete;
@@ -36,9 +36,12 @@ enum Action {
         /// ones
         #[arg(long, required_unless_present = "text")]
         words: Vec<PathBuf>,
-        /// A text, a sentence each line
+        /// A text, a sentence each line. A word that no list has counts if it occurs twice
         #[arg(long)]
         text: Vec<PathBuf>,
+        /// A language model in the ARPA format, as SRILM and KenLM write it, which is mixed with what the texts say. It adds no words
+        #[arg(long, value_name = "FILE.arpa")]
+        arpa: Option<PathBuf>,
         /// Leave out every 20th line of each text, to measure the model with it
         #[arg(long)]
         hold_out: bool,
@@ -63,9 +66,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Action::Build {
             words,
             text,
+            arpa,
             hold_out,
             output,
-        } => build(&words, &text, hold_out, &output),
+        } => build(&words, &text, arpa.as_deref(), hold_out, &output),
         Action::Decode { model, layout } => decode(&model, &layout),
     }
 }
@@ -75,15 +79,25 @@ fn read(path: &Path) -> Result<String, Failure> {
         .map_err(|error| Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path))))
 }
 
+fn wrong_line(path: &Path, error: LineError) -> Failure {
+    Failure::wrong_use(format!("cannot read {}: {error}", escape_path(path)))
+}
+
 fn build(
     words: &[PathBuf],
     texts: &[PathBuf],
+    arpa: Option<&Path>,
     hold_out: bool,
     output: &Path,
 ) -> Result<(), Failure> {
     let mut builder = Builder::new();
     for path in words {
-        builder.words(&read(path)?);
+        let added = builder.words(&read(path)?);
+        added.map_err(|error| wrong_line(path, error))?;
+    }
+    if let Some(path) = arpa {
+        let added = builder.arpa(&read(path)?);
+        added.map_err(|error| wrong_line(path, error))?;
     }
     for path in texts {
         let text = read(path)?;

@@ -34,7 +34,7 @@ struct Spelled {
 pub struct Counts {
     spelled: BTreeMap<String, Spelled>,
     pairs: BTreeMap<(String, String), u32>,
-    triples: BTreeMap<(String, String, String), u32>,
+    threes: BTreeMap<(String, String, String), u32>,
 }
 
 /// Returns the case of a word, or `None` for one like `iPhone`.
@@ -60,7 +60,7 @@ fn case(word: &str) -> Option<Case> {
 }
 
 /// Returns the lower-case spelling and the case of a word, or `None` if it has characters that words do not have.
-fn spelling(word: &str) -> Option<(String, Case)> {
+pub fn spelling(word: &str) -> Option<(String, Case)> {
     let letters = |letter: char| letter.is_alphabetic() || letter == '\'';
     let inside = !word.starts_with('\'') && !word.ends_with('\'');
     if word.chars().count() > MAX_LETTERS || !inside || !word.chars().all(letters) {
@@ -111,8 +111,8 @@ impl Counts {
                 let pair = (before.clone(), key.clone());
                 *self.pairs.entry(pair).or_default() += 1;
                 if let Some(earlier) = earlier.take() {
-                    let triple = (earlier, before.clone(), key.clone());
-                    *self.triples.entry(triple).or_default() += 1;
+                    let three = (earlier, before.clone(), key.clone());
+                    *self.threes.entry(three).or_default() += 1;
                 }
             }
             earlier = before.filter(|_| !ends);
@@ -168,12 +168,10 @@ impl Counts {
     }
 
     /// Returns three words in a row and their counts, sorted.
-    pub fn triples(&self) -> impl Iterator<Item = ([&str; 3], u32)> + Clone {
-        self.triples
-            .iter()
-            .map(|((earlier, before, word), &count)| {
-                ([earlier.as_str(), before.as_str(), word.as_str()], count)
-            })
+    pub fn threes(&self) -> impl Iterator<Item = ([&str; 3], u32)> + Clone {
+        self.threes.iter().map(|((earlier, before, word), &count)| {
+            ([earlier.as_str(), before.as_str(), word.as_str()], count)
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::model::alphabet::{Alphabet, Symbol};
 /// The most letters before the next one.
 const ORDER: usize = 4;
 /// The fewest different words in which a state of the most letters is seen.
-const MIN_WORDS: u32 = 25;
+const MIN_WORDS: u32 = 60;
 /// The letter before the first one.
 const BEFORE: Symbol = 0xff;
 

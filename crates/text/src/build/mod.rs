@@ -8,11 +8,16 @@
 //! - A pair of words has its count less a discount of 0.75, divided by the count of the first word; what
 //!   remains of that word goes to all words in proportion to their own probabilities (absolute discounting). Three words in a row
 //!   that occur at least twice do alike with what follows the second one. The start of a sentence and a comma count as first words.
+//! - Another model in the ARPA format gets a share of each of these probabilities: a tenth of a word alone, a half behind words that
+//!   the texts have, and 0.8 behind others.
+//! - Pairs and threes that do not fit into 4 MB are left out, those first that save least in a text (Stolcke 1998).
 //! - Spelling: the letters of all words, each word weighted by the root of its probability, up to four letters before the next one,
 //!   interpolated after Witten and Bell.
 
+mod arpa;
 mod counts;
 mod letters;
+mod mixture;
 mod pairs;
 mod trie;
 
@@ -23,13 +28,19 @@ use crate::model::alphabet::{Alphabet, MAX_SYMBOLS};
 use crate::model::bytes::checksum;
 use crate::model::lexicon::{Case, MAX_NODES};
 use crate::model::{CHECKED_FROM, HEADER_BYTES, MAGIC, SECTIONS, VERSION};
+use arpa::{Arpa, Other};
 use counts::Counts;
+
+/// The size up to which pairs and threes of words are kept.
+const MAX_BYTES: usize = 4_000_000;
+/// What pairs and threes have room for however many words there are.
+const MIN_PAIR_BYTES: usize = 1_000_000;
 
 /// Lists and texts that make no model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BuildError {
     /// There is no word.
-    #[error("there is no word: give a list of words or a text")]
+    #[error("there is no word: give a list of words, or a text in which words occur twice")]
     Empty,
     /// There are too many letters.
     #[error(
@@ -41,10 +52,21 @@ pub enum BuildError {
     Nodes(usize),
 }
 
+/// A line that does not belong to a list of words, or to a model in the ARPA format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {fault}")]
+pub struct LineError {
+    /// The line, from 1.
+    pub line: usize,
+    /// The fault.
+    pub fault: &'static str,
+}
+
 /// Collects words and text.
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     counts: Counts,
+    arpa: Arpa,
 }
 
 /// A word of the model to be.
@@ -65,20 +87,47 @@ impl Builder {
 
     /// Adds the words of a list: one each line, with a weight behind a tab or a space if it is not 1. A weight is the number of times that
     /// the word is expected in a text as long as the given ones.
-    pub fn words(&mut self, list: &str) {
-        for line in list.lines() {
+    ///
+    /// # Errors
+    ///
+    /// Fails at the first line whose weight is no finite number from 0; nothing of the list is added then.
+    pub fn words(&mut self, list: &str) -> Result<(), LineError> {
+        let mut words = Vec::new();
+        for (index, line) in list.lines().enumerate() {
             let mut fields = line.split_whitespace();
             let Some(word) = fields.next() else { continue };
-            let weight = fields.next().and_then(|field| field.parse().ok());
-            self.counts.listed(word, weight.unwrap_or(1.0));
+            let weight = fields.next().map_or(Ok(1.0), str::parse);
+            let weight = weight
+                .ok()
+                .filter(|weight: &f64| weight.is_finite() && *weight >= 0.0);
+            let weight = weight.ok_or(LineError {
+                line: index + 1,
+                fault: "its weight is no number from 0; write it like 0.5, without thousands separators",
+            })?;
+            words.push((word, weight));
         }
+        for (word, weight) in words {
+            self.counts.listed(word, weight);
+        }
+        Ok(())
     }
 
-    /// Adds the words and pairs of a text, a sentence each line.
+    /// Adds the words and pairs of a text, a sentence each line. A word that no list has counts if it occurs twice.
     pub fn text(&mut self, text: &str) {
         for line in text.lines() {
             self.counts.sentence(line);
         }
+    }
+
+    /// Mixes probabilities of another language model in the ARPA format with what the texts say, in place of one that was given before. It
+    /// adds no words.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the text is no such model.
+    pub fn arpa(&mut self, text: &str) -> Result<(), LineError> {
+        self.arpa = Arpa::read(text)?;
+        Ok(())
     }
 
     /// Returns the bytes of the model.
@@ -87,7 +136,7 @@ impl Builder {
     ///
     /// Fails if there is no word, or more than a model has room for.
     pub fn build(&self) -> Result<Vec<u8>, BuildError> {
-        let words = self.counts.words();
+        let mut words = self.counts.words();
         if words.is_empty() {
             return Err(BuildError::Empty);
         }
@@ -98,18 +147,22 @@ impl Builder {
             return Err(BuildError::Letters(letters.len()));
         }
         let alphabet = Alphabet::new(letters);
+        self.arpa
+            .mix(&mut words, self.counts.pairs().next().is_some());
         let (nodes, indices) = trie::build(&words, &alphabet)?;
-        let [rows, entries, contexts, triples] = pairs::build(&self.counts, &words, &indices);
         let (states, arcs) = letters::build(&words, &alphabet);
+        let letters = alphabet.write();
+        let others = HEADER_BYTES + letters.len() + nodes.len() + states.len() + arcs.len();
+        let room = MAX_BYTES.saturating_sub(others).max(MIN_PAIR_BYTES);
+        let alone = indices
+            .iter()
+            .map(|(&word, &node)| (node, words[word].probability))
+            .collect();
+        let other = Other::new(&self.arpa, &indices);
+        let mixture = mixture::mix(&self.counts, &indices, &other, &alone);
+        let [rows, pairs, contexts, threes] = pairs::build(mixture, &alone, room);
         Ok(file([
-            alphabet.write(),
-            nodes,
-            rows,
-            entries,
-            contexts,
-            triples,
-            states,
-            arcs,
+            letters, nodes, rows, pairs, contexts, threes, states, arcs,
         ]))
     }
 }

@@ -1,167 +1,210 @@
-//! The rows and entries of pairs of words, and of three words in a row.
+//! The rows and entries of pairs of words, and of three words in a row: as many as a model has room for.
 
 use std::collections::BTreeMap;
 
-use super::counts::{COMMA, Counts, SENTENCE_START};
-use super::trie::Indices;
-use super::{Words, ln};
+use super::ln;
+use super::mixture::{Context, Mixture, Row};
 use crate::logarithm::quantize;
-use crate::model::bigrams::{AFTER_COMMA, CONTEXT_BYTES, NO_ROW, ROW_BYTES};
-use crate::model::lexicon::ROOT;
+use crate::model::bigrams::{CONTEXT_BYTES, NO_ROW, ROW_BYTES};
 
-/// The discount of each count in favour of words that were not seen.
-const DISCOUNT: f64 = 0.75;
-/// The most pairs, and the most threes: rarer ones of a longer text are left out.
-const MAX_PAIRS: usize = 250_000;
-const MAX_TRIPLES: usize = 60_000;
-/// Three words that were seen once say little and are most of all.
-const MIN_TRIPLES: u32 = 2;
+/// The bytes of an entry.
+const ENTRY_BYTES: usize = 4;
 /// The node behind the last one.
 const LAST: u32 = 0xff_ffff;
+/// The gains between which the least one is searched, in nats for each word of a text, and the steps of the search.
+const LOWEST_GAIN: f64 = 1e-12;
+const HIGHEST_GAIN: f64 = 1.0;
+const STEPS: u32 = 16;
+/// Choices, each with the weights that the rows have after the one before.
+const PASSES: u32 = 3;
 
-/// The words behind a word, or two.
-#[derive(Default)]
-struct Row {
-    total: u32,
-    kept: Vec<(u32, u32)>,
+/// Returns the rows and entries of pairs, and the contexts and entries of threes, in at most `room` bytes.
+pub fn build(mixture: Mixture, alone: &BTreeMap<u32, f64>, room: usize) -> [Vec<u8>; 4] {
+    let Mixture {
+        pairs: rows,
+        threes: contexts,
+    } = chosen(mixture, alone, room);
+    let (mut row_heads, mut pairs) = (Vec::new(), Vec::new());
+    let mut row_of: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut places: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    for (&before, row) in &rows {
+        row_of.insert(before, row_of.len() as u32);
+        for entry in &row.entries {
+            places.insert((before, entry.node), places.len() as u32);
+        }
+        write(before, row, &mut row_heads, &mut pairs);
+    }
+    head(&mut row_heads, LAST, 0.0, pairs.len());
+    let (mut context_heads, mut threes) = (Vec::new(), Vec::new());
+    for ((earlier, before), Context { row, .. }) in &contexts {
+        let place = places[&(*earlier, *before)];
+        write(place, row, &mut context_heads, &mut threes);
+        let shorter = row_of.get(before).copied().unwrap_or(NO_ROW.0);
+        context_heads.extend(shorter.to_le_bytes());
+    }
+    head(&mut context_heads, LAST, 0.0, threes.len());
+    context_heads.extend([0; CONTEXT_BYTES - ROW_BYTES]);
+    [row_heads, pairs, context_heads, threes]
 }
 
-impl Row {
-    fn add(&mut self, node: Option<u32>, count: u32, least: u32) {
-        self.total += count;
-        if let Some(node) = node.filter(|_| count >= least) {
-            self.kept.push((node, count));
-        }
-    }
-
-    fn seen(&self, count: u32) -> f64 {
-        (f64::from(count) - DISCOUNT) / f64::from(self.total)
-    }
-
-    /// Returns the weight of the words that were not seen.
-    fn rest(&self) -> f64 {
-        let seen = self.kept.iter().map(|&(_, count)| self.seen(count));
-        1.0 - seen.sum::<f64>()
-    }
-
-    /// Appends the entries and returns the stored weight.
-    fn write(&mut self, entries: &mut Vec<u8>, shorter: impl Fn(u32) -> f64) -> u8 {
-        self.kept.sort_unstable();
-        let rest = self.rest();
-        for &(node, count) in &self.kept {
-            let probability = self.seen(count) + rest * shorter(node);
-            let entry = node << 8 | u32::from(quantize(ln(probability)));
-            entries.extend(entry.to_le_bytes());
-        }
-        quantize(ln(rest))
+fn write(key: u32, row: &Row, heads: &mut Vec<u8>, entries: &mut Vec<u8>) {
+    head(heads, key, row.weight, entries.len());
+    for entry in &row.entries {
+        let entry = entry.node << 8 | u32::from(stored(entry.probability));
+        entries.extend(entry.to_le_bytes());
     }
 }
 
-/// Returns the least count with which at most `limit` of them are kept.
-fn least(counts: impl Iterator<Item = u32> + Clone, from: u32, limit: usize) -> u32 {
-    let mut least = from;
-    while counts.clone().filter(|&count| count >= least).count() > limit {
-        least += 1;
+fn head(heads: &mut Vec<u8>, key: u32, weight: f64, start: usize) {
+    heads.extend((key << 8 | u32::from(stored(weight))).to_le_bytes());
+    heads.extend(((start / ENTRY_BYTES) as u32).to_le_bytes());
+}
+
+fn stored(probability: f64) -> u8 {
+    if probability > 0.0 {
+        quantize(ln(probability))
+    } else {
+        u8::MAX
+    }
+}
+
+/// Leaves out what gains least by entry, until the rest has room.
+fn chosen(mut mixture: Mixture, alone: &BTreeMap<u32, f64>, room: usize) -> Mixture {
+    if bytes(&mixture, f64::NEG_INFINITY) <= room {
+        return mixture;
+    }
+    let mut least = least_gain(&mixture, room);
+    for _ in 1..PASSES {
+        for row in mixture.pairs.values_mut() {
+            row.weigh(|entry, weight| entry.gain(weight) >= least);
+        }
+        for context in mixture.threes.values_mut() {
+            context
+                .row
+                .weigh(|entry, weight| entry.gain(weight) >= least);
+        }
+        least = least_gain(&mixture, room);
+    }
+    let Mixture {
+        mut pairs,
+        mut threes,
+    } = mixture;
+    threes.retain(|_, context| is_kept(context, least));
+    for (&before, row) in &mut pairs {
+        let is_context = |node| threes.contains_key(&(before, node));
+        row.keep(|entry, weight| entry.gain(weight) >= least || is_context(entry.node));
+    }
+    pairs.retain(|_, row| !row.entries.is_empty());
+    for (&(_, before), context) in &mut threes {
+        context
+            .row
+            .keep(|entry, weight| entry.gain(weight) >= least);
+        let alone = |node: u32| alone.get(&node).copied().unwrap_or(0.0);
+        context.row.stand_on(|node| match pairs.get(&before) {
+            Some(row) => row.probability(node, alone(node)),
+            None => alone(node),
+        });
+    }
+    Mixture { pairs, threes }
+}
+
+/// Returns the least gain with which the rest has room.
+fn least_gain(mixture: &Mixture, room: usize) -> f64 {
+    let (mut too_low, mut least) = (LOWEST_GAIN, HIGHEST_GAIN);
+    for _ in 0..STEPS {
+        let middle = (too_low * least).sqrt();
+        if bytes(mixture, middle) <= room {
+            least = middle;
+        } else {
+            too_low = middle;
+        }
     }
     least
 }
 
-/// Returns the node that stands for what is in front of a word.
-fn context(before: &str, indices: &Indices) -> Option<u32> {
-    match before {
-        SENTENCE_START => Some(ROOT),
-        COMMA => Some(AFTER_COMMA),
-        before => indices.get(before).copied(),
-    }
-}
-
-/// Returns the rows and entries of pairs, and the contexts and entries of threes.
-pub fn build(counts: &Counts, words: &Words, indices: &Indices) -> [Vec<u8>; 4] {
-    let alone: BTreeMap<u32, f64> = indices
-        .iter()
-        .map(|(&word, &node)| (node, words[word].probability))
-        .collect();
-    let alone = |node: u32| alone.get(&node).copied().unwrap_or(0.0);
-    let mut rows: BTreeMap<u32, Row> = BTreeMap::new();
-    let fewest = least(counts.pairs().map(|(.., count)| count), 1, MAX_PAIRS);
-    for (before, word, count) in counts.pairs() {
-        let Some(before) = context(before, indices) else {
-            continue;
-        };
-        let node = indices.get(word).copied();
-        rows.entry(before).or_default().add(node, count, fewest);
-    }
-    rows.retain(|_, row| !row.kept.is_empty());
-    let (mut heads, mut entries) = (Vec::new(), Vec::<u8>::new());
-    for (node, row) in &mut rows {
-        let start = entries.len();
-        let weight = row.write(&mut entries, alone);
-        head(&mut heads, *node, weight, start);
-    }
-    // The end of the last row.
-    head(&mut heads, LAST, 255, entries.len());
-    let pair = |before: u32, node: u32| {
-        let Some(row) = rows.get(&before) else {
-            return alone(node);
-        };
-        let found = row.kept.binary_search_by_key(&node, |&(node, _)| node);
-        let seen = found.map_or(0.0, |index| row.seen(row.kept[index].1));
-        seen + row.rest() * alone(node)
+/// Returns the bytes of what gains at least this by entry.
+fn bytes(mixture: &Mixture, least: f64) -> usize {
+    let row = |head: usize, row: &Row| match row.gains().filter(|&gain| gain >= least).count() {
+        0 => 0,
+        count => head + ENTRY_BYTES * count,
     };
-    let (contexts, triples) = triples(counts, indices, &rows, pair);
-    [heads, entries, contexts, triples]
+    let pairs = mixture.pairs.values().map(|pairs| row(ROW_BYTES, pairs));
+    let contexts = mixture
+        .threes
+        .iter()
+        .filter(|(_, context)| is_kept(context, least));
+    let threes = contexts.map(|((earlier, _), context)| {
+        // With the row of its pair, if that has nothing else.
+        let weight = mixture.pairs[earlier].weight;
+        let has_pair = context.pair.gain(weight) >= least;
+        let pair = if has_pair { 0 } else { ROW_BYTES + ENTRY_BYTES };
+        row(CONTEXT_BYTES, &context.row) + pair
+    });
+    pairs.sum::<usize>() + threes.sum::<usize>() + ROW_BYTES + CONTEXT_BYTES
 }
 
-fn head(heads: &mut Vec<u8>, key: u32, weight: u8, start: usize) {
-    heads.extend((key << 8 | u32::from(weight)).to_le_bytes());
-    heads.extend((start as u32 / 4).to_le_bytes());
+/// Returns `true` if the entries of a context gain enough for its own bytes, too.
+fn is_kept(context: &Context, least: f64) -> bool {
+    let surplus = context.row.gains().map(|gain| gain - least);
+    let surplus: f64 = surplus.filter(|&gain| gain >= 0.0).sum();
+    surplus >= least * (CONTEXT_BYTES / ENTRY_BYTES) as f64
 }
 
-/// Returns the contexts, each the index of the entry of its two words, and their entries.
-fn triples(
-    counts: &Counts,
-    indices: &Indices,
-    rows: &BTreeMap<u32, Row>,
-    pair: impl Fn(u32, u32) -> f64,
-) -> (Vec<u8>, Vec<u8>) {
-    // The index of the entry of each pair, and the index of the row of each word.
-    let mut places: BTreeMap<(u32, u32), u32> = BTreeMap::new();
-    let mut row_of: BTreeMap<u32, u32> = BTreeMap::new();
-    for (index, (&before, row)) in (0..).zip(rows) {
-        row_of.insert(before, index);
-        for &(node, _) in &row.kept {
-            places.insert((before, node), places.len() as u32);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::arpa::Other;
+    use crate::build::counts::Counts;
+    use crate::build::mixture::mix;
+    use crate::build::trie::Indices;
+
+    #[test]
+    fn what_has_no_room_is_what_saves_least() {
+        let mut counts = Counts::default();
+        // `san` is always in front of `jose`; the others are in any order.
+        for (index, name) in ["anna", "ben", "carl", "dora"]
+            .iter()
+            .cycle()
+            .take(40)
+            .enumerate()
+        {
+            let other = ["anna", "ben", "carl", "dora"][index / 4 % 4];
+            counts.sentence(&format!("{name} {other} saw san jose"));
         }
+        let words = counts.words();
+        let indices: Indices = words.keys().map(String::as_str).zip(1..).collect();
+        let alone: BTreeMap<u32, f64> = indices
+            .iter()
+            .map(|(&word, &node)| (node, words[word].probability))
+            .collect();
+        let mixture = || mix(&counts, &indices, &Other::default(), &alone);
+        let everything = bytes(&mixture(), f64::NEG_INFINITY);
+        for room in [60, 100, everything / 2, everything - 1] {
+            let kept = chosen(mixture(), &alone, room);
+            let sections = build(mixture(), &alone, room);
+            let size: usize = sections.iter().map(Vec::len).sum();
+            assert!(size <= room, "{size} of {room} bytes");
+            let entry = |before: &str, word: &str| {
+                let row = kept.pairs.get(&indices[before])?;
+                row.entries.iter().find(|entry| entry.node == indices[word])
+            };
+            assert!(entry("san", "jose").is_some(), "{room} bytes");
+            // The weight of a row stands for what was left out.
+            for row in kept.pairs.values() {
+                let inside: f64 = row.entries.iter().map(|entry| entry.probability).sum();
+                let nodes: Vec<u32> = row.entries.iter().map(|entry| entry.node).collect();
+                let others = alone.iter().filter(|(node, _)| !nodes.contains(node));
+                let outside: f64 = others
+                    .map(|(_, probability)| row.weight * probability)
+                    .sum();
+                assert!(
+                    (inside + outside - 1.0).abs() < 1e-6,
+                    "{}",
+                    inside + outside
+                );
+            }
+        }
+        let sections = build(mixture(), &alone, everything);
+        assert_eq!(sections.iter().map(Vec::len).sum::<usize>(), everything);
     }
-    let fewest = least(
-        counts.triples().map(|(_, count)| count),
-        MIN_TRIPLES,
-        MAX_TRIPLES,
-    );
-    let mut contexts: BTreeMap<u32, (u32, Row)> = BTreeMap::new();
-    for ([earlier, before, word], count) in counts.triples() {
-        let (Some(earlier), Some(&before)) = (context(earlier, indices), indices.get(before))
-        else {
-            continue;
-        };
-        let Some(&place) = places.get(&(earlier, before)) else {
-            continue;
-        };
-        let (_, row) = contexts
-            .entry(place)
-            .or_insert_with(|| (before, Row::default()));
-        row.add(indices.get(word).copied(), count, fewest);
-    }
-    contexts.retain(|_, (_, row)| !row.kept.is_empty());
-    let (mut heads, mut entries) = (Vec::new(), Vec::<u8>::new());
-    for (place, (before, row)) in &mut contexts {
-        let start = entries.len();
-        let weight = row.write(&mut entries, |node| pair(*before, node));
-        head(&mut heads, *place, weight, start);
-        let shorter = row_of.get(before).copied().unwrap_or(NO_ROW.0);
-        heads.extend(shorter.to_le_bytes());
-    }
-    head(&mut heads, LAST, 255, entries.len());
-    heads.extend([0; CONTEXT_BYTES - ROW_BYTES]);
-    (heads, entries)
 }

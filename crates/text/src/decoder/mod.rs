@@ -82,7 +82,7 @@ enum Start {
 /// use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, build::Builder};
 ///
 /// let mut builder = Builder::new();
-/// builder.words("cat\ncar\t3");
+/// builder.words("cat\ncar\t3").expect("a list");
 /// let bytes = builder.build()?;
 /// let model = Model::from_bytes(&bytes)?;
 /// let keys = "catr ".chars().zip(0_u8..).map(|(character, index)| Key {

@@ -98,7 +98,7 @@ impl<'m> Field<'m> {
 
 pub fn english() -> Vec<u8> {
     let mut builder = Builder::new();
-    builder.words("the\t200\nof\t90\ncat\t20\nsat\t20\nwisdom\t5\ndon't\t20\nI\t50\nparis\t3\nParis\t3\nquick\t9\nhello\t10\nworld\t10");
+    builder.words("the\t200\nof\t90\ncat\t20\nsat\t20\nwisdom\t5\ndon't\t20\nI\t50\nparis\t3\nParis\t3\nquick\t9\nhello\t10\nworld\t10").expect("a list");
     builder.text("the wisdom of the world\nthe wisdom of the world\nthe cat sat\nthe cat sat\nI don't\nI saw Paris");
     builder.build().expect("a model")
 }
