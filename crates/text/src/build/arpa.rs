@@ -1,7 +1,7 @@
 //! Language models in the ARPA format, which SRILM, KenLM and other programs write: logarithms to the base 10 of the probabilities of
 //! words, pairs and threes, and of the weights of what is shorter.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::f64::consts::LN_10;
 use std::str::SplitAsciiWhitespace;
 
@@ -44,7 +44,7 @@ impl Arpa {
     /// Fails at the first line that does not belong to the format.
     pub fn read(text: &str) -> Result<Self, LineError> {
         let mut arpa = Self::default();
-        let mut numbers: HashMap<&str, usize> = HashMap::new();
+        let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
         let mut order = 0;
         for (index, line) in text.lines().enumerate() {
             let at_line = |fault| LineError {
@@ -151,22 +151,20 @@ pub struct Other {
 impl Other {
     /// Keeps the words of a lexicon. Of two spellings that differ in case only, the one in lower case counts.
     pub fn new(arpa: &Arpa, indices: &Indices) -> Self {
-        let node = |word: &str| {
-            let key = spelling(word).map(|(key, _)| key);
-            let node = key.and_then(|key| indices.get(key.as_str()).copied());
-            if word == START { Some(ROOT) } else { node }
-        };
-        let nodes: Vec<Option<u32>> = arpa.words.iter().map(|(word, _)| node(word)).collect();
-        let is_lower = |word: &str| !word.contains(char::is_uppercase);
-        let lower: BTreeMap<u32, usize> = nodes
-            .iter()
-            .zip(&arpa.words)
-            .enumerate()
-            .filter(|(_, (_, (word, _)))| is_lower(word))
-            .filter_map(|(index, (node, _))| Some(((*node)?, index)))
-            .collect();
+        let mut nodes: Vec<Option<u32>> = Vec::new();
+        let mut spelled_lower: BTreeMap<u32, usize> = BTreeMap::new();
+        for (index, (word, _)) in arpa.words.iter().enumerate() {
+            let key = spelling(word).map(|(key, _)| key).unwrap_or_default();
+            let found = indices.get(key.as_str()).copied();
+            if let Some(found) = found.filter(|_| key == *word) {
+                spelled_lower.insert(found, index);
+            }
+            nodes.push(if word == START { Some(ROOT) } else { found });
+        }
         let node = |index: usize| {
-            nodes[index].filter(|node| lower.get(node).is_none_or(|&lower| lower == index))
+            let found = nodes[index]?;
+            let lower = spelled_lower.get(&found).copied().unwrap_or(index);
+            (lower == index).then_some(found)
         };
         let both = |stored: &Logarithms| (power(stored.probability), power(stored.weight));
         let alone = arpa.words.iter().enumerate();
