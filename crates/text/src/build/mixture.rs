@@ -246,7 +246,8 @@ impl Sources<'_> {
             (before, Row::new(tally.seen.keys().map(entry).collect()))
         };
         let rows = tallies.into_iter().map(row);
-        rows.filter(|(_, row)| !row.entries.is_empty()).collect()
+        rows.filter(|(_, words)| !words.entries.is_empty())
+            .collect()
     }
 
     fn threes(&self, pairs: &BTreeMap<u32, Row>) -> BTreeMap<(u32, u32), Context> {

@@ -151,8 +151,8 @@ impl Builder {
             .mix(&mut words, self.counts.pairs().next().is_some());
         let (nodes, indices) = trie::build(&words, &alphabet)?;
         let (states, arcs) = letters::build(&words, &alphabet);
-        let letters = alphabet.write();
-        let others = HEADER_BYTES + letters.len() + nodes.len() + states.len() + arcs.len();
+        let symbols = alphabet.write();
+        let others = HEADER_BYTES + symbols.len() + nodes.len() + states.len() + arcs.len();
         let room = MAX_BYTES.saturating_sub(others).max(MIN_PAIR_BYTES);
         let alone = indices
             .iter()
@@ -162,7 +162,7 @@ impl Builder {
         let mixture = mixture::mix(&self.counts, &indices, &other, &alone);
         let [rows, pairs, contexts, threes] = pairs::build(mixture, &alone, room);
         Ok(file([
-            letters, nodes, rows, pairs, contexts, threes, states, arcs,
+            symbols, nodes, rows, pairs, contexts, threes, states, arcs,
         ]))
     }
 }

@@ -184,11 +184,9 @@ mod tests {
             let sections = build(mixture(), &alone, room);
             let size: usize = sections.iter().map(Vec::len).sum();
             assert!(size <= room, "{size} of {room} bytes");
-            let entry = |before: &str, word: &str| {
-                let row = kept.pairs.get(&indices[before])?;
-                row.entries.iter().find(|entry| entry.node == indices[word])
-            };
-            assert!(entry("san", "jose").is_some(), "{room} bytes");
+            let behind_san = &kept.pairs[&indices["san"]].entries;
+            assert_eq!(behind_san.len(), 1, "{room} bytes");
+            assert_eq!(behind_san[0].node, indices["jose"], "{room} bytes");
             // The weight of a row stands for what was left out.
             for row in kept.pairs.values() {
                 let inside: f64 = row.entries.iter().map(|entry| entry.probability).sum();
