@@ -31,8 +31,8 @@ fn built(language: &str, folder: &Path) -> Option<Vec<u8>> {
         let converted = Command::new(languages().join("arpa")).arg(SPHINX).output();
         let converted = converted.expect("Python");
         assert!(converted.status.success());
-        let text = String::from_utf8(converted.stdout).expect("text");
-        builder.arpa(&text).expect("a model in the ARPA format");
+        let arpa = String::from_utf8(converted.stdout).expect("text");
+        builder.arpa(&arpa).expect("a model in the ARPA format");
     }
     Some(builder.build().expect("a model"))
 }

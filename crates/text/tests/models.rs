@@ -117,8 +117,8 @@ fn damaged_models_in_the_arpa_format_do_no_harm() {
         builder.words(LIST).expect("a list");
         if builder.arpa(&text).is_ok() {
             accepted += 1;
-            let bytes = builder.build().expect("a model");
-            assert!(Model::from_bytes(&bytes).is_ok(), "{text}");
+            let model = builder.build().expect("a model");
+            assert!(Model::from_bytes(&model).is_ok(), "{text}");
         } else {
             refused += 1;
         }

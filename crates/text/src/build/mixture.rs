@@ -212,9 +212,10 @@ impl Sources<'_> {
         self.alone.get(&before).copied().unwrap_or(MARK)
     }
 
-    /// Returns the share of the other model behind a word.
-    fn share(&self, before: u32, tally: &Tally) -> f64 {
-        match (self.other.has(before), tally.total) {
+    /// Returns the share of the other model behind some words.
+    fn share(&self, before: &[u32], tally: &Tally) -> f64 {
+        let has_all = before.iter().all(|&word| self.other.has(word));
+        match (has_all, tally.total) {
             (false, _) => 0.0,
             (true, 0) => SHARE_UNSEEN,
             (true, _) => SHARE,
@@ -235,7 +236,7 @@ impl Sources<'_> {
         }
         let row = |(before, tally): (u32, Tally)| {
             let rest = tally.rest();
-            let share = self.share(before, &tally);
+            let share = self.share(&[before], &tally);
             let frequency = self.frequency(before);
             let entry = |&node: &u32| {
                 let alone = self.alone(node);
@@ -271,7 +272,7 @@ impl Sources<'_> {
             // A context is stored at the entry of its pair.
             let pair = *pairs.get(&earlier)?.find(before)?;
             let frequency = self.frequency(earlier) * pair.probability;
-            let (rest, share) = (tally.rest(), self.share(earlier, &tally));
+            let (rest, share) = (tally.rest(), self.share(&[earlier, before], &tally));
             let behind = pairs.get(&before);
             let entry = |&node: &u32| {
                 let alone = self.alone(node);
