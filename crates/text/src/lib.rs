@@ -36,7 +36,8 @@
 //! - Offsets and covariances have a normal-inverse-Wishart prior and forget exponentially; the drift of a hand is a random walk, tracked by
 //!   a Kalman filter with each hypothesis.
 //! - `P(word | two words before)` interpolates threes, pairs and words with absolute discounting (Ney, Essen and Kneser 1994); the
-//!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995).
+//!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995). Another
+//!   model can have a share of all of them; English has one.
 //! - A word that the lexicon lacks costs e^-5 and its letters, each by up to four letters before it, interpolated after Witten and Bell
 //!   (1991). So an unknown word stays as it was typed unless a known one is much likelier.
 //! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`]. How often this person misses a
