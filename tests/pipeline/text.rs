@@ -132,6 +132,31 @@ fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
     assert_eq!(typed.text, "world of");
 }
 
+/// Performs a script on a board with keys for candidates, in the mode `suggest`.
+fn performs(script: &str) -> String {
+    let setup = Setup {
+        layout: "qwerty-words".into(),
+        ..setup(Some(TextModeSetup::Suggest)).setup
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    play(&setup, hand.expect("a script"), |_, _, _| {}).text
+}
+
+const TAKE: &str = "tap H; tap E; tap candidate-3";
+
+#[test]
+fn after_ten_seconds_a_candidate_is_not_taken_back_and_a_space_is_typed() {
+    let taken = performs(TAKE);
+    assert!(taken.len() > 3 && taken.ends_with(' '), "{taken}");
+    let soon = |keys: &str| performs(&format!("{TAKE}; wait 400; {keys}"));
+    assert_eq!(soon("tap Backspace"), "he");
+    assert_eq!(soon("tap Space; tap A"), format!("{taken}a"));
+    let late = |keys: &str| performs(&format!("{TAKE}; wait 11000; {keys}"));
+    assert_eq!(late("tap Backspace"), taken.trim_end());
+    assert_eq!(late("tap Space; tap A"), format!("{taken} a"));
+}
+
 #[test]
 fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
     let auto = Command::Text {

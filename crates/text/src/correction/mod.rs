@@ -165,6 +165,11 @@ impl<'m> Corrector<'m> {
         &self.shown
     }
 
+    /// Returns whether later keys may change text that is in the field already.
+    pub fn is_pending(&self) -> bool {
+        !self.shown.is_empty() || self.undo.is_possible || self.swiped.is_some()
+    }
+
     /// Takes a character key. The tap has to say what it typed; without, it is the nearest key.
     pub fn press(&mut self, tap: Tap) -> &[Edit] {
         self.edits.clear();

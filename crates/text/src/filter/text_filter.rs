@@ -286,8 +286,10 @@ impl PressFilter for TextFilter {
         let was_swiping = self.is_swiping(input);
         self.remember_presses(input);
         let is_lifted = self.follow_stroke(input);
-        if !self.corrector.shown().is_empty() && input.time.since(self.last_key) > IDLE_TIME {
+        let is_pending = self.corrector.is_pending() || self.is_spaced;
+        if is_pending && input.time.since(self.last_key) > IDLE_TIME {
             self.corrector.reset();
+            self.is_spaced = false;
             self.is_changed = true;
         }
         if !events.is_empty() || self.choice.is_some() || is_lifted {
