@@ -158,6 +158,13 @@ fn after_ten_seconds_a_candidate_is_not_taken_back_and_a_space_is_typed() {
 }
 
 #[test]
+fn a_key_without_a_candidate_brings_no_space() {
+    assert_eq!(performs("tap candidate-1; tap Space; tap A"), " a");
+    let twice = performs(&format!("{TAKE}; tap candidate-3; tap Space; tap A"));
+    assert_eq!(twice, performs(TAKE) + "a");
+}
+
+#[test]
 fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
     let auto = Command::Text {
         mode: TextMode::Auto,

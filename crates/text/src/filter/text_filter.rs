@@ -213,6 +213,10 @@ impl TextFilter {
             Ok(edits) => edits,
             Err(burst::TooMany) => return self.corrector.reset(),
         };
+        if edits.is_empty() {
+            // It brings no space, and the one of a candidate before it stays.
+            return;
+        }
         self.is_spaced = step.append(&edits, &self.keys, time);
         if !self.is_spaced {
             self.corrector.reset();
