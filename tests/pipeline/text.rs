@@ -205,9 +205,13 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
         let hand = typist(&setup, "la cancion de mi corazon ", 0.0, 1);
         play(&setup, hand, |_, _, _| {}).text
     };
-    assert_eq!(typed("transcript"), "la canción de mi corazón ");
-    // A keyboard of the kernel has no characters.
-    assert_eq!(typed("uinput"), "la cancion de mi corazon ");
+    for output in ["transcript", "transcript,desktop,uinput", "ime:uinput"] {
+        assert_eq!(typed(output), "la canción de mi corazón ", "{output}");
+    }
+    // A keyboard of the kernel has no characters, and two outputs have no common order.
+    for output in ["uinput", "uinput,desktop", "transcript,uinput,ime"] {
+        assert_eq!(typed(output), "la cancion de mi corazon ", "{output}");
+    }
 }
 
 #[test]
