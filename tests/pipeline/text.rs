@@ -4,8 +4,8 @@ use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::command::{Command, CommandOrigin, TextMode};
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
-use ademan::pipeline::CommandError;
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::pipeline::{CommandError, SourceRole};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::UsTextField;
 use ademan::text::{TextModeSetup, TextSetup};
 
@@ -132,6 +132,89 @@ fn a_candidate_replaces_the_typed_word_and_adds_a_space() {
     assert_eq!(typed.text, "world of");
 }
 
+/// Performs a script on a board with keys for candidates, in the mode `suggest`.
+fn performs(script: &str) -> String {
+    let setup = Setup {
+        layout: "qwerty-words".into(),
+        ..setup(Some(TextModeSetup::Suggest)).setup
+    };
+    let setup = setup.load_files().expect("the shipped layout");
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    play(&setup, hand.expect("a script"), |_, _, _| {}).text
+}
+
+const TAKE: &str = "tap H; tap E; tap candidate-3";
+
+#[test]
+fn after_ten_seconds_a_candidate_is_not_taken_back_and_a_space_is_typed() {
+    let taken = performs(TAKE);
+    assert!(taken.len() > 3 && taken.ends_with(' '), "{taken}");
+    let soon = |keys: &str| performs(&format!("{TAKE}; wait 400; {keys}"));
+    assert_eq!(soon("tap Backspace"), "he");
+    assert_eq!(soon("tap Space; tap A"), format!("{taken}a"));
+    let late = |keys: &str| performs(&format!("{TAKE}; wait 11000; {keys}"));
+    assert_eq!(late("tap Backspace"), taken.trim_end());
+    assert_eq!(late("tap Space; tap A"), format!("{taken} a"));
+}
+
+#[test]
+fn a_key_without_a_candidate_brings_no_space() {
+    assert_eq!(performs("tap candidate-1; tap Space; tap A"), " a");
+    let twice = performs(&format!("{TAKE}; tap candidate-3; tap Space; tap A"));
+    assert_eq!(twice, performs(TAKE) + "a");
+}
+
+/// Performs a script with a left hand that types and a right hand that only points. Returns the text, the keys that were suppressed,
+/// and the mode at the end.
+fn performs_beside_a_pointer(script: &str) -> (String, u64, TextMode) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.ron");
+    let mut layout = Document::shipped("qwerty-two-flat").unwrap().text;
+    for (side, first) in [("left", "Escape"), ("right", "ShiftRight")] {
+        let first = format!("(code: \"{first}\"");
+        let keys = format!(
+            r#"(action: Command("candidate 1"), name: "{side}-candidate", at_mm: (-30, -57), size_mm: Box(26, 17)),
+               (action: Command("text auto"), name: "{side}-auto", at_mm: (30, -57), size_mm: Box(26, 17)),"#
+        );
+        layout = layout.replacen(&first, &(keys + &first), 1);
+    }
+    std::fs::write(&path, layout).unwrap();
+    let source = |text: &str| Some(text.parse().expect("a source"));
+    let setup = Setup {
+        layout: path.display().to_string(),
+        source: source("serial:/dev/right"),
+        role: Some(SourceRole::Pointer),
+        other_hand: Some(OtherHand {
+            source: source("serial:/dev/left"),
+            ..OtherHand::default()
+        }),
+        ..setup(Some(TextModeSetup::Suggest)).setup
+    };
+    let setup = setup.load_files().expect("a layout");
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let mut end = (0, TextMode::Literal);
+    let typed = play(&setup, hand.expect("a script"), |_, pipeline, _| {
+        let mode = pipeline.text_state().expect("a decoder").mode;
+        end = (pipeline.suppressed().keys_by_role, mode);
+    });
+    (typed.text, end.0, end.1)
+}
+
+#[test]
+fn a_candidate_is_typed_by_a_hand_that_may_type() {
+    let script = "tap J; tap W; tap E; tap left-candidate; wait 400; tap \"Space left\"; tap A";
+    let end = performs_beside_a_pointer(script);
+    // Only the letter of the other hand is suppressed.
+    assert_eq!(end, ("we a".to_owned(), 1, TextMode::Suggest));
+}
+
+#[test]
+fn a_hand_that_only_points_takes_no_candidate_and_changes_no_mode() {
+    let script = "tap W; tap E; tap right-candidate; wait 400; tap right-auto; wait 400; tap A";
+    let end = performs_beside_a_pointer(script);
+    assert_eq!(end, ("wea".to_owned(), 2, TextMode::Suggest));
+}
+
 #[test]
 fn the_mode_changes_while_the_hand_types_and_needs_a_decoder() {
     let auto = Command::Text {
@@ -173,9 +256,13 @@ fn accents_that_no_key_types_are_written_where_the_output_takes_text() {
         let hand = typist(&setup, "la cancion de mi corazon ", 0.0, 1);
         play(&setup, hand, |_, _, _| {}).text
     };
-    assert_eq!(typed("transcript"), "la canción de mi corazón ");
-    // A keyboard of the kernel has no characters.
-    assert_eq!(typed("uinput"), "la cancion de mi corazon ");
+    for output in ["transcript", "transcript,desktop,uinput", "ime:uinput"] {
+        assert_eq!(typed(output), "la canción de mi corazón ", "{output}");
+    }
+    // A keyboard of the kernel has no characters, and two outputs have no common order.
+    for output in ["uinput", "uinput,desktop", "transcript,uinput,ime"] {
+        assert_eq!(typed(output), "la cancion de mi corazon ", "{output}");
+    }
 }
 
 #[test]

@@ -172,6 +172,7 @@ impl Desk {
             let filter_input = FilterInput {
                 time: pose.time,
                 side: pose.side,
+                may_type: true,
                 presses: &presses,
                 held: &self.held,
                 contact: Some((&pose, scene)),

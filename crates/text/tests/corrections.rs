@@ -155,6 +155,23 @@ fn an_accepted_candidate_is_followed_by_a_space_and_not_changed_by_what_follows(
 }
 
 #[test]
+fn a_candidate_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() {
+    let mut field = Field::new(ademan_text::languages::ENGLISH, Mode::Auto);
+    field.types("th");
+    let edits = field.corrector.accept(1).to_vec();
+    Field::apply(&mut field.text, &edits);
+    assert!(field.text.ends_with(' '), "{}", field.text);
+    field.backspace();
+    assert_eq!(field.text, "th");
+    field.types("eir ");
+    assert_eq!(field.text, "their ");
+    let restored = field.corrector.restored();
+    assert_eq!(restored.words().len(), 0, "the beginning of a word");
+    field.types("teh ");
+    assert_eq!(field.text, "their the ");
+}
+
+#[test]
 fn the_rest_of_a_word_behind_the_cursor_is_not_corrected() {
     let bytes = english();
     let mut field = Field::new(&bytes, Mode::Auto);
@@ -424,6 +441,23 @@ fn a_swipe_behind_a_word_without_a_space_gets_one_and_keeps_a_typed_capital() {
     assert_eq!(field.text, "cat Sat ");
     field.backspace();
     assert_eq!(field.text, "cat");
+}
+
+#[test]
+fn a_swipe_that_is_taken_back_inside_a_word_leaves_the_rest_of_the_word_alone() {
+    let bytes = english();
+    for is_left in [false, true] {
+        let mut field = Field::new(&bytes, Mode::Auto);
+        field.types("cat");
+        if is_left {
+            field.corrector.leave();
+        }
+        field.swipes("quick");
+        field.backspace();
+        assert_eq!(field.text, "cat");
+        field.types("hte hte ");
+        assert_eq!(field.text, "cathte the ");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod lan;
 mod links;
 mod page;
 mod score;
+mod slow_clients;
 mod webcam;
 mod words;
 

@@ -204,6 +204,11 @@ impl Command {
         )
     }
 
+    /// Returns whether the command types, or changes what keys type: a source that may only point does not cause it.
+    pub const fn is_typing(&self) -> bool {
+        matches!(self, Self::Text { .. } | Self::Candidate { .. })
+    }
+
     /// Name, fields and description.
     pub fn spec(&self) -> &'static CommandSpec {
         let spec = SPECS.iter().find(|spec| spec.name == self.name());

@@ -38,7 +38,7 @@ use std::time::Duration;
 use self::hand_pipeline::HandPipeline;
 use self::layout_instance::PressRules;
 use self::output_gate::OutputGate;
-use self::press_filter::PressFilters;
+use self::press_filter::{FilteredStep, PressFilters};
 use crate::capture::Reading;
 use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
@@ -421,7 +421,12 @@ impl Pipeline {
         self.gate.add_suppressed_keys(dropped);
         let replacing = layout.take_replacing_presses();
         let (filter, scene, arbiter) = layout.filter_parts();
-        let step = (&output.pose, scene, &output.presses[..]);
+        let step = FilteredStep {
+            pose: &output.pose,
+            scene,
+            presses: &output.presses,
+            may_type: self.gate.allows_keys(index),
+        };
         let held = || arbiter.pressed_keys();
         let added = self.filters.apply(filter, step, held, first, events) + replacing;
         let system_keys = self.gate.suppressed().system_keys;
@@ -449,9 +454,13 @@ impl Pipeline {
                 Command::TogglePause => Command::Pause,
                 command => command,
             };
+            next += 1;
+            if command.is_typing() && !self.gate.allows_keys(index) {
+                self.gate.add_suppressed_keys(1);
+                continue;
+            }
             // A command that cannot be executed has no effect; no caller waits for a reply.
             let _ = self.execute(&command, CommandOrigin::Layout, events);
-            next += 1;
         }
     }
 

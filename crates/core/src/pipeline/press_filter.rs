@@ -26,6 +26,8 @@ pub struct FilterInput<'a> {
     pub time: Timestamp,
     /// The hand.
     pub side: Side,
+    /// The source of the hand may cause keys and characters. What a filter emits in a step of another hand is suppressed.
+    pub may_type: bool,
     /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as the
     /// press of a chord.
     pub presses: &'a [Press],
@@ -36,7 +38,14 @@ pub struct FilterInput<'a> {
 }
 
 /// The step of one hand that filters see.
-pub(super) type FilteredStep<'a> = (&'a HandPose, &'a Scene, &'a [Press]);
+#[derive(Clone, Copy)]
+pub(super) struct FilteredStep<'a> {
+    pub(super) pose: &'a HandPose,
+    pub(super) scene: &'a Scene,
+    pub(super) presses: &'a [Press],
+    /// See [`FilterInput::may_type`].
+    pub(super) may_type: bool,
+}
 
 /// A stage that may hold, replace or add key events.
 ///
@@ -52,7 +61,7 @@ pub trait PressFilter: Send {
     /// Changes how much it changes, if it decodes text.
     fn set_mode(&mut self, _: TextMode) {}
 
-    /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step.
+    /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step that [may type](FilterInput::may_type).
     fn choose(&mut self, _number: u8) {}
 
     /// Returns what displays show of it, if it decodes text.
@@ -100,7 +109,7 @@ impl PressFilters {
     pub(super) fn apply(
         &mut self,
         own: Option<&mut (dyn PressFilter + 'static)>,
-        (pose, scene, presses): FilteredStep,
+        step: FilteredStep,
         held: impl FnOnce() -> PressedKeys,
         first: usize,
         events: &mut Events,
@@ -111,11 +120,12 @@ impl PressFilters {
         let emitted: Events = events.drain(first..).collect();
         let held = held();
         let input = FilterInput {
-            time: pose.time,
-            side: pose.side,
-            presses,
+            time: step.pose.time,
+            side: step.pose.side,
+            may_type: step.may_type,
+            presses: step.presses,
             held: &held_before(&held, &emitted),
-            contact: Some((pose, scene)),
+            contact: Some((step.pose, step.scene)),
         };
         let mut filtered = emitted.clone();
         if let Some(own) = own {
@@ -233,7 +243,12 @@ mod tests {
             }
             let mut events = Events::from_iter(step.iter().copied());
             let pose = HandPose::new(Timestamp(1_000), Side::Right, 0.006);
-            let input = (&pose, &Scene::new(), &[][..]);
+            let input = FilteredStep {
+                pose: &pose,
+                scene: &Scene::new(),
+                presses: &[],
+                may_type: true,
+            };
             filters.apply(None, input, || held.clone(), 0, &mut events);
             events.to_vec()
         };

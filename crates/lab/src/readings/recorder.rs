@@ -57,6 +57,7 @@ impl Recorder {
         let input = FilterInput {
             time,
             side: Side::Right,
+            may_type: true,
             presses: &[],
             held: &held,
             contact: None,

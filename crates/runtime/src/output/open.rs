@@ -89,6 +89,13 @@ pub fn check_layout_change(
     Ok(())
 }
 
+/// Returns `true` if one of the outputs carries all required capabilities, so that their events arrive in the order in which they are
+/// sent: a [`Router`] sends a step to one output after the other. `false` if the names are invalid.
+pub fn keeps_order(names: &str, required: &Capabilities) -> bool {
+    let routes = parse(names).map_or_else(|_| Vec::new(), |outputs| routes(&outputs));
+    (0..routes.len()).any(|index| routed_to(&routes, index, required) == *required)
+}
+
 /// Returns `true` if events reach another program: an output is neither a log nor [`none`](super::BACKENDS). Also if the names
 /// are invalid.
 pub fn has_effect(names: &str) -> bool {
@@ -268,6 +275,26 @@ mod tests {
         ];
         for required in six_axes {
             assert_eq!(message("spacenav", required), None, "{required}");
+        }
+    }
+
+    #[test]
+    fn two_outputs_keep_no_order_of_keys_and_text() {
+        let required = Capabilities::from_iter([code("A"), code("Backspace"), Capability::Text]);
+        let table = [
+            ("desktop", true),
+            ("ime:uinput", true),
+            ("transcript", true),
+            ("transcript,desktop,uinput", true),
+            ("spacenav,desktop", true),
+            ("uinput", false),
+            ("uinput,desktop", false),
+            ("uinput,ime", false),
+            ("uinput,transcript", false),
+            ("unknown", false),
+        ];
+        for (names, is_kept) in table {
+            assert_eq!(keeps_order(names, &required), is_kept, "{names}");
         }
     }
 

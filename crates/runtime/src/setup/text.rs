@@ -22,11 +22,12 @@ impl LoadedSetup {
     /// Loads the language of the text decoder with `read`. If that fails, there is no text decoder, and
     /// [`text_error`](Self::text_error) is the reason.
     pub(super) fn load_language(&mut self, read: impl FnOnce(&Path) -> Result<Vec<u8>, String>) {
-        let writes_text = output::check(
-            &self.setup.output,
-            &Capabilities::from_iter([Capability::Text]),
-        )
-        .is_ok();
+        let mut corrections = Capabilities::from_iter([Capability::Text]);
+        for layout in self.layouts() {
+            corrections.extend(text::capabilities(layout, true).iter());
+        }
+        // Characters between keys arrive in order only where one output takes both.
+        let writes_text = output::keeps_order(&self.setup.output, &corrections);
         let Some(setup) = &mut self.setup.text else {
             return;
         };

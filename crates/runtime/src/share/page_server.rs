@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::ShareError;
 use super::listener::AcceptThread;
@@ -81,8 +81,20 @@ fn answer(mut stream: TcpStream, mut head: Head) -> io::Result<()> {
     stream.write_all(&answer.bytes)?;
     stream.shutdown(std::net::Shutdown::Write)?;
     // The rest is read, or closing the connection would take the end of the answer back.
-    stream.set_read_timeout(Some(TIMEOUT))?;
+    read_rest(&mut stream, Instant::now() + TIMEOUT)
+}
+
+/// Reads until the client closes the connection, or until the deadline: however a client spreads its bytes, its place becomes free.
+fn read_rest(stream: &mut TcpStream, deadline: Instant) -> io::Result<()> {
     let mut rest = [0; 1024];
-    while let Ok(1..) = stream.read(&mut rest) {}
-    Ok(())
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Ok(());
+        }
+        stream.set_read_timeout(Some(left))?;
+        if stream.read(&mut rest)? == 0 {
+            return Ok(());
+        }
+    }
 }

@@ -8,9 +8,10 @@
 //! | any | character | typing | the character |
 //! | typing | character that ends a word, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
+//! | a candidate was taken inside a word | Backspace | partial | Backspaces, the tail that was typed |
 //! | other | Backspace | typing | Backspace |
 //! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
-//! | swiped | Backspace | typing | Backspaces for the word and its space |
+//! | swiped | Backspace | typing, or partial behind a word without a space | Backspaces for the word and its space |
 //! | any | pause, loss, stall, another key | partial, if inside a word | none; nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
@@ -64,6 +65,8 @@ struct Undo {
     corrected: usize,
     /// The text that they replaced.
     typed: String,
+    /// That text ends inside a word.
+    is_inside: bool,
 }
 
 /// Turns presses into edits.
@@ -162,6 +165,11 @@ impl<'m> Corrector<'m> {
         &self.shown
     }
 
+    /// Returns whether later keys may change text that is in the field already.
+    pub fn is_pending(&self) -> bool {
+        !self.shown.is_empty() || self.undo.is_possible || self.swiped.is_some()
+    }
+
     /// Takes a character key. The tap has to say what it typed; without, it is the nearest key.
     pub fn press(&mut self, tap: Tap) -> &[Edit] {
         self.edits.clear();
@@ -248,6 +256,7 @@ impl<'m> Corrector<'m> {
         self.edits.extend(old.chars().map(|_| Edit::Backspace));
         self.edits.extend(new.chars().map(Edit::Type));
         self.undo.is_possible = true;
+        self.undo.is_inside = self.shown.ends_with(|last| !ends_word(last));
         self.undo.corrected = new.chars().count();
         self.undo.typed.clear();
         self.undo.typed.push_str(old);
@@ -264,10 +273,14 @@ impl<'m> Corrector<'m> {
                 .extend((0..self.undo.corrected).map(|_| Edit::Backspace));
             self.edits.extend(self.undo.typed.chars().map(Edit::Type));
             self.shown.clear();
+            // The rest of a word is no word, and its beginning is no word to be learned.
+            self.is_partial = self.undo.is_inside;
             if let Some(swiped) = self.swiped.take() {
                 self.decoder.start_behind(swiped.before);
             } else {
-                self.restored.learn();
+                if !self.is_partial {
+                    self.restored.learn();
+                }
                 self.decoder.commit_typed();
             }
             return &self.edits;

@@ -12,6 +12,8 @@ pub(super) struct Swiped {
     pub before: Before,
     /// A space was typed before it, as a word without one was there.
     has_space: bool,
+    /// The text before it ends inside a word, as far as is known.
+    is_inside: bool,
 }
 
 impl Corrector<'_> {
@@ -25,6 +27,7 @@ impl Corrector<'_> {
         };
         self.shown.pop();
         let has_space = self.shown.ends_with(|last| !ends_word(last));
+        let is_inside = has_space || self.is_partial;
         if self.shown.is_empty() {
             self.decoder.start_behind(self.decoder.before());
         } else {
@@ -40,7 +43,12 @@ impl Corrector<'_> {
         self.is_partial = false;
         self.shown.clear();
         self.shown.push(letter);
-        self.replace_swiped(0, Swiped { before, has_space });
+        let swiped = Swiped {
+            before,
+            has_space,
+            is_inside,
+        };
+        self.replace_swiped(0, swiped);
         &self.edits
     }
 
@@ -61,6 +69,7 @@ impl Corrector<'_> {
         self.undo.is_possible = true;
         self.undo.corrected = self.target.chars().count();
         self.undo.typed.clear();
+        self.undo.is_inside = swiped.is_inside;
         std::mem::swap(&mut self.shown, &mut self.target);
         self.decoder.commit_behind(Some(&self.shown));
         self.swiped = Some(swiped);

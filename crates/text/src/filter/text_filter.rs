@@ -46,7 +46,7 @@ pub(super) struct TextFilter {
     evidence: ArrayVec<Evidence, 10>,
     /// The last letter that was pressed, until its finger is lifted.
     stroke: Option<Stroke>,
-    /// The candidate that the next step takes.
+    /// The candidate that the next step of a hand that may type takes.
     choice: Option<u8>,
     /// The time of the last key.
     last_key: Timestamp,
@@ -88,7 +88,8 @@ impl TextFilter {
         self.evidence
             .retain(|press| input.time.since(press.time) < EVIDENCE_TIME);
         let is_swiping = self.is_swiping(input);
-        for press in input.presses.iter().filter(|_| !is_swiping) {
+        let is_typing = input.may_type && !is_swiping;
+        for press in input.presses.iter().filter(|_| is_typing) {
             let Some((character, position)) = self.keys.locate(press) else {
                 continue;
             };
@@ -201,11 +202,9 @@ impl TextFilter {
         step.push(event);
     }
 
-    /// Replaces the typed word by the candidate that was chosen.
-    fn take_choice(&mut self, time: Timestamp, step: &mut Step) {
-        let Some(number) = self.choice.take() else {
-            return;
-        };
+    /// Replaces the typed word by a candidate that was chosen.
+    fn accept(&mut self, number: Option<u8>, time: Timestamp, step: &mut Step) {
+        let Some(number) = number else { return };
         self.is_changed = true;
         self.last_key = time;
         let index = usize::from(number).saturating_sub(1);
@@ -213,6 +212,10 @@ impl TextFilter {
             Ok(edits) => edits,
             Err(burst::TooMany) => return self.corrector.reset(),
         };
+        if edits.is_empty() {
+            // It brings no space, and the one of a candidate before it stays.
+            return;
+        }
         self.is_spaced = step.append(&edits, &self.keys, time);
         if !self.is_spaced {
             self.corrector.reset();
@@ -286,11 +289,14 @@ impl PressFilter for TextFilter {
         let was_swiping = self.is_swiping(input);
         self.remember_presses(input);
         let is_lifted = self.follow_stroke(input);
-        if !self.corrector.shown().is_empty() && input.time.since(self.last_key) > IDLE_TIME {
+        let is_pending = self.corrector.is_pending() || self.is_spaced;
+        if is_pending && input.time.since(self.last_key) > IDLE_TIME {
             self.corrector.reset();
+            self.is_spaced = false;
             self.is_changed = true;
         }
-        if !events.is_empty() || self.choice.is_some() || is_lifted {
+        let mut choice = self.choice.take_if(|_| input.may_type);
+        if !events.is_empty() || choice.is_some() || is_lifted {
             let mut step = Step::new(input.held, &self.tapped, events.len());
             let given = std::mem::take(events);
             for (index, &event) in given.iter().enumerate() {
@@ -306,7 +312,7 @@ impl PressFilter for TextFilter {
                         step.push(event);
                         continue;
                     }
-                    _ => self.take_choice(event.time, &mut step),
+                    _ => self.accept(choice.take(), event.time, &mut step),
                 }
                 match event.kind {
                     EventKind::KeyDown(_) | EventKind::Character(_) if was_swiping => {
@@ -342,7 +348,7 @@ impl PressFilter for TextFilter {
             if is_lifted {
                 self.end_stroke(input.time, &mut step);
             }
-            self.take_choice(input.time, &mut step);
+            self.accept(choice, input.time, &mut step);
             self.tapped = step.tapped;
             *events = step.events;
         }
