@@ -18,6 +18,7 @@ mod completion;
 mod config_folder;
 #[cfg(unix)]
 mod control;
+mod cut_recordings;
 mod demos;
 mod determinism;
 mod doctor;
