@@ -52,6 +52,7 @@ mod lucidgloves_controller;
 mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
+mod new_files;
 mod persons;
 mod pictures;
 mod practice;

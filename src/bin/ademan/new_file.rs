@@ -11,11 +11,13 @@ use crate::failure::Failure;
 /// The name of the standard output in place of a file.
 const STDOUT: &str = "-";
 
-/// Returns the path with an extension, if it has none and is not the standard output, `-`.
+/// Returns the path with an extension behind the name, unless the path has that extension or is the standard output, `-`.
 pub fn with_extension(path: &Path, extension: &str) -> PathBuf {
-    match path.extension() {
-        None if path != Path::new(STDOUT) => path.with_extension(extension),
-        _ => path.to_owned(),
+    let has_extension = path.extension().is_some_and(|it| it == extension);
+    if has_extension || path == Path::new(STDOUT) {
+        path.to_owned()
+    } else {
+        path.with_added_extension(extension)
     }
 }
 
