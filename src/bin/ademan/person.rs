@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::document::{Document, shipped_persons};
+use ademan::document::{Document, FileKind, shipped_persons};
 use ademan::files::{OpenDocument, own_persons};
 use ademan::hand::{Finger, FingerSet, Side};
 use ademan::kinematics::{BoneLengths, HandReach};
@@ -88,7 +88,10 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// Loads a person: a shipped name or a file.
 pub fn load(name: &str) -> Result<Person, Failure> {
-    Ok(Person::parse(&Document::open(name)?)?)
+    Ok(Person::parse(&Document::open_kind(
+        FileKind::Person,
+        name,
+    )?)?)
 }
 
 fn new(
@@ -103,7 +106,7 @@ fn new(
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         return new_file::create(&path, &text(&name, hand, length), "a person", next);
     };
-    let document = Document::open(from)?;
+    let document = Document::open_kind(FileKind::Person, from)?;
     let person = Person::parse(&document)?;
     let text = new_file::renamed(&document.text, &person.name, &path);
     let origin = format!("a copy of {}", document.file);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Person;
 use ademan::measures::{
@@ -94,6 +94,10 @@ fn probability(text: &str) -> Result<f64, String> {
     number_in(text, 0.0, 1.0, "as a probability")
 }
 
+fn open_person(name: &str) -> Result<Document, Failure> {
+    Ok(Document::open_kind(FileKind::Person, name)?)
+}
+
 /// A run without its layout.
 pub struct Prepared {
     people: PeopleSpec,
@@ -147,7 +151,7 @@ impl Prepared {
         let people = match &args.person {
             None => PeopleSpec::Drawn(args.people.unwrap_or(PEOPLE)),
             Some(name) => {
-                let document = Document::open(name)?;
+                let document = open_person(name)?;
                 PeopleSpec::Person {
                     file: document.file.clone(),
                     text: document.text,
@@ -242,7 +246,7 @@ impl Prepared {
 
     /// Scores a layout: the name of a shipped one, or a file.
     pub fn score(&self, layout: &str) -> Result<LabResult, Failure> {
-        self.score_document(layout, Document::open(layout)?)
+        self.score_document(layout, Document::open_kind(FileKind::Layout, layout)?)
     }
 
     /// Scores the text of a layout, which results call by a name.
@@ -284,7 +288,7 @@ impl Prepared {
 
     /// Returns the result of a layout before anybody has typed on it.
     pub fn unscored(&self, layout: &str) -> Result<LabResult, Failure> {
-        Ok(self.unscored_document(layout, Document::open(layout)?))
+        Ok(self.unscored_document(layout, Document::open_kind(FileKind::Layout, layout)?))
     }
 
     fn unscored_document(&self, name: &str, document: Document) -> LabResult {

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
 use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
 use ademan::layout::Layout;
@@ -123,7 +123,7 @@ impl Destination {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let document = Document::open(&args.layout)?;
+    let document = Document::open_kind(FileKind::Layout, &args.layout)?;
     let layout = Layout::from_document(document.clone())?;
     let destination = Destination::new(args)?;
     let prepared = Prepared::new(&args.conditions.with_people(PEOPLE))?;
