@@ -168,3 +168,36 @@ fn a_layout_that_does_not_type_is_scored_by_tasks() {
     assert!(ended.out.contains("tasks done, %"), "{}", ended.out);
     assert!(ended.out.contains("error of a value"), "{}", ended.out);
 }
+
+#[test]
+fn the_figures_are_printed_although_a_result_cannot_be_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let score = [
+        "lab",
+        "score",
+        "qwerty-flat",
+        "--people",
+        "1",
+        "--count",
+        "1",
+    ];
+    for option in ["--json", "--csv", "--html"] {
+        let ended = run([&score[..], &[option, "/no/folder/result"]].concat());
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let reason = "cannot write /no/folder/result: there is no such folder";
+        assert!(ended.err.contains(reason), "{}", ended.err);
+        assert_eq!(ended.out, "", "nobody has typed before");
+        // A file cannot replace a folder.
+        let table = folder.path().join("table.csv");
+        let mut arguments = [&score[..], &[option, text(folder.path())]].concat();
+        if option == "--json" {
+            arguments.extend(["--csv", text(&table)]);
+        }
+        let ended = run(arguments);
+        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        assert!(ended.err.contains("cannot write"), "{}", ended.err);
+        let figures = "wrong characters (CER), %";
+        assert!(ended.out.contains(figures), "{}{}", ended.out, ended.err);
+        assert!(table.exists(), "the other files are written");
+    }
+}
