@@ -114,6 +114,13 @@ pub struct Prepared {
 }
 
 impl ConditionArgs {
+    /// Returns the paths of the files that are read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let person = self.person.as_deref().map(open_person).transpose()?;
+        let person = person.and_then(|document| document.path);
+        Ok(person.into_iter().chain(self.text.clone()).collect())
+    }
+
     /// Returns the arguments with a number of people, unless one is given.
     pub fn with_people(&self, people: u32) -> Self {
         Self {

@@ -14,6 +14,8 @@ mod verify;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use ademan::document::{Document, FileKind};
+use ademan::files::OpenDocument;
 use ademan::measures::{LabResult, compare};
 
 pub use self::verify::read_results;
@@ -159,9 +161,11 @@ fn score(
     outputs: &OutputArgs,
 ) -> Result<(), Failure> {
     let prepared = Prepared::new(conditions)?;
-    for path in outputs.paths() {
-        result_files::check_folder(path)?;
+    let mut read = conditions.files()?;
+    for layout in layouts {
+        read.extend(Document::open_kind(FileKind::Layout, layout)?.path);
     }
+    result_files::check(&outputs.paths(), &read)?;
     let mut results = Vec::new();
     for layout in layouts {
         results.push(prepared.score(layout)?);
