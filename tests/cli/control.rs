@@ -705,3 +705,19 @@ fn a_zeroed_hand_is_undone_recorded_and_replayed() {
         "a replay without the command presses a third time"
     );
 }
+
+#[test]
+fn a_session_that_is_stopped_by_a_signal_is_said_to_give_no_answer() {
+    let run = run();
+    let process = run.program.0.id().to_string();
+    let signal = |name: &str| {
+        let sent = Command::new("kill").args(["-s", name, &process]).status();
+        assert!(sent.expect("kill starts").success());
+    };
+    signal("STOP");
+    let (code, _, err) = ctl(&run, &["state"]);
+    signal("CONT");
+    assert_eq!(code, 1, "{err}");
+    let reason = "no answer within 5 s; the program is stopped or hangs";
+    assert!(err.contains(reason) && !err.contains("os error"), "{err}");
+}

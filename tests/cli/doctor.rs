@@ -340,3 +340,40 @@ fn lines_break_between_words_on_a_terminal_and_nowhere_else() {
     let below = format!("\n{}", " ".repeat(34));
     assert!(shown.contains(&below), "{shown}");
 }
+
+#[test]
+fn a_source_or_output_that_a_run_would_refuse_is_a_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let empty = folder.path().join("empty.mcap");
+    fs::write(&empty, "").unwrap();
+    let recording = format!("recording:{}", empty.display());
+    for (option, value, reason) in [
+        (
+            "--source",
+            "script:nofile.txt",
+            "nofile.txt: there is no such file",
+        ),
+        (
+            "--source",
+            "script:tap Q; tap Nowhere",
+            "unknown target `Nowhere`",
+        ),
+        ("--source", recording.as_str(), "the file is empty"),
+        ("--source", "typist:ñ", "cannot type 'ñ'"),
+        ("--output", "transcript:/nodir/x", "there is no such folder"),
+    ] {
+        let ended = run(["doctor", "--json", option, value]);
+        assert_eq!(ended.code, Some(1), "{value}: {}{}", ended.out, ended.err);
+        let checks = checks(&ended);
+        let name = if option == "--source" {
+            "source"
+        } else {
+            "outputs"
+        };
+        let finding = check(&checks, name);
+        assert_eq!(finding["status"], "missing", "{value}");
+        let text = finding["text"].as_str().expect("a text");
+        assert!(text.contains(reason), "{value}: {text}");
+    }
+    run(["doctor", "--source", "script:tap Q"]).done();
+}

@@ -11,7 +11,8 @@ fn root(path: &str) -> String {
     format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
 }
 
-fn recorded(folder: &tempfile::TempDir) -> String {
+/// Records a hand that types, and returns the path of the recording.
+pub fn recorded(folder: &tempfile::TempDir) -> String {
     let path = folder.path().join("hand.mcap");
     let path = text(&path).to_owned();
     let ended = run(["record", &path, "--source", TYPED]).done();

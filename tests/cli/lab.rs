@@ -168,3 +168,67 @@ fn a_layout_that_does_not_type_is_scored_by_tasks() {
     assert!(ended.out.contains("tasks done, %"), "{}", ended.out);
     assert!(ended.out.contains("error of a value"), "{}", ended.out);
 }
+
+#[test]
+fn the_figures_are_printed_although_a_result_cannot_be_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let score = [
+        "lab",
+        "score",
+        "qwerty-flat",
+        "--people",
+        "1",
+        "--count",
+        "1",
+    ];
+    for option in ["--json", "--csv", "--html"] {
+        let ended = run([&score[..], &[option, "/no/folder/result"]].concat());
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let reason = "cannot write /no/folder/result: there is no such folder";
+        assert!(ended.err.contains(reason), "{}", ended.err);
+        assert_eq!(ended.out, "", "nobody has typed before");
+        // A file cannot replace a folder.
+        let table = folder.path().join("table.csv");
+        let mut arguments = [&score[..], &[option, text(folder.path())]].concat();
+        if option == "--json" {
+            arguments.extend(["--csv", text(&table)]);
+        }
+        let ended = run(arguments);
+        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        assert!(ended.err.contains("cannot write"), "{}", ended.err);
+        let figures = "wrong characters (CER), %";
+        assert!(ended.out.contains(figures), "{}{}", ended.out, ended.err);
+        assert!(table.exists(), "the other files are written");
+    }
+}
+
+#[test]
+fn a_result_replaces_no_file_that_is_read_and_no_other_result() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = file(&folder, "p.txt", "hello world\n");
+    let board = std::fs::read_to_string("layouts/keyboards/qwerty-flat.ron").expect("a layout");
+    let layout = file(&folder, "lay.ron", &board);
+    let person = file(&folder, "me.ron", "Person(name: \"me\")");
+    let recording = file(&folder, "hand.mcap", "readings");
+    let other = text(&folder.path().join("./b")).to_owned();
+    let same = text(&folder.path().join("b")).to_owned();
+    let score = ["lab", "score", &layout, "--people", "1", "--count", "1"];
+    for more in [
+        ["--text", &phrases, "--csv", &phrases],
+        ["--text", &phrases, "--json", &layout],
+        ["--person", &person, "--html", &person],
+        ["--json", &other, "--csv", &same],
+    ] {
+        let ended = run([&score[..], &more].concat());
+        assert_eq!(ended.code, Some(2), "{more:?}: {}", ended.err);
+        assert!(ended.err.contains("name another file"), "{}", ended.err);
+    }
+    let ended = run(["lab", "replay", &recording, "--json", &recording]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let read = |path: &str| std::fs::read_to_string(path).expect("the file is left");
+    assert_eq!(read(&phrases), "hello world\n");
+    assert_eq!(read(&layout), board);
+    assert_eq!(read(&person), "Person(name: \"me\")");
+    assert_eq!(read(&recording), "readings");
+    assert!(!std::path::Path::new(&same).exists());
+}

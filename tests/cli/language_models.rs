@@ -82,3 +82,13 @@ fn taps_on_the_keys_of_a_layout_give_candidates() {
     let (score, _) = first.split_once('\t').expect("a score");
     assert!(score.parse::<f32>().expect("a number") < 0.0);
 }
+
+#[test]
+fn a_model_does_not_replace_the_words_that_it_is_built_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = file(&folder, "w.txt", "hello\t5\n");
+    let ended = run(["text", "build", "--words", &words, "-o", &words]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(ended.err.contains("name another file"), "{}", ended.err);
+    assert_eq!(std::fs::read_to_string(&words).unwrap(), "hello\t5\n");
+}

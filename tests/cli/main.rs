@@ -18,6 +18,7 @@ mod completion;
 mod config_folder;
 #[cfg(unix)]
 mod control;
+mod cut_recordings;
 mod demos;
 mod determinism;
 mod doctor;
@@ -51,6 +52,7 @@ mod lucidgloves_controller;
 mod markers;
 #[cfg(all(unix, feature = "tls"))]
 mod network;
+mod new_files;
 mod persons;
 mod pictures;
 mod practice;

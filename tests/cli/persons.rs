@@ -192,3 +192,28 @@ fn a_run_with_a_person_simulates_that_person() {
         played.out
     );
 }
+
+#[test]
+fn only_files_of_the_kind_that_is_missing_are_suggested() {
+    for (option, name) in [
+        ("--person", "me.ron"),
+        ("--glove", "numpda"),
+        ("--layout", "unam-hc11-lfet"),
+    ] {
+        let ended = run(["demo", option, name, "--fast"]);
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        assert!(ended.err.contains("there is no such file"), "{}", ended.err);
+        assert!(!ended.err.contains("did you mean"), "{}", ended.err);
+    }
+    for (option, name, nearest) in [
+        ("--person", "adutl", "adult"),
+        ("--glove", "unam-hc11-lfet", "unam-hc11-left"),
+        ("--layout", "numpda", "numpad"),
+    ] {
+        let ended = run(["demo", option, name, "--fast"]);
+        let suggestion = format!("did you mean `{nearest}`?");
+        assert!(ended.err.contains(&suggestion), "{}", ended.err);
+    }
+    let ended = run(["run", "numpda.ron"]);
+    assert!(!ended.err.contains("did you mean"), "{}", ended.err);
+}

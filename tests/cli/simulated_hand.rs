@@ -116,3 +116,25 @@ fn a_repeated_demo_starts_again() {
         presses += usize::from(line.contains(" down "));
     }
 }
+
+#[test]
+fn a_hand_without_keys_to_press_does_not_prevent_typing() {
+    let demo = ["demo", "--layout", "qwerty-two-flat", "--fast"];
+    let ended = run(demo.into_iter().chain(["--text", "was"])).done();
+    assert!(ended.out.contains("typed      \"was\""), "{}", ended.out);
+    let ended = run(demo.into_iter().chain(["--script", "tap A"])).done();
+    assert!(ended.out.contains("played     2 events"), "{}", ended.out);
+}
+
+#[test]
+fn a_run_is_armed_although_one_of_its_hands_presses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let fields = r#"source: "typist:as", other_hand: (), layout: "qwerty-two-flat""#;
+    let setup = file(&folder, "setup.ron", format!("Setup({fields})"));
+    let mut command = ademan(["run", &setup, "--control", "off"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut program = Process::start(&mut command).expect("it starts");
+    let events = line_receiver(program.0.stdout.take().expect("it is piped"));
+    events.recv_timeout(TIMEOUT).expect("it types");
+    assert!(program.0.wait().expect("it ends").success());
+}

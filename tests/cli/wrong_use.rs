@@ -357,3 +357,20 @@ fn the_program_without_arguments_prints_its_help() {
         ended.err
     );
 }
+
+#[test]
+fn a_field_with_an_error_in_it_is_not_said_to_be_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let pointer = "pointer: Pointer(\nmode: Direct(\npose: (anchor: elbow),\nsize_mm: (200, 120)\n),\n\
+                   clicks: [(gesture: Pinch(\"pinky\"), action: Key(\"MouseLeft\"))]\n)";
+    let layout = format!("Layout(name: \"two\", boards: [],\n{pointer}\n)");
+    let layout = file(&folder, "two.ron", layout);
+    let ended = run(["layout", "check", &layout]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let first = "5:19: expected 3 values in parentheses, found 2";
+    let second = "7:27: unknown finger `pinky`";
+    for fault in [first, second] {
+        assert!(ended.err.contains(fault), "{}", ended.err);
+    }
+    assert!(!ended.err.contains("is missing"), "{}", ended.err);
+}

@@ -1,19 +1,20 @@
 //! `ademan doctor`: checks of this machine against a setup.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
+use ademan::files;
 use ademan::message::{escape, escape_json, escape_line};
 use ademan::output::{self, Backend, OutputError};
 use ademan::setup::LoadedSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use crate::complete;
 use crate::failure::Failure;
-use crate::messages;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
+use crate::{complete, messages, result_files};
 
 /// Check what a setup needs of this machine, and print commands that add what is missing
 #[derive(clap::Args)]
@@ -49,7 +50,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     findings.extend(
         setup
             .named_sources()
-            .filter_map(|it| doctor::check_source(&it)),
+            .filter_map(|it| doctor::check_source(&setup, &it)),
     );
     findings.extend(doctor::check_headset(&setup.setup));
     findings.extend(doctor::check_panic_keys(&setup.setup));
@@ -83,13 +84,16 @@ pub fn run(args: Args) -> Result<(), Failure> {
 fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
     let (status, text) = match output::check(outputs, &setup.required_capabilities()) {
-        Ok(()) => {
-            let text = format!(
-                "{} can send everything that the layouts require",
-                escape(outputs)
-            );
-            (CheckStatus::Ok, text)
-        }
+        Ok(()) => match check_transcripts(outputs) {
+            Ok(()) => {
+                let text = format!(
+                    "{} can send everything that the layouts require",
+                    escape(outputs)
+                );
+                (CheckStatus::Ok, text)
+            }
+            Err(failure) => (CheckStatus::Missing, failure.to_string()),
+        },
         Err(OutputError::Open { reason, .. }) => (CheckStatus::Missing, reason),
         Err(error) => return Err(error.into()),
     };
@@ -101,6 +105,20 @@ fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
         commands: Vec::new(),
         next_step: String::new(),
     })
+}
+
+/// Checks that the folders of transcripts exist, except the folder for the transcripts of setups, which a run creates.
+fn check_transcripts(outputs: &str) -> Result<(), Failure> {
+    let own = files::transcript_folder();
+    let paths = outputs
+        .split(',')
+        .filter_map(|output| output.trim().strip_prefix("transcript:"))
+        .map(Path::new)
+        .filter(|path| path.parent() != own.as_deref());
+    for path in paths {
+        result_files::check_folder(path)?;
+    }
+    Ok(())
 }
 
 fn testable_output() -> impl TypedValueParser<Value = &'static Backend> {

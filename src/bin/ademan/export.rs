@@ -15,8 +15,8 @@ use ademan::trace::bvh::{PoseOptions, PoseWriter};
 
 use crate::complete;
 use crate::failure::Failure;
-use crate::session;
 use crate::setup_args::{SetupArgs, number_in};
+use crate::{session, stats};
 
 /// Write the poses of one or both hands to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
@@ -76,17 +76,19 @@ pub fn run(args: Args) -> Result<(), Failure> {
     };
     let written = write(&session, file, pose_options);
     session.commands().send(Command::Stop)?;
-    session.join()?;
-    match written? {
-        0 => Err(Failure::job(format!(
+    let summary = session.join()?;
+    let frames = written?;
+    if frames > 0 {
+        say!("{frames} frames written to {}", escape_path(&args.file));
+    }
+    stats::check_cut(&summary.stats)?;
+    if frames == 0 {
+        return Err(Failure::job(format!(
             "the source gave no pose of the hand, so {} is empty; look at its readings with `ademan trace readings`",
             escape_path(&args.file)
-        ))),
-        frames => {
-            say!("{frames} frames written to {}", escape_path(&args.file));
-            Ok(())
-        }
+        )));
     }
+    Ok(())
 }
 
 /// Creates a file that only its owner can read: it shows what a hand typed.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Glove;
 
@@ -33,7 +33,7 @@ enum Action {
 pub fn run(args: Args) -> Result<(), Failure> {
     let Action::New { file, from } = args.action;
     let path = new_file::with_extension(&file, "ron");
-    let document = Document::open(&from)?;
+    let document = Document::open_kind(FileKind::Glove, &from)?;
     let glove = Glove::parse(&document)?;
     let text = new_file::renamed(&document.text, &glove.name, &path);
     let next = "ademan run --source serial:/dev/ttyUSB0 --glove FILE";

@@ -71,6 +71,7 @@ mod record;
 mod recording_size;
 mod release_keys;
 mod replay;
+mod result_files;
 mod root_args;
 mod run;
 mod schema;

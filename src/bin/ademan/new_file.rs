@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use ademan::document::quote;
 use ademan::files::{self, FileError};
 use ademan::message::{escape, escape_path, shell_word};
 
@@ -11,12 +12,20 @@ use crate::failure::Failure;
 /// The name of the standard output in place of a file.
 const STDOUT: &str = "-";
 
-/// Returns the path with an extension, if it has none and is not the standard output, `-`.
+/// Returns the path with an extension behind the name, unless the path has that extension or is the standard output, `-`.
 pub fn with_extension(path: &Path, extension: &str) -> PathBuf {
-    match path.extension() {
-        None if path != Path::new(STDOUT) => path.with_extension(extension),
-        _ => path.to_owned(),
+    let has_extension = path.extension().is_some_and(|it| it == extension);
+    if has_extension || path == Path::new(STDOUT) {
+        path.to_owned()
+    } else {
+        path.with_added_extension(extension)
     }
+}
+
+/// Returns the name of a file without its extension, with blanks for control characters.
+pub fn name_of(path: &Path) -> String {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    name.replace(char::is_control, " ")
 }
 
 /// Replaces the field `name` of a text by the name of the file. A text for the standard output keeps its name.
@@ -24,9 +33,8 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
     if path == Path::new(STDOUT) {
         return text.to_owned();
     }
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let field = |given: &str| format!("name: {given:?}");
-    text.replacen(&field(old_name), &field(&name), 1)
+    let field = |given: &str| format!("name: {}", quote(given));
+    text.replacen(&field(old_name), &field(&name_of(path)), 1)
 }
 
 /// Creates a file, says what it is, and the commands that use it. Fails if it exists. Writes only the text to the standard output,

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::document::{Document, shipped_persons};
+use ademan::document::{Document, FileKind, quote, shipped_persons};
 use ademan::files::{OpenDocument, own_persons};
 use ademan::hand::{Finger, FingerSet, Side};
 use ademan::kinematics::{BoneLengths, HandReach};
@@ -88,7 +88,10 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// Loads a person: a shipped name or a file.
 pub fn load(name: &str) -> Result<Person, Failure> {
-    Ok(Person::parse(&Document::open(name)?)?)
+    Ok(Person::parse(&Document::open_kind(
+        FileKind::Person,
+        name,
+    )?)?)
 }
 
 fn new(
@@ -100,10 +103,10 @@ fn new(
     let path = new_file::with_extension(file, "ron");
     let next = "ademan person show FILE && ademan demo --person FILE";
     let Some(from) = from else {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        return new_file::create(&path, &text(&name, hand, length), "a person", next);
+        let text = text(&new_file::name_of(&path), hand, length);
+        return new_file::create(&path, &text, "a person", next);
     };
-    let document = Document::open(from)?;
+    let document = Document::open_kind(FileKind::Person, from)?;
     let person = Person::parse(&document)?;
     let text = new_file::renamed(&document.text, &person.name, &path);
     let origin = format!("a copy of {}", document.file);
@@ -113,8 +116,8 @@ fn new(
 /// Returns a person file with these values, and the further fields as comments.
 fn text(name: &str, hand: Side, length: Option<f64>) -> String {
     let name = match name {
-        "-" => "person",
-        name => name,
+        "-" => quote("person"),
+        name => quote(name),
     };
     let length = match length {
         Some(millimetres) => format!("    hand_length_mm: {millimetres},"),
@@ -122,7 +125,7 @@ fn text(name: &str, hand: Side, length: Option<f64>) -> String {
     };
     format!(
         "// A person. `ademan person fields` lists all fields with units, ranges, defaults and sources. Every field is optional.\n\
-         Person(\n    name: {name:?},\n    side: \"{hand}\",\n{length}\n    \
+         Person(\n    name: {name},\n    side: \"{hand}\",\n{length}\n    \
          // Elbow to wrist crease. Without it, average proportions apply.\n    \
          // forearm_length_mm: 247,\n\n    \
          // The simulated person, as in `ademan demo`. Without these lines, it makes no errors.\n    \

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
-use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
@@ -52,7 +51,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
         replay = replay.without_packet_period();
     }
     let setup = load_setup(&args, &replay, has_effect)?;
-    let cut = replay.shared_truncation();
     session::prepare()?;
     let options = SessionOptions {
         source: Some(Box::new(replay)),
@@ -64,15 +62,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    stats::report(session.join()?)?;
-    match cut.get() {
-        None => Ok(()),
-        Some(cut) => Err(Failure::damaged(format!(
-            "{} is cut off at byte {}: everything before it was played, and everything is released",
-            escape_path(&args.file),
-            cut.offset
-        ))),
-    }
+    stats::report(session.join()?)
 }
 
 /// Loads the setup of a recording. The permissions for an output with an effect are the person's own; a recording may come

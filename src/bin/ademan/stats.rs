@@ -7,19 +7,30 @@ use ademan::snapshot::Stats;
 
 use crate::failure::Failure;
 
-/// Prints the statistics. A recording that is incomplete is a failure, and so is a source none of whose bytes is
-/// understood.
+/// Prints the statistics. A recording that is incomplete is a failure, as the source or as the file that is written, and so is a source
+/// none of whose bytes is understood.
 pub fn report(summary: Summary) -> Result<(), Failure> {
     say!("{}", line(&summary.stats));
+    if let Some(error) = summary.record_error {
+        return Err(Failure::job(error.to_string()));
+    }
+    check_cut(&summary.stats)?;
     let source = &summary.stats.source;
     if source.readings == 0 && source.skipped_bytes > 0 {
         return Err(Failure::job(
             "the source sent no valid packet; check `protocol`, its options and `baud` (`--source` in the help lists them)",
         ));
     }
-    match summary.record_error {
+    Ok(())
+}
+
+/// Fails if the source is a recording that is cut off.
+pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
+    match stats.source.cut_at {
         None => Ok(()),
-        Some(error) => Err(Failure::job(error.to_string())),
+        Some(offset) => Err(Failure::damaged(format!(
+            "the recording is cut off at byte {offset}: everything before it was used, and everything is released"
+        ))),
     }
 }
 

@@ -12,8 +12,8 @@ use ademan::message::{escape, escape_path};
 use ademan_text::build::{Builder, LineError, held_out};
 use ademan_text::{Decoder, Key, Keyboard, Model, Options, Prior, Tap, TouchModel, languages};
 
-use crate::complete;
 use crate::failure::Failure;
+use crate::{complete, result_files};
 
 /// Build language models, and read taps with them
 #[derive(clap::Args)]
@@ -90,6 +90,7 @@ fn build(
     hold_out: bool,
     output: &Path,
 ) -> Result<(), Failure> {
+    result_files::check(&[output], &[words, texts].concat())?;
     let mut builder = Builder::new();
     for path in words {
         let added = builder.words(&read(path)?);

@@ -90,7 +90,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     session.commands().send(Command::Stop)?;
     let summary = session.join()?;
     if printed? {
-        Ok(())
+        stats::check_cut(&summary.stats)
     } else {
         stats::report(summary)
     }

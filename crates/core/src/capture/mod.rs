@@ -214,4 +214,6 @@ pub struct SourceStats {
     pub dropped: u64,
     /// Number of times that the device was lost.
     pub losses: u64,
+    /// The byte at which the recording that is read is cut off, once it was reached.
+    pub cut_at: Option<u64>,
 }

@@ -22,6 +22,7 @@ pub(super) fn all_errors(
     let Document { file, text, .. } = document;
     let mut errors = DocumentError::none(file);
     let mut rest = Some((text.clone(), first));
+    let mut incomplete = Vec::new();
     for _ in 0..MAX_READ {
         let Some((read, error)) = rest else {
             break;
@@ -33,14 +34,19 @@ pub(super) fn all_errors(
             explained.range,
             explained.message,
         ));
-        rest = next_error(&read, &error, format);
+        rest = next_error(&read, &error, &mut incomplete, format);
     }
     errors.in_order()
 }
 
 /// Returns the text without the part around an error, and the next error. `None` if there is none, or if the error leaves open where the
-/// part ends.
-fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(String, SpannedError)> {
+/// part ends. Adds the end of the brackets around the part to `incomplete`, which has the ends of all brackets that lack one.
+fn next_error(
+    text: &str,
+    error: &SpannedError,
+    incomplete: &mut Vec<usize>,
+    format: &Format,
+) -> Option<(String, SpannedError)> {
     if !is_about_content(&error.code) {
         return None;
     }
@@ -51,7 +57,10 @@ fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(Stri
         }
         let blanked = blank_out(text, &element);
         let next = (format.reread)(&blanked)?;
-        if !is_consequence(&blanked, &next, start, &element) {
+        incomplete.push(element.inside.end);
+        let next_start = byte_range(&blanked, &next).start;
+        let is_there = next_start == start || element.range.contains(&next_start);
+        if !is_there && !is_consequence(&next, next_start, incomplete) {
             return Some((blanked, next));
         }
     }
@@ -89,16 +98,11 @@ fn blank_out(text: &str, element: &Element) -> String {
     format!("{before}{blanks}{after}")
 }
 
-/// Returns `true` if the next error is the same, or is about the parentheses that lack a part now.
-fn is_consequence(text: &str, next: &SpannedError, start: usize, element: &Element) -> bool {
-    let next_start = byte_range(text, next).start;
-    if next_start == start || element.range.contains(&next_start) {
-        return true;
-    }
-    // A fault of parentheses as a whole is reported at their end, and a part of them is gone.
-    next_start == element.inside.end
+/// Returns `true` if an error is about parentheses that lack a part now: a fault of parentheses as a whole is reported at their end.
+fn is_consequence(error: &SpannedError, start: usize, incomplete: &[usize]) -> bool {
+    incomplete.contains(&start)
         && matches!(
-            &next.code,
+            &error.code,
             Error::MissingStructField { .. } | Error::Message(_)
         )
 }

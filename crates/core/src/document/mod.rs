@@ -27,7 +27,7 @@ pub use fields::{FieldType, Row, Shape, Table, json_form, json_schema, tables_of
 pub use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
-pub use shipped::{shipped_gloves, shipped_layouts, shipped_mesh, shipped_persons};
+pub use shipped::{FileKind, shipped_gloves, shipped_layouts, shipped_mesh, shipped_persons};
 pub use spanned::Spanned;
 pub use tree::{Item, Node, quote, quoted_content, read_tree};
 
@@ -56,7 +56,7 @@ pub struct Document {
 impl Document {
     /// Returns the shipped file with that name; the folder and `.ron` are optional.
     pub fn shipped(name: &str) -> Result<Self, DocumentError> {
-        shipped::find(name).ok_or_else(|| DocumentError::no_such_file(name, &[]))
+        shipped::find(name).ok_or_else(|| DocumentError::no_such_file(name, None, &[]))
     }
 
     /// Makes a document of a text. `file` names it in errors.

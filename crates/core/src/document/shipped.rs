@@ -8,24 +8,54 @@ use super::{Document, DocumentError};
 use crate::message::escape;
 use crate::names;
 
+/// The kind of a file that a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A layout.
+    Layout,
+    /// A glove.
+    Glove,
+    /// An arm model.
+    Arm,
+    /// A person.
+    Person,
+    /// A setup; none is shipped.
+    Setup,
+}
+
+impl FileKind {
+    /// Returns the kind of the files in a folder under `layouts/`. Layouts have several folders.
+    fn of_folder(folder: &str) -> Self {
+        match folder {
+            "gloves" => Self::Glove,
+            "arms" => Self::Arm,
+            "persons" => Self::Person,
+            _ => Self::Layout,
+        }
+    }
+
+    /// Returns the names of the shipped files of this kind, without folder and `.ron`.
+    fn shipped(self) -> impl Iterator<Item = &'static str> {
+        FILES.iter().filter_map(move |(path, _)| {
+            let (folder, name) = path.split_once('/')?;
+            (Self::of_folder(folder) == self).then_some(name)
+        })
+    }
+}
+
 /// Returns the names of the shipped layouts, without folder and `.ron`. Gloves, arms and persons are excluded.
 pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
-    FILES.iter().filter_map(|(path, _)| {
-        let (folder, name) = path.split_once('/')?;
-        (!matches!(folder, "arms" | "gloves" | "persons")).then_some(name)
-    })
+    FileKind::Layout.shipped()
 }
 
 /// Returns the names of the shipped gloves, without folder and `.ron`.
 pub fn shipped_gloves() -> impl Iterator<Item = &'static str> {
-    let paths = FILES.iter();
-    paths.filter_map(|(path, _)| path.strip_prefix("gloves/"))
+    FileKind::Glove.shipped()
 }
 
 /// Returns the names of the shipped persons, without folder and `.ron`.
 pub fn shipped_persons() -> impl Iterator<Item = &'static str> {
-    let paths = FILES.iter();
-    paths.filter_map(|(path, _)| path.strip_prefix("persons/"))
+    FileKind::Person.shipped()
 }
 
 /// Returns the mesh that a shipped layout with this text names, in OBJ.
@@ -59,9 +89,12 @@ fn file_name(path: &str) -> &str {
 }
 
 impl DocumentError {
-    /// Returns the error for a name that stands for no file. Its suggestion is the nearest of the shipped names and of `own`.
-    pub fn no_such_file(name: &str, own: &[String]) -> Self {
-        let candidates: Vec<&str> = names().chain(own.iter().map(String::as_str)).collect();
+    /// Returns the error for a name that stands for no file. Its suggestion is the nearest of the shipped names of a kind, or of all, and of
+    /// `own`.
+    pub fn no_such_file(name: &str, kind: Option<FileKind>, own: &[String]) -> Self {
+        let shipped: Vec<&str> =
+            kind.map_or_else(|| names().collect(), |it| it.shipped().collect());
+        let candidates = shipped.into_iter().chain(own.iter().map(String::as_str));
         let stem = file_name(name.strip_suffix(".ron").unwrap_or(name));
         let nearest = names::nearest(stem, candidates);
         let suggestion = nearest.map_or(String::new(), |nearest| {

@@ -139,12 +139,12 @@ impl<R: Read + Send> Source for Replay<R> {
 
     fn stats(&self) -> SourceStats {
         let bytes = self.recording.bytes_read();
+        let cut_at = self.truncation().map(|truncation| truncation.offset);
         SourceStats {
             bytes,
-            skipped_bytes: self
-                .truncation()
-                .map_or(0, |truncation| bytes - truncation.offset),
+            skipped_bytes: cut_at.map_or(0, |offset| bytes - offset),
             readings: self.readings,
+            cut_at,
             ..SourceStats::default()
         }
     }

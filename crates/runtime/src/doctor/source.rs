@@ -1,14 +1,16 @@
 //! The check of a source, without reading from it.
 
 use super::{CheckStatus, Finding};
-use crate::setup::NamedSource;
+use crate::capture::{CaptureError, SourceUri};
+use crate::setup::{LoadedSetup, NamedSource, SetupError};
 use ademan_core::message::{escape, escape_line};
 use ademan_core::pipeline::SourceRole;
 
-/// Checks that a source can be opened, and states what it sends and may do. Returns `None` for a setup without a source.
+/// Checks that a source of a setup can be opened, and states what it sends and may do. Returns `None` for a setup without a source.
 ///
-/// A serial port is not opened, since that can restart the glove; the check of ports covers it.
-pub fn check_source(source: &NamedSource) -> Option<Finding> {
+/// A serial port is not opened, since that can restart the glove; the check of ports covers it. A recording and a simulated hand are
+/// opened: that has no effect on a device.
+pub fn check_source(setup: &LoadedSetup, source: &NamedSource) -> Option<Finding> {
     let uri = source.uri?;
     let mut finding = Finding {
         check: "source",
@@ -18,13 +20,18 @@ pub fn check_source(source: &NamedSource) -> Option<Finding> {
         commands: Vec::new(),
         next_step: String::new(),
     };
-    match uri.probe() {
+    let probed = match uri {
+        SourceUri::Stream(_) => uri.probe(),
+        _ => {
+            let opened = setup.open_source_alone(uri).map(drop);
+            Some(opened.map_err(reason))
+        }
+    };
+    match probed {
         Some(Ok(())) => {}
         None => finding.text += " (not opened by this check)",
         Some(Err(error)) => {
-            let (reason, remedy) = error
-                .rsplit_once("; ")
-                .unwrap_or((&error, "check the path"));
+            let (reason, remedy) = error.rsplit_once("; ").unwrap_or((&error, remedy_of(uri)));
             finding.status = CheckStatus::Missing;
             finding.text += &format!(" cannot be opened: {}", escape_line(reason));
             finding.next_step = escape_line(remedy).into_owned();
@@ -39,4 +46,24 @@ pub fn check_source(source: &NamedSource) -> Option<Finding> {
         finding.next_step = format!("it presses no keys: {} lets it type", source.remedy);
     }
     Some(finding)
+}
+
+/// Returns the first line of the reason why a source cannot be opened.
+fn reason(error: SetupError) -> String {
+    let text = match error {
+        SetupError::Capture(
+            CaptureError::Open { reason, .. } | CaptureError::Malformed { reason, .. },
+        ) => reason,
+        other => other.to_string(),
+    };
+    text.lines().next().unwrap_or_default().to_owned()
+}
+
+/// Returns the remedy for a source whose error states none.
+fn remedy_of(uri: &SourceUri) -> &'static str {
+    match uri {
+        SourceUri::Typist { .. } => "change the text",
+        SourceUri::Script { .. } => "change the script",
+        SourceUri::Stream(_) | SourceUri::Recording { .. } => "check the path",
+    }
 }

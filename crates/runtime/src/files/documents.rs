@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::search::{self, Found};
 use super::{FileError, open_trusted};
-use ademan_core::document::{Document, DocumentError, MAX_DOCUMENT_BYTES};
+use ademan_core::document::{Document, DocumentError, FileKind, MAX_DOCUMENT_BYTES};
 use ademan_core::kinematics::ArmModel;
 use ademan_core::layout::{Glove, Layout};
 
@@ -28,6 +28,9 @@ pub trait OpenDocument: Sized {
         Self::open_relative_to(Path::new(""), name)
     }
 
+    /// As [`open`](Self::open). If there is no such file, only files of this kind are suggested.
+    fn open_kind(kind: FileKind, name: &str) -> Result<Self, DocumentError>;
+
     /// As [`open`](Self::open), with relative paths resolved against `folder`.
     fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError>;
 
@@ -43,19 +46,12 @@ pub trait OpenDocument: Sized {
 }
 
 impl OpenDocument for Document {
+    fn open_kind(kind: FileKind, name: &str) -> Result<Self, DocumentError> {
+        open(Path::new(""), name, Some(kind))
+    }
+
     fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError> {
-        match search::find(folder, name) {
-            Some(Found::File { path, name }) => read(&path, &name),
-            Some(Found::Shipped(document)) => Ok(document),
-            None => {
-                let path = folder.join(name);
-                let is_absent = fs::metadata(&path).is_err_and(|error| is_not_found(&error));
-                if search::is_path(name) && !is_absent {
-                    return read(&path, name);
-                }
-                Err(search::not_found(folder, name))
-            }
-        }
+        open(folder, name, None)
     }
 
     fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
@@ -64,6 +60,22 @@ impl OpenDocument for Document {
 
     fn from_path(path: &str) -> Result<Self, DocumentError> {
         read(Path::new(path), path)
+    }
+}
+
+/// Reads the file with a name in a folder; see [`OpenDocument::open`]. `kind` is the kind of the files that are suggested.
+fn open(folder: &Path, name: &str, kind: Option<FileKind>) -> Result<Document, DocumentError> {
+    match search::find(folder, name) {
+        Some(Found::File { path, name }) => read(&path, &name),
+        Some(Found::Shipped(document)) => Ok(document),
+        None => {
+            let path = folder.join(name);
+            let is_absent = fs::metadata(&path).is_err_and(|error| is_not_found(&error));
+            if search::is_path(name) && !is_absent {
+                return read(&path, name);
+            }
+            Err(search::not_found(folder, name, kind))
+        }
     }
 }
 
@@ -76,19 +88,19 @@ pub trait Load: Sized {
 impl Load for Layout {
     /// Loads a layout for the design hand.
     fn load(name: &str) -> Result<Self, DocumentError> {
-        Self::from_document(Document::open(name)?)
+        Self::from_document(Document::open_kind(FileKind::Layout, name)?)
     }
 }
 
 impl Load for Glove {
     fn load(name: &str) -> Result<Self, DocumentError> {
-        Self::parse(&Document::open(name)?)
+        Self::parse(&Document::open_kind(FileKind::Glove, name)?)
     }
 }
 
 impl Load for ArmModel {
     fn load(name: &str) -> Result<Self, DocumentError> {
-        Self::parse(&Document::open(name)?)
+        Self::parse(&Document::open_kind(FileKind::Arm, name)?)
     }
 }
 

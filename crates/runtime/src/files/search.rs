@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf, is_separator};
 
 use super::{config_folder, in_config_folder as path_in_config_folder};
-use ademan_core::document::{Document, DocumentError};
+use ademan_core::document::{Document, DocumentError, FileKind};
 use ademan_core::message::{escape, escape_path};
 
 /// The folders of layouts, gloves, arms and persons in the configuration folder.
@@ -59,7 +59,7 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
 pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
     if !is_path(name) {
         return match (in_config_folder(name), shipped(name)) {
-            (None, None) if file_in(folder, name).is_some() => Err(not_found(folder, name)),
+            (None, None) if file_in(folder, name).is_some() => Err(not_found(folder, name, None)),
             (None, Some(_)) if !folder.as_os_str().is_empty() => {
                 report_unused(folder, name);
                 Ok(name.to_owned())
@@ -116,8 +116,9 @@ pub fn own_persons() -> Vec<String> {
     own_names("persons")
 }
 
-/// Returns the error for a name that stands for nothing. In `folder`, there may be a file with that name.
-pub(super) fn not_found(folder: &Path, name: &str) -> DocumentError {
+/// Returns the error for a name that stands for nothing, which suggests files of a kind, or of all kinds. In `folder`, there may be a
+/// file with that name.
+pub(super) fn not_found(folder: &Path, name: &str, kind: Option<FileKind>) -> DocumentError {
     if let Some((_, file)) = file_in(folder, name).filter(|_| !is_path(name)) {
         let message = format!(
             "a name without a folder stands for a file in the configuration folder or for one that comes with the program; to use the \
@@ -126,11 +127,23 @@ pub(super) fn not_found(folder: &Path, name: &str) -> DocumentError {
         );
         return DocumentError::for_file(name, message);
     }
-    let own: Vec<String> = FOLDERS
+    let own: Vec<String> = folders(kind)
         .iter()
         .flat_map(|searched| own_names(searched))
         .collect();
-    DocumentError::no_such_file(name, &own)
+    DocumentError::no_such_file(name, kind, &own)
+}
+
+/// Returns the folders in the configuration folder that have files of a kind, or of any kind.
+fn folders(kind: Option<FileKind>) -> &'static [&'static str] {
+    match kind {
+        None => &FOLDERS,
+        Some(FileKind::Layout) => &["layouts"],
+        Some(FileKind::Glove) => &["gloves"],
+        Some(FileKind::Arm) => &["arms"],
+        Some(FileKind::Person) => &["persons"],
+        Some(FileKind::Setup) => &[],
+    }
 }
 
 fn shipped(name: &str) -> Option<Document> {

@@ -35,7 +35,9 @@ use crate::files::OpenDocument;
 use crate::share::ShareTarget;
 use crate::sim::TypistError;
 use crate::text::{TextModeSetup, TextSetup};
-use ademan_core::document::{Document, DocumentError, Format, Structure, first_error, schema};
+use ademan_core::document::{
+    Document, DocumentError, FileKind, Format, Structure, first_error, schema,
+};
 use ademan_core::hand::Side;
 use ademan_core::layout::Layout;
 use ademan_core::message::escape_line;
@@ -321,7 +323,7 @@ impl Setup {
     /// Loads a setup file. Paths in it become relative to the working folder, and transcripts get a new file in the
     /// [`transcript_folder`](crate::files::transcript_folder).
     pub fn load(path: &str) -> Result<Self, SetupError> {
-        let document = Document::open(path)?;
+        let document = Document::open_kind(FileKind::Setup, path)?;
         let mut setup: Self = document.parse_as(&FORMAT)?;
         setup.check().map_err(|error| error.at_field(&document))?;
         let folder = document.path.as_deref().and_then(Path::parent);
@@ -336,7 +338,9 @@ impl Setup {
 
     /// Loads all files that the setup names.
     pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
-        let mut loaded = LoadedSetup::new(self, &|_, name| Document::open(name))?;
+        let mut loaded = LoadedSetup::new(self, &|kind, name| {
+            Document::open_kind(recorded::file_kind(kind), name)
+        })?;
         loaded.load_language(text::read_model);
         if let Some(note) = loaded.person_note() {
             tracing::info!("{note}");

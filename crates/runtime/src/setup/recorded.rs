@@ -9,7 +9,7 @@ use ron::ser::PrettyConfig;
 use super::{LoadedSetup, Setup, SetupError, kind};
 use crate::capture::recording::RecordedSetup;
 use crate::files::OpenDocument;
-use ademan_core::document::{Document, DocumentError};
+use ademan_core::document::{Document, DocumentError, FileKind};
 
 /// Changes to the setup of a recording.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,7 +56,7 @@ impl LoadedSetup {
                 _ => None,
             };
             match (replacement, document(kind)) {
-                (Some(other_name), _) => Document::open(other_name),
+                (Some(other_name), _) => Document::open_kind(file_kind(kind), other_name),
                 (None, Some(document)) => Ok(document),
                 (None, None) => Document::shipped(name).map_err(|_| not_contained(kind, name)),
             }
@@ -78,6 +78,17 @@ impl LoadedSetup {
             .fold(recorded, |recorded, (kind, document)| {
                 recorded.with(kind, &document.file, &document.text)
             })
+    }
+}
+
+/// Returns the kind of a file, by the kind of its text in a recording.
+pub(super) fn file_kind(kind: &str) -> FileKind {
+    match kind {
+        kind::SETUP => FileKind::Setup,
+        kind::GLOVE | kind::OTHER_GLOVE => FileKind::Glove,
+        kind::ARM | kind::OTHER_ARM => FileKind::Arm,
+        kind::PERSON => FileKind::Person,
+        _ => FileKind::Layout,
     }
 }
 

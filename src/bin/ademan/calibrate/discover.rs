@@ -7,7 +7,7 @@ use std::time::Duration;
 use ademan::calibrate::{
     self, CalibrationPose, DISCOVERY_POSES, Discovery, Observations, Procedure,
 };
-use ademan::document::Document;
+use ademan::document::{Document, quote};
 use ademan::estimate::{ChannelMap, InputRow};
 use ademan::files::Load;
 use ademan::hand::{Dof, Side};
@@ -18,7 +18,7 @@ use super::destination::Destination;
 use super::session::{Outcome, Session};
 use super::{Args, glove_document, open_feed};
 use crate::failure::Failure;
-use crate::{messages, signals};
+use crate::{messages, new_file, signals};
 
 /// The name of a glove file without a name of its own.
 const NAME: &str = "glove";
@@ -119,11 +119,11 @@ fn glove_text(
     full_scale: u16,
     known: Option<Known>,
 ) -> String {
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = quote(&new_file::name_of(path));
     let mut text = format!(
         "// Channels found by `ademan calibrate --discover`. The channels of a finger are assumed to be in order from the knuckle outwards:\n\
          // exchange the numbers of two channels if a finger bends at the wrong joint.\n\
-         Glove(\n    name: {name:?},\n    side: \"{side}\",\n    full_scale_counts: {full_scale},\n"
+         Glove(\n    name: {name},\n    side: \"{side}\",\n    full_scale_counts: {full_scale},\n"
     );
     if let Some(known) = &known {
         put_known(&mut text, known);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Person;
 use ademan::measures::{
@@ -94,6 +94,10 @@ fn probability(text: &str) -> Result<f64, String> {
     number_in(text, 0.0, 1.0, "as a probability")
 }
 
+fn open_person(name: &str) -> Result<Document, Failure> {
+    Ok(Document::open_kind(FileKind::Person, name)?)
+}
+
 /// A run without its layout.
 pub struct Prepared {
     people: PeopleSpec,
@@ -110,6 +114,13 @@ pub struct Prepared {
 }
 
 impl ConditionArgs {
+    /// Returns the paths of the files that are read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let person = self.person.as_deref().map(open_person).transpose()?;
+        let person = person.and_then(|document| document.path);
+        Ok(person.into_iter().chain(self.text.clone()).collect())
+    }
+
     /// Returns the arguments with a number of people, unless one is given.
     pub fn with_people(&self, people: u32) -> Self {
         Self {
@@ -147,7 +158,7 @@ impl Prepared {
         let people = match &args.person {
             None => PeopleSpec::Drawn(args.people.unwrap_or(PEOPLE)),
             Some(name) => {
-                let document = Document::open(name)?;
+                let document = open_person(name)?;
                 PeopleSpec::Person {
                     file: document.file.clone(),
                     text: document.text,
@@ -242,7 +253,7 @@ impl Prepared {
 
     /// Scores a layout: the name of a shipped one, or a file.
     pub fn score(&self, layout: &str) -> Result<LabResult, Failure> {
-        self.score_document(layout, Document::open(layout)?)
+        self.score_document(layout, Document::open_kind(FileKind::Layout, layout)?)
     }
 
     /// Scores the text of a layout, which results call by a name.
@@ -284,7 +295,7 @@ impl Prepared {
 
     /// Returns the result of a layout before anybody has typed on it.
     pub fn unscored(&self, layout: &str) -> Result<LabResult, Failure> {
-        Ok(self.unscored_document(layout, Document::open(layout)?))
+        Ok(self.unscored_document(layout, Document::open_kind(FileKind::Layout, layout)?))
     }
 
     fn unscored_document(&self, name: &str, document: Document) -> LabResult {

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
 use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
 use ademan::layout::Layout;
@@ -16,7 +16,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use super::conditions::{ConditionArgs, Prepared};
 use super::{OutputArgs, outputs, table};
 use crate::failure::Failure;
-use crate::{complete, new_file};
+use crate::{complete, new_file, result_files};
 
 /// The people of the search and the held-out people by default.
 const PEOPLE: u32 = 20;
@@ -123,9 +123,12 @@ impl Destination {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let document = Document::open(&args.layout)?;
+    let document = Document::open_kind(FileKind::Layout, &args.layout)?;
     let layout = Layout::from_document(document.clone())?;
     let destination = Destination::new(args)?;
+    let mut read = args.conditions.files()?;
+    read.extend(document.path.clone());
+    result_files::check(&args.outputs.paths(), &read)?;
     let prepared = Prepared::new(&args.conditions.with_people(PEOPLE))?;
     if prepared.has_decoder() {
         return Err(Failure::wrong_use(

@@ -12,15 +12,17 @@ mod table;
 mod verify;
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use ademan::document::{Document, FileKind};
+use ademan::files::OpenDocument;
 use ademan::measures::{LabResult, compare};
 
 pub use self::verify::read_results;
 
 use self::conditions::{ConditionArgs, Prepared};
-use crate::complete;
 use crate::failure::Failure;
+use crate::{complete, result_files};
 
 /// Score, compare and check layouts with simulated people, through the whole program
 #[derive(clap::Args)]
@@ -121,6 +123,14 @@ struct OutputArgs {
     html: Option<PathBuf>,
 }
 
+impl OutputArgs {
+    /// Returns the paths of the files.
+    fn paths(&self) -> Vec<&Path> {
+        let all = [&self.json, &self.csv, &self.html];
+        all.into_iter().flatten().map(PathBuf::as_path).collect()
+    }
+}
+
 pub fn run(args: Args) -> Result<(), Failure> {
     match args.action {
         Action::Score {
@@ -151,6 +161,11 @@ fn score(
     outputs: &OutputArgs,
 ) -> Result<(), Failure> {
     let prepared = Prepared::new(conditions)?;
+    let mut read = conditions.files()?;
+    for layout in layouts {
+        read.extend(Document::open_kind(FileKind::Layout, layout)?.path);
+    }
+    result_files::check(&outputs.paths(), &read)?;
     let mut results = Vec::new();
     for layout in layouts {
         results.push(prepared.score(layout)?);
@@ -159,7 +174,7 @@ fn score(
 }
 
 /// Compares all results but the first with the first, writes their files and prints them. The files come first: a reader of the text that
-/// ends early must not cost them.
+/// ends early must not cost them. A file that cannot be written must not cost the text.
 fn present(results: &mut [LabResult], outputs: &OutputArgs) -> Result<(), Failure> {
     if let Some((first, others)) = results.split_first_mut() {
         for second in others {
@@ -173,7 +188,13 @@ fn present(results: &mut [LabResult], outputs: &OutputArgs) -> Result<(), Failur
             second.comparison = Some(comparison);
         }
     }
-    outputs::write(outputs, results)?;
+    let written = outputs::write(outputs, results);
+    let printed = print(results);
+    written?;
+    Ok(printed?)
+}
+
+fn print(results: &[LabResult]) -> io::Result<()> {
     let mut out = io::stdout().lock();
     for (index, result) in results.iter().enumerate() {
         if index > 0 {

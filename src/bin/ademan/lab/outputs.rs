@@ -46,30 +46,35 @@ pub fn read_corpus(path: &Path) -> Result<Corpus, Failure> {
     Corpus::from_text(&name, &text).map_err(|error| cannot(error.to_string()))
 }
 
-/// Writes the files that the arguments name. The result file holds what was typed, so only its owner can read it.
+/// Writes the files that the arguments name. One that cannot be written does not cost the others.
 pub fn write(args: &OutputArgs, results: &[LabResult]) -> Result<(), Failure> {
-    if let Some(path) = &args.json {
-        let texts: Vec<String> = results.iter().map(LabResult::to_json).collect();
-        let text = match texts.as_slice() {
-            [one] => one.clone(),
-            _ => format!("[\n{}]\n", texts.join(",\n")),
-        };
-        write_private(path, &text)?;
-    }
-    if let Some(path) = &args.csv {
-        let text = to_csv(results);
-        write_text(path, &text)?;
-    }
-    if let Some(path) = &args.html {
-        let layouts = results.iter().map(|result| {
-            let document = Document::new(result.layout_file.as_str(), result.layout.as_str());
-            Layout::from_document(document)
-        });
-        let layouts = layouts.collect::<Result<Vec<_>, _>>()?;
-        let text = to_html(results, &layouts).map_err(|error| Failure::job(error.to_string()))?;
-        write_text(path, &text)?;
-    }
-    Ok(())
+    let json = args.json.as_ref().map(|path| write_json(path, results));
+    let csv = args
+        .csv
+        .as_ref()
+        .map(|path| write_text(path, &to_csv(results)));
+    let html = args.html.as_ref().map(|path| write_html(path, results));
+    [json, csv, html].into_iter().flatten().collect()
+}
+
+/// Writes the result file. It holds what was typed, so only its owner can read it.
+fn write_json(path: &Path, results: &[LabResult]) -> Result<(), Failure> {
+    let texts: Vec<String> = results.iter().map(LabResult::to_json).collect();
+    let text = match texts.as_slice() {
+        [one] => one.clone(),
+        _ => format!("[\n{}]\n", texts.join(",\n")),
+    };
+    write_private(path, &text)
+}
+
+fn write_html(path: &Path, results: &[LabResult]) -> Result<(), Failure> {
+    let layouts = results.iter().map(|result| {
+        let document = Document::new(result.layout_file.as_str(), result.layout.as_str());
+        Layout::from_document(document)
+    });
+    let layouts = layouts.collect::<Result<Vec<_>, _>>()?;
+    let text = to_html(results, &layouts).map_err(|error| Failure::job(error.to_string()))?;
+    write_text(path, &text)
 }
 
 /// Writes a file that only its owner can read.

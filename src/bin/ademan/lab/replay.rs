@@ -7,14 +7,16 @@ use ademan::capture::recording::Replay;
 use ademan::capture::{Source, SourceEvent};
 use ademan::command::CommandOrigin;
 use ademan::device::Events;
+use ademan::document::{Document, FileKind};
+use ademan::files::OpenDocument;
 use ademan::message::{escape, escape_json, escape_path};
 use ademan::setup::{LoadedSetup, ReplaySettings};
 use ademan::trials::{Retraced, Retracer};
 use serde_json::json;
 
 use super::outputs;
-use crate::complete;
 use crate::failure::Failure;
+use crate::{complete, result_files};
 
 /// Names that are listed of each kind.
 const NAMED: usize = 8;
@@ -41,6 +43,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(path) = &args.json {
+        result_files::check(&[path], &files(args)?)?;
+    }
     let mut out = io::stdout().lock();
     let mut all = Vec::new();
     let chosen: Vec<Option<&str>> = if args.layouts.is_empty() {
@@ -70,6 +75,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             escape_path(&args.recording)
         ))),
     }
+}
+
+/// Returns the paths of the files that are read.
+fn files(args: &Args) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = vec![args.recording.clone()];
+    for layout in &args.layouts {
+        files.extend(Document::open_kind(FileKind::Layout, layout)?.path);
+    }
+    if let Some(glove) = &args.glove {
+        files.extend(Document::open_kind(FileKind::Glove, glove)?.path);
+    }
+    Ok(files)
 }
 
 /// Passes a recording through the pipeline with a layout. Returns the name of the layout, what was found, and the offset at which the

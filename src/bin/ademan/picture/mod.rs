@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::{self, FileError, OpenDocument};
 use ademan::layout::{Layout, LayoutDraft, Wearer};
 use ademan::message::{escape, escape_lines, escape_path};
@@ -63,7 +63,7 @@ type Picture = Vec<u8>;
 
 /// Draws a layout to standard output, or to each of the files.
 pub fn show(args: &Args) -> Result<(), Failure> {
-    let document = Document::open(&args.file)?;
+    let document = Document::open_kind(FileKind::Layout, &args.file)?;
     let draft = LayoutDraft::from_document(&document)?;
     // A layout that cannot be used is drawn, and refused then.
     let refused = draft.error().cloned().map_or(Ok(()), Err);

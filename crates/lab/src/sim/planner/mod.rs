@@ -18,8 +18,8 @@ use super::motor::Motor;
 use super::movement::{ActiveMovement, Movement, TipPath};
 use super::reach_target::ReachTarget;
 use super::typing_hand::{REACH_TOLERANCE, TypingHand};
-use crate::contact::TargetId;
-use crate::contact::surface::Scene;
+use crate::contact::surface::{Scene, Surface};
+use crate::contact::{ContactTracker, TargetId};
 pub(super) use state::HandState;
 use watch::Watch;
 
@@ -123,20 +123,38 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Starts above the first target of the actions, so that the hand is clear of all targets.
+    /// Starts above the first target of the actions, so that the hand is clear of all targets. A hand without actions makes no movement.
     fn begin(&mut self, actions: &[HandAction]) {
-        if actions.is_empty() {
-            return;
-        }
-        if self.scene.starts_at_hand() {
+        let first = actions.iter().find_map(HandAction::target_point);
+        if self.scene.starts_at_hand() && !actions.is_empty() {
             self.begin_open();
         } else if self.scene.has_bend_targets() {
             self.begin_straight();
-        } else if let Some(point) = actions.iter().find_map(HandAction::target_point) {
+        } else if let Some(point) = first.or_else(|| self.point_in_the_way()) {
             self.start_at(point);
         }
         self.state.home = self.tip();
-        self.wait(CLEAR_TIME);
+        if !actions.is_empty() {
+            self.wait(CLEAR_TIME);
+        }
+    }
+
+    /// Returns the center of the target nearest to the fingertip if the posture is not clear of all targets: output is armed only
+    /// while a hand is clear.
+    fn point_in_the_way(&self) -> Option<TargetPoint> {
+        let pose = self.state.hand.pose(&self.state.values);
+        if ContactTracker::new(self.scene).is_clear(self.scene, &pose) {
+            return None;
+        }
+        let tip = self.tip();
+        let targets = self.scene.surfaces().iter().flat_map(Surface::targets);
+        let hovers = targets.filter_map(|(id, _)| {
+            let (point, target) = (TargetPoint::center(id), self.reach_target(id).ok()?);
+            let hover = target.tip_position(point, target.hover_height);
+            Some((point, hover.distance(tip)))
+        });
+        let nearest = hovers.min_by(|one, other| one.1.total_cmp(&other.1));
+        nearest.map(|(point, _)| point)
     }
 
     /// Starts with an open hand that is held still until the boards are placed.

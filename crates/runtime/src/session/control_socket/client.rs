@@ -66,7 +66,7 @@ impl Client {
         match self.read_line() {
             Ok(Some(response)) => Ok(response),
             Ok(None) => Err(self.no_response("the connection was closed")),
-            Err(error) => Err(self.no_response(&error.to_string())),
+            Err(error) => Err(self.no_response(&reason(&error))),
         }
     }
 
@@ -124,5 +124,17 @@ impl Client {
             path: self.path.clone(),
             reason: reason.into(),
         }
+    }
+}
+
+/// Returns the reason why no response could be read.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        // The read time-out, on Unix and on Windows.
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => format!(
+            "no answer within {} s; the program is stopped or hangs",
+            RESPONSE_TIMEOUT.as_secs()
+        ),
+        _ => error.to_string(),
     }
 }

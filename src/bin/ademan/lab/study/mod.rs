@@ -8,7 +8,7 @@ mod trials;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
 use ademan::message::{escape_path, shell_word};
 use ademan::people::{People, population};
@@ -98,7 +98,7 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         values: args.values.into(),
     };
     for name in &args.layouts {
-        let document = Document::open(name)?;
+        let document = Document::open_kind(FileKind::Layout, name)?;
         let station = Station::new(&document, &person, SourceKind::Ideal);
         let mut station = station.map_err(|error| match error {
             TrialError::Document(error) => Failure::from(error),

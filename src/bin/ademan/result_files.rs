@@ -1,0 +1,61 @@
+//! Checks of the files that a command writes at its end, before the time to compute them is spent.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ademan::message::escape_path;
+
+use crate::failure::Failure;
+
+/// Refuses a file to write whose folder does not exist, that the command reads, or that is named for another result. Any other file is
+/// replaced.
+pub fn check(written: &[&Path], read: &[PathBuf]) -> Result<(), Failure> {
+    for (index, path) in written.iter().enumerate() {
+        let name = escape_path(path);
+        check_folder(path)?;
+        if read.iter().any(|it| is_same_file(path, it)) {
+            return Err(Failure::wrong_use(format!(
+                "{name} is read by this command and is not overwritten; name another file"
+            )));
+        }
+        if written[..index].iter().any(|it| is_same_file(path, it)) {
+            return Err(Failure::wrong_use(format!(
+                "{name} is named for two results; name another file"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a file whose folder does not exist.
+pub fn check_folder(path: &Path) -> Result<(), Failure> {
+    if folder_of(path).is_dir() {
+        return Ok(());
+    }
+    let name = escape_path(path);
+    Err(Failure::wrong_use(format!(
+        "cannot write {name}: there is no such folder"
+    )))
+}
+
+/// Returns whether two paths name one file, which may not exist yet.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    one == other || resolved(one).is_some_and(|it| Some(it) == resolved(other))
+}
+
+/// Returns a path without links and relative parts; `None` if its folder does not exist.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    fs::canonicalize(path).ok().or_else(|| {
+        let folder = fs::canonicalize(folder_of(path)).ok()?;
+        Some(folder.join(path.file_name()?))
+    })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent().unwrap_or(path);
+    if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    }
+}
