@@ -182,11 +182,11 @@ fn the_figures_are_printed_although_a_result_cannot_be_written() {
         "1",
     ];
     for option in ["--json", "--csv", "--html"] {
-        let ended = run([&score[..], &[option, "/no/folder/result"]].concat());
-        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        let refused = run([&score[..], &[option, "/no/folder/result"]].concat());
+        assert_eq!(refused.code, Some(2), "{}", refused.err);
         let reason = "cannot write /no/folder/result: there is no such folder";
-        assert!(ended.err.contains(reason), "{}", ended.err);
-        assert_eq!(ended.out, "", "nobody has typed before");
+        assert!(refused.err.contains(reason), "{}", refused.err);
+        assert_eq!(refused.out, "", "nobody has typed before");
         // A file cannot replace a folder.
         let table = folder.path().join("table.csv");
         let mut arguments = [&score[..], &[option, text(folder.path())]].concat();

@@ -122,8 +122,8 @@ fn a_hand_without_keys_to_press_does_not_prevent_typing() {
     let demo = ["demo", "--layout", "qwerty-two-flat", "--fast"];
     let ended = run(demo.into_iter().chain(["--text", "was"])).done();
     assert!(ended.out.contains("typed      \"was\""), "{}", ended.out);
-    let ended = run(demo.into_iter().chain(["--script", "tap A"])).done();
-    assert!(ended.out.contains("played     2 events"), "{}", ended.out);
+    let played = run(demo.into_iter().chain(["--script", "tap A"])).done();
+    assert!(played.out.contains("played     2 events"), "{}", played.out);
 }
 
 #[test]

@@ -160,11 +160,11 @@ fn run_shard(args: &RunArgs, plan: &Plan, shard: usize) -> Result<(), Failure> {
 /// Puts the scores of all shards together, and prints and writes the results as `lab score` and `lab compare` do.
 pub fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let plan = read_plan(&args.folder)?;
-    let read: Vec<PathBuf> = (0..plan.shards)
+    let inputs: Vec<PathBuf> = (0..plan.shards)
         .map(|shard| path_of(&args.folder, shard))
         .chain([args.folder.join(PLAN)])
         .collect();
-    result_files::check(&args.outputs.paths(), &read)?;
+    result_files::check(&args.outputs.paths(), &inputs)?;
     let mut shards = Vec::with_capacity(plan.shards);
     for shard in 0..plan.shards {
         let path = path_of(&args.folder, shard);
