@@ -92,3 +92,59 @@ fn a_model_does_not_replace_the_words_that_it_is_built_from() {
     assert!(ended.err.contains("name another file"), "{}", ended.err);
     assert_eq!(std::fs::read_to_string(&words).unwrap(), "hello\t5\n");
 }
+
+#[test]
+fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = file(&folder, "words.txt", "hello\t5\nworld\nzebra\t0.1\n");
+    let other = "\\data\\\nngram 1=2\nngram 2=1\n\n\\1-grams:\n-0.3 hello -0.1\n-0.3 zebra\n\n\\2-grams:\n-0.2 hello zebra\n\n\\end\\\n";
+    let arpa = file(&folder, "other.arpa", other);
+    let model = folder.path().join("my.adm");
+    let build = |words: &str, arpa: &str| {
+        run([
+            "text",
+            "build",
+            "--words",
+            words,
+            "--arpa",
+            arpa,
+            "-o",
+            text(&model),
+        ])
+    };
+    let built = build(&words, &arpa).done();
+    assert!(
+        built.out.contains("3 words, 1 pairs of words"),
+        "{}",
+        built.out
+    );
+
+    let wrong = file(
+        &folder,
+        "wrong.arpa",
+        &other.replace("-0.2 hello", "much hello"),
+    );
+    let refused = build(&words, &wrong);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(
+        refused
+            .err
+            .contains("wrong.arpa: line 10: it does not start with a logarithm"),
+        "{}",
+        refused.err
+    );
+    let wrong = file(&folder, "wrong.txt", "hello 5\nworld 1,000\n");
+    let refused = build(&wrong, &arpa);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(
+        refused
+            .err
+            .contains("wrong.txt: line 2: its weight is no number"),
+        "{}",
+        refused.err
+    );
+    let refused = run([
+        "text", "build", "--words", &words, "--arpa", &arpa, "-o", &arpa,
+    ]);
+    assert!(refused.err.contains("name another file"), "{}", refused.err);
+}

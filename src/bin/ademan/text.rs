@@ -69,7 +69,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             arpa,
             hold_out,
             output,
-        } => build(&words, &text, arpa.as_deref(), hold_out, &output),
+        } => build(&words, &text, arpa.as_slice(), hold_out, &output),
         Action::Decode { model, layout } => decode(&model, &layout),
     }
 }
@@ -86,17 +86,17 @@ fn wrong_line(path: &Path, error: LineError) -> Failure {
 fn build(
     words: &[PathBuf],
     texts: &[PathBuf],
-    arpa: Option<&Path>,
+    arpa: &[PathBuf],
     hold_out: bool,
     output: &Path,
 ) -> Result<(), Failure> {
-    result_files::check(&[output], &[words, texts].concat())?;
+    result_files::check(&[output], &[words, texts, arpa].concat())?;
     let mut builder = Builder::new();
     for path in words {
         let added = builder.words(&read(path)?);
         added.map_err(|error| wrong_line(path, error))?;
     }
-    if let Some(path) = arpa {
+    for path in arpa {
         let added = builder.arpa(&read(path)?);
         added.map_err(|error| wrong_line(path, error))?;
     }
