@@ -100,14 +100,14 @@ fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
     let other = "\\data\\\nngram 1=2\nngram 2=1\n\n\\1-grams:\n-0.3 hello -0.1\n-0.3 zebra\n\n\\2-grams:\n-0.2 hello zebra\n\n\\end\\\n";
     let arpa = file(&folder, "other.arpa", other);
     let model = folder.path().join("my.adm");
-    let build = |words: &str, arpa: &str| {
+    let build = |list: &str, mixed: &str| {
         run([
             "text",
             "build",
             "--words",
-            words,
+            list,
             "--arpa",
-            arpa,
+            mixed,
             "-o",
             text(&model),
         ])
@@ -119,32 +119,21 @@ fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
         built.out
     );
 
-    let wrong = file(
-        &folder,
-        "wrong.arpa",
-        &other.replace("-0.2 hello", "much hello"),
-    );
-    let refused = build(&words, &wrong);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused
-            .err
-            .contains("wrong.arpa: line 10: it does not start with a logarithm"),
-        "{}",
-        refused.err
-    );
-    let wrong = file(&folder, "wrong.txt", "hello 5\nworld 1,000\n");
-    let refused = build(&wrong, &arpa);
-    assert_eq!(refused.code, Some(2), "{}", refused.err);
-    assert!(
-        refused
-            .err
-            .contains("wrong.txt: line 2: its weight is no number"),
-        "{}",
-        refused.err
-    );
-    let refused = run([
+    let broken = other.replace("-0.2 hello", "much hello");
+    let broken = build(&words, &file(&folder, "broken.arpa", &broken));
+    assert_eq!(broken.code, Some(2), "{}", broken.err);
+    let fault = "broken.arpa: line 10: it does not start with a logarithm";
+    assert!(broken.err.contains(fault), "{}", broken.err);
+    let heavy = build(&file(&folder, "heavy.txt", "hello 5\nworld 1,000\n"), &arpa);
+    assert_eq!(heavy.code, Some(2), "{}", heavy.err);
+    let fault = "heavy.txt: line 2: its weight is no number";
+    assert!(heavy.err.contains(fault), "{}", heavy.err);
+    let replaced = run([
         "text", "build", "--words", &words, "--arpa", &arpa, "-o", &arpa,
     ]);
-    assert!(refused.err.contains("name another file"), "{}", refused.err);
+    assert!(
+        replaced.err.contains("name another file"),
+        "{}",
+        replaced.err
+    );
 }

@@ -204,7 +204,7 @@ impl Command {
         )
     }
 
-    /// Returns whether the command types, or changes what keys type: a source that may only point does not cause it.
+    /// Returns `true` if the command types, or changes what keys type: a source that may only point does not cause it.
     pub const fn is_typing(&self) -> bool {
         matches!(self, Self::Text { .. } | Self::Candidate { .. })
     }

@@ -68,9 +68,13 @@ impl Head {
     pub fn receive(&mut self, stream: &mut dyn Read) -> Result<Option<Answer>, Disconnected> {
         let mut buffer = [0; 1024];
         loop {
-            match read(stream, &mut buffer) {
+            let input = read(stream, &mut buffer);
+            // However a client spreads the bytes of its request.
+            if Instant::now() > self.deadline {
+                return Err(Disconnected);
+            }
+            match input {
                 Input::Bytes(0) | Input::Lost => return Err(Disconnected),
-                Input::Nothing if Instant::now() > self.deadline => return Err(Disconnected),
                 Input::Nothing => return Ok(None),
                 Input::Bytes(count) => self.bytes.extend_from_slice(&buffer[..count]),
             }
