@@ -122,12 +122,12 @@ fn a_model_in_the_arpa_format_is_mixed_in_and_its_wrong_lines_are_named() {
     let broken = other.replace("-0.2 hello", "much hello");
     let broken = build(&words, &file(&folder, "broken.arpa", &broken));
     assert_eq!(broken.code, Some(2), "{}", broken.err);
-    let fault = "broken.arpa: line 10: it does not start with a logarithm";
-    assert!(broken.err.contains(fault), "{}", broken.err);
+    let number = "broken.arpa: line 10: it does not start with a logarithm";
+    assert!(broken.err.contains(number), "{}", broken.err);
     let heavy = build(&file(&folder, "heavy.txt", "hello 5\nworld 1,000\n"), &arpa);
     assert_eq!(heavy.code, Some(2), "{}", heavy.err);
-    let fault = "heavy.txt: line 2: its weight is no number";
-    assert!(heavy.err.contains(fault), "{}", heavy.err);
+    let weight = "heavy.txt: line 2: its weight is no number";
+    assert!(heavy.err.contains(weight), "{}", heavy.err);
     let replaced = run([
         "text", "build", "--words", &words, "--arpa", &arpa, "-o", &arpa,
     ]);
