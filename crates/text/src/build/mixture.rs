@@ -113,7 +113,7 @@ impl Row {
         index.ok().map(|index| &self.entries[index])
     }
 
-    /// Returns the probability of a word, given its probability in front of which nothing is known.
+    /// Returns the probability of a word, given its probability if no word before it is known.
     pub fn probability(&self, node: u32, alone: f64) -> f64 {
         let found = self.find(node);
         found.map_or(self.weight * alone, |entry| entry.probability)
