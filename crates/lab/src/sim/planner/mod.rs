@@ -123,19 +123,30 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Starts above the first target of the actions, so that the hand is clear of all targets. A hand without actions makes no movement.
+    /// Starts above the first target of the actions, so that the hand is clear of all targets.
     fn begin(&mut self, actions: &[HandAction]) {
-        let first = actions.iter().find_map(HandAction::target_point);
-        if self.scene.starts_at_hand() && !actions.is_empty() {
+        if actions.is_empty() {
+            self.begin_idle();
+            return;
+        }
+        if self.scene.starts_at_hand() {
             self.begin_open();
         } else if self.scene.has_bend_targets() {
             self.begin_straight();
-        } else if let Some(point) = first.or_else(|| self.point_in_the_way()) {
+        } else if let Some(point) = actions.iter().find_map(HandAction::target_point) {
             self.start_at(point);
         }
         self.state.home = self.tip();
-        if !actions.is_empty() {
-            self.wait(CLEAR_TIME);
+        self.wait(CLEAR_TIME);
+    }
+
+    /// Starts a hand that presses nothing at rest, or above the target that it would touch there.
+    fn begin_idle(&mut self) {
+        if !self.scene.has_bend_targets()
+            && let Some(point) = self.point_in_the_way()
+        {
+            self.start_at(point);
+            self.state.home = self.tip();
         }
     }
 
