@@ -68,9 +68,9 @@ fn keys_follow_the_text_before_them_and_text_follows_the_keys_before_it() {
     let Some(desk) = open("text") else {
         return;
     };
-    let mut program = type_text(&desk.compositor, "ab\\ncd\\nef ");
+    let mut program = type_text(&desk.compositor, "ab\\ncd\\nit ");
     assert!(program.wait_for_exit().success());
-    assert_eq!(desk.field.text(), "abcdef ");
+    assert_eq!(desk.field.text(), "abcdit ");
     let lines = desk.field.lines();
     println!("{lines:#?}");
     for text in ["ab", "abcd"] {
