@@ -2,6 +2,17 @@
 
 use super::{file, run, text};
 
+/// A score of one person and one phrase.
+const SCORE: [&str; 7] = [
+    "lab",
+    "score",
+    "qwerty-flat",
+    "--people",
+    "1",
+    "--count",
+    "1",
+];
+
 #[test]
 fn a_score_is_printed_written_and_verified() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -138,24 +149,15 @@ fn two_layouts_are_compared_with_the_same_people() {
 fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let phrases = file(&folder, "phrases.txt", "¿qué tal?\n");
-    let arguments = [
-        "lab",
-        "score",
-        "qwerty-flat",
-        "--people",
-        "1",
-        "--count",
-        "1",
-        "--text",
-    ];
-    let ended = run(arguments.into_iter().chain([phrases.as_str()])).done();
+    let score_text = |path: &str| run(SCORE.into_iter().chain(["--text", path]));
+    let ended = score_text(&phrases).done();
     assert!(
         ended.err.contains("left out of the phrases: ¿ é"),
         "{}",
         ended.err
     );
     let empty = file(&folder, "empty.txt", "\n \n");
-    let empty_end = run(arguments.into_iter().chain([empty.as_str()]));
+    let empty_end = score_text(&empty);
     assert_eq!(empty_end.code, Some(2));
     assert!(empty_end.err.contains("no phrase"), "{}", empty_end.err);
     let unknown = run(["lab", "score", "no-such-layout"]);
@@ -172,24 +174,15 @@ fn a_layout_that_does_not_type_is_scored_by_tasks() {
 #[test]
 fn the_figures_are_printed_although_a_result_cannot_be_written() {
     let folder = tempfile::tempdir().expect("a folder");
-    let score = [
-        "lab",
-        "score",
-        "qwerty-flat",
-        "--people",
-        "1",
-        "--count",
-        "1",
-    ];
     for option in ["--json", "--csv", "--html"] {
-        let refused = run([&score[..], &[option, "/no/folder/result"]].concat());
+        let refused = run([&SCORE[..], &[option, "/no/folder/result"]].concat());
         assert_eq!(refused.code, Some(2), "{}", refused.err);
         let reason = "cannot write /no/folder/result: there is no such folder";
         assert!(refused.err.contains(reason), "{}", refused.err);
-        assert_eq!(refused.out, "", "nobody has typed before");
+        assert_eq!(refused.out, "", "it is refused before anybody types");
         // A file cannot replace a folder.
         let table = folder.path().join("table.csv");
-        let mut arguments = [&score[..], &[option, text(folder.path())]].concat();
+        let mut arguments = [&SCORE[..], &[option, text(folder.path())]].concat();
         if option == "--json" {
             arguments.extend(["--csv", text(&table)]);
         }

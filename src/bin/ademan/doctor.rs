@@ -1,7 +1,6 @@
 //! `ademan doctor`: checks of this machine against a setup.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
 use ademan::files;
@@ -110,12 +109,8 @@ fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
 /// Checks that the folders of transcripts exist, except the folder for the transcripts of setups, which a run creates.
 fn check_transcripts(outputs: &str) -> Result<(), Failure> {
     let own = files::transcript_folder();
-    let paths = outputs
-        .split(',')
-        .filter_map(|output| output.trim().strip_prefix("transcript:"))
-        .map(Path::new)
-        .filter(|path| path.parent() != own.as_deref());
-    for path in paths {
+    let paths = output::transcript_files(outputs);
+    for path in paths.filter(|path| path.parent() != own.as_deref()) {
         result_files::check_folder(path)?;
     }
     Ok(())

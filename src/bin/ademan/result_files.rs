@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ademan::files::folder_of;
 use ademan::message::escape_path;
 
 use crate::failure::Failure;
@@ -38,7 +39,7 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     )))
 }
 
-/// Returns whether two paths name one file, which may not exist yet.
+/// Returns `true` if two paths name one file, which may not exist yet.
 fn is_same_file(one: &Path, other: &Path) -> bool {
     one == other || resolved(one).is_some_and(|it| Some(it) == resolved(other))
 }
@@ -49,13 +50,4 @@ fn resolved(path: &Path) -> Option<PathBuf> {
         let folder = fs::canonicalize(folder_of(path)).ok()?;
         Some(folder.join(path.file_name()?))
     })
-}
-
-fn folder_of(path: &Path) -> &Path {
-    let folder = path.parent().unwrap_or(path);
-    if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    }
 }

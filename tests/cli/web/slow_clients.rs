@@ -22,14 +22,19 @@ fn request(host: &str) -> Option<TcpStream> {
     answer.starts_with(b"HTTP/1.1 200").then_some(stream)
 }
 
-/// Asserts that a server whose places are taken has room again while these clients send a byte now and then.
-fn assert_room_comes_back(host: &str, mut slow: Vec<TcpStream>) {
+/// Asserts that a server all of whose places such clients take has room again while each of them sends a byte now and then.
+fn assert_room_comes_back(client: impl Fn(&str) -> TcpStream) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("index.html"), "<p>page").expect("room on the disk");
+    let (_server, address) = serve(folder.path());
+    let host = address.trim_start_matches("http://").trim_end_matches('/');
+    let mut slow: Vec<_> = (0..MAX_CLIENTS).map(|_| client(host)).collect();
     assert!(request(host).is_none(), "all places are taken");
     let start = Instant::now();
     loop {
-        for client in &mut slow {
+        for stream in &mut slow {
             // It is disconnected some time.
-            let _ = client.write_all(b"x");
+            let _ = stream.write_all(b"x");
         }
         if request(host).is_some() {
             break;
@@ -39,30 +44,16 @@ fn assert_room_comes_back(host: &str, mut slow: Vec<TcpStream>) {
     }
 }
 
-fn host(address: &str) -> &str {
-    address.trim_start_matches("http://").trim_end_matches('/')
-}
-
 #[test]
 fn clients_that_send_on_without_an_end_make_room_for_others() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("index.html"), "<p>page").expect("room on the disk");
-    let (_server, address) = serve(folder.path());
-    let host = host(&address);
-    let answered = (0..MAX_CLIENTS).map(|_| request(host).expect("the page"));
-    assert_room_comes_back(host, answered.collect());
+    assert_room_comes_back(|host| request(host).expect("the page"));
 }
 
 #[test]
 fn clients_whose_request_has_no_end_make_room_for_others() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("index.html"), "<p>page").expect("room on the disk");
-    let (_server, address) = serve(folder.path());
-    let host = host(&address);
-    let unfinished = (0..MAX_CLIENTS).map(|_| {
+    assert_room_comes_back(|host| {
         let mut stream = TcpStream::connect(host).expect("the server");
         write!(stream, "GET /").expect("a place");
         stream
     });
-    assert_room_comes_back(host, unfinished.collect());
 }

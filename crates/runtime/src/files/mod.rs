@@ -184,8 +184,8 @@ pub fn free_bytes(path: &Path) -> Option<u64> {
     system::free_bytes(folder_of(path))
 }
 
-/// Returns the folder of a file.
-fn folder_of(path: &Path) -> &Path {
+/// Returns the folder of a file, which need not exist.
+pub fn folder_of(path: &Path) -> &Path {
     let folder = path.parent();
     let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))

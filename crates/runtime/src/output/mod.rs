@@ -44,7 +44,7 @@ mod watchdog_process;
 pub use desktop::{Desktop, SUPPORTS_WAYLAND};
 pub use open::{
     available, check, check_layout_change, has_effect, keeps_order, open, open_with_watchdog,
-    uses_backend, uses_stdout,
+    transcript_files, uses_backend, uses_stdout,
 };
 pub use router::Router;
 pub use text_field::{FieldKind, TextField};

@@ -1,5 +1,7 @@
 //! Outputs by name: a list such as `transcript:log.txt,desktop` → one [`Sink`].
 
+use std::path::Path;
+
 use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
 use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, null, transcript};
@@ -112,6 +114,13 @@ pub fn uses_stdout(names: &str) -> bool {
 /// Returns `true` if one of the outputs is this backend, without an argument.
 pub fn uses_backend(names: &str, backend: &str) -> bool {
     names.split(',').any(|name| name.trim() == backend)
+}
+
+/// Returns the files of the transcripts among the outputs.
+pub fn transcript_files(names: &str) -> impl Iterator<Item = &Path> {
+    let outputs = parse(names).unwrap_or_default().into_iter();
+    let transcripts = outputs.filter(|output| output.backend == &transcript::BACKEND);
+    transcripts.filter_map(|output| output.argument.map(Path::new))
 }
 
 /// Returns all names for messages: `transcript, transcript:PATH, desktop, …`.

@@ -16,11 +16,6 @@ const START: &str = "<s>";
 /// The most words in a row.
 const ORDER: usize = 3;
 
-/// The share of the model in the probabilities of words alone, chosen on sentences that no model has seen.
-const SHARE: f64 = 0.1;
-/// The share if there is no text.
-const SHARE_ALONE: f64 = 0.8;
-
 /// Logarithms to the base 10 of a probability, and of the weight of what is shorter.
 #[derive(Clone, Copy, Debug)]
 struct Logarithms {
@@ -85,26 +80,20 @@ impl Arpa {
         Ok(arpa)
     }
 
-    /// Gives the probabilities of this model their share in the probabilities of words.
-    pub fn mix(&self, words: &mut Words, has_text: bool) {
-        let mut other: BTreeMap<String, f64> = BTreeMap::new();
+    /// Returns the probabilities of its words that are among the given ones, scaled to a sum of 1.
+    pub fn alone(&self, words: &Words) -> BTreeMap<String, f64> {
+        let mut alone: BTreeMap<String, f64> = BTreeMap::new();
         for (word, stored) in &self.words {
             let known = spelling(word).filter(|(key, _)| words.contains_key(key));
             if let Some((key, _)) = known {
-                *other.entry(key).or_default() += power(stored.probability);
+                *alone.entry(key).or_default() += power(stored.probability);
             }
         }
-        if other.is_empty() {
-            return;
+        let total: f64 = alone.values().sum();
+        for probability in alone.values_mut() {
+            *probability /= total;
         }
-        let share = if has_text { SHARE } else { SHARE_ALONE };
-        let total: f64 = other.values().sum();
-        for (word, entry) in words {
-            let other = other
-                .get(word)
-                .map_or(0.0, |probability| probability / total);
-            entry.probability += share * (other - entry.probability);
-        }
+        alone
     }
 }
 

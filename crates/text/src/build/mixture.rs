@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::arpa::Other;
+use super::arpa::{Arpa, Other};
 use super::counts::{COMMA, Counts, SENTENCE_START};
-use super::ln;
 use super::trie::Indices;
+use super::{Words, ln};
 use crate::model::bigrams::AFTER_COMMA;
 use crate::model::lexicon::ROOT;
 
@@ -16,9 +16,10 @@ const MIN_THREES: u32 = 2;
 /// The share of the other model behind words that the texts have: between 0.4, best for sentences of the same collection that no
 /// model has seen, and more, better for other texts.
 const SHARE: f64 = 0.5;
-/// The share behind words that the texts lack.
+/// The share where the texts say nothing.
 const SHARE_UNSEEN: f64 = 0.8;
-
+/// The share in the probabilities of words alone, chosen on sentences that no model has seen.
+const SHARE_ALONE: f64 = 0.1;
 /// The share of words of a text that a sentence has in front of it, or a comma.
 const MARK: f64 = 0.1;
 /// The least probability that can be stored.
@@ -173,6 +174,20 @@ struct Sources<'a> {
     indices: &'a Indices<'a>,
     other: &'a Other,
     alone: &'a BTreeMap<u32, f64>,
+}
+
+/// Mixes the probabilities of words alone with another model.
+pub fn mix_words(words: &mut Words, other: &Arpa, counts: &Counts) {
+    let other = other.alone(words);
+    if other.is_empty() {
+        return;
+    }
+    let has_text = counts.pairs().next().is_some();
+    let share = if has_text { SHARE_ALONE } else { SHARE_UNSEEN };
+    for (word, entry) in words {
+        let probability = other.get(word).copied().unwrap_or(0.0);
+        entry.probability += share * (probability - entry.probability);
+    }
 }
 
 /// Mixes the counts of texts with another model, given the probability of each word alone.

@@ -33,7 +33,7 @@ use counts::Counts;
 
 /// The size up to which pairs and threes of words are kept.
 const MAX_BYTES: usize = 4_000_000;
-/// What pairs and threes have room for however many words there are.
+/// The bytes up to which pairs and threes are kept whatever the words take.
 const MIN_PAIR_BYTES: usize = 1_000_000;
 
 /// Lists and texts that make no model.
@@ -147,8 +147,7 @@ impl Builder {
             return Err(BuildError::Letters(letters.len()));
         }
         let alphabet = Alphabet::new(letters);
-        self.arpa
-            .mix(&mut words, self.counts.pairs().next().is_some());
+        mixture::mix_words(&mut words, &self.arpa, &self.counts);
         let (nodes, indices) = trie::build(&words, &alphabet)?;
         let (states, arcs) = letters::build(&words, &alphabet);
         let symbols = alphabet.write();

@@ -34,7 +34,7 @@ pub fn build(mixture: Mixture, alone: &BTreeMap<u32, f64>, room: usize) -> [Vec<
         }
         write(before, row, &mut row_heads, &mut pairs);
     }
-    head(&mut row_heads, LAST, 0.0, pairs.len());
+    head(&mut row_heads, LAST, u8::MAX, pairs.len());
     let (mut context_heads, mut threes) = (Vec::new(), Vec::new());
     for ((earlier, before), Context { row, .. }) in &contexts {
         let place = places[&(*earlier, *before)];
@@ -42,30 +42,22 @@ pub fn build(mixture: Mixture, alone: &BTreeMap<u32, f64>, room: usize) -> [Vec<
         let shorter = row_of.get(before).copied().unwrap_or(NO_ROW.0);
         context_heads.extend(shorter.to_le_bytes());
     }
-    head(&mut context_heads, LAST, 0.0, threes.len());
+    head(&mut context_heads, LAST, u8::MAX, threes.len());
     context_heads.extend([0; CONTEXT_BYTES - ROW_BYTES]);
     [row_heads, pairs, context_heads, threes]
 }
 
 fn write(key: u32, row: &Row, heads: &mut Vec<u8>, entries: &mut Vec<u8>) {
-    head(heads, key, row.weight, entries.len());
+    head(heads, key, quantize(ln(row.weight)), entries.len());
     for entry in &row.entries {
-        let entry = entry.node << 8 | u32::from(stored(entry.probability));
+        let entry = entry.node << 8 | u32::from(quantize(ln(entry.probability)));
         entries.extend(entry.to_le_bytes());
     }
 }
 
-fn head(heads: &mut Vec<u8>, key: u32, weight: f64, start: usize) {
-    heads.extend((key << 8 | u32::from(stored(weight))).to_le_bytes());
+fn head(heads: &mut Vec<u8>, key: u32, weight: u8, start: usize) {
+    heads.extend((key << 8 | u32::from(weight)).to_le_bytes());
     heads.extend(((start / ENTRY_BYTES) as u32).to_le_bytes());
-}
-
-fn stored(probability: f64) -> u8 {
-    if probability > 0.0 {
-        quantize(ln(probability))
-    } else {
-        u8::MAX
-    }
 }
 
 /// Leaves out what gains least by entry, until the rest has room.
@@ -75,13 +67,10 @@ fn chosen(mut mixture: Mixture, alone: &BTreeMap<u32, f64>, room: usize) -> Mixt
     }
     let mut least = least_gain(&mixture, room);
     for _ in 1..PASSES {
-        for row in mixture.pairs.values_mut() {
+        let contexts = mixture.threes.values_mut();
+        let threes = contexts.map(|context| &mut context.row);
+        for row in mixture.pairs.values_mut().chain(threes) {
             row.weigh(|entry, weight| entry.gain(weight) >= least);
-        }
-        for context in mixture.threes.values_mut() {
-            context
-                .row
-                .weigh(|entry, weight| entry.gain(weight) >= least);
         }
         least = least_gain(&mixture, room);
     }

@@ -165,7 +165,7 @@ impl<'m> Corrector<'m> {
         &self.shown
     }
 
-    /// Returns whether later keys may change text that is in the field already.
+    /// Returns `true` if later keys may change text that is in the field already.
     pub fn is_pending(&self) -> bool {
         !self.shown.is_empty() || self.undo.is_possible || self.swiped.is_some()
     }

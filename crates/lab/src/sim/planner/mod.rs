@@ -4,6 +4,7 @@ mod aim;
 mod bends;
 mod joints;
 mod route;
+mod start;
 mod state;
 mod watch;
 
@@ -18,15 +19,13 @@ use super::motor::Motor;
 use super::movement::{ActiveMovement, Movement, TipPath};
 use super::reach_target::ReachTarget;
 use super::typing_hand::{REACH_TOLERANCE, TypingHand};
-use crate::contact::surface::{Scene, Surface};
-use crate::contact::{ContactTracker, TargetId};
+use crate::contact::TargetId;
+use crate::contact::surface::Scene;
 pub(super) use state::HandState;
 use watch::Watch;
 
 /// Time for which the hand is clear of all targets at the start and at the end.
 const CLEAR_TIME: Duration = Duration::from_millis(600);
-/// Time for which the open hand is held still at the start: after output is armed, the pipeline watches it for a second.
-const START_TIME: Duration = Duration::from_millis(1600);
 /// Duration of a press and of a lift; also the time for which a tap stays pressed.
 const PRESS_TIME: Duration = Duration::from_millis(70);
 /// Duration of a movement of joints, and of a pinch.
@@ -120,87 +119,6 @@ impl<'a> Planner<'a> {
             movements: Vec::new(),
             starts_above: false,
             watch: None,
-        }
-    }
-
-    /// Starts above the first target of the actions, so that the hand is clear of all targets.
-    fn begin(&mut self, actions: &[HandAction]) {
-        if actions.is_empty() {
-            self.begin_idle();
-            return;
-        }
-        if self.scene.starts_at_hand() {
-            self.begin_open();
-        } else if self.scene.has_bend_targets() {
-            self.begin_straight();
-        } else if let Some(point) = actions.iter().find_map(HandAction::target_point) {
-            self.start_at(point);
-        }
-        self.state.home = self.tip();
-        self.wait(CLEAR_TIME);
-    }
-
-    /// Starts a hand that presses nothing at rest, or above the target that it would touch there.
-    fn begin_idle(&mut self) {
-        if !self.scene.has_bend_targets()
-            && let Some(point) = self.point_in_the_way()
-        {
-            self.start_at(point);
-            self.state.home = self.tip();
-        }
-    }
-
-    /// Returns the center of the target nearest to the fingertip if the posture is not clear of all targets: output is armed only
-    /// while a hand is clear.
-    fn point_in_the_way(&self) -> Option<TargetPoint> {
-        let pose = self.state.hand.pose(&self.state.values);
-        if ContactTracker::new(self.scene).is_clear(self.scene, &pose) {
-            return None;
-        }
-        let tip = self.tip();
-        let targets = self.scene.surfaces().iter().flat_map(Surface::targets);
-        let hovers = targets.filter_map(|(id, _)| {
-            let (point, target) = (TargetPoint::center(id), self.reach_target(id).ok()?);
-            let hover = target.tip_position(point, target.hover_height);
-            Some((point, hover.distance(tip)))
-        });
-        let nearest = hovers.min_by(|one, other| one.1.total_cmp(&other.1));
-        nearest.map(|(point, _)| point)
-    }
-
-    /// Starts with an open hand that is held still until the boards are placed.
-    fn begin_open(&mut self) {
-        self.state.values = self.state.hand.open_values();
-        self.wait(START_TIME);
-    }
-
-    /// Starts above a point, or with the fingers extended if another finger than the index finger presses it.
-    fn start_at(&mut self, point: TargetPoint) {
-        let best = self.effectors(point.target).first().copied();
-        let target = self.reach_target(point.target);
-        let state = &mut self.state;
-        if let (Some(effector), Ok(target)) = (best.filter(|&it| it != Effector::INDEX), &target)
-            && state.changes_fingers_on_the_way(effector)
-        {
-            state.values = state.values_above(effector, point, target);
-            state.effector = effector;
-            return;
-        }
-        if let Some(effector) = best.filter(|&best| best != Effector::INDEX) {
-            state.effector = effector;
-            let posture = state
-                .hand
-                .pointing_posture(effector, &state.rest, &state.values);
-            for (index, value) in posture {
-                state.values[index] = value;
-            }
-            return;
-        }
-        // An unreachable target is reported by its own action.
-        if let Ok(target) = target {
-            let hover = target.tip_position(point, target.hover_height);
-            self.state.hand.reach(hover, &mut self.state.values, &[]);
-            self.starts_above = true;
         }
     }
 
