@@ -9,7 +9,7 @@ mod support;
 use ademan_text::{Keyboard, Model, Prior};
 use support::arguments::{Sample, argument};
 use support::baselines::{Flat, Spelling};
-use support::phrases::{unknown_phrases, words};
+use support::phrases::{abbreviations, phrases, unknown_phrases, words};
 use support::session::{Errors, Phrase, correct, decode, nearest, normal, read};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 use support::statistics::{ByPhrase, Kinds};
@@ -56,6 +56,7 @@ fn main() {
     bench.characters(&measured);
     bench.words(&measured);
     bench.unknown();
+    bench.short();
     bench.learning();
 }
 
@@ -77,7 +78,7 @@ impl Bench<'_> {
             "{} phrases, {} people, {count} words, {unknown} of them ({:.2} %) unknown to the lexicon.\n",
             self.phrases.len(),
             self.seeds.end - self.seeds.start,
-            100.0 * f64::from(unknown_rate(unknown, count)),
+            100.0 * f64::from(rate(unknown, count)),
         );
     }
 
@@ -208,6 +209,50 @@ impl Bench<'_> {
         println!();
     }
 
+    /// Prints which abbreviations that no lexicon has are read wrong, as the first words of a person and after 30 phrases.
+    fn short(&self) {
+        let (Some(sentences), Some(before)) = (phrases(!self.is_tuning), phrases(self.is_tuning))
+        else {
+            return;
+        };
+        let words = abbreviations(&self.model, &sentences, 300);
+        println!(
+            "{} abbreviations behind `the`; wrong ones in percent.\n",
+            words.len()
+        );
+        println!("| scatter | nearest key | first words | after 30 phrases |");
+        println!("|---|---|---|---|");
+        for scatter in [1.0, 3.0, 5.0] {
+            let tier = Tier {
+                scatter,
+                ..TIERS[0]
+            };
+            let mut wrong = [0; 3];
+            for (word, seed) in words.iter().zip(self.seeds.start..) {
+                let text = format!("the {word}");
+                let mut person = Person::new(tier, seed + 4_000);
+                let mut typed: Vec<Phrase> = (0..30)
+                    .map(|index| person.types(&before[(seed as usize * 30 + index) % before.len()]))
+                    .collect();
+                typed.push(person.types(&text));
+                let last = typed.len() - 1;
+                let reads = |taps: &[Phrase]| {
+                    let texts = decode(&self.model, &self.keyboard, Prior::default(), taps);
+                    texts.last().map(|read| normal(read))
+                };
+                let near = nearest(&self.keyboard, &typed[last].taps);
+                let texts = [Some(near), reads(&typed[last..]), reads(&typed)];
+                for (count, read) in wrong.iter_mut().zip(texts) {
+                    *count += usize::from(read.as_deref() != Some(text.as_str()));
+                }
+            }
+            let [near, first, later] =
+                wrong.map(|count| 100.0 * f64::from(rate(count, words.len())));
+            println!("| {scatter} mm | {near:.1} | {first:.1} | {later:.1} |");
+        }
+        println!();
+    }
+
     /// Prints the errors in the first words of a person with an offset, beside the errors of a model that learns nothing.
     fn learning(&self) {
         println!("| words | learned | not learned |");
@@ -249,6 +294,6 @@ impl Bench<'_> {
     }
 }
 
-fn unknown_rate(unknown: usize, count: usize) -> f32 {
+fn rate(unknown: usize, count: usize) -> f32 {
     unknown as f32 / count.max(1) as f32
 }

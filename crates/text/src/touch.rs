@@ -200,6 +200,21 @@ pub struct ErrorSums {
     pub spurious: f32,
     /// Characters that were meant and not tapped.
     pub missed: f32,
+    /// Pairs of taps in the wrong order.
+    pub swapped: f32,
+}
+
+/// The errors of a text that was committed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ErrorCounts {
+    /// Its taps.
+    pub taps: usize,
+    /// Taps that mean nothing.
+    pub spurious: usize,
+    /// Characters that were meant and not tapped.
+    pub missed: usize,
+    /// Pairs of taps in the wrong order.
+    pub swapped: usize,
 }
 
 impl ErrorSums {
@@ -213,13 +228,18 @@ impl ErrorSums {
         self.change(self.missed, prior)
     }
 
+    /// Returns by how much the log-probability of two taps in the wrong order changes with what was learned.
+    pub fn swapped_change(&self, prior: f32) -> f32 {
+        self.change(self.swapped, prior)
+    }
+
     fn change(&self, seen: f32, prior: f32) -> f32 {
         let expected = prior.exp();
         ((seen + expected * ERROR_TAPS) / (self.taps + ERROR_TAPS) / expected).ln()
     }
 
     fn is_sane(&self) -> bool {
-        [self.taps, self.spurious, self.missed]
+        [self.taps, self.spurious, self.missed, self.swapped]
             .iter()
             .all(|number| number.is_finite() && *number >= 0.0)
     }
@@ -300,22 +320,34 @@ impl TouchModel {
         }
     }
 
-    /// Learns how many of the last taps meant nothing, and how many characters were not tapped.
-    pub fn learn_errors(&mut self, taps: usize, spurious: usize, missed: usize) {
-        let memory = self.prior.memory.powi(taps.min(1_000) as i32);
+    /// Learns from a number of taps how many of them meant nothing, how many characters were not tapped, and how many pairs came in
+    /// the wrong order.
+    pub fn learn_errors(&mut self, seen: ErrorCounts) {
+        let memory = self.prior.memory.powi(seen.taps.min(1_000) as i32);
         let add = |sum: f32, count: usize| sum * memory + count as f32;
-        self.errors.taps = add(self.errors.taps, taps);
-        self.errors.spurious = add(self.errors.spurious, spurious);
-        self.errors.missed = add(self.errors.missed, missed);
+        self.errors.taps = add(self.errors.taps, seen.taps);
+        self.errors.spurious = add(self.errors.spurious, seen.spurious);
+        self.errors.missed = add(self.errors.missed, seen.missed);
+        self.errors.swapped = add(self.errors.swapped, seen.swapped);
     }
 
     /// Returns the distribution of the taps of each key.
     pub fn spreads<'a>(&'a self, keyboard: &'a Keyboard) -> impl Iterator<Item = Spread> + 'a {
+        self.spreads_of(keyboard, 1.0)
+    }
+
+    /// Like [`spreads`](Self::spreads), with the covariance of the prior times a scale.
+    pub(crate) fn spreads_of<'a>(
+        &'a self,
+        keyboard: &'a Keyboard,
+        scale: f32,
+    ) -> impl Iterator<Item = Spread> + 'a {
         let prior = &self.prior;
         let offset = self.person.mean(prior.offset, prior.offset_taps);
+        let believed = prior.covariance.map(|value| value * scale);
         let covariance = self
             .person
-            .covariance(offset, prior.covariance, prior.covariance_taps);
+            .covariance(offset, believed, prior.covariance_taps);
         keyboard.keys().iter().map(move |key| {
             let known = self
                 .keys

@@ -285,8 +285,11 @@ fn a_sentence_behind_a_committed_one_is_corrected() {
     // Behind a pause, too.
     field.types("the fox.");
     field.corrector.reset();
-    field.types(" teh dog ");
-    assert_eq!(field.text, format!("{sentence} the dog the fox. the dog "));
+    field.types(" qiuck dog ");
+    assert_eq!(
+        field.text,
+        format!("{sentence} the dog the fox. quick dog ")
+    );
 }
 
 #[test]
@@ -482,4 +485,26 @@ fn a_literal_corrector_swipes_nothing() {
     let mut field = Field::new(&bytes, Mode::Literal);
     field.swipes("quick");
     assert_eq!(field.text, "q");
+}
+
+#[test]
+fn letters_in_the_wrong_order_are_learned_and_become_more_or_less_likely() {
+    let bytes = english();
+    let learned = |typed: &str| {
+        let mut field = Field::new(&bytes, Mode::Auto);
+        for _ in 0..20 {
+            field.types(typed);
+        }
+        let errors = field.corrector.decoder().touch().errors;
+        (
+            errors.swapped,
+            errors.swapped_change(Options::default().transposition),
+        )
+    };
+    let (none, rarer) = learned("the quick fox. ");
+    assert_eq!(none, 0.0);
+    assert!(rarer < -0.5, "{rarer}");
+    let (some, likelier) = learned("teh qiuck fox. ");
+    assert!((10.0..=40.0).contains(&some), "{some}");
+    assert!(likelier > 1.0, "{likelier}");
 }

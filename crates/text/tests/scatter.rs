@@ -4,7 +4,7 @@ mod support;
 
 use ademan_text::{Model, Prior};
 use support::baselines::{Flat, Spelling};
-use support::phrases::{phrases, unknown_phrases};
+use support::phrases::{abbreviations, phrases, unknown_phrases};
 use support::session::{Errors, Phrase, correct, decode, nearest};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 
@@ -135,6 +135,32 @@ fn unknown_words_passwords_and_identifiers_are_not_made_worse() {
             "{plain:?} {decoded:?}"
         );
     }
+}
+
+/// The most abbreviations in percent that are read as other words: the upper end of the 95 % interval of what was measured.
+const ABBREVIATIONS: usize = 25;
+
+#[test]
+fn abbreviations_stay_if_the_first_taps_of_a_person_are_precise() {
+    let Some(sentences) = phrases(true) else {
+        return;
+    };
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let keyboard = keyboard();
+    let words = abbreviations(&model, &sentences, 200);
+    let precise = Tier {
+        scatter: 1.0,
+        ..TIERS[0]
+    };
+    let mut wrong = 0;
+    for (word, seed) in words.iter().zip(0..) {
+        let text = format!("i use the {word}");
+        let typed = [Person::new(precise, seed).types(&text)];
+        let read = decode(&model, &keyboard, Prior::default(), &typed);
+        wrong += usize::from(read[0].to_lowercase() != text);
+    }
+    println!("abbreviations: {wrong} of {} wrong", words.len());
+    assert!(100 * wrong <= ABBREVIATIONS * words.len(), "{wrong}");
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub struct Counts {
     threes: BTreeMap<(String, String, String), u32>,
 }
 
-/// Returns the case of a word, or `None` for one like `iPhone`.
+/// Returns the case of a word: a model has no capitals inside a word, so that those of `iPhone` are left to the person.
 fn case(word: &str) -> Option<Case> {
     let mut upper = word
         .chars()
@@ -45,18 +45,15 @@ fn case(word: &str) -> Option<Case> {
         .map(char::is_uppercase);
     let first = upper.next()?;
     let (mut any, mut all) = (false, true);
-    let mut rest = 0;
     for is_upper in upper {
         any |= is_upper;
         all &= is_upper;
-        rest += 1;
     }
-    match (first, any, all) {
-        (false, false, _) => Some(Case::Lower),
-        (true, false, _) => Some(Case::Title),
-        (true, true, true) if rest > 0 => Some(Case::Upper),
-        _ => None,
-    }
+    Some(match (first, any, all) {
+        (true, false, _) => Case::Title,
+        (true, true, true) => Case::Upper,
+        _ => Case::Lower,
+    })
 }
 
 /// Returns the lower-case spelling and the case of a word, or `None` if it has characters that words do not have.
@@ -146,8 +143,8 @@ impl Counts {
         known()
             .map(|(word, spelled)| {
                 let [lower, title, upper] = spelled.cases;
-                let is_lower =
-                    lower >= title.max(upper) || lower > 0 && COMMON_AS_NAME * lower >= title;
+                let capital = title.max(upper);
+                let is_lower = COMMON_AS_NAME * lower >= capital;
                 let case = match (is_lower, title >= upper) {
                     (true, _) => Case::Lower,
                     (false, true) => Case::Title,
@@ -193,6 +190,35 @@ mod tests {
     }
 
     #[test]
+    fn a_word_with_capitals_inside_is_written_as_the_person_does() {
+        let mut counts = Counts::default();
+        for word in ["iPhone", "McDonald", "eBay"] {
+            counts.listed(word, 1.0);
+        }
+        let words = counts.words();
+        let cases: Vec<_> = words
+            .iter()
+            .map(|(word, known)| (word.as_str(), known.case))
+            .collect();
+        let lower = ["ebay", "iphone", "mcdonald"].map(|word| (word, Case::Lower));
+        assert_eq!(cases, lower);
+    }
+
+    #[test]
+    fn an_abbreviation_in_capitals_outweighs_a_few_in_lower_case() {
+        let mut counts = Counts::default();
+        for text in ["A tv.", "A new TV.", "No TV."].repeat(6) {
+            counts.sentence(text);
+        }
+        counts.listed("TV", 1.0);
+        assert_eq!(counts.words()["tv"].case, Case::Lower);
+        for _ in 0..60 {
+            counts.sentence("On TV.");
+        }
+        assert_eq!(counts.words()["tv"].case, Case::Upper);
+    }
+
+    #[test]
     fn pairs_do_not_reach_over_punctuation_and_numbers() {
         let mut counts = Counts::default();
         counts.sentence("Well, it's 5 o'clock (now); then \"no,\" she said.");
@@ -210,7 +236,7 @@ mod tests {
 
     #[test]
     fn what_is_no_word_is_left_out() {
-        for text in ["x1", "iPhone", "'tis", "a_b", ""] {
+        for text in ["x1", "'tis", "a_b", ""] {
             assert_eq!(spelling(text), None, "{text}");
         }
     }

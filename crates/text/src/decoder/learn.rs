@@ -10,6 +10,7 @@ use crate::keyboard::Millimetres;
 use crate::model::Model;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::ROOT;
+use crate::touch::ErrorCounts;
 
 /// The share of a word that is left after one more word: names, code and passwords come in groups.
 const WORD_MEMORY: f32 = 0.95;
@@ -112,13 +113,23 @@ impl Decoder<'_> {
     fn learn(&mut self, best: &Finished) {
         let drift = self.tokens[best.token].drift;
         let mut end = best.end;
-        let (mut used, mut missed) = (0, usize::from(best.omitted.is_some()));
+        let mut used = 0;
+        let mut seen = ErrorCounts {
+            taps: self.taps.len(),
+            missed: usize::from(best.omitted.is_some()),
+            ..ErrorCounts::default()
+        };
+        let mut next_tap = NONE;
         while let Some(entry) = self.history.get(end) {
             end = entry.previous;
             match (entry.tap, entry.character) {
                 (NONE, '\'') => {}
-                (NONE, _) => missed += 1,
-                _ => used += 1,
+                (NONE, _) => seen.missed += 1,
+                (tap, _) => {
+                    used += 1;
+                    seen.swapped += usize::from(tap > next_tap);
+                    next_tap = tap;
+                }
             }
             let Some(tap) = self.taps.get(entry.tap as usize) else {
                 continue;
@@ -138,8 +149,8 @@ impl Decoder<'_> {
                 self.touch.learn(key.character, residual);
             }
         }
-        let spurious = self.taps.len().saturating_sub(used);
-        self.touch.learn_errors(self.taps.len(), spurious, missed);
+        seen.spurious = seen.taps.saturating_sub(used);
+        self.touch.learn_errors(seen);
     }
 
     /// Adapts the costs of errors and of unknown words to what was learned.
@@ -149,9 +160,11 @@ impl Decoder<'_> {
         let errors = &self.touch.errors;
         let spurious = limited(errors.spurious_change(options.insertion));
         let missed = limited(errors.missed_change(options.omission));
+        let swapped = limited(errors.swapped_change(options.transposition));
         self.costs = *options;
         self.costs.insertion = (options.insertion + spurious).min(0.0);
         self.costs.omission = (options.omission + missed).min(0.0);
+        self.costs.transposition = (options.transposition + swapped).min(0.0);
         self.costs.missing_space = (options.missing_space + missed).min(0.0);
         self.costs.unknown = self.words.cost(options.unknown);
     }

@@ -23,6 +23,7 @@ mod history;
 mod learn;
 mod literal;
 mod options;
+mod precision;
 mod render;
 mod swiped;
 mod token;
@@ -274,6 +275,9 @@ impl<'m> Decoder<'m> {
             .tokens
             .first()
             .map_or(self.touch.drift, |token| token.drift);
+        if self.touches.is_outdated() {
+            self.touches.learn(&self.keyboard, &self.touch);
+        }
         self.touches.tap(tap.position, key, &drift);
         let typed = (key, character);
         self.literal.push(

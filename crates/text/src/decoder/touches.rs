@@ -1,6 +1,7 @@
 //! The likelihood of a tap for each key, and the drift of the hands.
 
 use super::expand::is_punctuation;
+use super::precision::Precision;
 use crate::keyboard::{Keyboard, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};
 use crate::touch::{Spread, TouchModel};
@@ -68,6 +69,7 @@ pub struct Touches {
     likeliest: f32,
     /// The score of the tap if it means nothing, without its cost.
     stray: f32,
+    precision: Precision,
     /// The largest log-likelihood of a key that ends a word.
     separator: f32,
     /// For each letter, more than the log-likelihood of the tap for any hypothesis that counts.
@@ -117,6 +119,7 @@ impl Touches {
                 last: None,
             },
             stray: 0.0,
+            precision: Precision::new(&touch.prior),
             separator: 0.0,
             bounds: vec![0.0; alphabet.len()],
             area: keyboard.area(),
@@ -132,7 +135,8 @@ impl Touches {
     /// Takes over what was learned.
     pub fn learn(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
         self.keys.clear();
-        for (spread, key) in touch.spreads(keyboard).zip(keyboard.keys()) {
+        let spreads = touch.spreads_of(keyboard, self.precision.take());
+        for (spread, key) in spreads.zip(keyboard.keys()) {
             self.keys.push(KeyTouch {
                 spread,
                 inverse: [0.0; 3],
@@ -150,6 +154,11 @@ impl Touches {
     pub fn lift(&mut self) {
         self.carried.variance = [self.first_variance; 2];
         self.carried.last = None;
+    }
+
+    /// Returns `true` if the last taps show another precision than the keys have.
+    pub fn is_outdated(&self) -> bool {
+        self.precision.has_changed()
     }
 
     pub fn carried(&self) -> Carried {
@@ -183,10 +192,10 @@ impl Touches {
             key.inverse = [yy / determinant, xx / determinant, -xy / determinant];
             key.peak = -(std::f32::consts::TAU.ln() + 0.5 * determinant.ln());
         }
-        let likelihoods = |key: usize| self.of_key(key, drift);
-        self.likeliest = (0..self.keys.len())
-            .map(likelihoods)
-            .fold(f32::NEG_INFINITY, f32::max);
+        let likelihoods = (0..self.keys.len()).map(|key| (key, self.of_key(key, drift)));
+        let likeliest = likelihoods.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let (likeliest, largest) = likeliest.unwrap_or((nearest, f32::NEG_INFINITY));
+        self.likeliest = largest;
         for symbol in 0..self.bounds.len() {
             let letter = self.of_letter(symbol as Symbol, drift);
             self.bounds[symbol] =
@@ -199,6 +208,13 @@ impl Touches {
             })
             .map(|key| self.of_key(key, drift))
             .fold(f32::NEG_INFINITY, f32::max);
+        let meant = self.keys[likeliest];
+        if !meant.wide {
+            let shift = drift[meant.hand];
+            self.precision.add(std::array::from_fn(|axis| {
+                tap[axis] - meant.spread.mean[axis] - shift[axis]
+            }));
+        }
         self.carried.last = Some((tap, self.keys[nearest].size));
         self.near.clear();
         for key in 0..self.keys.len() {

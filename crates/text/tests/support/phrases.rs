@@ -58,3 +58,18 @@ pub fn unknown_phrases(model: &Model, count: usize, seed: u64) -> Vec<String> {
     let mut phrase = || -> Vec<String> { (0..3).map(|_| unknown(&mut random, model)).collect() };
     (0..count).map(|_| phrase().join(" ")).collect()
 }
+
+/// Returns abbreviations that the model lacks: the first letters of three or four words in a row of sentences.
+pub fn abbreviations(model: &Model, sentences: &[String], count: usize) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for (index, sentence) in sentences.iter().enumerate() {
+        let letters = words(sentence).filter_map(|word| word.chars().next());
+        let word: String = letters.take(3 + index % 2).collect();
+        let is_short = word.len() >= 3 && word.chars().all(char::is_alphabetic);
+        if is_short && model.find(&word).is_none() && !found.contains(&word) {
+            found.push(word);
+        }
+    }
+    found.truncate(count);
+    found
+}
