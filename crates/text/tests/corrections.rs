@@ -486,25 +486,3 @@ fn a_literal_corrector_swipes_nothing() {
     field.swipes("quick");
     assert_eq!(field.text, "q");
 }
-
-#[test]
-fn letters_in_the_wrong_order_are_learned_and_become_more_or_less_likely() {
-    let bytes = english();
-    let learned = |typed: &str| {
-        let mut field = Field::new(&bytes, Mode::Auto);
-        for _ in 0..20 {
-            field.types(typed);
-        }
-        let errors = field.corrector.decoder().touch().errors;
-        (
-            errors.swapped,
-            errors.swapped_change(Options::default().transposition),
-        )
-    };
-    let (none, rarer) = learned("the quick fox. ");
-    assert_eq!(none, 0.0);
-    assert!(rarer < -0.5, "{rarer}");
-    let (some, likelier) = learned("teh qiuck fox. ");
-    assert!((10.0..=40.0).contains(&some), "{some}");
-    assert!(likelier > 1.0, "{likelier}");
-}

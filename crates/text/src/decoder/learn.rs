@@ -1,7 +1,7 @@
 //! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
-use super::expand::is_punctuation;
+use super::expand::{ends_sentence, is_punctuation};
 use super::finish::Finished;
 use super::token::Place;
 use super::{Decoder, NONE, Start};
@@ -55,11 +55,12 @@ impl Decoder<'_> {
             .text(&self.history, &best, &self.taps, capitals);
         learn_words(&mut self.words, &self.model, self.rendered.shown());
         self.touch.drift = token.drift;
+        self.sentence = token.sentence;
         self.touches.learn(&self.keyboard, &self.touch);
         self.update_costs();
         let last = self.history.get(best.end).map(|entry| entry.character);
         match (token.place, last) {
-            (Place::Gap, Some('.' | '!' | '?')) => self.starts_sentence = true,
+            (Place::Gap, Some(mark)) if ends_sentence(mark) => self.starts_sentence = true,
             (Place::Word(ROOT), _) => {
                 self.starts_sentence =
                     self.starts_sentence && last.is_none() || token.row == self.model.row(ROOT);
@@ -96,7 +97,12 @@ impl Decoder<'_> {
             _ => Start::Anywhere,
         };
         let last = text.trim_end();
-        self.starts_sentence = last.ends_with(['.', '!', '?']);
+        self.starts_sentence = last.ends_with(ends_sentence);
+        self.sentence = if self.starts_sentence {
+            0
+        } else {
+            self.sentence.saturating_add(self.taps.len() as u16)
+        };
         self.row = match last.chars().next_back() {
             Some(mark) if is_punctuation(mark) => self.model.row_behind(mark),
             _ => {

@@ -1,7 +1,7 @@
 //! The text as it was typed, with its own log-probability, so that a correction can be compared with it.
 
 use super::Options;
-use super::expand::{ANY_CHARACTER, is_punctuation, punctuation, spelling_end};
+use super::expand::{ANY_CHARACTER, ends_sentence, is_punctuation, punctuation, spelling_end};
 use super::touches::Touches;
 use crate::keyboard::Millimetres;
 use crate::model::Model;
@@ -36,6 +36,8 @@ pub struct Literal {
     row: Row,
     word: Word,
     is_empty: bool,
+    /// The taps since the last sentence ended.
+    sentence: u16,
 }
 
 impl Literal {
@@ -46,15 +48,17 @@ impl Literal {
             row: NO_ROW,
             word: EMPTY,
             is_empty: true,
+            sentence: 0,
         }
     }
 
-    pub fn clear(&mut self, row: Row) {
+    pub fn clear(&mut self, row: Row, sentence: u16) {
         self.text.clear();
         self.score = 0.0;
         self.row = row;
         self.word = EMPTY;
         self.is_empty = true;
+        self.sentence = sentence;
     }
 
     pub fn text(&self) -> &str {
@@ -73,6 +77,12 @@ impl Literal {
     ) {
         let (key, character) = typed;
         self.text.push(shown);
+        let sentence = self.sentence;
+        self.sentence = if ends_sentence(character) {
+            0
+        } else {
+            sentence.saturating_add(1)
+        };
         self.score += touches.of_key(key, drift);
         if character == ' ' || is_punctuation(character) {
             let (language, node) = self.language(model, options);
@@ -83,7 +93,7 @@ impl Literal {
                 mark => model.row_behind(mark),
             };
             if character != ' ' {
-                self.score += punctuation(options, character);
+                self.score += punctuation(options, character, sentence);
             }
             self.word = EMPTY;
             self.is_empty = true;

@@ -65,6 +65,8 @@ const TRANSPOSED: usize = 40;
 
 /// The log-probability that unknown text ends with punctuation without the space behind it.
 const BEHIND_UNKNOWN: f32 = -3.0;
+/// The taps of a sentence in whose unknown middle typing starts: a period is as likely as a comma.
+const MIDDLE: u16 = 20;
 
 /// The place in front of the first tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,6 +121,8 @@ pub struct Decoder<'m> {
     spare: Vec<Tap>,
     literal: Literal,
     row: Row,
+    /// The taps since the last sentence ended, up to the last commit.
+    sentence: u16,
     starts_sentence: bool,
     start: Start,
     /// The knowledge of the touches before the first tap, for [`untap`](Self::untap).
@@ -166,6 +170,7 @@ impl<'m> Decoder<'m> {
             taps: Vec::with_capacity(MAX_TAPS),
             spare: Vec::with_capacity(MAX_TAPS),
             literal: Literal::new(MAX_TAPS),
+            sentence: 0,
             starts_sentence: true,
             start: Start::Word,
             finished: Vec::with_capacity(FINISHED + 1),
@@ -214,6 +219,7 @@ impl<'m> Decoder<'m> {
     pub fn start_anywhere(&mut self) {
         self.touches.lift();
         self.row = NO_ROW;
+        self.sentence = MIDDLE;
         self.starts_sentence = false;
         self.restart(Start::Anywhere);
     }
@@ -221,6 +227,7 @@ impl<'m> Decoder<'m> {
     /// Drops all taps and starts at the beginning of a line, without learning.
     pub fn start_line(&mut self) {
         self.row = self.model.row(ROOT);
+        self.sentence = 0;
         self.starts_sentence = false;
         self.restart(Start::Word);
     }
@@ -236,12 +243,13 @@ impl<'m> Decoder<'m> {
         self.taps.clear();
         self.previous.clear();
         self.tokens.clear();
-        self.literal.clear(self.row);
+        self.literal.clear(self.row, self.sentence);
         let token = Token {
             score: self.options.language * self.model.lexicon.node(ROOT).best(),
             place: Place::Word(ROOT),
             row: self.row,
             end: NONE,
+            sentence: self.sentence,
             drift: self.touch.drift,
         };
         if self.start != Start::Behind {
@@ -332,6 +340,7 @@ impl<'m> Decoder<'m> {
         let now = self.taps.len() as u32;
         for next in self.beam.best() {
             let mut token = next.token;
+            token.sentence = token.sentence.saturating_add(1);
             for emitted in next.emission.items() {
                 let tap = match emitted.from {
                     From::This => now,

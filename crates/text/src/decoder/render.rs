@@ -1,5 +1,6 @@
 //! The text of a hypothesis, with capitals.
 
+use super::expand::ends_sentence;
 use super::finish::Finished;
 use super::history::{Entry, History};
 use crate::keyboard::Tap;
@@ -52,7 +53,7 @@ impl Rendered {
             if index > start {
                 capital = false;
             }
-            capital |= matches!(entry.character, '.' | '!' | '?');
+            capital |= ends_sentence(entry.character);
             self.text.push(entry.character);
             start = index + 1;
         }

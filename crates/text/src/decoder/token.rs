@@ -30,6 +30,8 @@ pub struct Token {
     pub row: Row,
     /// Its last character.
     pub end: u32,
+    /// The taps since its last sentence ended.
+    pub sentence: u16,
     /// The drift of both hands that fits it.
     pub drift: [Millimetres; 2],
 }

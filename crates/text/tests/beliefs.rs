@@ -1,0 +1,59 @@
+//! The beliefs of the decoder about a person and a sentence.
+
+mod support;
+
+use ademan_text::{Decoder, Mode, Model, Options, Prior, Tap, TouchModel};
+use support::field::{Field, english};
+use support::simulated::keyboard;
+
+#[test]
+fn letters_in_the_wrong_order_are_learned_and_become_more_or_less_likely() {
+    let bytes = english();
+    let learned = |typed: &str| {
+        let mut field = Field::new(&bytes, Mode::Auto);
+        for _ in 0..20 {
+            field.types(typed);
+        }
+        let errors = field.corrector.decoder().touch().errors;
+        (
+            errors.swapped,
+            errors.swapped_change(Options::default().transposition),
+        )
+    };
+    let (none, rarer) = learned("the quick fox. ");
+    assert_eq!(none, 0.0);
+    assert!(rarer < -0.5, "{rarer}");
+    let (some, likelier) = learned("teh qiuck fox. ");
+    assert!((10.0..=40.0).contains(&some), "{some}");
+    assert!(likelier > 1.0, "{likelier}");
+}
+
+#[test]
+fn a_tap_between_period_and_comma_ends_a_long_sentence_and_no_short_one() {
+    let bytes = english();
+    let keyboard = keyboard();
+    let center =
+        |character: char| keyboard.keys()[keyboard.index(character).expect("a key")].center;
+    let [comma, period] = [center(','), center('.')];
+    let between = std::array::from_fn(|axis| (comma[axis] + period[axis]) / 2.0);
+    let read = |text: &str| {
+        let model = Model::from_bytes(&bytes).expect("a model");
+        let touch = TouchModel::new(Prior::default());
+        let mut decoder = Decoder::new(model, keyboard.clone(), touch, Options::default());
+        for [x, y] in text.chars().map(center).chain([between]) {
+            decoder.tap(Tap::at(x, y));
+        }
+        decoder.best().to_owned()
+    };
+    assert_eq!(read("hello"), "Hello,");
+    assert_eq!(
+        read("the cat sat of the wisdom of the world"),
+        "The cat sat of the wisdom of the world."
+    );
+    // A sentence before it does not count.
+    let sentence = "the cat sat of the wisdom of the world. hello";
+    assert_eq!(
+        read(sentence),
+        "The cat sat of the wisdom of the world. Hello,"
+    );
+}
