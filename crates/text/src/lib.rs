@@ -34,15 +34,17 @@
 //!   e^-9, anywhere on the keyboard (Goodman et al. 2002; Bi and Zhai 2013 for the dual normal distribution that makes touches
 //!   scatter around an offset).
 //! - Offsets and covariances have a normal-inverse-Wishart prior and forget exponentially; the drift of a hand is a random walk, tracked by
-//!   a Kalman filter with each hypothesis.
+//!   a Kalman filter with each hypothesis. The scale of the prior's covariance shrinks with the distances of the last taps from the
+//!   likeliest keys, before anything is committed.
 //! - `P(word | two words before)` interpolates threes, pairs and words with absolute discounting (Ney, Essen and Kneser 1994); the
 //!   probability of a word alone comes half from its count, half from the number of words before it (Kneser and Ney 1995). Another
 //!   model can have a share of all of them; English has one.
-//! - A word that the lexicon lacks costs e^-5 and its letters, each by up to four letters before it, interpolated after Witten and Bell
+//! - A word that the lexicon lacks costs e^-6.5 and its letters, each by up to four letters before it, interpolated after Witten and Bell
 //!   (1991). So an unknown word stays as it was typed unless a known one is much likelier.
 //! - Errors are omitted, added and exchanged letters and spaces, each with a cost of its own: [`Options`]. How often this person misses a
-//!   tap or makes one that means nothing is learned from committed text, as is how many of the last words were unknown. A tap that
-//!   means nothing lands near the one before (80 %, normal, 0.9 keys), or anywhere.
+//!   tap, exchanges two or makes one that means nothing is learned from committed text, as is how many of the last words were unknown.
+//!   A tap that means nothing lands near the one before (80 %, normal, 0.9 keys), or anywhere.
+//! - A mark behind a word has a probability that depends on the length of the sentence before it.
 //!
 //! The search is Viterbi's over the trie of words with a beam, as in VelociTap (Vertanen et al. 2015). Inside a word, a hypothesis
 //! is judged by the likeliest word that it can become.
