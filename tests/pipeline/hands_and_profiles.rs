@@ -2,129 +2,17 @@
 
 use std::fs;
 
-use crate::support::checked::CheckedPipeline;
-use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::command::CommandOrigin;
-use ademan::device::{EventKind, Events};
+use ademan::device::Events;
 use ademan::document::Document;
-use ademan::estimate::{ChannelMap, Estimate, JointAngles};
+use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::Side;
 use ademan::pipeline::PipelineState;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, ReplaySettings, Setup};
-use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 
-/// A wearer of two gloves, each of which sends a reading every 10 ms.
-struct Wearer {
-    loaded: LoadedSetup,
-    pipeline: CheckedPipeline,
-    time_ms: u64,
-    /// The channels of each hand; `None` for a hand that sends nothing.
-    shown: [Option<Channels>; Side::COUNT],
-    transcript: Vec<String>,
-}
-
-impl Wearer {
-    fn new(setup: Setup) -> Self {
-        let loaded = setup.load_files().expect("a setup");
-        Self {
-            pipeline: CheckedPipeline::new(&loaded),
-            loaded,
-            time_ms: 0,
-            shown: [None, None],
-            transcript: Vec::new(),
-        }
-    }
-
-    /// Moves the fingertip of a side above a key of the active layout, or to the bottom of the key.
-    fn go(&mut self, side: Side, key: &str, is_down: bool) {
-        self.shown[side.index()] = Some(self.posture(side, key, is_down));
-    }
-
-    fn posture(&self, side: Side, key: &str, is_down: bool) -> Channels {
-        let (arm, map) = match &self.loaded.other_hand {
-            Some(other) if other.glove.as_ref().expect("a glove").side == side => {
-                (&other.arm, &other.glove.as_ref().expect("a glove").map)
-            }
-            _ => (
-                &self.loaded.arm,
-                &self.loaded.glove.as_ref().expect("a glove").map,
-            ),
-        };
-        let layout = self.loaded.layouts().nth(self.pipeline.active_profile());
-        let layout = layout.expect("a layout is active");
-        let target = layout.key(key).expect("a key").face.target;
-        let hand = TypingHand::new(arm, map);
-        let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
-        let tip = if is_down { stroke.bottom } else { stroke.hover };
-        let mut values = hand.rest_values();
-        hand.reach(tip, &mut values, &[]);
-        let angles = hand.angles(&values);
-        channels(map, |dof| angles.get(dof))
-    }
-
-    fn hold_still(&mut self, milliseconds: u64) {
-        for _ in 0..milliseconds / 10 {
-            self.time_ms += 10;
-            for side in [Side::Left, Side::Right] {
-                let Some(shown) = self.shown[side.index()].clone() else {
-                    continue;
-                };
-                let reading = Reading::new(
-                    Timestamp(self.time_ms * 1_000),
-                    self.loaded.other_hand.is_some().then_some(side),
-                    Sample::Channels(shown),
-                );
-                let mut events = Events::new();
-                if let Ok(step) = self.pipeline.step(&reading, &mut events) {
-                    let commands = step.commands.iter();
-                    let commands = commands.map(|issued| issued.command.to_string());
-                    self.transcript.extend(commands);
-                }
-                self.write(&events);
-            }
-        }
-    }
-
-    fn tap(&mut self, side: Side, key: &str) {
-        // Computed first, because the key may activate another layout.
-        let postures = [false, true, false].map(|is_down| self.posture(side, key, is_down));
-        for posture in postures {
-            self.shown[side.index()] = Some(posture);
-            self.hold_still(150);
-        }
-    }
-
-    fn write(&mut self, events: &Events) {
-        for event in events {
-            self.transcript.push(match event.kind {
-                EventKind::KeyDown(key) => format!("+{key}"),
-                EventKind::KeyUp(key) => format!("-{key}"),
-                other => panic!("{other:?} comes of no key"),
-            });
-        }
-    }
-
-    fn transcript(&mut self) -> String {
-        std::mem::take(&mut self.transcript).join(" ")
-    }
-}
-
-fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Channels {
-    let full_scale = map.full_scale();
-    let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
-        (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
-    for row in map.rows().iter().rev() {
-        let exact = row.calibration.apply_inverse(angle(row.dof)).round();
-        counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
-    }
-    Channels {
-        full_scale,
-        counts,
-        unsent: Default::default(),
-    }
-}
+use crate::wearer::Wearer;
 
 fn both_hands() -> Wearer {
     let mut wearer = Wearer::new(Setup {

@@ -12,7 +12,7 @@ use crate::contact::{BendTracker, ContactTracker, TargetId, TargetNames, Touches
 use crate::device::key_arbiter::SequenceHand;
 use crate::device::signals::Signals;
 use crate::device::{
-    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, Multitaps, Sequence,
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, KeyCode, Multitaps, Sequence,
     TimedCommands, VirtualDevice,
 };
 use crate::estimate::{BendRanges, FingerBends};
@@ -160,7 +160,7 @@ impl LayoutInstance {
         self.filter.as_deref_mut()
     }
 
-    /// Returns the text decoder, the targets, and who knows which keys the devices hold.
+    /// Returns the text decoder, the targets, and who knows which keys the devices hold and which hand has pressed them.
     pub(super) fn filter_parts(
         &mut self,
     ) -> (
@@ -296,7 +296,8 @@ impl LayoutInstance {
         rules: PressRules,
         events: &mut Events,
     ) -> u64 {
-        self.key_arbiter.set_pointing_hands(rules.pointer_only);
+        let side = step.pose.side;
+        self.key_arbiter.begin_step(side, rules.pointer_only);
         let input = DeviceInput {
             scene: &self.scene,
             angles: &step.estimate.angles,
@@ -317,7 +318,7 @@ impl LayoutInstance {
             device.update(&input, &mut output);
         }
         let hand = SequenceHand {
-            side: step.pose.side,
+            side,
             time: step.pose.time,
             is_placed: step.estimate.is_placed,
             is_seen: step.estimate.untrusted != FingerSet::ALL,
@@ -329,6 +330,13 @@ impl LayoutInstance {
             move_releases_first(&mut events[first..]);
         }
         self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Notes that the gate has suppressed the presses of keys.
+    pub(super) fn suppress_keys(&mut self, keys: impl Iterator<Item = KeyCode>) {
+        for key in keys {
+            self.key_arbiter.suppress_key(key);
+        }
     }
 
     /// Returns the number of presses that replaced letters since the last call; see [`KeyArbiter::take_replacing_presses`].

@@ -16,6 +16,7 @@ mod permissions;
 pub mod press_filter;
 mod rate_limit;
 mod release_order;
+mod run_devices;
 mod settings;
 mod stalls;
 mod start;
@@ -36,16 +37,14 @@ pub use unreached::{NearestControl, Unreached};
 use std::time::Duration;
 
 use self::hand_pipeline::HandPipeline;
-use self::layout_instance::PressRules;
 use self::output_gate::OutputGate;
-use self::press_filter::{FilteredStep, PressFilters};
+use self::press_filter::PressFilters;
 use crate::capture::Reading;
-use crate::command::{Command, CommandOrigin, ProfileName};
+use crate::command::{CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{Presses, TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{Estimate, FingerBends, HandEstimator, Rejection};
-use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
 
@@ -392,91 +391,10 @@ impl Pipeline {
         &mut self.profiles[self.active_profile].layout
     }
 
-    /// Returns what the sources permit in a step of the hand with this index.
-    fn press_rules(&self, index: usize) -> PressRules {
-        let mut pointer_only = [false; Side::COUNT];
-        for (other, hand) in self.hands.iter().enumerate() {
-            pointer_only[hand.side().index()] = !self.gate.allows_keys(other);
-        }
-        PressRules {
-            pointer_only,
-            sequence_gap: self.gate.rate_limit(index).sequence_gap(),
-        }
-    }
-
     /// Returns the index of the hand that a reading belongs to.
     fn hand_index(&self, reading: &Reading) -> usize {
         let is_hand = |hand: &HandPipeline| Some(hand.side()) == reading.side;
         self.hands.iter().position(is_hand).unwrap_or(0)
-    }
-
-    /// Updates the devices, filters their events and executes their commands.
-    fn run_devices(&mut self, index: usize, events: &mut Events) {
-        let first = events.len();
-        let rules = self.press_rules(index);
-        let layout = &mut self.profiles[self.active_profile].layout;
-        let output = &mut self.hands[index].output;
-        let dropped = layout.update_devices(output, rules, events);
-        layout.update_auto_recenter(&output.pose);
-        self.gate.add_suppressed_keys(dropped);
-        let replacing = layout.take_replacing_presses();
-        let (filter, scene, arbiter) = layout.filter_parts();
-        let step = FilteredStep {
-            pose: &output.pose,
-            scene,
-            presses: &output.presses,
-            may_type: self.gate.allows_keys(index),
-        };
-        let held = || arbiter.pressed_keys();
-        let added = self.filters.apply(filter, step, held, first, events) + replacing;
-        let system_keys = self.gate.suppressed().system_keys;
-        let is_within_limit = self.gate.filter(index, first, added, events);
-        if self.gate.suppressed().system_keys > system_keys {
-            // The keys that follow would act without the suppressed one.
-            layout.abandon_sequence();
-        }
-        if !is_within_limit {
-            // A filter believes that all of it was sent.
-            self.reset_filters();
-            if !self.suspend(index) {
-                self.pause(CommandOrigin::RateLimit, events);
-            }
-        }
-        self.execute_issued(index, events);
-    }
-
-    /// Executes the commands that the devices issued for a hand.
-    fn execute_issued(&mut self, index: usize, events: &mut Events) {
-        let mut next = 0;
-        while let Some(issued) = self.hands[index].output.commands.get(next) {
-            let command = match issued.command {
-                // The rate limit or another command may have paused this step; a toggle must not resume it.
-                Command::TogglePause => Command::Pause,
-                command => command,
-            };
-            next += 1;
-            if command.is_typing() && !self.gate.allows_keys(index) {
-                self.gate.add_suppressed_keys(1);
-                continue;
-            }
-            // A command that cannot be executed has no effect; no caller waits for a reply.
-            let _ = self.execute(&command, CommandOrigin::Layout, events);
-        }
-    }
-
-    /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed, and
-    /// only if the layout itself has paused.
-    fn run_devices_paused(&mut self, index: usize) {
-        let rules = self.press_rules(index);
-        let layout = &mut self.profiles[self.active_profile].layout;
-        let output = &mut self.hands[index].output;
-        layout.update_devices(output, rules, &mut Events::new());
-        layout.take_replacing_presses();
-        let mut commands = std::mem::take(&mut output.commands).into_iter();
-        let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
-        if commands.any(|issued| ends_pause(issued.command)) {
-            self.resume(CommandOrigin::Layout);
-        }
     }
 
     /// Releases everything. Before output is armed again, the hand must be clear of every control for the whole
@@ -492,7 +410,7 @@ impl Pipeline {
         } else {
             layout.release_all(time, events);
         }
-        self.gate.filter(0, first, 0, events);
+        self.gate.filter(|_| 0, first, 0, events);
         self.clear_since = None;
     }
 }

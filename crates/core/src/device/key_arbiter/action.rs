@@ -44,12 +44,13 @@ impl KeyAction {
         }
     }
 
-    /// Returns whether it presses a key, not only a button, or types a text. Each sequence counts as one that does.
+    /// Returns `true` if it presses a key, not only a button, types a text, or is a command that types. Each sequence counts as one that does.
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
             Self::Text(_) | Self::Sequence(_) | Self::Multitap(_) => true,
-            Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => false,
+            Self::Command(command) => command.is_typing(),
+            Self::Layer(..) | Self::Clutch | Self::Precision => false,
         }
     }
 

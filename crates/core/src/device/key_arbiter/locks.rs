@@ -4,31 +4,37 @@ use arrayvec::ArrayVec;
 
 use super::{KeyAction, Latch, MODIFIER_COUNT, Press};
 use crate::device::KeyCode;
+use crate::hand::Side;
 
-/// The locked modifiers and the locked layer.
+/// The locked modifiers and the locked layer, each with the hand that has locked it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Locks {
     /// Modifiers that stay down.
-    pub(super) modifiers: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    pub(super) modifiers: ArrayVec<(KeyCode, Side), MODIFIER_COUNT>,
     /// The layer that stays active.
-    pub(super) layer: Option<usize>,
+    pub(super) layer: Option<(usize, Side)>,
 }
 
 impl Locks {
     /// Unlocks what `action` has locked; returns whether it was locked.
     pub(super) fn deactivate(&mut self, action: KeyAction) -> bool {
         match action {
-            KeyAction::Modifier(code, Latch::Lock) => {
-                let before = self.modifiers.len();
-                self.modifiers.retain(|locked| *locked != code);
-                self.modifiers.len() < before
-            }
-            KeyAction::Layer(layer, Latch::Lock) if self.layer == Some(layer) => {
+            KeyAction::Modifier(code, Latch::Lock) => self.unlock(code),
+            KeyAction::Layer(layer, Latch::Lock)
+                if self.layer.is_some_and(|(locked, _)| locked == layer) =>
+            {
                 self.layer = None;
                 true
             }
             _ => false,
         }
+    }
+
+    /// Unlocks a modifier; returns whether it was locked.
+    pub(super) fn unlock(&mut self, code: KeyCode) -> bool {
+        let before = self.modifiers.len();
+        self.modifiers.retain(|(locked, _)| *locked != code);
+        self.modifiers.len() < before
     }
 
     /// Handles the end of a press.
@@ -37,11 +43,13 @@ impl Locks {
             return;
         }
         match press.action {
-            KeyAction::Modifier(code, Latch::Lock) if !self.modifiers.contains(&code) => {
+            KeyAction::Modifier(code, Latch::Lock)
+                if !self.modifiers.iter().any(|&(locked, _)| locked == code) =>
+            {
                 // There are no more modifiers than fit.
-                let _ = self.modifiers.try_push(code);
+                let _ = self.modifiers.try_push((code, press.side));
             }
-            KeyAction::Layer(layer, Latch::Lock) => self.layer = Some(layer),
+            KeyAction::Layer(layer, Latch::Lock) => self.layer = Some((layer, press.side)),
             _ => {}
         }
     }

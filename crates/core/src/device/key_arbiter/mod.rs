@@ -5,6 +5,7 @@ mod locks;
 mod multitap;
 mod one_shots;
 mod sequence;
+mod step_hand;
 
 pub use self::action::{KeyAction, Latch, TextId};
 pub use self::multitap::{Multitap, MultitapId, Multitaps};
@@ -18,6 +19,7 @@ use self::locks::Locks;
 use self::multitap::Cycle;
 use self::one_shots::OneShots;
 use self::sequence::RunningSequence;
+use self::step_hand::StepHand;
 use super::pressed_keys::PressedKeys;
 use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
@@ -57,10 +59,7 @@ pub struct KeyArbiter {
     pressed_keys: ArrayVec<PressedKey, MAX_PRESSED_KEYS>,
     /// The time of the last event; times never decrease.
     time: Timestamp,
-    /// The hand may point but not type, by side.
-    pointing_only: [bool; Side::COUNT],
-    /// The presses dropped because of that.
-    dropped_presses: u64,
+    hand: StepHand,
 }
 
 /// The source of a press.
@@ -82,17 +81,23 @@ impl PressSource {
 #[derive(Clone, Copy, Debug)]
 struct Press {
     source: PressSource,
+    /// The hand that presses.
+    side: Side,
     action: KeyAction,
     /// For a one-shot or lock: another key was pressed during the hold, so that it acts as momentary.
     is_used: bool,
     /// For a one-shot or lock: a tap activates it, unless it was active and this press ended that.
     latches: bool,
+    /// The press of its key was suppressed: it holds nothing.
+    is_suppressed: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PressedKey {
     code: KeyCode,
     is_modifier: bool,
+    /// The hand that has pressed it first.
+    side: Side,
 }
 
 impl KeyArbiter {
@@ -125,23 +130,12 @@ impl KeyArbiter {
                 _ => None,
             });
         let latched = self.one_shots.layer.or(self.locks.layer);
-        pressed.or(latched).unwrap_or(0)
+        pressed.or(latched.map(|(layer, _)| layer)).unwrap_or(0)
     }
 
     /// Returns whether an action is pressed.
     pub fn is_pressed(&self, action: KeyAction) -> bool {
         self.presses.iter().any(|press| press.action == action)
-    }
-
-    /// Sets, by side, which hands may point but not type: keys that their fingers press from now on are
-    /// dropped. Checked at each press, because a delayed press may begin in a step of the other hand.
-    pub fn set_pointing_hands(&mut self, pointing_only: [bool; Side::COUNT]) {
-        self.pointing_only = pointing_only;
-    }
-
-    /// Returns the number of presses dropped because of that since the last call.
-    pub fn take_dropped_presses(&mut self) -> u64 {
-        std::mem::take(&mut self.dropped_presses)
     }
 
     /// Returns whether a source presses anything.
@@ -172,7 +166,8 @@ impl KeyArbiter {
     }
 
     /// Starts a press. Returns `false`, and has no effect, if there is no room. The keys that it holds are
-    /// emitted by the next [`emit_changes`](Self::emit_changes).
+    /// emitted by the next [`emit_changes`](Self::emit_changes). A typing press of a hand that may only point is dropped: the result is
+    /// `true`, and the source presses nothing.
     ///
     /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it. A sequence that runs
     /// ends before the press of a key, button or text, so that its keys and the person's do not mix. Any press but the next tap of
@@ -184,12 +179,10 @@ impl KeyArbiter {
         time: Timestamp,
         events: &mut Events,
     ) -> bool {
-        if matches!(source, PressSource::Touch(side, ..) if self.pointing_only[side.index()])
-            && action.is_typing()
-        {
-            self.dropped_presses += 1;
+        if self.drops(source, action) {
             return true;
         }
+        let side = self.hand.side_of(source);
         if !self.has_room(events) {
             return false;
         }
@@ -203,9 +196,9 @@ impl KeyArbiter {
             {
                 return false;
             }
-            KeyAction::Text(text) if !self.write(text, time, events) => return false,
+            KeyAction::Text(text) if !self.write(text, side, time, events) => return false,
             KeyAction::Sequence(sequence) if self.running.is_none() => {
-                self.running = Some(RunningSequence::new(sequence, source, time));
+                self.running = Some(RunningSequence::new(sequence, side, time));
             }
             _ => {}
         }
@@ -218,9 +211,11 @@ impl KeyArbiter {
         }
         self.presses.push(Press {
             source,
+            side,
             action,
             is_used: false,
             latches: !was_one_shot && !was_locked,
+            is_suppressed: false,
         });
         true
     }
@@ -249,7 +244,7 @@ impl KeyArbiter {
             if is_down || self.pressed_keys.is_full() {
                 continue;
             }
-            if self.push_event(time, EventKind::KeyDown(key.code), events) {
+            if self.push_press(key.side, time, EventKind::KeyDown(key.code), events) {
                 self.pressed_keys.push(key);
             }
         }
@@ -264,6 +259,25 @@ impl KeyArbiter {
         self.locks = Locks::default();
         self.time = self.time.max(time);
         self.release_unwanted(&[], time, events);
+    }
+
+    /// Notes that the press of a key was suppressed behind the devices. Whatever presses the key holds nothing until it ends, and is no
+    /// tap that locks; another press of the key presses it again.
+    pub fn suppress_key(&mut self, code: KeyCode) {
+        let Some(index) = self.pressed_keys.iter().position(|key| key.code == code) else {
+            return;
+        };
+        self.pressed_keys.remove(index);
+        self.locks.unlock(code);
+        self.one_shots.active.retain(|(active, _)| *active != code);
+        for press in &mut self.presses {
+            if matches!(press.action, KeyAction::Key(key) | KeyAction::Modifier(key, _) if key == code)
+            {
+                press.is_suppressed = true;
+                press.latches = false;
+            }
+        }
+        self.running.take_if(|running| running.keys.contains(&code));
     }
 
     /// Emits an event that is neither a press nor a release. Returns `false` if it would take the room that
@@ -289,7 +303,13 @@ impl KeyArbiter {
     }
 
     /// Emits a text, or nothing if not all of it fits.
-    fn write(&mut self, TextId(text): TextId, time: Timestamp, events: &mut Events) -> bool {
+    fn write(
+        &mut self,
+        TextId(text): TextId,
+        side: Side,
+        time: Timestamp,
+        events: &mut Events,
+    ) -> bool {
         let time = self.time.max(time);
         let Some(text) = self.texts.get(usize::from(text)) else {
             return false;
@@ -298,10 +318,10 @@ impl KeyArbiter {
         if room <= text.chars().count() + self.pressed_keys.len() + 1 + MODIFIER_COUNT {
             return false;
         }
-        events.extend(text.chars().map(|character| OutputEvent {
-            time,
-            kind: EventKind::Character(character),
-        }));
+        for kind in text.chars().map(EventKind::Character) {
+            self.hand.note_press(side, kind);
+            events.push(OutputEvent { time, kind });
+        }
         self.time = time;
         true
     }
@@ -343,32 +363,39 @@ impl KeyArbiter {
     /// Returns the keys that should be down now, modifiers first.
     fn wanted_keys(&self) -> ArrayVec<PressedKey, MAX_PRESSED_KEYS> {
         let mut wanted = ArrayVec::new();
-        let mut add = |code: KeyCode, is_modifier: bool| {
+        let mut add = |code: KeyCode, is_modifier: bool, side: Side| {
             if !wanted.iter().any(|other: &PressedKey| other.code == code) {
-                let _ = wanted.try_push(PressedKey { code, is_modifier });
+                let _ = wanted.try_push(PressedKey {
+                    code,
+                    is_modifier,
+                    side,
+                });
             }
         };
-        for press in &self.presses {
+        let presses = self.presses.iter().filter(|press| !press.is_suppressed);
+        for press in presses.clone() {
             match press.action {
-                KeyAction::Modifier(code, Latch::Momentary | Latch::Lock) => add(code, true),
-                KeyAction::Modifier(code, Latch::OneShot) if press.is_used => add(code, true),
+                KeyAction::Modifier(_, Latch::OneShot) if !press.is_used => {}
+                KeyAction::Modifier(code, _) => add(code, true, press.side),
                 _ => {}
             }
         }
-        for &code in self.locks.modifiers.iter().chain(&self.one_shots.active) {
-            add(code, true);
+        for &(code, side) in self.locks.modifiers.iter().chain(&self.one_shots.active) {
+            add(code, true, side);
         }
         let sequence_keys = self.sequence_keys().iter().copied();
+        let performer = self.running.as_ref().map(RunningSequence::side);
+        let sequence_side = performer.unwrap_or(Side::Right);
         for code in sequence_keys.clone().filter(|code| code.is_modifier()) {
-            add(code, true);
+            add(code, true, sequence_side);
         }
-        for press in &self.presses {
+        for press in presses {
             if let KeyAction::Key(code) = press.action {
-                add(code, false);
+                add(code, false, press.side);
             }
         }
         for code in sequence_keys.filter(|code| !code.is_modifier()) {
-            add(code, false);
+            add(code, false, sequence_side);
         }
         wanted
     }
@@ -387,6 +414,21 @@ impl KeyArbiter {
                 }
             }
         }
+    }
+
+    /// Emits the press of a key for a hand.
+    fn push_press(
+        &mut self,
+        side: Side,
+        time: Timestamp,
+        kind: EventKind,
+        events: &mut Events,
+    ) -> bool {
+        let has_room = self.push_event(time, kind, events);
+        if has_room {
+            self.hand.note_press(side, kind);
+        }
+        has_room
     }
 
     fn push_event(&mut self, time: Timestamp, kind: EventKind, events: &mut Events) -> bool {

@@ -4,9 +4,11 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
+use super::one_shots::ArmedModifier;
 use super::sequence::Performer;
 use super::{KeyAction, KeyArbiter, MODIFIER_COUNT, Press, PressSource, SequenceHand};
 use crate::device::{Capabilities, Capability, EventKind, Events, KeyCode};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// The letters of one key.
@@ -51,7 +53,7 @@ pub(super) struct Cycle {
     index: usize,
     source: PressSource,
     /// The one-shot modifiers of the first tap.
-    one_shots: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    one_shots: ArrayVec<ArmedModifier, MODIFIER_COUNT>,
     /// The time of the last tap.
     time: Timestamp,
     /// The layer that was active after the last tap.
@@ -120,6 +122,7 @@ impl KeyArbiter {
             self.cycle = before;
             return false;
         }
+        let side = self.hand.side_of(source);
         let layer = self.active_layer();
         let before = before.filter(|cycle| {
             cycle.id == id && self.continues(cycle, source, time) && self.can_replace(events)
@@ -132,7 +135,7 @@ impl KeyArbiter {
             time,
             layer,
             has_one_shot_layer: false,
-            performer: Performer::new(source),
+            performer: Performer::new(side),
         });
         let Some(key) = self.multitaps.keys.get(usize::from(cycle.id.0)) else {
             return false;
@@ -143,12 +146,12 @@ impl KeyArbiter {
             return false;
         };
         if !is_first {
-            self.delete_letter(time, events);
+            self.delete_letter(side, time, events);
         }
         let is_typed = match letter {
             KeyAction::Text(text) => {
                 self.use_layers();
-                self.write(text, time, events)
+                self.write(text, side, time, events)
             }
             KeyAction::Key(code) => {
                 if !is_first {
@@ -185,7 +188,7 @@ impl KeyArbiter {
     }
 
     /// Taps Backspace without Shift, which the letter behind it presses again.
-    fn delete_letter(&mut self, time: Timestamp, events: &mut Events) {
+    fn delete_letter(&mut self, side: Side, time: Timestamp, events: &mut Events) {
         for index in (0..self.pressed_keys.len()).rev() {
             let code = self.pressed_keys[index].code;
             if code.is_shift() && self.push_event(time, EventKind::KeyUp(code), events) {
@@ -193,7 +196,7 @@ impl KeyArbiter {
                 self.replacing_presses += 1;
             }
         }
-        self.push_event(time, EventKind::KeyDown(KeyCode::BACKSPACE), events);
+        self.push_press(side, time, EventKind::KeyDown(KeyCode::BACKSPACE), events);
         self.push_event(time, EventKind::KeyUp(KeyCode::BACKSPACE), events);
         self.replacing_presses += 1;
     }
@@ -211,9 +214,11 @@ impl KeyArbiter {
         self.apply_one_shots(source);
         self.presses.push(Press {
             source,
+            side: self.hand.side_of(source),
             action: KeyAction::Key(code),
             is_used: false,
             latches: false,
+            is_suppressed: false,
         });
         self.emit_changes(time, events);
         let is_typed = !was_down && is_down(self);
@@ -229,7 +234,7 @@ mod tests {
     use crate::contact::TargetId;
     use crate::device::key_arbiter::words;
     use crate::device::{OutputEvent, TextId};
-    use crate::hand::{Finger, Side};
+    use crate::hand::Finger;
 
     const ABC: KeyAction = KeyAction::Multitap(MultitapId(0));
 

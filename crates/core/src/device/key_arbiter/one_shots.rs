@@ -4,16 +4,20 @@ use arrayvec::ArrayVec;
 
 use super::{KeyAction, Latch, MODIFIER_COUNT, Press, PressSource};
 use crate::device::KeyCode;
+use crate::hand::Side;
+
+/// A modifier that a tap has armed, and the hand that has tapped it.
+pub(super) type ArmedModifier = (KeyCode, Side);
 
 /// The one-shot modifiers and the one-shot layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OneShots {
     /// Modifiers armed for the next key.
-    pub(super) armed: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    pub(super) armed: ArrayVec<ArmedModifier, MODIFIER_COUNT>,
     /// The layer armed for the next key.
-    pub(super) layer: Option<usize>,
+    pub(super) layer: Option<(usize, Side)>,
     /// Modifiers that are down for one key press.
-    pub(super) active: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    pub(super) active: ArrayVec<ArmedModifier, MODIFIER_COUNT>,
     /// The source of that key press.
     active_for: Option<PressSource>,
 }
@@ -24,10 +28,12 @@ impl OneShots {
         match action {
             KeyAction::Modifier(code, Latch::OneShot) => {
                 let before = self.armed.len();
-                self.armed.retain(|armed| *armed != code);
+                self.armed.retain(|(armed, _)| *armed != code);
                 self.armed.len() < before
             }
-            KeyAction::Layer(layer, Latch::OneShot) if self.layer == Some(layer) => {
+            KeyAction::Layer(layer, Latch::OneShot)
+                if self.layer.is_some_and(|(armed, _)| armed == layer) =>
+            {
                 self.layer = None;
                 true
             }
@@ -52,11 +58,13 @@ impl OneShots {
             return;
         }
         match press.action {
-            KeyAction::Modifier(code, Latch::OneShot) if !self.armed.contains(&code) => {
+            KeyAction::Modifier(code, Latch::OneShot)
+                if !self.armed.iter().any(|&(armed, _)| armed == code) =>
+            {
                 // There are no more modifiers than fit.
-                let _ = self.armed.try_push(code);
+                let _ = self.armed.try_push((code, press.side));
             }
-            KeyAction::Layer(layer, Latch::OneShot) => self.layer = Some(layer),
+            KeyAction::Layer(layer, Latch::OneShot) => self.layer = Some((layer, press.side)),
             _ => {}
         }
     }

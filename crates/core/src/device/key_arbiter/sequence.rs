@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{KeyArbiter, PressSource, TextId};
+use super::{KeyArbiter, TextId};
 use crate::device::{Capabilities, Capability, Events, KeyCode};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -81,31 +81,31 @@ pub(super) struct RunningSequence {
 }
 
 impl RunningSequence {
-    pub(super) fn new(SequenceId(index): SequenceId, source: PressSource, time: Timestamp) -> Self {
+    pub(super) fn new(SequenceId(index): SequenceId, side: Side, time: Timestamp) -> Self {
         Self {
             index: index.into(),
             next: 0,
             due: time,
-            performer: Performer::new(source),
+            performer: Performer::new(side),
             keys: ArrayVec::new(),
         }
+    }
+
+    /// Returns the hand that has started it.
+    pub(super) fn side(&self) -> Side {
+        self.performer.side
     }
 }
 
 /// The hand that has started something that goes on after its press.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Performer {
-    /// Of a control that either hand moves, the hand of the next step.
-    side: Option<Side>,
+    side: Side,
     was_placed: bool,
 }
 
 impl Performer {
-    pub(super) fn new(source: PressSource) -> Self {
-        let side = match source {
-            PressSource::Touch(side, ..) => Some(side),
-            PressSource::Part(..) => None,
-        };
+    pub(super) fn new(side: Side) -> Self {
         Self {
             side,
             was_placed: false,
@@ -114,7 +114,7 @@ impl Performer {
 
     /// Returns whether the hand of a step is lost; `None` if it is the other hand.
     pub(super) fn is_lost(&mut self, hand: &SequenceHand) -> Option<bool> {
-        if *self.side.get_or_insert(hand.side) != hand.side {
+        if self.side != hand.side {
             return None;
         }
         let is_lost = !hand.is_seen || self.was_placed && !hand.is_placed;
@@ -185,7 +185,7 @@ impl KeyArbiter {
                 self.emit_changes(hand.time, events);
             }
             SequenceStep::Text(text) => {
-                if !self.write(text, hand.time, events) {
+                if !self.write(text, hand.side, hand.time, events) {
                     return None;
                 }
                 let length = self.text_length(text);

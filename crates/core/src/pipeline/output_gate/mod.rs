@@ -14,6 +14,7 @@ use super::release_order::move_releases_first;
 use super::{PressRateLimit, Suppressed};
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, Events, KeyCode, OutputEvent};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// The permissions of a source and its remaining presses.
@@ -39,6 +40,8 @@ pub(super) struct OutputGate {
     sources: Vec<SourceState>,
     allow_system_keys: bool,
     pressed: PressedKeys,
+    /// The keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early.
+    withheld: PressedKeys,
     suppressed: Suppressed,
 }
 
@@ -50,6 +53,7 @@ impl OutputGate {
             sources: vec![SourceState::new(permissions)],
             allow_system_keys,
             pressed: PressedKeys::default(),
+            withheld: PressedKeys::default(),
             suppressed: Suppressed::default(),
         }
     }
@@ -59,22 +63,25 @@ impl OutputGate {
         self.sources.push(SourceState::new(permissions));
     }
 
-    /// Removes forbidden events from `events`, starting at index `first`. Presses and characters that a filter `added` do not
-    /// count against the rate limit. Returns `false` if it was exceeded; the caller must then release everything.
+    /// Removes forbidden events from `events`, starting at index `first`. `hand_of` returns the index of the hand that causes a press or
+    /// another event, whose source must permit it. Presses and characters that a filter `added` do not count against the rate limit.
+    /// Returns for each hand `false` if it exceeded its rate limit; the caller must then release what it holds.
     pub(super) fn filter(
         &mut self,
-        source: usize,
+        hand_of: impl Fn(EventKind) -> usize,
         first: usize,
         mut added: usize,
         events: &mut Events,
-    ) -> bool {
-        let source = source.min(self.sources.len() - 1);
-        let mut is_within_limit = true;
+    ) -> [bool; Side::COUNT] {
+        self.withheld = PressedKeys::default();
+        let mut is_within_limit = [true; Side::COUNT];
         let (mut index, mut kept) = (first, first);
         let mut last_character = None;
         let mut has_early_release = false;
         while index < events.len() {
             let event = events[index];
+            let hand = hand_of(event.kind).min(Side::COUNT - 1);
+            let source = hand.min(self.sources.len() - 1);
             if self.insert_early_release(source, index, events) {
                 // The next turn handles the release, a later one the press behind it.
                 has_early_release = true;
@@ -90,23 +97,24 @@ impl OutputGate {
                     self.suppressed.system_keys += 1;
                     false
                 }
-                _ if is_added => is_within_limit,
+                _ if is_added => is_within_limit[hand],
                 // The characters of one key have one time stamp and count as one press.
                 EventKind::Character(_)
-                    if is_within_limit && last_character == Some(event.time) =>
+                    if is_within_limit[hand] && last_character == Some(event.time) =>
                 {
                     true
                 }
                 EventKind::KeyDown(_) | EventKind::Character(_) => {
-                    let is_allowed = is_within_limit && self.take_press(source, event.time);
+                    let is_allowed = is_within_limit[hand] && self.take_press(source, event.time);
                     self.suppressed.rate_limited += u64::from(!is_allowed);
-                    is_within_limit &= is_allowed;
+                    is_within_limit[hand] &= is_allowed;
                     is_allowed
                 }
                 _ => true,
             };
             match event.kind {
                 EventKind::KeyDown(key) if is_allowed => _ = self.pressed.press(key),
+                EventKind::KeyDown(key) => _ = self.withheld.press(key),
                 EventKind::Character(_) if !is_added => last_character = Some(event.time),
                 _ => {}
             }
@@ -120,6 +128,12 @@ impl OutputGate {
             move_releases_first(&mut events[first..]);
         }
         is_within_limit
+    }
+
+    /// Iterates over the keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early, and that are up.
+    pub(super) fn withheld_keys(&self) -> impl Iterator<Item = KeyCode> + '_ {
+        let withheld = self.withheld.release_order();
+        withheld.filter(|&key| !self.pressed.contains(key))
     }
 
     /// Changes the role of all sources. Everything must have been released before.
@@ -210,7 +224,10 @@ impl OutputGate {
                 },
             )
             .is_ok();
-        self.suppressed.system_keys += u64::from(is_inserted);
+        if is_inserted {
+            self.suppressed.system_keys += 1;
+            self.withheld.press(acting);
+        }
         is_inserted
     }
 }

@@ -20,7 +20,7 @@ fn event(milliseconds: u64, line: &str) -> OutputEvent {
 
 fn filter(gate: &mut OutputGate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
     let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
-    let is_within_limit = gate.filter(0, 0, 0, &mut events);
+    let [is_within_limit, _] = gate.filter(|_| 0, 0, 0, &mut events);
     let words = events.iter().map(|event| match event.kind {
         EventKind::KeyDown(key) => format!("down {key}"),
         EventKind::KeyUp(key) => format!("up {key}"),
@@ -191,7 +191,7 @@ fn without_room_for_an_early_release_the_modifier_is_suppressed() {
     };
     let mut events: Events = std::iter::repeat_n(other, Events::new().capacity() - 1).collect();
     events.push(event(2, "down AltLeft"));
-    assert!(gate.filter(0, 0, 0, &mut events));
+    assert_eq!(gate.filter(|_| 0, 0, 0, &mut events), [true; 2]);
     assert_eq!(events.len(), Events::new().capacity() - 1);
     assert_eq!(gate.suppressed().system_keys, 1);
     assert_eq!(filter(&mut gate, 3, &["up Delete"]).1, ["up Delete"]);
@@ -203,7 +203,7 @@ fn a_modifier_that_a_role_suppresses_releases_nothing() {
     gate.add_source(SourcePermissions::NETWORK);
     filter(&mut gate, 1, &["down Delete", "down ControlLeft"]);
     let mut events: Events = [event(2, "down AltLeft")].into_iter().collect();
-    gate.filter(1, 0, 0, &mut events);
+    gate.filter(|_| 1, 0, 0, &mut events);
     assert!(events.is_empty());
     assert_eq!(gate.suppressed().system_keys, 0);
 }
@@ -217,7 +217,7 @@ fn each_source_has_its_own_rate_limit() {
             .map(|line| event(1, line))
             .into_iter()
             .collect();
-        gate.filter(source, 0, 0, &mut events)
+        gate.filter(|_| source, 0, 0, &mut events)[source]
     };
     let outcomes = [0, 0, 1, 1, 1].map(&mut tap);
     assert_eq!(outcomes, [true, false, true, true, false]);
@@ -235,7 +235,7 @@ fn filter_for(role: SourceRole, kinds: &[EventKind]) -> (Vec<EventKind>, Suppres
         kind,
     };
     let mut events: Events = kinds.iter().map(event).collect();
-    let is_within_limit = gate.filter(0, 0, 0, &mut events);
+    let [is_within_limit, _] = gate.filter(|_| 0, 0, 0, &mut events);
     assert!(is_within_limit, "the role does not affect the rate limit");
     let passed = events.iter().map(|it| it.kind).collect();
     (passed, gate.suppressed())
@@ -293,7 +293,7 @@ fn each_source_has_its_own_role_and_releases_need_none() {
     gate.add_source(permissions(SourceRole::Pointer, 60));
     let mut passed = |source, lines: &[&str]| {
         let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
-        gate.filter(source, 0, 0, &mut events);
+        gate.filter(|_| source, 0, 0, &mut events);
         events.len()
     };
     assert_eq!(passed(0, &["down A", "down MouseLeft"]), 1);
@@ -302,6 +302,46 @@ fn each_source_has_its_own_role_and_releases_need_none() {
     assert_eq!(passed(1, &["up B", "up A"]), 1);
     assert_eq!(gate.suppressed().keys_by_role, 1);
     assert_eq!(gate.suppressed().pointing_by_role, 1);
+}
+
+#[test]
+fn a_press_is_judged_by_the_source_of_its_hand() {
+    let mut gate = OutputGate::new(permissions(SourceRole::Pointer, 2), false);
+    gate.add_source(permissions(SourceRole::Both, 2));
+    let of_second = EventKind::KeyDown("A".parse().unwrap());
+    let mut step = |lines: &[&str]| {
+        let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
+        let hand_of = |kind| usize::from(kind == of_second);
+        let is_within_limit = gate.filter(hand_of, 0, 0, &mut events);
+        (is_within_limit, events.len(), gate.withheld_keys().count())
+    };
+    assert_eq!(
+        step(&["down A", "down B", "down MouseLeft"]),
+        ([true; 2], 2, 1)
+    );
+    // The second hand is beyond its limit, the first one is not.
+    let both = ["up A", "down A", "up MouseLeft"];
+    assert_eq!(step(&both), ([true, false], 2, 1));
+    assert_eq!(step(&[]), ([true; 2], 0, 0));
+}
+
+#[test]
+fn a_key_that_is_down_after_all_is_not_withheld() {
+    let mut gate = gate(60);
+    let withheld = |tested: &OutputGate| {
+        let keys = tested.withheld_keys().map(|key| key.to_string());
+        keys.collect::<Vec<_>>()
+    };
+    filter(
+        &mut gate,
+        1,
+        &["down Delete", "down ControlLeft", "down AltLeft"],
+    );
+    assert_eq!(withheld(&gate), ["Delete"], "it was released early");
+    filter(&mut gate, 2, &["down MetaLeft"]);
+    assert_eq!(withheld(&gate), ["MetaLeft"]);
+    filter(&mut gate, 3, &["down ControlLeft"]);
+    assert_eq!(withheld(&gate), [""; 0], "it is down");
 }
 
 #[test]
@@ -323,7 +363,7 @@ fn events_before_the_first_index_are_not_filtered() {
         .map(|line| event(1, line))
         .into_iter()
         .collect();
-    gate.filter(0, 1, 0, &mut events);
+    gate.filter(|_| 0, 1, 0, &mut events);
     assert_eq!(events.len(), 1);
 }
 
@@ -341,13 +381,17 @@ fn presses_that_a_filter_added_do_not_count_against_the_rate_limit() {
             })
             .chain([event(step * 500, "down A"), event(step * 500, "up A")])
             .collect();
-        assert!(gate.filter(0, 0, 12, &mut events), "step {step}");
+        assert_eq!(
+            gate.filter(|_| 0, 0, 12, &mut events),
+            [true; 2],
+            "step {step}"
+        );
         assert_eq!(events.len(), 26);
     }
     let burst = |tested: &mut OutputGate, added| {
         let write = [event(10_001, "write a"), event(10_001, "write b")];
         let mut events: Events = write.into_iter().cycle().take(6).collect();
-        let is_within_limit = tested.filter(0, 0, added, &mut events);
+        let [is_within_limit, _] = tested.filter(|_| 0, 0, added, &mut events);
         (is_within_limit, events.len())
     };
     // The characters of one key count as one press even after the characters of a filter.

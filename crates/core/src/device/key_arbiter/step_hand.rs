@@ -1,0 +1,196 @@
+//! The hand of the present step, and the hands that may not type.
+
+use arrayvec::ArrayVec;
+
+use super::{KeyAction, KeyArbiter, PressSource};
+use crate::device::EventKind;
+use crate::hand::Side;
+
+/// Different keys and characters that may be pressed for the other hand in one step. Further ones count as presses of the hand of the step.
+const MAX_PRESSES_OF_OTHER_HAND: usize = 64;
+
+/// The hand of the present step.
+#[derive(Clone, Debug)]
+pub(super) struct StepHand {
+    side: Side,
+    /// The hand may point but not type, by side.
+    pointing_only: [bool; Side::COUNT],
+    /// The typing presses dropped because of that.
+    dropped_presses: u64,
+    /// The keys and characters of this step that the other hand has caused: presses that were delayed.
+    of_other_hand: ArrayVec<EventKind, MAX_PRESSES_OF_OTHER_HAND>,
+}
+
+impl Default for StepHand {
+    fn default() -> Self {
+        Self {
+            side: Side::Right,
+            pointing_only: [false; Side::COUNT],
+            dropped_presses: 0,
+            of_other_hand: ArrayVec::new(),
+        }
+    }
+}
+
+impl StepHand {
+    /// Returns the side that causes a press of a source: of a touch its own, of a part of a control the side of the step.
+    pub(super) fn side_of(&self, source: PressSource) -> Side {
+        match source {
+            PressSource::Touch(side, ..) => side,
+            PressSource::Part(..) => self.side,
+        }
+    }
+
+    /// Notes that `side` has caused the press of a key, or a character.
+    pub(super) fn note_press(&mut self, side: Side, kind: EventKind) {
+        if side != self.side && !self.of_other_hand.contains(&kind) {
+            let _ = self.of_other_hand.try_push(kind);
+        }
+    }
+
+    /// Returns `true`, and counts the press, if an action types and the hand of its source may only point.
+    pub(super) fn drops(&mut self, source: PressSource, action: KeyAction) -> bool {
+        let is_dropped = action.is_typing() && self.pointing_only[self.side_of(source).index()];
+        self.dropped_presses += u64::from(is_dropped);
+        is_dropped
+    }
+}
+
+impl KeyArbiter {
+    /// Begins a step of the hand of `side`. The typing presses of hands that may only point are dropped from now on, by side. Checked at
+    /// each press, because a delayed press may begin in a step of the other hand.
+    pub fn begin_step(&mut self, side: Side, pointing_only: [bool; Side::COUNT]) {
+        self.hand.side = side;
+        self.hand.pointing_only = pointing_only;
+        self.hand.of_other_hand.clear();
+    }
+
+    /// Returns `true` if the other hand has caused this press of a key, or character, of the present step.
+    pub fn is_of_other_hand(&self, kind: EventKind) -> bool {
+        self.hand.of_other_hand.contains(&kind)
+    }
+
+    /// Returns `true` if the other hand has caused a press or character of the present step.
+    pub fn has_press_of_other_hand(&self) -> bool {
+        !self.hand.of_other_hand.is_empty()
+    }
+
+    /// Returns `true`, and counts the press, if an action types and the hand of its source may only point.
+    pub(in crate::device) fn drops(&mut self, source: PressSource, action: KeyAction) -> bool {
+        self.hand.drops(source, action)
+    }
+
+    /// Returns the number of presses dropped because their hand may only point since the last call.
+    pub fn take_dropped_presses(&mut self) -> u64 {
+        std::mem::take(&mut self.hand.dropped_presses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::TargetId;
+    use crate::device::key_arbiter::words;
+    use crate::device::{Events, KeyCode, Latch, TextId};
+    use crate::hand::Finger;
+    use crate::time::Timestamp;
+
+    const LEFT_MAY_ONLY_POINT: [bool; Side::COUNT] = [true, false];
+
+    fn key(name: &str) -> KeyCode {
+        name.parse().expect("the name of a key")
+    }
+
+    fn finger(side: Side) -> PressSource {
+        PressSource::Touch(side, Finger::Index, TargetId(0))
+    }
+
+    fn part(target: u32) -> PressSource {
+        PressSource::Part(TargetId(target), 0)
+    }
+
+    /// Presses an action in a step of the hand of `side`, and returns the events.
+    fn press(
+        arbiter: &mut KeyArbiter,
+        side: Side,
+        source: PressSource,
+        action: KeyAction,
+    ) -> String {
+        let mut events = Events::new();
+        arbiter.begin_step(side, LEFT_MAY_ONLY_POINT);
+        assert!(arbiter.press(source, action, Timestamp(0), &mut events));
+        arbiter.emit_changes(Timestamp(0), &mut events);
+        words(&events)
+    }
+
+    fn release(arbiter: &mut KeyArbiter, source: PressSource) -> String {
+        let mut events = Events::new();
+        arbiter.release(|other| other == source);
+        arbiter.emit_changes(Timestamp(0), &mut events);
+        words(&events)
+    }
+
+    #[test]
+    fn a_part_of_a_control_presses_for_the_hand_of_the_step() {
+        let mut arbiter = KeyArbiter::default();
+        let shift = KeyAction::Modifier(key("ShiftLeft"), Latch::Momentary);
+        assert_eq!(press(&mut arbiter, Side::Left, part(1), shift), "");
+        assert!(!arbiter.has_press_from(part(1)));
+        assert_eq!(
+            press(&mut arbiter, Side::Right, part(2), shift),
+            "+ShiftLeft"
+        );
+        assert_eq!(release(&mut arbiter, part(1)), "");
+        assert_eq!(release(&mut arbiter, part(2)), "-ShiftLeft");
+        let click = KeyAction::Key(key("MouseLeft"));
+        assert_eq!(
+            press(&mut arbiter, Side::Left, part(1), click),
+            "+MouseLeft"
+        );
+        assert_eq!(arbiter.take_dropped_presses(), 1);
+    }
+
+    #[test]
+    fn a_touch_presses_for_its_own_hand_in_any_step() {
+        let mut arbiter = KeyArbiter::new(vec!["ab".to_owned()]);
+        let a = KeyAction::Key(key("A"));
+        assert_eq!(press(&mut arbiter, Side::Right, finger(Side::Left), a), "");
+        assert_eq!(
+            press(&mut arbiter, Side::Left, finger(Side::Right), a),
+            "+A"
+        );
+        assert!(arbiter.is_of_other_hand(EventKind::KeyDown(key("A"))));
+        assert!(arbiter.has_press_of_other_hand());
+        let text = KeyAction::Text(TextId(0));
+        assert_eq!(
+            press(&mut arbiter, Side::Left, finger(Side::Right), text),
+            "a b"
+        );
+        assert!(arbiter.is_of_other_hand(EventKind::Character('b')));
+        assert!(!arbiter.is_of_other_hand(EventKind::KeyDown(key("A"))));
+        assert_eq!(
+            press(&mut arbiter, Side::Right, finger(Side::Right), text),
+            "a b"
+        );
+        assert!(!arbiter.has_press_of_other_hand());
+    }
+
+    #[test]
+    fn a_suppressed_key_is_held_by_nothing_until_it_is_pressed_again() {
+        let mut arbiter = KeyArbiter::default();
+        let lock = KeyAction::Modifier(key("MetaLeft"), Latch::Lock);
+        for source in [part(1), part(2)] {
+            assert_eq!(press(&mut arbiter, Side::Right, source, lock), "+MetaLeft");
+            arbiter.suppress_key(key("MetaLeft"));
+            assert!(arbiter.has_press_from(source));
+        }
+        assert_eq!(release(&mut arbiter, part(1)), "");
+        assert_eq!(release(&mut arbiter, part(2)), "", "it is not locked");
+        assert!(arbiter.is_idle());
+        assert_eq!(press(&mut arbiter, Side::Right, part(1), lock), "+MetaLeft");
+        assert_eq!(release(&mut arbiter, part(1)), "", "it is locked");
+        arbiter.suppress_key(key("MetaLeft"));
+        assert!(arbiter.is_idle());
+        assert_eq!(release(&mut arbiter, part(1)), "");
+    }
+}

@@ -1,0 +1,103 @@
+//! The devices of a step: what they may press, their events through the filters and the gate, and their commands.
+
+use super::Pipeline;
+use super::layout_instance::PressRules;
+use super::permissions::EventClass;
+use super::press_filter::FilteredStep;
+use crate::command::{Command, CommandOrigin};
+use crate::device::{EventKind, Events};
+use crate::hand::Side;
+
+impl Pipeline {
+    /// Returns what the sources permit in a step of the hand with this index.
+    fn press_rules(&self, index: usize) -> PressRules {
+        let mut pointer_only = [false; Side::COUNT];
+        for (other, hand) in self.hands.iter().enumerate() {
+            pointer_only[hand.side().index()] = !self.gate.allows_keys(other);
+        }
+        PressRules {
+            pointer_only,
+            sequence_gap: self.gate.rate_limit(index).sequence_gap(),
+        }
+    }
+
+    /// Updates the devices, filters their events and executes their commands.
+    pub(super) fn run_devices(&mut self, index: usize, events: &mut Events) {
+        let first = events.len();
+        let rules = self.press_rules(index);
+        let layout = &mut self.profiles[self.active_profile].layout;
+        let output = &mut self.hands[index].output;
+        let dropped = layout.update_devices(output, rules, events);
+        layout.update_auto_recenter(&output.pose);
+        self.gate.add_suppressed_keys(dropped);
+        let replacing = layout.take_replacing_presses();
+        let (filter, scene, arbiter) = layout.filter_parts();
+        let step = FilteredStep {
+            pose: &output.pose,
+            scene,
+            presses: &output.presses,
+            may_type: self.gate.allows_keys(index),
+        };
+        let held = || arbiter.pressed_keys();
+        let added = self.filters.apply(filter, step, held, first, events) + replacing;
+        let system_keys = self.gate.suppressed().system_keys;
+        let (other, may_type) = (self.hands.len() - 1 - index, self.gate.allows_keys(index));
+        let has_other = arbiter.has_press_of_other_hand();
+        let hand_of = |kind: EventKind| {
+            // What a filter types in place of a press of the other hand is of that hand.
+            let is_in_place =
+                has_other && !may_type && EventClass::of(kind) == Some(EventClass::Keys);
+            if is_in_place || arbiter.is_of_other_hand(kind) {
+                other
+            } else {
+                index
+            }
+        };
+        let within_limit = self.gate.filter(hand_of, first, added, events);
+        layout.suppress_keys(self.gate.withheld_keys());
+        if self.gate.suppressed().system_keys > system_keys {
+            // The keys that follow would act without the suppressed one.
+            layout.abandon_sequence();
+        }
+        for (hand, is_within_limit) in within_limit.into_iter().enumerate() {
+            if !is_within_limit {
+                // A filter believes that all of it was sent.
+                self.reset_filters();
+                if !self.suspend(hand) {
+                    self.pause(CommandOrigin::RateLimit, events);
+                }
+            }
+        }
+        self.execute_issued(index, events);
+    }
+
+    /// Executes the commands that the devices issued for a hand.
+    fn execute_issued(&mut self, index: usize, events: &mut Events) {
+        let mut next = 0;
+        while let Some(issued) = self.hands[index].output.commands.get(next) {
+            let command = match issued.command {
+                // The rate limit or another command may have paused this step; a toggle must not resume it.
+                Command::TogglePause => Command::Pause,
+                command => command,
+            };
+            next += 1;
+            // A command that cannot be executed has no effect; no caller waits for a reply.
+            let _ = self.execute(&command, CommandOrigin::Layout, events);
+        }
+    }
+
+    /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed, and
+    /// only if the layout itself has paused.
+    pub(super) fn run_devices_paused(&mut self, index: usize) {
+        let rules = self.press_rules(index);
+        let layout = &mut self.profiles[self.active_profile].layout;
+        let output = &mut self.hands[index].output;
+        layout.update_devices(output, rules, &mut Events::new());
+        layout.take_replacing_presses();
+        let mut commands = std::mem::take(&mut output.commands).into_iter();
+        let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
+        if commands.any(|issued| ends_pause(issued.command)) {
+            self.resume(CommandOrigin::Layout);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Two hands of which one may only point, or only type: each press is judged by the hand that causes it.
+
+use std::fs;
+
+use ademan::hand::Side;
+use ademan::pipeline::{PipelineState, SourceRole};
+use ademan::setup::{OtherHand, Setup};
+
+use crate::wearer::Wearer;
+
+/// The same board for each hand, whose controls have the name of their side in front.
+fn boards() -> String {
+    let board = |side: &str, bearing: i32| {
+        format!(
+            r#"(
+            hand: "{side}",
+            pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -45),
+            pitch_mm: 24, size_mm: Box(22, 20),
+            keys: [
+                (code: "W", name: "{side}-w", at_mm: (0, 0)),
+                (code: "ControlLeft", name: "{side}-control", at_mm: (-24, 0)),
+                (code: "MouseLeft", name: "{side}-click", at_mm: (24, 0)),
+                (code: "A", hold: (code: "ControlRight"), hold_after_ms: 105, name: "{side}-hold", at_mm: (48, 0)),
+                (code: "D", dwell_ms: 105, name: "{side}-dwell", at_mm: (0, 24)),
+                (action: Text("hi"), dwell_ms: 105, name: "{side}-text", at_mm: (24, 24)),
+                (code: "C", name: "{side}-chord", at_mm: (-48, 0)),
+            ],
+            toggles: [(name: "{side}-toggle", at_mm: (-24, 24), hold: Key("ControlLeft"))],
+        )"#
+        )
+    };
+    let chords =
+        r#"chord_timeout_ms: 45, chords: [(keys: "left-chord right-chord", action: Key("X"))]"#;
+    let (left, right) = (board("left", -35), board("right", 35));
+    format!(r#"Layout(name: "roles", boards: [{left}, {right}], {chords})"#)
+}
+
+/// Returns a wearer whose left hand sends first in each step.
+fn wearer(left: SourceRole, right: SourceRole) -> Wearer {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("roles.ron");
+    fs::write(&path, boards()).expect("a layout");
+    let mut wearer = Wearer::new(Setup {
+        source: Some("serial:/dev/right".parse().expect("a source")),
+        role: Some(right),
+        other_hand: Some(OtherHand {
+            source: Some("serial:/dev/left".parse().expect("a source")),
+            role: Some(left),
+            ..OtherHand::default()
+        }),
+        layout: path.display().to_string(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "left-w", false);
+    wearer.go(Side::Right, "right-w", false);
+    wearer.hold_still(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer
+}
+
+#[test]
+fn a_switch_of_a_hand_that_may_only_point_neither_types_nor_hides_a_key() {
+    let mut wearer = wearer(SourceRole::Pointer, SourceRole::Both);
+    wearer.tap(Side::Left, "left-toggle");
+    wearer.tap(Side::Right, "right-control");
+    assert_eq!(wearer.transcript(), "+ControlLeft -ControlLeft");
+    wearer.press(Side::Right, "right-control");
+    wearer.tap(Side::Left, "left-toggle");
+    assert_eq!(wearer.transcript(), "+ControlLeft", "still held");
+    assert_eq!(wearer.pipeline.suppressed().keys_by_role, 1);
+}
+
+#[test]
+fn delayed_presses_are_judged_by_their_hand() {
+    for (control, expected) in [
+        ("hold", "+ControlRight -ControlRight"),
+        ("dwell", "+D -D"),
+        ("text", "h i"),
+        ("chord", "+C -C"),
+    ] {
+        let roles = [SourceRole::Pointer, SourceRole::Both];
+        for (left, right) in [(roles[0], roles[1]), (roles[1], roles[0])] {
+            for (side, role) in [(Side::Left, left), (Side::Right, right)] {
+                let mut wearer = wearer(left, right);
+                wearer.tap(side, &format!("{side}-{control}"));
+                let is_typed = role == SourceRole::Both;
+                let (typed, count) = (wearer.transcript(), u64::from(!is_typed));
+                assert_eq!(
+                    typed,
+                    if is_typed { expected } else { "" },
+                    "{side} {control}"
+                );
+                assert_eq!(wearer.pipeline.suppressed().keys_by_role, count);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_button_that_a_role_suppresses_does_not_hide_the_button_of_the_other_hand() {
+    let mut wearer = wearer(SourceRole::Keys, SourceRole::Both);
+    wearer.press(Side::Left, "left-click");
+    wearer.tap(Side::Right, "right-click");
+    wearer.hold_still(300);
+    assert_eq!(wearer.transcript(), "+MouseLeft -MouseLeft");
+    assert_eq!(wearer.pipeline.suppressed().pointing_by_role, 1);
+}
