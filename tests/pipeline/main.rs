@@ -24,6 +24,7 @@ mod key_words;
 mod layout_changes;
 mod learning;
 mod limits;
+mod lost_hands;
 mod lucidgloves;
 mod network_poses;
 mod panels;

@@ -52,10 +52,10 @@ struct Tracker {
     keys: Vec<String>,
 }
 
-fn setup(source: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
+fn setup(source: &str, layout_text: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
     let folder = tempfile::tempdir().expect("a folder");
     let layout = folder.path().join("two-keys.ron");
-    std::fs::write(&layout, TWO_KEYS).expect("a layout");
+    std::fs::write(&layout, layout_text).expect("a layout");
     let setup = Setup {
         source: Some(source.parse().expect("a source")),
         other_hand,
@@ -68,20 +68,24 @@ fn setup(source: &str, other_hand: Option<OtherHand>) -> LoadedSetup {
 impl Tracker {
     /// Creates a tracker that sees both hands above their keys, with armed output.
     fn new(source: &str, encode: fn(&[(Side, JointPositions)]) -> String) -> Self {
-        let setup = setup(source, Some(OtherHand::default()));
+        let mut tracker = Self::of(setup(source, TWO_KEYS, Some(OtherHand::default())), encode);
+        tracker.see(&[hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)], 15);
+        assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+        tracker
+    }
+
+    /// Creates a tracker that has seen nothing.
+    fn of(setup: LoadedSetup, encode: fn(&[(Side, JointPositions)]) -> String) -> Self {
         let Some(SourceUri::Stream(stream)) = &setup.setup.source else {
             panic!("a stream");
         };
         let decoder = stream.format.decoder();
-        let mut tracker = Self {
+        Self {
             pipeline: CheckedPipeline::new(&setup),
             decoder,
             encode,
             keys: Vec::new(),
-        };
-        tracker.see(&[hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)], 15);
-        assert_eq!(tracker.pipeline.state(), PipelineState::Running);
-        tracker
+        }
     }
 
     /// Steps a number of equal lines. Returns the presses and releases.
@@ -155,6 +159,34 @@ fn a_hand_that_is_not_seen_releases_its_key_after_the_hold_time_and_the_other_ha
 }
 
 #[test]
+fn a_locked_modifier_ends_when_its_hand_is_not_seen() {
+    let lock = r#"code: "ControlLeft", name: "J", latch: Lock"#;
+    let layout = TWO_KEYS.replace(r#"code: "J""#, lock);
+    let encode: fn(&[_]) -> String = |hands| joint_sets::encode(&joint_sets::WEBXR, None, hands);
+    for other_hand in [Some(OtherHand::default()), None] {
+        let setup = setup("stdin:?protocol=webxr", &layout, other_hand.clone());
+        let mut tracker = Tracker::of(setup, encode);
+        let seen = |height| match other_hand {
+            Some(_) => vec![hand(Side::Left, ABOVE), hand(Side::Right, height)],
+            None => vec![hand(Side::Right, height)],
+        };
+        tracker.see(&seen(ABOVE), 15);
+        assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+        tracker.see(&seen(-0.24), 2);
+        assert_eq!(tracker.see(&seen(ON_KEY), 4), ["down ControlLeft"]);
+        tracker.see(&seen(-0.24), 2);
+        assert!(tracker.see(&seen(ABOVE), 15).is_empty(), "locked");
+        let rest: Vec<_> = seen(ABOVE)
+            .into_iter()
+            .filter(|(side, _)| *side == Side::Left)
+            .collect();
+        assert!(tracker.see(&rest, 3).is_empty(), "held");
+        assert_eq!(tracker.see(&rest, 1), ["up ControlLeft"], "lost");
+        assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+    }
+}
+
+#[test]
 fn a_hand_below_the_score_counts_as_not_seen() {
     let mut tracker = Tracker::new("stdin:?protocol=hand-landmarks&camera=head", |hands| {
         let line = hand_landmarks::encode(None, hands);
@@ -202,7 +234,7 @@ fn a_setup_with_one_hand_has_the_arm_of_the_side_that_its_source_names() {
         ("stdin:?protocol=body-landmarks&hand=left", Side::Left),
         ("file:walk.bvh?protocol=bvh&hand=left", Side::Left),
     ] {
-        let setup = setup(source, None);
+        let setup = setup(source, TWO_KEYS, None);
         assert!(setup.glove.is_none(), "{source}");
         assert_eq!(setup.arm.side(), side, "{source}");
     }

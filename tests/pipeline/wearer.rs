@@ -3,7 +3,7 @@
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::ChannelMap;
-use ademan::hand::Side;
+use ademan::hand::{HandPart, Side};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
@@ -97,6 +97,13 @@ impl Wearer {
             self.shown[side.index()] = Some(posture);
             self.hold_still(150);
         }
+    }
+
+    /// Loses the source of a hand, or of a part of it.
+    pub fn lose(&mut self, side: Side, part: Option<HandPart>) {
+        let mut events = Events::new();
+        self.pipeline.lose(Some(side), part, &mut events);
+        self.write(&events);
     }
 
     pub fn write(&mut self, events: &Events) {

@@ -9,7 +9,7 @@ use crate::command::Command;
 use crate::contact::surface::Scene;
 use crate::contact::{Press, TargetId, Touch};
 use crate::estimate::FingerBends;
-use crate::hand::{InputValues, JointAngles};
+use crate::hand::{InputValues, JointAngles, Side};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
 use crate::time::Timestamp;
@@ -273,6 +273,10 @@ pub trait VirtualDevice: Send {
     /// ends. The [`KeyArbiter`] has already released all presses; the device resets its state, and emits the
     /// values and axes that return to rest.
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput);
+
+    /// Ends at `time` what a hand has switched on and left on, because the hand is lost. What the hand still presses has ended with
+    /// its last step.
+    fn release_hand(&mut self, _side: Side, _time: Timestamp, _out: &mut DeviceOutput) {}
 
     /// Returns the position of its cursor, for displays; `None` for a device without one.
     fn cursor(&self) -> Option<CursorPosition> {

@@ -3,7 +3,8 @@
 use super::target_index::TargetIndex;
 use super::toggle::{ToggleOutput, value_event};
 use super::{Capabilities, DeviceInput, DeviceOutput, PressSource, VirtualDevice};
-use crate::contact::{Phase, TargetId};
+use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// A radio group.
@@ -28,13 +29,14 @@ pub struct RadioOption {
 /// The radio groups of a layout.
 ///
 /// Pressing an option switches the previous one off, then the new one on. Pressing the option that is on
-/// has no effect. If the press of an option does not fit into the event list, its group has no option on.
+/// has no effect. If the press of an option does not fit into the event list, its group has no option on. The loss of a hand switches
+/// off an option that it has switched on and that holds an action.
 #[derive(Clone, Debug)]
 pub struct Radios {
     /// The options of all groups, each with the index of its group.
     options: Vec<(RadioOption, usize)>,
-    /// The index of the option that is on, for each group.
-    on: Vec<Option<usize>>,
+    /// The index of the option that is on, and the hand that has switched it on, for each group.
+    on: Vec<Option<(usize, Option<Side>)>>,
     index: TargetIndex,
 }
 
@@ -45,7 +47,7 @@ impl Radios {
         for (group, radio) in radios.into_iter().enumerate() {
             let first = options.len();
             let initial = radio.initial.filter(|&index| index < radio.options.len());
-            on.push(initial.map(|index| first + index));
+            on.push(initial.map(|index| (first + index, None)));
             options.extend(radio.options.into_iter().map(|option| (option, group)));
         }
         Self {
@@ -55,11 +57,12 @@ impl Radios {
         }
     }
 
-    fn switch_on(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
+    fn switch_on(&mut self, index: usize, touch: &Touch, out: &mut DeviceOutput) {
         let (RadioOption { target, output }, group) = self.options[index];
-        if self.on[group] == Some(index) {
+        if self.on[group].is_some_and(|(on, _)| on == index) {
             return;
         }
+        let time = touch.time;
         self.switch_off(group, time, out);
         let source = PressSource::Part(target, 0);
         let is_on = match output {
@@ -68,14 +71,14 @@ impl Radios {
             ToggleOutput::Tap(action) => out.tap(source, action, time),
         };
         if is_on {
-            self.on[group] = Some(index);
+            self.on[group] = Some((index, Some(touch.side)));
             out.emit(time, value_event(target, true));
         }
     }
 
     /// Switches off the option of a group that is on.
     fn switch_off(&mut self, group: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let Some(index) = self.on[group].take() else {
+        let Some((index, _)) = self.on[group].take() else {
             return;
         };
         let (RadioOption { target, output }, _) = self.options[index];
@@ -83,6 +86,13 @@ impl Radios {
             out.release(PressSource::Part(target, 0), time);
         }
         out.emit(time, value_event(target, false));
+    }
+
+    /// Returns the target of the option of a group that is on and holds an action, and the hand that has switched it on.
+    fn held(&self, group: usize) -> Option<(TargetId, Option<Side>)> {
+        let (index, by) = self.on[group]?;
+        let (RadioOption { target, output }, _) = self.options[index];
+        matches!(output, ToggleOutput::Hold(_)).then_some((target, by))
     }
 }
 
@@ -97,16 +107,25 @@ impl VirtualDevice for Radios {
             if touch.phase == Phase::Pressed
                 && let Some(index) = self.index.get(touch.target)
             {
-                self.switch_on(index, touch.time, out);
+                self.switch_on(index, touch, out);
             }
         }
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for group in 0..self.on.len() {
-            let holds = self.on[group]
-                .is_some_and(|index| matches!(self.options[index].0.output, ToggleOutput::Hold(_)));
-            if holds {
+            if self.held(group).is_some() {
+                self.switch_off(group, time, out);
+            }
+        }
+    }
+
+    fn release_hand(&mut self, side: Side, time: Timestamp, out: &mut DeviceOutput) {
+        for group in 0..self.on.len() {
+            if let Some((target, by)) = self.held(group)
+                && by == Some(side)
+            {
+                out.cancel(PressSource::Part(target, 0), time);
                 self.switch_off(group, time, out);
             }
         }

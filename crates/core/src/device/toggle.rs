@@ -5,7 +5,8 @@ use super::{
     Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
     VirtualDevice,
 };
-use crate::contact::{Phase, TargetId};
+use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// A toggle switch.
@@ -22,7 +23,8 @@ pub struct Toggle {
 pub enum ToggleOutput {
     /// Nothing else.
     ValueOnly,
-    /// The action is held while the switch is on. [`VirtualDevice::release_all`] turns the switch off.
+    /// The action is held while the switch is on. [`VirtualDevice::release_all`], and the loss of the hand that has turned it on,
+    /// turn the switch off.
     Hold(KeyAction),
     /// The action is tapped at each change, for receivers that keep the state themselves.
     /// [`VirtualDevice::release_all`] leaves the switch as it is.
@@ -44,7 +46,8 @@ impl ToggleOutput {
 /// A switch changes only when it is pressed: not on release, and not when the finger leaves or slides off.
 #[derive(Clone, Debug)]
 pub struct Toggles {
-    toggles: Vec<(Toggle, bool)>,
+    /// The switches, each with the hand that has turned it on.
+    toggles: Vec<(Toggle, Option<Side>)>,
     index: TargetIndex,
 }
 
@@ -53,14 +56,14 @@ impl Toggles {
     pub fn new(toggles: Vec<Toggle>) -> Self {
         Self {
             index: TargetIndex::new(toggles.iter().map(|toggle| toggle.target)),
-            toggles: toggles.into_iter().map(|toggle| (toggle, false)).collect(),
+            toggles: toggles.into_iter().map(|toggle| (toggle, None)).collect(),
         }
     }
 
-    fn switch(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let (Toggle { target, output }, is_on) = &mut self.toggles[index];
-        let source = PressSource::Part(*target, 0);
-        let will_be_on = !*is_on;
+    fn switch(&mut self, index: usize, touch: &Touch, out: &mut DeviceOutput) {
+        let (Toggle { target, output }, on_by) = &mut self.toggles[index];
+        let (source, time) = (PressSource::Part(*target, 0), touch.time);
+        let will_be_on = on_by.is_none();
         let has_changed = match *output {
             ToggleOutput::ValueOnly => true,
             ToggleOutput::Hold(action) if will_be_on => out.press(source, action, time),
@@ -71,8 +74,8 @@ impl Toggles {
             ToggleOutput::Tap(action) => out.tap(source, action, time),
         };
         if has_changed {
-            *is_on = will_be_on;
-            out.emit(time, value_event(*target, *is_on));
+            *on_by = will_be_on.then_some(touch.side);
+            out.emit(time, value_event(*target, will_be_on));
         }
     }
 }
@@ -93,15 +96,25 @@ impl VirtualDevice for Toggles {
             if touch.phase == Phase::Pressed
                 && let Some(index) = self.index.get(touch.target)
             {
-                self.switch(index, touch.time, out);
+                self.switch(index, touch, out);
             }
         }
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        for (toggle, is_on) in &mut self.toggles {
+        for (toggle, on_by) in &mut self.toggles {
             let holds = matches!(toggle.output, ToggleOutput::Hold(_));
-            if holds && std::mem::take(is_on) {
+            if holds && on_by.take().is_some() {
+                out.emit(time, value_event(toggle.target, false));
+            }
+        }
+    }
+
+    fn release_hand(&mut self, side: Side, time: Timestamp, out: &mut DeviceOutput) {
+        for (toggle, on_by) in &mut self.toggles {
+            let holds = matches!(toggle.output, ToggleOutput::Hold(_));
+            if holds && on_by.take_if(|by| *by == side).is_some() {
+                out.cancel(PressSource::Part(toggle.target, 0), time);
                 out.emit(time, value_event(toggle.target, false));
             }
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::auto_recenter::AutoRecenterState;
+use super::hand_watch::HandWatch;
 use super::release_order::move_releases_first;
 use super::{PressFilter, StepOutput};
 use crate::contact::board_pose::AutoRecenter;
@@ -40,6 +41,8 @@ pub struct LayoutInstance {
     /// Targets or devices depend on the bends of the fingers.
     needs_bends: bool,
     bend_trackers: [BendTracker; Side::COUNT],
+    /// Whether each hand is tracked, by side.
+    hands: [HandWatch; Side::COUNT],
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
@@ -72,6 +75,7 @@ impl LayoutInstance {
             follows_other_hand: scene.follows_other_hand(),
             follows_body: scene.follows_body(),
             bend_trackers: Default::default(),
+            hands: Default::default(),
             scene,
             target_names,
             key_arbiter: KeyArbiter::default(),
@@ -289,7 +293,8 @@ impl LayoutInstance {
     }
 
     /// Updates the devices for one hand and one step, and the sequence that it has started. Presses of keys by hands that may only
-    /// point are dropped; returns their number.
+    /// point are dropped; returns their number. In the step that shows that the hand is lost, the one-shots and locks that it has set and
+    /// what it has switched on end too; what the other hand presses or has set stays.
     pub(super) fn update_devices(
         &mut self,
         step: &mut StepOutput,
@@ -317,6 +322,10 @@ impl LayoutInstance {
         for device in &mut self.devices {
             device.update(&input, &mut output);
         }
+        let is_lost = self.hands[side.index()].update(&step.estimate);
+        if is_lost {
+            release_hand(&mut self.devices, side, step.pose.time, &mut output);
+        }
         let hand = SequenceHand {
             side,
             time: step.pose.time,
@@ -326,10 +335,15 @@ impl LayoutInstance {
         };
         self.key_arbiter.watch_multitap(&hand);
         self.key_arbiter.advance_sequence(&hand, events);
-        if self.devices.len() > 1 || had_sequence {
+        if self.devices.len() > 1 || had_sequence || is_lost {
             move_releases_first(&mut events[first..]);
         }
         self.key_arbiter.take_dropped_presses()
+    }
+
+    /// Notes that a source of a hand was lost: the next step releases what the hand has locked and switched on.
+    pub(super) fn lose_hand(&mut self, side: Side) {
+        self.hands[side.index()].lose();
     }
 
     /// Notes that the gate has suppressed the presses of keys.
@@ -368,4 +382,18 @@ impl LayoutInstance {
             device.release_all(time, &mut output);
         }
     }
+}
+
+/// Ends the one-shots and locks that a hand has set, and what it has switched on.
+fn release_hand(
+    devices: &mut [Box<dyn VirtualDevice>],
+    side: Side,
+    time: Timestamp,
+    output: &mut DeviceOutput,
+) {
+    output.arbiter.release_hand(side);
+    for device in devices {
+        device.release_hand(side, time, output);
+    }
+    output.arbiter.emit_changes(time, output.events);
 }

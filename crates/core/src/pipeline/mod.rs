@@ -8,6 +8,7 @@ mod body_points;
 mod command_error;
 mod commands;
 mod hand_pipeline;
+mod hand_watch;
 mod layout_instance;
 mod learning;
 mod other_hand;

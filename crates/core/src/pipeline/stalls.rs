@@ -68,9 +68,7 @@ impl Pipeline {
             .max();
         for index in 0..self.hands.len() {
             if side.is_none_or(|side| side == self.hands[index].side()) {
-                self.hands[index].lose(part);
-                self.release_lost(index, events);
-                self.release_followers(index, events);
+                self.lose_hand(index, part, events);
             }
         }
         if last.is_some() && !self.expects_readings() {
@@ -108,9 +106,7 @@ impl Pipeline {
         self.stalls += 1;
         for index in 0..self.hands.len() {
             if is_overdue(&self.hands[index]) {
-                self.hands[index].lose(None);
-                self.release_lost(index, events);
-                self.release_followers(index, events);
+                self.lose_hand(index, None, events);
             }
         }
     }
@@ -131,6 +127,15 @@ impl Pipeline {
                 hand.is_suspended = false;
             }
         }
+    }
+
+    /// Releases what a hand holds, has locked or has switched on, because the source of it, or of a part of it, was lost.
+    fn lose_hand(&mut self, index: usize, part: Option<HandPart>, events: &mut Events) {
+        self.hands[index].lose(part);
+        let side = self.hands[index].side();
+        self.active_layout().lose_hand(side);
+        self.release_lost(index, events);
+        self.release_followers(index, events);
     }
 
     /// Passes a hand that lost a part on to the devices, which release what that part held.

@@ -37,6 +37,12 @@ impl Locks {
         self.modifiers.len() < before
     }
 
+    /// Unlocks what a hand has locked.
+    pub(super) fn release_hand(&mut self, side: Side) {
+        self.modifiers.retain(|(_, by)| *by != side);
+        self.layer = self.layer.filter(|&(_, by)| by != side);
+    }
+
     /// Handles the end of a press.
     pub(super) fn end_press(&mut self, press: &Press, is_tap: bool) {
         if !is_tap || !press.latches || press.is_used {

@@ -261,6 +261,12 @@ impl KeyArbiter {
         self.release_unwanted(&[], time, events);
     }
 
+    /// Ends the one-shots and locks of a hand that is lost. What its fingers press ends with their touches.
+    pub fn release_hand(&mut self, side: Side) {
+        self.one_shots.release_hand(side);
+        self.locks.release_hand(side);
+    }
+
     /// Notes that the press of a key was suppressed behind the devices. Whatever presses the key holds nothing until it ends, and is no
     /// tap that locks; another press of the key presses it again.
     pub fn suppress_key(&mut self, code: KeyCode) {

@@ -48,6 +48,12 @@ impl OneShots {
         self.layer = None;
     }
 
+    /// Disarms what a hand has armed. What is active ends with its key press.
+    pub(super) fn release_hand(&mut self, side: Side) {
+        self.armed.retain(|(_, by)| *by != side);
+        self.layer = self.layer.filter(|&(_, by)| by != side);
+    }
+
     /// Handles the end of a press.
     pub(super) fn end_press(&mut self, press: &Press, is_tap: bool) {
         if self.active_for == Some(press.source) {

@@ -193,4 +193,27 @@ mod tests {
         assert!(arbiter.is_idle());
         assert_eq!(release(&mut arbiter, part(1)), "");
     }
+
+    #[test]
+    fn a_lost_hand_ends_what_it_has_locked_and_armed() {
+        let mut arbiter = KeyArbiter::default();
+        let control = KeyAction::Modifier(key("ControlLeft"), Latch::Lock);
+        let alt = KeyAction::Modifier(key("AltLeft"), Latch::OneShot);
+        let layer = KeyAction::Layer(1, Latch::Lock);
+        for action in [control, alt, layer] {
+            press(&mut arbiter, Side::Right, finger(Side::Right), action);
+            release(&mut arbiter, finger(Side::Right));
+        }
+        arbiter.release_hand(Side::Left);
+        assert_eq!(release(&mut arbiter, part(0)), "");
+        assert_eq!(arbiter.active_layer(), 1);
+        arbiter.release_hand(Side::Right);
+        assert_eq!(release(&mut arbiter, part(0)), "-ControlLeft");
+        assert_eq!(arbiter.active_layer(), 0);
+        let a = KeyAction::Key(key("A"));
+        assert_eq!(
+            press(&mut arbiter, Side::Right, finger(Side::Right), a),
+            "+A"
+        );
+    }
 }

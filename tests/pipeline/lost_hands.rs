@@ -1,0 +1,144 @@
+//! What a hand has locked, armed or switched on ends when the hand is lost, and what the other hand has set stays.
+
+use std::fs;
+
+use ademan::command::CommandOrigin;
+use ademan::hand::{HandPart, Side};
+use ademan::pipeline::PipelineState;
+use ademan::setup::{OtherHand, Setup};
+
+use crate::wearer::Wearer;
+
+/// A board for each hand. The left one locks, arms and switches; both type.
+const BOARDS: &str = r#"Layout(name: "boards", boards: [
+    (
+        hand: "left",
+        pose: (anchor: elbow, bearing_deg: -35, forward_mm: 300, height_mm: -45),
+        pitch_mm: 24, size_mm: Box(22, 20),
+        keys: [
+            (code: "ControlLeft", name: "lock", latch: Lock, at_mm: (-48, 0)),
+            (code: "F", at_mm: (0, 0)),
+            (code: "ShiftLeft", name: "once", latch: OneShot, at_mm: (-24, 0)),
+            (layer: "digits", name: "layer-once", latch: OneShot, at_mm: (24, 0)),
+            (layer: "digits", name: "layer-lock", latch: Lock, at_mm: (48, 0)),
+        ],
+        toggles: [
+            (name: "toggle", at_mm: (-24, 24), hold: Key("W")),
+            (name: "tapping", at_mm: (48, 24), tap: Key("T")),
+        ],
+        radios: [(name: "radio", options: [
+            (name: "off", at_mm: (0, 24)),
+            (name: "on", at_mm: (24, 24), hold: Key("Space")),
+        ])],
+    ),
+    (
+        hand: "right",
+        pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45),
+        pitch_mm: 24, size_mm: Box(22, 20),
+        keys: [
+            (code: "J", at_mm: (0, 0)),
+            (code: "K", at_mm: (24, 0)),
+            (code: "AltLeft", name: "right-lock", latch: Lock, at_mm: (-24, 0)),
+        ],
+        toggles: [(name: "right-toggle", at_mm: (-24, 24), hold: Key("V"))],
+    ),
+], layers: [(name: "digits", keys: {"J": "1"})])"#;
+
+fn wearer(setup: Setup) -> Wearer {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("boards.ron");
+    fs::write(&path, BOARDS).expect("a layout");
+    let mut wearer = Wearer::new(Setup {
+        other_hand: Some(OtherHand::default()),
+        layout: path.display().to_string(),
+        ..setup
+    });
+    wearer.go(Side::Left, "F", false);
+    wearer.go(Side::Right, "J", false);
+    wearer.hold_still(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer
+}
+
+/// The controls that stay on, what they type, and what comes up when the left hand is lost.
+const CONTROLS: [(&str, &str, &str); 6] = [
+    ("lock", "+ControlLeft", "-ControlLeft"),
+    ("toggle", "+W", "-W"),
+    ("on", "+Space", "-Space"),
+    ("once", "", ""),
+    ("layer-once", "", ""),
+    ("layer-lock", "", ""),
+];
+
+#[test]
+fn a_hand_without_readings_releases_what_it_has_locked_and_switched_on() {
+    for (control, on, off) in CONTROLS {
+        let mut wearer = wearer(Setup::default());
+        wearer.tap(Side::Left, control);
+        assert_eq!(wearer.transcript(), on, "{control}");
+        wearer.shown[Side::Left.index()] = None;
+        wearer.hold_still(300);
+        assert_eq!(wearer.transcript(), off, "{control}");
+        wearer.tap(Side::Right, "J");
+        assert_eq!(wearer.transcript(), "+J -J", "{control}");
+        assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+        // It switches on again, and not off, when the hand is back.
+        wearer.go(Side::Left, "F", false);
+        wearer.hold_still(300);
+        wearer.tap(Side::Left, control);
+        assert_eq!(wearer.transcript(), on, "{control}");
+    }
+}
+
+#[test]
+fn a_lost_source_releases_what_its_hand_has_locked_and_switched_on() {
+    for part in [None, Some(HandPart::Fingers)] {
+        let mut wearer = wearer(Setup::default());
+        wearer.tap(Side::Left, "lock");
+        wearer.tap(Side::Left, "toggle");
+        assert_eq!(wearer.transcript(), "+ControlLeft +W");
+        wearer.lose(Side::Left, part);
+        assert_eq!(wearer.transcript(), "-W -ControlLeft", "{part:?}");
+    }
+}
+
+#[test]
+fn the_other_hand_keeps_what_it_holds_and_has_set() {
+    let mut wearer = wearer(Setup::default());
+    wearer.tap(Side::Right, "right-lock");
+    wearer.tap(Side::Right, "right-toggle");
+    wearer.press(Side::Right, "J");
+    wearer.tap(Side::Left, "tapping");
+    wearer.tap(Side::Left, "lock");
+    assert_eq!(wearer.transcript(), "+AltLeft +V +J +T -T +ControlLeft");
+    wearer.shown[Side::Left.index()] = None;
+    wearer.hold_still(1_000);
+    assert_eq!(wearer.transcript(), "-ControlLeft");
+    wearer.go(Side::Right, "J", false);
+    wearer.hold_still(150);
+    wearer.tap(Side::Right, "right-toggle");
+    wearer.tap(Side::Right, "right-lock");
+    assert_eq!(wearer.transcript(), "-J -V -AltLeft");
+}
+
+#[test]
+fn a_hand_suspended_by_the_rate_limit_releases_what_it_has_locked() {
+    let mut wearer = wearer(Setup {
+        max_presses_per_second: Some(2),
+        ..Setup::default()
+    });
+    wearer.tap(Side::Left, "lock");
+    wearer.hold_still(1_000);
+    for _ in 0..3 {
+        wearer.tap(Side::Left, "F");
+    }
+    assert_eq!(wearer.transcript(), "+ControlLeft +F -F -ControlLeft");
+    assert_eq!(wearer.pipeline.suppressed().rate_limited, 1);
+    wearer.hold_still(1_000);
+    wearer.tap(Side::Right, "J");
+    assert_eq!(wearer.transcript(), "+J -J");
+    wearer.pipeline.resume(CommandOrigin::Client);
+    wearer.hold_still(1_000);
+    wearer.tap(Side::Left, "lock");
+    assert_eq!(wearer.transcript(), "+ControlLeft");
+}
