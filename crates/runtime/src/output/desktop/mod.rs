@@ -39,6 +39,7 @@ mod direct_keys;
 mod enigo_display;
 pub(super) mod injector;
 mod key_reporter;
+mod loop_monitor;
 pub(super) mod pending_motion;
 mod press_ticket;
 mod system;
@@ -83,7 +84,9 @@ const CHECK_DELAY: Duration = Duration::from_millis(100);
 /// Neighboring characters with one time are a text, which arrives entirely or not at all. While the queue is more than
 /// half full, presses and texts are dropped and [counted](Sink::dropped_presses), as are those that the display has not
 /// executed within 250 ms or that a [call](Sink::void_presses) made void, and texts that the display cannot type now. After
-/// a dropped press, and after the watchdog has released keys, the sink [has stalled](Sink::has_stalled). The release of a
+/// a dropped press, and after the watchdog has released keys, the sink [has stalled](Sink::has_stalled). With a watchdog,
+/// [`send`](Sink::send) must be called at least every 50 ms while a key is pressed: after some 200 ms without a call the sink
+/// releases all keys and has stalled. The release of a
 /// dropped press is ignored; no other release is. While the queue is three quarters full, motion is
 /// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Pending motion
 /// is sent before the next press, so that a click arrives at its position. The

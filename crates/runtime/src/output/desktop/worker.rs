@@ -14,6 +14,7 @@ use super::composing::Composing;
 use super::direct_keys::{ConnectionNumber, DirectAnswers};
 use super::injector::Injector;
 use super::key_reporter::KeyReporter;
+use super::loop_monitor::LoopMonitor;
 use super::pending_motion::StatelessAction;
 use super::press_ticket::{MAX_PRESS_AGE, PressTicket, PressTickets};
 use crate::output::pressed_key_file::PressedKeyFile;
@@ -40,9 +41,6 @@ pub enum WorkerRequest {
     /// The loop has written a key event to a connection of its own, whose answers the thread reads.
     Confirm(KeyCode, KeyDirection, ConnectionNumber, PressTicket),
 }
-
-/// Longest time without a call from the loop while a key is pressed. After it the watchdog receives no heartbeats.
-const LOOP_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Time after the last request for which heartbeats continue, so that the next press need not wait for a reply.
 const ACTIVE_TIME: Duration = Duration::from_secs(1);
@@ -98,9 +96,9 @@ pub struct Worker<'a, C> {
 
 /// Times of the last signs of life.
 struct Liveness {
+    /// The last heartbeat, or the time at which one was due.
     last_heartbeat: Instant,
-    loop_calls: u64,
-    last_loop_call: Instant,
+    loop_monitor: LoopMonitor,
     last_request: Instant,
 }
 
@@ -127,8 +125,7 @@ impl<'a, C: Injector> Worker<'a, C> {
             is_watchdog_lost: false,
             liveness: Liveness {
                 last_heartbeat: now,
-                loop_calls: 0,
-                last_loop_call: now,
+                loop_monitor: LoopMonitor::default(),
                 last_request: now,
             },
         }
@@ -209,23 +206,21 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
+    /// Sends a heartbeat every 50 ms, unless the loop hangs: then releases every key.
     fn send_heartbeat_if_due(&mut self) {
         let now = Instant::now();
-        let is_active = self.is_active(now);
-        let Some(watchdog) = &mut self.watchdog else {
-            return;
-        };
-        let calls = self.status.loop_calls.load(Ordering::Relaxed);
-        // A loop need not call while no key is pressed.
-        if calls != self.liveness.loop_calls || self.pressed.is_empty() {
-            self.liveness.loop_calls = calls;
-            self.liveness.last_loop_call = now;
-        }
-        if !is_active || now - self.liveness.last_heartbeat < HEARTBEAT_INTERVAL {
+        let is_due = now - self.liveness.last_heartbeat >= HEARTBEAT_INTERVAL;
+        if self.watchdog.is_none() || !is_due || !self.is_active(now) {
             return;
         }
         self.liveness.last_heartbeat = now;
-        if now - self.liveness.last_loop_call < LOOP_TIMEOUT {
+        let calls = self.status.loop_calls.load(Ordering::Relaxed);
+        let is_key_pressed = !self.pressed.is_empty();
+        if self.liveness.loop_monitor.check(calls, is_key_pressed) {
+            // The loop finds that the output has stalled if it continues. If a release fails, the watchdog follows.
+            self.status.tickets.void();
+            self.release_all();
+        } else if let Some(watchdog) = &mut self.watchdog {
             self.is_watchdog_lost |= watchdog.send_heartbeat().is_err();
         }
     }

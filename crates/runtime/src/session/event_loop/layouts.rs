@@ -1,9 +1,10 @@
 //! Operations on layouts: requests to the layout manager, and the swap of a layout or an estimator between two readings.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{bounded, select};
 
+use super::wait::{HEARTBEAT_PERIOD, MAX_SILENCE};
 use super::{Next, SessionLoop};
 use crate::session::SessionError;
 use crate::session::estimator_swap::EstimatorSwap;
@@ -35,7 +36,8 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Waits for the layout manager, so that a replay gives the same events at any speed.
+    /// Waits for the layout manager, so that a replay gives the same events at any speed. After [`MAX_SILENCE`] the output, or
+    /// its watchdog, releases what is pressed, as if the loop hung.
     fn run_layout_operation(&mut self, operation: LayoutOperation) -> Result<(), SessionError> {
         let Some(link) = self.commands.layouts() else {
             return Ok(());
@@ -45,17 +47,22 @@ impl SessionLoop<'_> {
             return Ok(());
         }
         let swaps = link.swaps().clone();
-        loop {
-            let swap = select! {
-                recv(swaps) -> swap => swap,
+        let start = Instant::now();
+        while start.elapsed() < LAYOUT_TIMEOUT {
+            select! {
+                recv(swaps) -> swap => match swap {
+                    Ok(swap) => self.swap_layout(swap)?,
+                    Err(_) => return Ok(()),
+                },
                 recv(replies) -> _ => return Ok(()),
-                default(LAYOUT_TIMEOUT) => return Ok(()),
-            };
-            let Ok(swap) = swap else {
-                return Ok(());
-            };
-            self.swap_layout(swap)?;
+                default(HEARTBEAT_PERIOD) => {
+                    if start.elapsed() < MAX_SILENCE {
+                        self.keep_output_alive()?;
+                    }
+                }
+            }
         }
+        Ok(())
     }
 
     /// Hands an operation to the layout manager.
@@ -112,5 +119,86 @@ impl SessionLoop<'_> {
         self.update_target_names();
         let _ = retired.try_send(layout);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU64, Ordering};
+    use std::thread;
+    use std::time::Instant;
+
+    use super::*;
+    use crate::capture::{CaptureError, Source, SourceEvent, SourceStats};
+    use crate::output::{OutputError, Sink};
+    use crate::session::command_channel::CommandReceiver;
+    use crate::session::event_loop::capture::Capture;
+    use crate::session::reply::Reply;
+    use crate::setup::Setup;
+    use ademan_core::device::OutputEvent;
+    use ademan_core::pipeline::Pipeline;
+    use ademan_core::snapshot::StepView;
+
+    /// A recording without readings.
+    pub struct EmptyRecording;
+
+    impl Source for EmptyRecording {
+        fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+            Ok(SourceEvent::End)
+        }
+
+        fn name(&self) -> &str {
+            "an empty recording"
+        }
+
+        fn is_live(&self) -> bool {
+            false
+        }
+
+        fn stats(&self) -> SourceStats {
+            SourceStats::default()
+        }
+    }
+
+    /// An output that counts its calls.
+    #[derive(Default)]
+    pub struct CountingSink(Arc<AtomicU64>);
+
+    impl Sink for CountingSink {
+        fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn close(&mut self) -> Result<(), OutputError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_replay_that_waits_for_the_layout_manager_keeps_calling_its_output() {
+        let mut commands = CommandReceiver::disconnected();
+        let manager = commands.link_layouts();
+        let calls = Arc::new(AtomicU64::new(0));
+        let seen = Arc::clone(&calls);
+        let slow_manager = thread::spawn(move || {
+            let request = manager.requests().recv().unwrap();
+            let start = Instant::now();
+            while seen.load(Ordering::Relaxed) < 3 && start.elapsed() < LAYOUT_TIMEOUT / 2 {
+                thread::yield_now();
+            }
+            let _ = request.reply.unwrap().send(Ok(Reply::Done));
+            seen.load(Ordering::Relaxed)
+        });
+        let mut pipeline = Setup::default().load_files().unwrap().pipeline();
+        let mut sink = CountingSink(calls);
+        let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
+        let capture = Capture::start(EmptyRecording).unwrap();
+        let mut session = SessionLoop::new(capture, &commands, &mut pipeline, &mut sink, observer);
+        session
+            .run_layout_operation(LayoutOperation::Reload)
+            .unwrap();
+        assert!(slow_manager.join().unwrap() >= 3);
     }
 }

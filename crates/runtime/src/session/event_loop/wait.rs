@@ -8,11 +8,11 @@ use ademan_core::time::NO_DEADLINE;
 
 /// Longest time in which a source that is not live, and whose keys are pressed, may neither return a reading nor state the time:
 /// the disk of a recording hangs. Only a machine that is very busy delays its thread for a part of it.
-const MAX_SILENCE: Duration = Duration::from_secs(1);
+pub(super) const MAX_SILENCE: Duration = Duration::from_secs(1);
 
-/// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
-/// without a heartbeat.
-const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
+/// Longest time without a call of the output while readings are expected. The thread of an output, or the watchdog, releases all
+/// keys after some 200 ms without one.
+pub(super) const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
 
 /// Longest time without a call of an output with an effect while none are expected: the output reports there that its display is
 /// gone.

@@ -92,7 +92,7 @@ impl TestDisplay {
 }
 
 /// Waits until the thread has executed all requests.
-fn wait_until_idle(sink: &Desktop) {
+pub fn wait_until_idle(sink: &Desktop) {
     while sink.status.executed.load(Ordering::Acquire) < sink.requested {
         thread::yield_now();
     }

@@ -2,6 +2,8 @@
 
 mod direct;
 #[cfg(target_os = "linux")]
+mod hung_loop;
+#[cfg(target_os = "linux")]
 mod reports;
 
 use super::direct_keys::DirectConnection;
@@ -46,9 +48,17 @@ impl TestDisplay {
     }
 
     fn open_with_max_age(&self, max_press_age: Duration) -> (Desktop, Sender<()>) {
+        self.open_with(None, max_press_age)
+    }
+
+    fn open_with(
+        &self,
+        watchdog: Option<&WatchdogSettings>,
+        max_press_age: Duration,
+    ) -> (Desktop, Sender<()>) {
         let (gate, gate_dropped) = bounded::<()>(0);
         let display = self.clone();
-        let sink = Desktop::start(None, max_press_age, move || {
+        let sink = Desktop::start(watchdog, max_press_age, move || {
             let mut state = display.0.lock().unwrap();
             let index = state.connections;
             state.connections += 1;
