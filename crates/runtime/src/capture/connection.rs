@@ -144,6 +144,14 @@ impl ConnectError {
     }
 }
 
+/// Returns whether an error of a read means that there are no bytes yet.
+pub fn is_idle(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
+    )
+}
+
 /// Closes a connection on its own thread: closing the port of an absent device can block for seconds.
 pub fn close_on_thread(lost: impl Send + 'static) {
     let thread = thread::Builder::new()

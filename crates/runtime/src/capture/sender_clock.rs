@@ -18,6 +18,10 @@ const TRIAL_TOLERANCE: Duration = Duration::from_millis(25);
 /// Time without a young reading after which the clock is tried again: it may have been set, or have stood still.
 const MAX_LATENESS: Duration = Duration::from_secs(10);
 
+/// Time in which only earlier times arrive, after which the clock counts as set back: datagrams that a network has held back
+/// arrive among newer ones.
+const MIN_REFUSAL: Duration = Duration::from_millis(100);
+
 /// The clock of a sender, by which readings are recognised that a congested network has delayed.
 ///
 /// The age of a reading is its delay less the smallest delay of the last 10 to 20 s, so that the two clocks need no common
@@ -34,6 +38,8 @@ pub(super) struct SenderClock {
     trial: Option<Trial>,
     /// Arrival of the first of the old readings that no young one has followed, in microseconds.
     late_since: Option<i64>,
+    /// Arrival of the first of the packets that were refused for an earlier time and that no later time has followed.
+    refused_since: Option<i64>,
 }
 
 /// The smallest delays of both halves of a trial, in microseconds.
@@ -54,6 +60,7 @@ impl SenderClock {
             latest: Timestamp::default(),
             trial: Some(Trial::NEW),
             late_since: None,
+            refused_since: None,
         }
     }
 
@@ -69,7 +76,8 @@ impl SenderClock {
 
     /// Returns whether a reading that arrives `now` is older than the largest age. `sent_at` is the time that it states.
     pub fn is_too_old(&mut self, now: Instant, sent_at: Timestamp) -> bool {
-        let arrival = now.saturating_duration_since(self.opened).as_micros() as i64;
+        let arrival = self.arrival(now);
+        self.refused_since = None;
         if sent_at < self.latest {
             // The clock was set back, or the sender has started again.
             self.restart();
@@ -94,6 +102,21 @@ impl SenderClock {
             self.restart();
         }
         true
+    }
+
+    /// Notes the arrival of packets that the protocol refuses, as they state earlier times than a packet before them. If no
+    /// others arrive, the clock was set back by a little, and what it states later cannot be compared with what it has stated.
+    pub fn note_refused(&mut self, now: Instant) {
+        let arrival = self.arrival(now);
+        let since = *self.refused_since.get_or_insert(arrival);
+        if arrival - since >= MIN_REFUSAL.as_micros() as i64 {
+            self.restart();
+        }
+    }
+
+    /// Returns the time of an arrival in microseconds.
+    fn arrival(&self, now: Instant) -> i64 {
+        now.saturating_duration_since(self.opened).as_micros() as i64
     }
 
     fn restart(&mut self) {
@@ -214,6 +237,30 @@ mod tests {
         let stood = |time| time - 1_000 * MS;
         assert_eq!(sender.send(16_000..40_000, stood, fast), 1_001);
         assert_eq!(sender.too_old.last(), Some(&26_000));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_back_by_less_than_a_protocol_accepts_is_followed_once_its_packets_are() {
+        const BACK: u64 = 500 * MS;
+        let mut sender = Sender::new();
+        sender.send(0..5_000, |time| time + BACK, fast);
+        for number in (5_000..5_500).step_by(10) {
+            let arrival = sender.clock.opened + Duration::from_micros(number * MS + 500);
+            sender.clock.note_refused(arrival);
+        }
+        assert_eq!(sender.send(5_510..20_000, |time| time, fast), 0);
+    }
+
+    #[test]
+    fn packets_that_others_have_overtaken_do_not_restart_the_clock() {
+        let mut sender = Sender::new();
+        sender.send(0..5_000, |time| time, fast);
+        let delayed = |time: u64| 400 * MS + time % 2;
+        for start in (5_000..7_000).step_by(20) {
+            assert_eq!(sender.send(start..start + 20, |time| time, delayed), 2);
+            let arrival = sender.clock.opened + Duration::from_millis(start + 415);
+            sender.clock.note_refused(arrival);
+        }
     }
 
     #[test]

@@ -10,7 +10,9 @@ use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
-use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER, close_on_thread};
+use super::connection::{
+    Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER, close_on_thread, is_idle,
+};
 use super::event::NOISE_INTERVAL;
 use super::feedback::FeedbackDevice;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, StreamFormat};
@@ -195,7 +197,10 @@ impl<C: Connector> StreamSource<C> {
         self.judge_bytes(now, has_packet, length);
         match &mut self.state {
             State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
-            _ => self.report_at = Some(now + NOISE_INTERVAL),
+            _ => {
+                self.report_at = Some(now + NOISE_INTERVAL);
+                self.pending.note_refused(now, self.decoder.stats().invalid);
+            }
         }
         if self.pending.is_late && !was_late {
             tracing::warn!(
@@ -481,13 +486,6 @@ impl<C: Connector> Source for StreamSource<C> {
             ..decoded
         }
     }
-}
-
-fn is_idle(kind: ErrorKind) -> bool {
-    matches!(
-        kind,
-        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
-    )
 }
 
 #[cfg(test)]

@@ -16,6 +16,8 @@ pub struct PendingReadings {
     pub sender: Option<SenderClock>,
     /// Readings that were dropped because of their age.
     pub too_old: InvalidPackets,
+    /// Number of packets so far that the decoder has refused, as they state much earlier times than a packet before them.
+    earlier: u64,
     /// The latest reading was too old.
     pub is_late: bool,
 }
@@ -28,6 +30,7 @@ impl PendingReadings {
             clock: PacketClock::new(is_live),
             sender: None,
             too_old: InvalidPackets::default(),
+            earlier: 0,
             is_late: false,
         }
     }
@@ -48,6 +51,17 @@ impl PendingReadings {
             part: packet.part,
             sample: packet.sample,
         });
+    }
+
+    /// Handles bytes without a packet that arrived at `now`; `refused` is what the decoder has refused so far.
+    pub fn note_refused(&mut self, now: Instant, refused: InvalidPackets) {
+        let earlier = refused.get(InvalidPacket::TooOld);
+        if let Some(sender) = &mut self.sender
+            && earlier > self.earlier
+        {
+            sender.note_refused(now);
+        }
+        self.earlier = earlier;
     }
 
     pub fn pop(&mut self) -> Option<SourceEvent> {

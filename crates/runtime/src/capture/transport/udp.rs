@@ -157,3 +157,55 @@ impl Read for Datagrams {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+    use std::time::Duration;
+
+    use super::*;
+    use crate::capture::protocol::text_line;
+    use crate::capture::{Source, SourceEvent, SourceUri, open};
+    use ademan_core::hand::JointAngles;
+    use ademan_core::time::Timestamp;
+
+    /// Opens a source of text lines. Returns it with its address.
+    fn open_source() -> (Box<dyn Source>, SocketAddr) {
+        let free = sender();
+        let address = free.local_addr().unwrap();
+        drop(free);
+        let uri: SourceUri = format!("udp:{address}?protocol=text-line").parse().unwrap();
+        (open(&uri).unwrap(), address)
+    }
+
+    fn sender() -> UdpSocket {
+        UdpSocket::bind("127.0.0.1:0").unwrap()
+    }
+
+    fn line(time: Option<Timestamp>) -> Vec<u8> {
+        let mut line = Vec::new();
+        text_line::write(&JointAngles::default(), time, &mut line);
+        line
+    }
+
+    #[test]
+    fn lines_of_a_clock_that_is_set_back_by_half_a_second_are_read_again_soon() {
+        let (mut source, address) = open_source();
+        let socket = sender();
+        let start = Instant::now();
+        let mut readings_until = |end: u64, ahead: Duration| {
+            let mut readings = 0;
+            while start.elapsed() < Duration::from_secs(end) {
+                let time = Timestamp((start.elapsed() + ahead).as_micros() as u64);
+                socket.send_to(&line(Some(time)), address).unwrap();
+                readings += usize::from(matches!(source.next(), Ok(SourceEvent::Reading(_))));
+                thread::sleep(Duration::from_millis(10));
+            }
+            readings
+        };
+        assert!(readings_until(3, Duration::from_millis(500)) > 0);
+        // Until the clock has passed the latest time that it had stated.
+        readings_until(4, Duration::ZERO);
+        assert!(readings_until(6, Duration::ZERO) > 0);
+    }
+}
