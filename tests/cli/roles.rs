@@ -46,7 +46,8 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
     assert_eq!(
         hint,
         "on the network and only a pointer: it presses no keys of the layout; `role: Both` next to this source in \
-         the setup or `--role both` lets it type, and `ademan ctl allow-keys` does until the session ends"
+         the setup or `--role both` lets it type, and `ademan ctl allow-keys` does until the session ends or \
+         another sender follows"
     );
     run.wait_for_message(ARMED);
     for _ in 0..3 {

@@ -214,6 +214,9 @@ pub struct SourceStats {
     pub dropped: u64,
     /// Number of times that the device was lost.
     pub losses: u64,
+    /// Number of times that a sender has followed another one, of a source that several can send to.
+    #[serde(skip)]
+    pub sender_changes: u64,
     /// The byte at which the recording that is read is cut off, once it was reached.
     pub cut_at: Option<u64>,
 }

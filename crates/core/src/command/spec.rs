@@ -163,7 +163,7 @@ pub const SPECS: &[CommandSpec] = &[
     },
     plain(
         "allow-keys",
-        "Let the sources press keys, also a headset or another source on the network; until the session ends",
+        "Let the sources press keys, also a headset or another source on the network; until the session ends or another sender follows",
         "Keys",
     ),
     plain(

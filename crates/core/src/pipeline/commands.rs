@@ -95,6 +95,17 @@ impl Pipeline {
         self.gate.set_role(role);
     }
 
+    /// Ends what [`Command::AllowKeys`] has allowed, as another sender than the person has seen may follow: releases everything,
+    /// and returns all sources to their configured roles. Returns `false` if they have no other.
+    pub fn withdraw_allowed_keys(&mut self, events: &mut Events) -> bool {
+        if !self.gate.exceeds_configured_roles() {
+            return false;
+        }
+        self.release_all(self.time, events);
+        self.gate.restore_roles();
+        true
+    }
+
     fn profile_index(&self, name: &str) -> Option<usize> {
         let mut profiles = self.profiles.iter();
         profiles.position(|profile| profile.name.as_str() == name)

@@ -66,6 +66,22 @@ impl<T: Copy + PartialEq> ActiveSender<T> {
     }
 }
 
+/// Number of the senders of a source so far.
+#[derive(Debug, Default)]
+pub(super) struct SenderCount(u64);
+
+impl SenderCount {
+    /// Notes that a sender was accepted. `is_new` unless it was the active one before.
+    pub fn note(&mut self, is_new: bool) {
+        self.0 += u64::from(is_new);
+    }
+
+    /// Returns how often a sender has followed another one.
+    pub fn changes(&self) -> u64 {
+        self.0.saturating_sub(1)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -71,9 +71,11 @@ pub(super) trait ByteStream: Read + Send {
         false
     }
 
-    /// Accepts the sender of the latest read, whose bytes completed a valid packet. For a time no other sender is read. The
-    /// default has one sender.
-    fn accept_sender(&mut self) {}
+    /// Accepts the sender of the latest read, whose bytes completed a valid packet. For a time no other sender is read. Returns
+    /// `true` unless it is the one that was accepted before. The default has one sender.
+    fn accept_sender(&mut self) -> bool {
+        false
+    }
 }
 
 impl ByteStream for File {}

@@ -122,7 +122,7 @@ impl fmt::Display for Notice {
             Self::PointerOnly { source, remedy } => {
                 write!(
                     f,
-                    "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends",
+                    "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends or another sender follows",
                     escape(&source.to_string())
                 )
             }

@@ -21,6 +21,7 @@ use crate::time::Timestamp;
 #[derive(Clone, Copy, Debug)]
 struct SourceState {
     role: SourceRole,
+    configured_role: SourceRole,
     bucket: TokenBucket,
 }
 
@@ -28,6 +29,7 @@ impl SourceState {
     fn new(permissions: SourcePermissions) -> Self {
         Self {
             role: permissions.role,
+            configured_role: permissions.role,
             bucket: TokenBucket::new(permissions.rate_limit),
         }
     }
@@ -140,6 +142,21 @@ impl OutputGate {
     pub(super) fn set_role(&mut self, role: SourceRole) {
         for source in &mut self.sources {
             source.role = role;
+        }
+    }
+
+    /// Returns whether a source may cause more than its configured role permits.
+    pub(super) fn exceeds_configured_roles(&self) -> bool {
+        let exceeds = |source: &SourceState| {
+            source.role == SourceRole::Both && source.role != source.configured_role
+        };
+        self.sources.iter().any(exceeds)
+    }
+
+    /// Returns all sources to their configured roles. Everything must have been released before.
+    pub(super) fn restore_roles(&mut self) {
+        for source in &mut self.sources {
+            source.role = source.configured_role;
         }
     }
 

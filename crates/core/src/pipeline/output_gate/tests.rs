@@ -345,6 +345,20 @@ fn a_key_that_is_down_after_all_is_not_withheld() {
 }
 
 #[test]
+fn each_source_returns_to_its_configured_role() {
+    let mut gate = OutputGate::new(permissions(SourceRole::Keys, 60), false);
+    gate.add_source(permissions(SourceRole::Pointer, 60));
+    assert!(!gate.exceeds_configured_roles());
+    gate.set_role(SourceRole::Pointer);
+    assert!(!gate.exceeds_configured_roles(), "it permits less");
+    gate.set_role(SourceRole::Both);
+    assert!(gate.exceeds_configured_roles());
+    gate.restore_roles();
+    assert!(!gate.exceeds_configured_roles());
+    assert_eq!([0, 1].map(|source| gate.allows_keys(source)), [true, false]);
+}
+
+#[test]
 fn events_suppressed_by_role_do_not_count_as_presses() {
     let mut gate = OutputGate::new(permissions(SourceRole::Pointer, 2), false);
     let keys = ["down A", "write b", "down C"];

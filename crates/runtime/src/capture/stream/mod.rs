@@ -9,6 +9,7 @@ mod warnings;
 use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
+use super::active_sender::SenderCount;
 use super::cancel::CancelToken;
 use super::connection::{
     Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER, close_on_thread, is_idle,
@@ -52,6 +53,7 @@ pub(super) struct StreamSource<C> {
     losses: u64,
     /// Packets of other senders, which the decoder has not seen.
     unread: InvalidPackets,
+    senders: SenderCount,
     /// Time at which a call returns without a reading, so that what was counted since the last one is reported.
     report_at: Option<Instant>,
 }
@@ -100,6 +102,7 @@ impl<C: Connector> StreamSource<C> {
             back_off: BackOff::default(),
             losses: 0,
             unread: InvalidPackets::default(),
+            senders: SenderCount::default(),
             report_at: None,
         })
     }
@@ -196,7 +199,9 @@ impl<C: Connector> StreamSource<C> {
         self.feedback.note(self.decoder.feedback());
         self.judge_bytes(now, has_packet, length);
         match &mut self.state {
-            State::Connected(connection) if has_packet => connection.bytes.accept_sender(),
+            State::Connected(connection) if has_packet => {
+                self.senders.note(connection.bytes.accept_sender());
+            }
             _ => {
                 self.report_at = Some(now + NOISE_INTERVAL);
                 self.pending.note_refused(now, self.decoder.stats().invalid);
@@ -482,6 +487,7 @@ impl<C: Connector> Source for StreamSource<C> {
                 - self.pending.readings.len() as u64
                 - self.pending.too_old.total(),
             losses: self.losses,
+            sender_changes: self.senders.changes(),
             invalid: decoded.invalid + self.unread + self.pending.too_old,
             ..decoded
         }

@@ -119,10 +119,12 @@ impl ByteStream for Datagrams {
         self.senders.take_change()
     }
 
-    fn accept_sender(&mut self) {
-        if let Some(sender) = self.senders.accept(Instant::now()) {
-            *self.peer.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
+    fn accept_sender(&mut self) -> bool {
+        let accepted = self.senders.accept(Instant::now());
+        if accepted.is_some() {
+            *self.peer.lock().unwrap_or_else(PoisonError::into_inner) = accepted;
         }
+        accepted.is_some()
     }
 }
 
@@ -164,6 +166,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+    use crate::capture::active_sender::SENDER_TIMEOUT;
     use crate::capture::protocol::text_line;
     use crate::capture::{Source, SourceEvent, SourceUri, open};
     use ademan_core::hand::JointAngles;
@@ -186,6 +189,27 @@ mod tests {
         let mut line = Vec::new();
         text_line::write(&JointAngles::default(), time, &mut line);
         line
+    }
+
+    #[test]
+    fn a_sender_that_follows_another_one_is_counted_with_its_first_packet() {
+        let (mut source, address) = open_source();
+        let packet = line(None);
+        let mut changes_after = |socket: &UdpSocket, bytes: &[u8]| {
+            socket.send_to(bytes, address).unwrap();
+            let is_packet = bytes == packet;
+            while !matches!(source.next(), Ok(SourceEvent::Reading(_))) && is_packet {}
+            source.stats().sender_changes
+        };
+        let (first, second) = (sender(), sender());
+        assert_eq!(changes_after(&first, &packet), 0);
+        thread::sleep(SENDER_TIMEOUT);
+        assert_eq!(changes_after(&first, &packet), 0, "it was silent");
+        thread::sleep(SENDER_TIMEOUT);
+        assert_eq!(changes_after(&second, b"no packet"), 0);
+        assert_eq!(changes_after(&second, &packet), 1);
+        thread::sleep(SENDER_TIMEOUT);
+        assert_eq!(changes_after(&first, &packet), 2);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The loop of a session: readings through the pipeline to the output, live or from a recording.
 
 mod capture;
+mod consent;
 mod layouts;
 mod output;
 mod publish;
@@ -200,7 +201,7 @@ impl SessionLoop<'_> {
                 received_at,
                 stats,
             } => {
-                self.set_source_stats(&stats);
+                self.follow_source(&stats)?;
                 return self.step(&reading, received_at);
             }
             CaptureEvent::Readings {
@@ -210,7 +211,7 @@ impl SessionLoop<'_> {
             } => return self.step_through(&readings, received_at, &stats),
             CaptureEvent::Command(command) => self.replay_command(command)?,
             CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
-            CaptureEvent::Noise(stats) => self.set_source_stats(&stats),
+            CaptureEvent::Noise(stats) => self.follow_source(&stats)?,
             CaptureEvent::Lost(error) => {
                 self.stats.source.losses += 1;
                 self.lose(error)?;
@@ -231,7 +232,7 @@ impl SessionLoop<'_> {
         received_at: Instant,
         stats: &SourceStats,
     ) -> Result<Next, SessionError> {
-        self.set_source_stats(stats);
+        self.follow_source(stats)?;
         for (reading, left) in readings.iter().zip((0..readings.len() as u64).rev()) {
             self.stats.source.readings = stats.readings - left;
             if self.commands.is_stopped() || self.step(reading, received_at)? == Next::End {

@@ -78,14 +78,16 @@ impl Clients {
         self.state().senders.take_change()
     }
 
-    /// Makes the client active whose bytes were read last, and disconnects all others.
-    pub fn accept(&self) {
+    /// Makes the client active whose bytes were read last, and disconnects all others. Returns `true` unless it was active
+    /// before.
+    pub fn accept(&self) -> bool {
         let mut state = self.state();
-        state.senders.accept(Instant::now());
+        let is_new = state.senders.accept(Instant::now()).is_some();
         if state.connected.len() > 1 {
             let active = state.senders.last();
             state.disconnect(|id| Some(id) != active);
         }
+        is_new
     }
 
     /// Handles the end of a client. Returns `true` if it was the latest active one: the hand is lost with it.

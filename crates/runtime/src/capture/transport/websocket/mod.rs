@@ -144,8 +144,8 @@ impl ByteStream for Messages {
         self.server.clients().take_change()
     }
 
-    fn accept_sender(&mut self) {
-        self.server.clients().accept();
+    fn accept_sender(&mut self) -> bool {
+        self.server.clients().accept()
     }
 }
 
