@@ -26,9 +26,26 @@ use crate::view::{screen::Screen, set_terminal};
 
 /// Runs `ademan calibrate` in a folder, without a terminal. Returns the exit code, the output and the errors.
 fn calibrate(folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
-    let mut command = ademan(["calibrate"]);
-    let output = command
+    ended(folder, ademan(["calibrate"]).args(arguments))
+}
+
+/// Runs `ademan calibrate` in a folder after the commands `before` of a shell.
+#[cfg(unix)]
+fn calibrate_after(before: &str, folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+    let program = ademan(["calibrate"]);
+    let mut shell = std::process::Command::new("sh");
+    shell
+        .args(["-c", &format!("{before} exec \"$0\" \"$@\"")])
+        .arg(program.get_program())
+        .args(program.get_args())
         .args(arguments)
+        .envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))))
+        .stdin(std::process::Stdio::null());
+    ended(folder, &mut shell)
+}
+
+fn ended(folder: &TempDir, command: &mut std::process::Command) -> (i32, String, String) {
+    let output = command
         .current_dir(folder.path())
         .output()
         .expect("the program starts");
@@ -105,6 +122,32 @@ fn a_file_is_replaced_only_by_force_and_its_old_version_is_kept() {
     // The readings of the first session are not lost either.
     assert!(folder.path().join("mine.mcap").exists());
     assert!(folder.path().join("mine.2.mcap").exists());
+}
+
+/// The start of a program that can write no file of more than a kilobyte, as on a full disk.
+#[cfg(unix)]
+const FULL_DISK: &str = "trap '' XFSZ; ulimit -f 1;";
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_glove_file_and_its_backup_as_they_were() {
+    let folder = folder();
+    assert_eq!(calibrate(&folder, &["--demo", "--out", "mine"]).0, 0);
+    fs::write(folder.path().join("mine.ron.bak"), "the first one").expect("a file");
+    let before = read(&folder, "mine.ron");
+    for _ in 0..2 {
+        let again = ["--from", "mine.mcap", "--out", "mine", "--force"];
+        let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &again);
+        assert_eq!(code, 2, "{out}{errors}");
+        assert!(errors.contains("cannot write mine.ron: "), "{errors}");
+        assert_eq!(read(&folder, "mine.ron"), before);
+        assert_eq!(read(&folder, "mine.ron.bak"), "the first one");
+    }
+    let new = ["--from", "mine.mcap", "--out", "new"];
+    let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &new);
+    assert_eq!(code, 2, "{out}{errors}");
+    let left = fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 3, "the glove file, its backup and the readings");
 }
 
 #[test]

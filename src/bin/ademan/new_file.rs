@@ -46,9 +46,7 @@ pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(),
     let cannot_write = |error: FileError| {
         Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
     };
-    let mut file = files::create_new(path).map_err(cannot_write)?;
-    let written = file.write_all(text.as_bytes());
-    written.map_err(|error| cannot_write(error.into()))?;
+    files::write_new_text(path, text).map_err(cannot_write)?;
     let mut out = io::stdout().lock();
     let shown = escape_path(path);
     writeln!(out, "wrote {shown}, {}", escape(original))?;

@@ -37,6 +37,34 @@ pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_and_rename((path, create_new), text, None)
 }
 
+/// Writes a file of a new name with the usual permissions. Leaves none if the disk is full.
+pub fn write_new_text(path: &Path, text: &str) -> Result<(), FileError> {
+    let mut file = create_new(path)?;
+    let written = file
+        .write_all(text.as_bytes())
+        .and_then(|()| file.sync_all());
+    if written.is_err() {
+        let _ = fs::remove_file(path);
+    }
+    Ok(written?)
+}
+
+/// Writes a file with the usual permissions in place of a file or a symbolic link, which gets the name `backup`. The target of a link
+/// stays. If the new file cannot be written, the old one and an earlier backup are as they were.
+pub fn replace_text_and_keep(path: &Path, backup: &Path, text: &str) -> Result<(), FileError> {
+    check_replaceable(path)?;
+    let (mut file, temporary) = create_temporary(path, create_new)?;
+    let replaced = file
+        .write_all(text.as_bytes())
+        .and_then(|()| file.sync_all())
+        .and_then(|()| fs::rename(path, backup))
+        .and_then(|()| fs::rename(&temporary, path));
+    if replaced.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    Ok(replaced?)
+}
+
 /// Fails for what a rename would replace although it is no file: a device such as `/dev/full`, a pipe.
 fn check_replaceable(path: &Path) -> Result<(), FileError> {
     match fs::symlink_metadata(path) {

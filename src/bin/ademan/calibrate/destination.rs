@@ -54,12 +54,11 @@ impl Destination {
             println!("{shown} is unchanged");
             return Ok(false);
         }
-        if existed {
-            // Of a symbolic link, the link is renamed, and its target stays.
-            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error.into()))?;
-        }
-        let file = files::create_new(&self.path);
-        let written = file.and_then(|mut file| Ok(file.write_all(text.as_bytes())?));
+        let written = if existed {
+            files::replace_text_and_keep(&self.path, &self.backup(), text)
+        } else {
+            files::write_new_text(&self.path, text)
+        };
         written.map_err(|error| self.failure(&error))?;
         println!("wrote {shown}");
         if existed {
