@@ -151,6 +151,43 @@ fn a_full_disk_leaves_the_glove_file_and_its_backup_as_they_were() {
 }
 
 #[test]
+fn a_folder_that_is_missing_or_refuses_files_is_reported_before_the_session() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), "").expect("a file");
+    fs::create_dir(folder.path().join("taken.ron")).expect("a folder");
+    let mut places = vec![
+        ("nodir/mine", "there is no folder nodir; create it"),
+        ("file/mine", "cannot write file/mine.ron: "),
+        ("taken", "this is a directory"),
+    ];
+    let read_only = folder.path().join("read-only");
+    fs::create_dir(&read_only).expect("a folder");
+    let mut permissions = fs::metadata(&read_only).expect("a folder").permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&read_only, permissions).expect("a folder of this user");
+    // Root may write there.
+    if fs::write(read_only.join("file"), "").is_err() {
+        places.push(("read-only/mine", "cannot write read-only/mine.ron: "));
+    }
+    for (out, reason) in places {
+        let (code, text, errors) = calibrate(&folder, &["--demo", "--force", "--out", out]);
+        assert_eq!(code, 2, "{out}: {text}{errors}");
+        assert!(errors.contains(reason), "{out}: {errors}");
+        assert!(!text.contains("pose 1"), "{out}: {text}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_error_of_the_glove_file_is_reported_before_the_error_of_its_recording() {
+    let folder = folder();
+    let arguments = ["--demo", "--out", "mine"];
+    let (code, out, errors) = calibrate_after(FULL_DISK, &folder, &arguments);
+    assert_eq!(code, 2, "{out}{errors}");
+    assert!(errors.contains("cannot write mine.ron: "), "{errors}");
+}
+
+#[test]
 fn a_glove_file_of_the_person_is_the_default_destination() {
     let folder = folder();
     let (code, out, errors) = calibrate(&folder, &["--demo"]);

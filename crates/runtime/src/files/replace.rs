@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::{FileError, check_regular, create_new, create_private, own_target, system};
+use super::{FileError, check_regular, create_new, create_private, folder_of, own_target, system};
 
 /// Creates a file of a new name.
 type CreateFile = fn(&Path) -> Result<File, FileError>;
@@ -63,6 +63,13 @@ pub fn replace_text_and_keep(path: &Path, backup: &Path, text: &str) -> Result<(
         let _ = fs::remove_file(&temporary);
     }
     Ok(replaced?)
+}
+
+/// Checks that a file can be written at a path, before work whose result it keeps: its folder exists and is writable, and the
+/// path leads to nothing but a file or a symbolic link.
+pub fn check_destination(path: &Path) -> Result<(), FileError> {
+    check_replaceable(path)?;
+    Ok(system::check_folder_access(folder_of(path))?)
 }
 
 /// Fails for what a rename would replace although it is no file: a device such as `/dev/full`, a pipe.

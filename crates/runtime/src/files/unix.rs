@@ -1,12 +1,13 @@
 //! Files of Unix.
 
-use std::fs::{DirBuilder, File, FileType, Metadata, OpenOptions, Permissions};
+use std::fs::{self, DirBuilder, File, FileType, Metadata, OpenOptions, Permissions};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
 use rustix::fs::{
-    Gid, OFlags, XattrFlags, fchown, fcntl_getfl, fcntl_setfl, fsetxattr, getxattr, listxattr,
+    Access, Gid, OFlags, XattrFlags, access, fchown, fcntl_getfl, fcntl_setfl, fsetxattr, getxattr,
+    listxattr,
 };
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid};
@@ -161,6 +162,14 @@ pub fn name_of(kind: FileType) -> &'static str {
 /// Creates a folder.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     DirBuilder::new().mode(0o700).create(path)
+}
+
+/// Checks that this process may create files in a folder.
+pub fn check_folder_access(folder: &Path) -> io::Result<()> {
+    if !fs::metadata(folder)?.is_dir() {
+        return Err(io::ErrorKind::NotADirectory.into());
+    }
+    Ok(access(folder, Access::WRITE_OK | Access::EXEC_OK)?)
 }
 
 /// Returns whether this is a folder that only the user of this process can access.

@@ -58,6 +58,14 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
     fs::create_dir(path)
 }
 
+pub fn check_folder_access(folder: &Path) -> io::Result<()> {
+    if fs::metadata(folder)?.is_dir() {
+        Ok(())
+    } else {
+        Err(io::ErrorKind::NotADirectory.into())
+    }
+}
+
 pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir()
 }

@@ -23,7 +23,7 @@ impl Destination {
     /// comes with the program or in a recording.
     ///
     /// # Errors
-    /// Fails if the file exists and the question whether to replace it cannot be asked.
+    /// Fails if the file cannot be written, or exists and the question whether to replace it cannot be asked.
     pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
         let path = match (out, &glove.path) {
             (Some(path), _) => new_file::with_extension(&path, "ron"),
@@ -31,7 +31,8 @@ impl Destination {
             (None, None) => PathBuf::from(format!("my-{}.ron", glove_name(&glove.file))),
         };
         let destination = Self { path, is_forced };
-        if destination.path.exists() && !is_forced && !io::stdin().is_terminal() {
+        destination.check()?;
+        if destination.exists() && !is_forced && !io::stdin().is_terminal() {
             return Err(Failure::wrong_use(format!(
                 "{} exists, and there is no terminal to ask in; --force replaces it and keeps the old file as {}",
                 destination.shown(),
@@ -49,7 +50,7 @@ impl Destination {
     /// Writes the text, after a question if the file exists. Returns whether it was written.
     pub fn write(&self, text: &str) -> Result<bool, Failure> {
         let shown = self.shown();
-        let existed = self.path.exists();
+        let existed = self.exists();
         if existed && !self.is_forced && !ask(&format!("replace {shown}? [y/N] "))? {
             println!("{shown} is unchanged");
             return Ok(false);
@@ -76,6 +77,25 @@ impl Destination {
         let mut paths = iter::once(self.path.with_extension("mcap")).chain(numbered);
         let free = paths.find(|path| !path.exists());
         free.expect("there are more numbers than files")
+    }
+
+    /// Fails if the file could not be written after a session of a minute.
+    fn check(&self) -> Result<(), Failure> {
+        match files::check_destination(&self.path) {
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
+                let folder = escape_path(files::folder_of(&self.path));
+                Err(Failure::wrong_use(format!(
+                    "cannot write {}: there is no folder {folder}; create it, or name another file with --out",
+                    self.shown()
+                )))
+            }
+            checked => checked.map_err(|error| self.failure(&error)),
+        }
+    }
+
+    /// Returns `true` if there is anything at the path, also a link that leads nowhere.
+    fn exists(&self) -> bool {
+        fs::symlink_metadata(&self.path).is_ok()
     }
 
     fn backup(&self) -> PathBuf {

@@ -200,16 +200,19 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
         return Ok(());
     }
     let finished = start.finish(session.procedure.observations(), &destination);
-    let is_kept = !matches!(finished, Ok(false));
-    if is_kept && !session.procedure.marks().is_empty() {
-        keep_recording(&session, &start.document, &destination)?;
-    }
+    let is_kept = !matches!(finished, Ok(false)) && !session.procedure.marks().is_empty();
+    let kept = if is_kept {
+        keep_recording(&session, &start.document, &destination)
+    } else {
+        Ok(())
+    };
     if finished? {
         print_setup_fields(&escape_path(destination.path()), lengths);
         let file = destination.as_word();
         println!("use it: ademan run --glove {file} --source …");
     }
-    Ok(())
+    // Its failure loses less than the failure of the glove file.
+    kept
 }
 
 /// Prints what to write in the setup file for a glove file and an arm, if its lengths are known.
