@@ -187,6 +187,38 @@ fn the_error_of_the_glove_file_is_reported_before_the_error_of_its_recording() {
     assert!(errors.contains("cannot write mine.ron: "), "{errors}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_or_closed_standard_output_does_not_lose_the_glove_file() {
+    let folder = folder();
+    let parse = |name: &str| {
+        let name = format!("{name}.ron");
+        Glove::parse(&Document::new(&name, read(&folder, &name))).expect("a glove");
+    };
+    for (name, arguments) in [
+        ("lines", &["--demo"][..]),
+        ("table", &["--from", "lines.mcap"]),
+        ("found", &["--discover", "--demo"]),
+    ] {
+        let full = [arguments, &["--out", name]].concat();
+        let (code, _, errors) = calibrate_after("exec >/dev/full;", &folder, &full);
+        assert_eq!(code, 1, "{name}: {errors}");
+        assert!(errors.contains("No space left"), "{name}: {errors}");
+        assert!(!errors.contains("panicked"), "{name}: {errors}");
+        parse(name);
+
+        let closed = format!("closed-{name}");
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let mut command = ademan(["calibrate"]);
+        command.args(arguments).args(["--out", &closed]).stdout(writer);
+        let (closed_code, _, closed_errors) = ended(&folder, &mut command);
+        assert_eq!(closed_code, 0, "{name}: {closed_errors}");
+        assert!(!closed_errors.contains("panicked"), "{closed_errors}");
+        parse(&closed);
+    }
+}
+
 #[test]
 fn a_glove_file_of_the_person_is_the_default_destination() {
     let folder = folder();

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use ademan::setup::Setup;
 use tempfile::TempDir;
@@ -239,6 +239,22 @@ fn without_a_device_the_simulated_hand_types() {
         "{}",
         absent.err
     );
+}
+
+#[test]
+fn a_full_or_closed_standard_output_ends_it_without_a_panic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (reader, closed) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let full = fs::File::options().write(true).open("/dev/full");
+    let full = full.expect("a device");
+    for (stdout, code) in [(Stdio::from(closed), 0), (Stdio::from(full), 1)] {
+        let mut command = start(&folder, &["--simulated", "--no-practice"]);
+        let output = command.stdout(stdout).output();
+        let ended = Ended::from(output.expect("the program starts"));
+        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        assert!(!ended.err.contains("panicked"), "{}", ended.err);
+    }
 }
 
 #[test]

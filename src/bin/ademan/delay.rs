@@ -1,5 +1,6 @@
 //! `ademan delay`: the delay of the arm's source behind the fingers' source.
 
+use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use ademan::capture::{CaptureEvent, CaptureThread, Reading, SourceUri, spawn};
@@ -64,12 +65,16 @@ pub fn run(args: Args) -> Result<(), Failure> {
         (source, arm_source)
     };
     let [late, early] = [late, early].map(|uri| escape(&uri.to_string()).into_owned());
-    println!(
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
         "{late} is {milliseconds} ms behind {early} (correlation {:.2})",
         delay.correlation
-    );
-    println!("add `delay_ms={milliseconds}` to the options of {late}");
-    Ok(())
+    )?;
+    Ok(writeln!(
+        out,
+        "add `delay_ms={milliseconds}` to the options of {late}"
+    )?)
 }
 
 /// The movement that a source sees.

@@ -1,5 +1,6 @@
 //! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end within a bounded time.
 
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -49,7 +50,8 @@ pub fn on_stop(action: impl Fn() + Send + Sync + 'static) {
 /// Makes a request end the process at once, while it holds nothing: it waits for an answer or listens.
 pub fn end_at_once_on_stop() {
     on_stop(|| {
-        println!();
+        // A panic here would abort the process: this also runs while another panic is reported.
+        let _ = writeln!(io::stdout());
         std::process::exit(INTERRUPTED);
     });
 }

@@ -47,13 +47,20 @@ impl Destination {
         &self.path
     }
 
-    /// Writes the text, after a question if the file exists. Returns whether it was written.
-    pub fn write(&self, text: &str) -> Result<bool, Failure> {
+    /// Writes the text and prints the report of its result, after a question if the file exists. Returns whether it was written.
+    ///
+    /// The report precedes a question. Otherwise it follows the file, which a closed or full standard output does not prevent.
+    pub fn write(&self, text: &str, report: &str) -> Result<bool, Failure> {
         let shown = self.shown();
         let existed = self.exists();
-        if existed && !self.is_forced && !ask(&format!("replace {shown}? [y/N] "))? {
-            println!("{shown} is unchanged");
-            return Ok(false);
+        let is_asked = existed && !self.is_forced;
+        let mut out = io::stdout();
+        if is_asked {
+            out.write_all(report.as_bytes())?;
+            if !ask(&format!("replace {shown}? [y/N] "))? {
+                writeln!(out, "{shown} is unchanged")?;
+                return Ok(false);
+            }
         }
         let written = if existed {
             files::replace_text_and_keep(&self.path, &self.backup(), text)
@@ -61,12 +68,15 @@ impl Destination {
             files::write_new_text(&self.path, text)
         };
         written.map_err(|error| self.failure(&error))?;
-        println!("wrote {shown}");
+        if !is_asked {
+            out.write_all(report.as_bytes())?;
+        }
+        writeln!(out, "wrote {shown}")?;
         if existed {
             let [backup, path] = [&self.backup(), &self.path].map(|path| command_word(path));
-            println!("undo: mv {backup} {path}");
+            writeln!(out, "undo: mv {backup} {path}")?;
         } else {
-            println!("undo: remove {shown}")
+            writeln!(out, "undo: remove {shown}")?;
         }
         Ok(true)
     }
@@ -132,8 +142,9 @@ fn glove_name(file: &str) -> String {
 
 /// Asks a question on the terminal. Anything but a yes is a no.
 fn ask(question: &str) -> Result<bool, Failure> {
-    print!("{question}");
-    io::stdout().flush()?;
+    let mut out = io::stdout();
+    write!(out, "{question}")?;
+    out.flush()?;
     let mut answer = String::new();
     io::stdin().lock().read_line(&mut answer)?;
     Ok(matches!(answer.trim(), "y" | "Y" | "yes"))

@@ -1,6 +1,7 @@
 //! `ademan calibrate --discover`: a glove file for a glove of which nothing is known.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
@@ -34,21 +35,20 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let procedure = Procedure::for_unknown_glove(DISCOVERY_POSES, like.map.inputs(), prepare);
     let mut session = Session::new("an unknown glove", args.hand, None, procedure, feed);
     if let Outcome::Quit = session.run()? {
-        println!("no file was written");
-        return Ok(());
+        return super::report_no_file();
     }
     let full_scale = session.full_scale();
     let observations = session.procedure.observations();
     let discovery = calibrate::discover(observations, full_scale)?;
-    print!("{}", report(&discovery));
     let known = (like.map.full_scale() == full_scale).then(|| Known {
         map: &like.map,
         assumed: assumed_angles(&discovery, &like.map, observations),
     });
     let text = glove_text(&discovery, destination.path(), args.hand, full_scale, known);
-    if destination.write(&text)? {
+    if destination.write(&text, &report(&discovery))? {
         let file = destination.as_word();
-        println!("next: ademan calibrate --glove {file} --source …");
+        let mut out = io::stdout();
+        writeln!(out, "next: ademan calibrate --glove {file} --source …")?;
     }
     Ok(())
 }

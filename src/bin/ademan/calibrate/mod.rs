@@ -11,6 +11,7 @@ mod report;
 mod screen;
 mod session;
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -147,7 +148,7 @@ impl Start {
         Ok(Self { document, glove })
     }
 
-    /// Fits the glove, prints the report, and writes the file.
+    /// Fits the glove, writes the file, and prints the report.
     fn finish(
         &self,
         observations: &Observations,
@@ -155,11 +156,9 @@ impl Start {
     ) -> Result<bool, Failure> {
         let result = calibrate::fit(observations, &self.glove.map)?;
         let text = report::report(&result, observations, &self.glove.map);
-        println!("{}", text.trim_end());
-        println!();
         let rest = calibrate::rest_pose(observations, &result.map);
         let glove_text = layout::write_calibration(&self.document, &result.map, &rest)?;
-        destination.write(&glove_text)
+        destination.write(&glove_text, &format!("{}\n\n", text.trim_end()))
     }
 }
 
@@ -175,7 +174,7 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
     let observations =
         calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
     if start.finish(&observations, &destination)? {
-        print_setup_fields(&escape_path(destination.path()), lengths);
+        print_setup_fields(&escape_path(destination.path()), lengths)?;
     }
     Ok(())
 }
@@ -196,8 +195,7 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
     let glove = &start.glove;
     let mut session = Session::new(&glove.name, glove.side, Some(&glove.map), procedure, feed);
     if let Outcome::Quit = session.run()? {
-        println!("no file was written");
-        return Ok(());
+        return report_no_file();
     }
     let finished = start.finish(session.procedure.observations(), &destination);
     let is_kept = !matches!(finished, Ok(false)) && !session.procedure.marks().is_empty();
@@ -207,19 +205,27 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
         Ok(())
     };
     if finished? {
-        print_setup_fields(&escape_path(destination.path()), lengths);
+        print_setup_fields(&escape_path(destination.path()), lengths)?;
         let file = destination.as_word();
-        println!("use it: ademan run --glove {file} --source …");
+        let mut out = io::stdout();
+        writeln!(out, "use it: ademan run --glove {file} --source …")?;
     }
     // Its failure loses less than the failure of the glove file.
     kept
 }
 
 /// Prints what to write in the setup file for a glove file and an arm, if its lengths are known.
-fn print_setup_fields(glove: &str, arm: Option<String>) {
-    if let Some(arm) = arm {
-        println!("in the setup file: glove: \"{glove}\", arm: {arm}");
-    }
+fn print_setup_fields(glove: &str, arm: Option<String>) -> io::Result<()> {
+    let Some(arm) = arm else {
+        return Ok(());
+    };
+    let mut out = io::stdout();
+    writeln!(out, "in the setup file: glove: \"{glove}\", arm: {arm}")
+}
+
+/// Says that a session that ended early has no result.
+fn report_no_file() -> Result<(), Failure> {
+    Ok(writeln!(io::stdout(), "no file was written")?)
 }
 
 fn glove_document(setup: &LoadedSetup) -> Result<Document, Failure> {
@@ -254,8 +260,8 @@ fn keep_recording(
 ) -> Result<(), Failure> {
     let path = destination.free_recording();
     recording::write(&path, glove, session.procedure.marks(), &session.readings)?;
-    println!("kept the readings: {}", escape_path(&path));
-    Ok(())
+    let mut out = io::stdout();
+    Ok(writeln!(out, "kept the readings: {}", escape_path(&path))?)
 }
 
 impl From<CalibrationError> for Failure {

@@ -1,5 +1,6 @@
 //! The calibration of a source that measures positions: lengths for the setup, and the place of a board on a table.
 
+use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use ademan::calibrate::positions::{
@@ -24,10 +25,11 @@ const TIP_RADIUS: f64 = 0.005;
 ///
 /// `typed` are lengths that were measured with a ruler. They take precedence.
 pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result<(), Failure> {
-    println!(
+    writeln!(
+        io::stdout(),
         "lay the hand on the table so that all five fingertips touch it, spread, for {} s",
         TIME.as_secs()
-    );
+    )?;
     let positions = collect(setup, source)?;
     if positions.is_empty() {
         return Err(Failure::wrong_use(
@@ -36,14 +38,15 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
     }
     let lengths = measure_lengths(&positions).map(|measured| typed.or(measured));
     let table = TablePlane::fit(&positions, TIP_RADIUS);
-    println!("{}", describe_lengths(&lengths));
-    println!("{}", describe_table(&table));
+    let mut out = io::stdout().lock();
+    writeln!(out, "{}", describe_lengths(&lengths))?;
+    writeln!(out, "{}", describe_table(&table))?;
     if let Some(board) = table
         .as_ref()
         .ok()
         .and_then(|table| board_on_table(table, &positions))
     {
-        println!("{}", describe_board(&board));
+        writeln!(out, "{}", describe_board(&board))?;
     }
     match (lengths, table) {
         (Err(error), Err(_)) => Err(Failure::job(format!("nothing was measured: {error}"))),

@@ -1,6 +1,6 @@
 //! The guided session: readings in, poses out, on the screen of a terminal or as lines.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use ademan::calibrate::{
@@ -152,7 +152,10 @@ impl<'a> Session<'a> {
             {
                 announced = Some(pose);
                 let (number, count) = (self.procedure.index() + 1, self.procedure.poses().len());
-                println!("pose {number} of {count}: {pose}: {}", pose.instruction());
+                let instruction = pose.instruction();
+                let mut out = io::stdout();
+                // Without a reader the session goes on: the glove file is still written, and the error of the report is shown.
+                let _ = writeln!(out, "pose {number} of {count}: {pose}: {instruction}");
             }
             if self.advance()?.is_some() {
                 return Ok(Outcome::Finished);

@@ -1,5 +1,7 @@
 //! The layout that a sensor can use.
 
+use std::io::{self, Write};
+
 use ademan::files::Load;
 use ademan::layout::Layout;
 use ademan::setup::Setup;
@@ -22,6 +24,6 @@ pub fn choose(
         let loaded = Layout::load(name).map(|_| name.to_owned());
         loaded.map_err(|error| error.to_string())
     })?;
-    println!("layout: {layout}");
+    writeln!(io::stdout(), "layout: {layout}")?;
     Ok(layout)
 }

@@ -5,7 +5,7 @@ mod question;
 mod source;
 
 use std::fs;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::capture::SourceUri;
@@ -73,7 +73,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let Some(source) = source::find(&args, &questions)? else {
         return try_simulated(&args, &questions);
     };
-    println!("source: {}", escape(&source.to_string()));
+    let mut out = io::stdout();
+    writeln!(out, "source: {}", escape(&source.to_string()))?;
     let path = setup_path(&args)?;
     let destination = Destination::new(Some(path), &Document::new(OWN_SETUP, ""), args.force)?;
     let mut setup = worn(source, &args, &questions)?;
@@ -81,7 +82,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     calibrate(&mut setup, &args, &questions, destination.path())?;
     // A file that is begun is written to its end.
     signals::only_note_stop();
-    if !destination.write(&setup.first_text(destination.path()))? {
+    if !destination.write(&setup.first_text(destination.path()), "")? {
         return Err(interrupted());
     }
     signals::end_at_once_on_stop();
@@ -96,9 +97,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
         let setup_path = destination.path().to_string_lossy().into_owned();
         practice::run(practice::Args::for_setup(Some(setup_path), None))?;
     }
-    println!("practice:  ademan practice{file}");
-    println!("next time: ademan run{file} --output desktop");
-    Ok(())
+    writeln!(out, "practice:  ademan practice{file}")?;
+    Ok(writeln!(
+        out,
+        "next time: ademan run{file} --output desktop"
+    )?)
 }
 
 /// Shows the simulated hand on a layout, and the commands for a device.
@@ -108,9 +111,10 @@ fn try_simulated(args: &Args, questions: &Questions) -> Result<(), Failure> {
     if !args.no_practice {
         practice::run(practice::Args::for_setup(None, Some(layout)))?;
     }
-    println!("practice:  ademan practice --layout {word}");
-    println!("with a device: connect it, then `ademan start`");
-    Ok(())
+    let mut out = io::stdout();
+    writeln!(out, "practice:  ademan practice --layout {word}")?;
+    let next = "with a device: connect it, then `ademan start`";
+    Ok(writeln!(out, "{next}")?)
 }
 
 /// Returns the path of the setup file, in a folder that exists.
@@ -156,7 +160,9 @@ fn calibrate(
     let Some(source) = source.filter(|_| args.glove.is_none() && !args.no_calibrate) else {
         return Ok(());
     };
-    println!("a glove fits a hand better after a calibration: some poses, about a minute");
+    let reason = "a glove fits a hand better after a calibration: some poses, about a minute";
+    let mut out = io::stdout();
+    writeln!(out, "{reason}")?;
     if !questions.confirm("calibrate now")? {
         return Ok(());
     }
@@ -173,7 +179,8 @@ fn calibrate(
     if fs::read(&path).ok() != before {
         setup.glove = Some(path.to_string_lossy().into_owned());
     } else {
-        println!("the setup uses the glove as it comes with the program");
+        let kept = "the setup uses the glove as it comes with the program";
+        writeln!(out, "{kept}")?;
     }
     Ok(())
 }

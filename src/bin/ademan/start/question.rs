@@ -37,7 +37,7 @@ impl Questions {
             let answer = if answer.is_empty() { proposal } else { &answer };
             match check(answer) {
                 Ok(value) => return Ok(value),
-                Err(reason) if self.is_asking => println!("{reason}"),
+                Err(reason) if self.is_asking => writeln!(io::stdout(), "{reason}")?,
                 Err(reason) => return Err(Failure::wrong_use(reason)),
             }
         }
@@ -54,12 +54,13 @@ impl Questions {
 }
 
 fn read_answer(question: &str) -> Result<String, Failure> {
-    print!("{question}");
-    io::stdout().flush()?;
+    let mut out = io::stdout();
+    write!(out, "{question}")?;
+    out.flush()?;
     let mut answer = String::new();
     let length = io::stdin().lock().read_line(&mut answer)?;
     if length == 0 || signals::is_stop_requested() {
-        println!();
+        writeln!(out)?;
         return Err(interrupted());
     }
     Ok(answer.trim().to_owned())

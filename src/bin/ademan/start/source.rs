@@ -1,5 +1,7 @@
 //! The source of a first start: the device that sends on a serial port, or none.
 
+use std::io::{self, Write};
+
 use ademan::capture::SourceUri;
 use ademan::capture::recognition::{Recognition, camera, port_names, recognize};
 use ademan::message::escape;
@@ -21,9 +23,10 @@ pub fn find(args: &Args, questions: &Questions) -> Result<Option<SourceUri>, Fai
         None => port_names(),
     };
     let mut found = Vec::new();
+    let mut out = io::stdout();
     for port in &ports {
-        println!("listening to {} for some seconds", escape(port));
-        found.extend(listen(port));
+        writeln!(out, "listening to {} for some seconds", escape(port))?;
+        found.extend(listen(port, &mut out)?);
     }
     if found.is_empty() && args.port.is_some() {
         return Err(Failure::wrong_use(
@@ -31,38 +34,41 @@ pub fn find(args: &Args, questions: &Questions) -> Result<Option<SourceUri>, Fai
         ));
     }
     if found.is_empty() {
-        propose_without_device(ports.is_empty());
+        propose_without_device(ports.is_empty(), &mut out)?;
         return Ok(None);
     }
     choose(found, questions).map(Some)
 }
 
 /// Returns the sources that a port may be, and says what it is.
-fn listen(port: &str) -> Vec<SourceUri> {
+fn listen(port: &str, out: &mut impl Write) -> io::Result<Vec<SourceUri>> {
     match recognize(port) {
         Ok(Recognition::Sources(sources)) => {
             for source in &sources {
                 let protocol = source.protocol();
                 let title = protocol.map_or("a device", |protocol| protocol.title());
-                println!("  looks like {title}");
+                writeln!(out, "  looks like {title}")?;
             }
-            return sources;
+            return Ok(sources);
         }
-        Ok(Recognition::Unknown(bytes)) => println!(
+        Ok(Recognition::Unknown(bytes)) => writeln!(
+            out,
             "  {bytes} bytes of no known device: check its bit rate; `ademan sources` lists the protocols"
-        ),
-        Ok(Recognition::Silent) => println!("  nothing arrives"),
-        Err(reason) => println!("  cannot listen: {}", escape(&reason)),
+        )?,
+        Ok(Recognition::Silent) => writeln!(out, "  nothing arrives")?,
+        Err(reason) => writeln!(out, "  cannot listen: {}", escape(&reason))?,
     }
-    Vec::new()
+    Ok(Vec::new())
 }
 
 fn choose(mut found: Vec<SourceUri>, questions: &Questions) -> Result<SourceUri, Failure> {
     if found.len() == 1 {
         return Ok(found.remove(0));
     }
+    let mut out = io::stdout();
     for (index, source) in found.iter().enumerate() {
-        println!("  {}  {}", index + 1, escape(&source.to_string()));
+        let number = index + 1;
+        writeln!(out, "  {number}  {}", escape(&source.to_string()))?;
     }
     let count = found.len();
     let number = questions.ask("which one", "1", |answer| match answer.parse() {
@@ -73,14 +79,20 @@ fn choose(mut found: Vec<SourceUri>, questions: &Questions) -> Result<SourceUri,
 }
 
 /// Says what to use without a device on a serial port.
-fn propose_without_device(has_no_port: bool) {
+fn propose_without_device(has_no_port: bool, out: &mut impl Write) -> io::Result<()> {
     if has_no_port {
-        println!("no serial port is present")
+        writeln!(out, "no serial port is present")?;
     } else {
-        println!("no port has a known device")
+        writeln!(out, "no port has a known device")?;
     }
     if camera().is_some() {
-        println!("a camera is there, which can follow your hand: ademan webcam");
+        writeln!(
+            out,
+            "a camera is there, which can follow your hand: ademan webcam"
+        )?;
     }
-    println!("a simulated hand types instead, so that you see what happens");
+    writeln!(
+        out,
+        "a simulated hand types instead, so that you see what happens"
+    )
 }
