@@ -124,6 +124,38 @@ fn a_glove_of_the_configuration_folder_is_found_by_its_name() {
 }
 
 #[test]
+fn a_layout_a_glove_and_a_person_of_one_name_are_three_files() {
+    let home = Home::new();
+    fs::create_dir_all(home.0.path().join("config/ademan/persons")).unwrap();
+    // As docs/install.md proposes.
+    home.run("layout new ../config/ademan/layouts/mine --from qwerty-arc")
+        .done();
+    home.run("glove new ../config/ademan/gloves/mine --from unam-hc11")
+        .done();
+    home.run("person new ../config/ademan/persons/mine").done();
+    let all = "--layout mine --glove mine --person mine";
+    home.run(&format!("run --source typist:a {all}")).done();
+    let setup = "Setup(source: \"typist:a\", layout: \"mine\", glove: \"mine\", person: \"mine\")";
+    home.write("work/setup.ron", setup);
+    home.run("run setup.ron").done();
+    for list in ["gloves", "person list", "layouts"] {
+        let out = home.run(list).done().out;
+        let own = out.lines().find(|line| line.starts_with("mine "));
+        assert!(
+            own.is_some_and(|own| !own.contains("invalid")),
+            "{list}: {out}"
+        );
+    }
+    home.run("schema glove mine").done();
+    // A file of another kind is no meaning of the name.
+    fs::remove_file(home.0.path().join("config/ademan/gloves/mine.ron")).unwrap();
+    let missing = home.run("run --source typist:a --glove mine");
+    assert_eq!(missing.code, Some(2));
+    assert!(missing.err.contains("mine"), "{}", missing.err);
+    assert!(!missing.err.contains("layouts/mine.ron"), "{}", missing.err);
+}
+
+#[test]
 fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_named() {
     let home = Home::new();
     home.write(

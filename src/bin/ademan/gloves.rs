@@ -1,7 +1,6 @@
 //! `ademan gloves`: the glove files that come with the program.
 
-use ademan::document::Document;
-use ademan::document::shipped_gloves;
+use ademan::document::{Document, FileKind, shipped_gloves};
 use ademan::files::{OpenDocument, own_gloves};
 use ademan::layout::Glove;
 use ademan::message::shell_word;
@@ -20,7 +19,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     let shipped = shipped_gloves().map(|name| (name.to_owned(), Document::shipped(name)));
     let own = own_gloves().into_iter().map(|name| {
-        let document = Document::open(&name);
+        let document = Document::open_kind(FileKind::Glove, &name);
         (name, document)
     });
     let rows = shipped.chain(own).map(|(name, document)| {

@@ -139,7 +139,7 @@ fn text(name: &str, hand: Side, length: Option<f64>) -> String {
 fn list(args: &ListArgs) -> Result<(), Failure> {
     let shipped = shipped_persons().map(|name| (name.to_owned(), Document::shipped(name)));
     let own = own_persons().into_iter().map(|name| {
-        let document = Document::open(&name);
+        let document = Document::open_kind(FileKind::Person, &name);
         (name, document)
     });
     let rows = shipped.chain(own).map(|(name, document)| {

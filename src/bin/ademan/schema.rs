@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use ademan::document::{Document, Table, json_form, json_schema};
+use ademan::document::{Document, FileKind, Table, json_form, json_schema};
 use ademan::files::OpenDocument;
 use ademan::layout::{arm_field_tables, field_tables, glove_field_tables, person_field_tables};
 use ademan::message::escape_json;
@@ -49,6 +49,16 @@ impl FileFormat {
         }
     }
 
+    fn kind(self) -> FileKind {
+        match self {
+            Self::Layout => FileKind::Layout,
+            Self::Glove => FileKind::Glove,
+            Self::Arm => FileKind::Arm,
+            Self::Setup => FileKind::Setup,
+            Self::Person => FileKind::Person,
+        }
+    }
+
     fn schema(self) -> Value {
         match self {
             Self::Setup => setup_json_schema(),
@@ -61,7 +71,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let value = match &args.file {
         None => args.format.schema(),
         Some(file) => {
-            let document = Document::open(file)?;
+            let document = Document::open_kind(args.format.kind(), file)?;
             let form = json_form(&document.text, &args.format.tables());
             form.ok_or_else(|| {
                 let message = "the brackets are not balanced, so that the file cannot be converted";

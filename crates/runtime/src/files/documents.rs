@@ -18,8 +18,8 @@ pub trait OpenDocument: Sized {
     /// name never means the working folder, to which other users may write. The first of these that exists is read:
     ///
     /// 1. for `keyboards/arrows`, the shipped file with its folder; for a path, the file there, also with `.ron`,
-    /// 2. for a name without a folder, `NAME.ron` in `layouts`, `gloves` or `arms` of the
-    ///    [configuration folder](super::config_folder),
+    /// 2. for a name without a folder, `NAME.ron` in `layouts`, `gloves`, `arms` or `persons` of the
+    ///    [configuration folder](super::config_folder), in this order,
     /// 3. the shipped file: `arrows`, `keyboards/arrows.ron`.
     ///
     /// A file that hides a shipped one is logged. A file that [other users may change](open_trusted) is rejected, and so is
@@ -28,18 +28,19 @@ pub trait OpenDocument: Sized {
         Self::open_relative_to(Path::new(""), name)
     }
 
-    /// As [`open`](Self::open). If there is no such file, only files of this kind are suggested.
+    /// As [`open`](Self::open), but in the configuration folder only the folder of this kind is searched. If there is no such file, only
+    /// files of this kind are suggested.
     fn open_kind(kind: FileKind, name: &str) -> Result<Self, DocumentError>;
 
     /// As [`open`](Self::open), with relative paths resolved against `folder`.
     fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError>;
 
-    /// Returns the name under which [`open`](Self::open) finds what a file in `folder` means by `name`. A relative path starts in
+    /// Returns the name under which [`open_kind`](Self::open_kind) finds what a file in `folder` means by `name`. A relative path starts in
     /// `folder`, as with [`open_relative_to`](Self::open_relative_to).
     ///
     /// # Errors
     /// Fails for a name without a folder that stands for nothing, if a file in `folder` was meant.
-    fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError>;
+    fn resolve(folder: &Path, kind: FileKind, name: &str) -> Result<String, DocumentError>;
 
     /// Reads the regular file at `path`, if no other user may change it. Does not fall back to a shipped file.
     fn from_path(path: &str) -> Result<Self, DocumentError>;
@@ -54,8 +55,8 @@ impl OpenDocument for Document {
         open(folder, name, None)
     }
 
-    fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
-        search::resolve(folder, name)
+    fn resolve(folder: &Path, kind: FileKind, name: &str) -> Result<String, DocumentError> {
+        search::resolve(folder, name, Some(kind))
     }
 
     fn from_path(path: &str) -> Result<Self, DocumentError> {
@@ -63,9 +64,9 @@ impl OpenDocument for Document {
     }
 }
 
-/// Reads the file with a name in a folder; see [`OpenDocument::open`]. `kind` is the kind of the files that are suggested.
+/// Reads the file with a name in a folder; see [`OpenDocument::open`]. `kind` is the kind of the files that are searched and suggested.
 fn open(folder: &Path, name: &str, kind: Option<FileKind>) -> Result<Document, DocumentError> {
-    match search::find(folder, name) {
+    match search::find(folder, name, kind) {
         Some(Found::File { path, name }) => read(&path, &name),
         Some(Found::Shipped(document)) => Ok(document),
         None => {

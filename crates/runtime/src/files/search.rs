@@ -22,8 +22,9 @@ pub(super) enum Found {
 }
 
 /// Returns what a name stands for, in this order: a shipped file with its folder; for a [path](is_path), the file there in `folder`, with
-/// or without `.ron`; a file in the configuration folder; a shipped file. A file that hides a shipped one is reported.
-pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
+/// or without `.ron`; a file of this kind, or of any, in the configuration folder; a shipped file. A file that hides a shipped one is
+/// reported.
+pub(super) fn find(folder: &Path, name: &str, kind: Option<FileKind>) -> Option<Found> {
     let shipped = shipped(name);
     if !is_bare(name) && !name.ends_with(EXTENSION) && shipped.is_some() {
         return shipped.map(Found::Shipped);
@@ -31,7 +32,7 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
     if let Some((path, name)) = file_in(folder, name).filter(|_| is_path(name)) {
         return Some(Found::File { path, name });
     }
-    match (in_config_folder(name), shipped) {
+    match (in_config_folder(name, kind), shipped) {
         (Some(path), shipped) => {
             let own_name = path.to_string_lossy().into_owned();
             if shipped.is_some() {
@@ -56,10 +57,14 @@ pub(super) fn find(folder: &Path, name: &str) -> Option<Found> {
 
 /// Returns the name under which [`find`] without a folder finds what it finds in `folder`, or the error about a file in `folder` that
 /// was meant.
-pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError> {
+pub(super) fn resolve(
+    folder: &Path,
+    name: &str,
+    kind: Option<FileKind>,
+) -> Result<String, DocumentError> {
     if !is_path(name) {
-        return match (in_config_folder(name), shipped(name)) {
-            (None, None) if file_in(folder, name).is_some() => Err(not_found(folder, name, None)),
+        return match (in_config_folder(name, kind), shipped(name)) {
+            (None, None) if file_in(folder, name).is_some() => Err(not_found(folder, name, kind)),
             (None, Some(_)) if !folder.as_os_str().is_empty() => {
                 report_unused(folder, name);
                 Ok(name.to_owned())
@@ -67,7 +72,7 @@ pub(super) fn resolve(folder: &Path, name: &str) -> Result<String, DocumentError
             _ => Ok(name.to_owned()),
         };
     }
-    Ok(match find(folder, name) {
+    Ok(match find(folder, name, kind) {
         Some(Found::File { path, .. }) => path.to_string_lossy().into_owned(),
         // As a path it would mean the working folder.
         Some(Found::Shipped(_)) => name.strip_suffix(EXTENSION).unwrap_or(name).to_owned(),
@@ -164,7 +169,8 @@ fn own_names(folder: &str) -> Vec<String> {
     names
 }
 
-fn in_config_folder(name: &str) -> Option<PathBuf> {
+/// Returns the file with a name in the configuration folder, in the folder of a kind or of any.
+fn in_config_folder(name: &str, kind: Option<FileKind>) -> Option<PathBuf> {
     if !is_bare(name) {
         return None;
     }
@@ -173,9 +179,8 @@ fn in_config_folder(name: &str) -> Option<PathBuf> {
     } else {
         format!("{name}{EXTENSION}")
     };
-    FOLDERS
-        .iter()
-        .find_map(|folder| path_in_config_folder(Path::new(folder).join(&file)))
+    let mut searched = folders(kind).iter();
+    searched.find_map(|folder| path_in_config_folder(Path::new(folder).join(&file)))
 }
 
 /// Returns `true` for a name without a folder.

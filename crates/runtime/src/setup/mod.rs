@@ -24,6 +24,7 @@ pub use recorded::ReplaySettings;
 pub use schema::{setup_field_tables, setup_json_schema};
 pub use sources::NamedSource;
 
+use std::iter;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -328,8 +329,8 @@ impl Setup {
         setup.check().map_err(|error| error.at_field(&document))?;
         let folder = document.path.as_deref().and_then(Path::parent);
         let folder = folder.unwrap_or(Path::new(""));
-        for name in setup.file_names() {
-            *name = Document::resolve(folder, name)?;
+        for (kind, name) in setup.file_names() {
+            *name = Document::resolve(folder, kind, name)?;
         }
         setup.output = outputs::with_new_transcripts(&setup.output)
             .map_err(|error| error.at_field(&document))?;
@@ -348,16 +349,18 @@ impl Setup {
         Ok(loaded)
     }
 
-    /// Returns the names of all files: gloves, persons, arms and layouts.
-    fn file_names(&mut self) -> Vec<&mut String> {
-        let mut names = vec![&mut self.layout];
-        names.extend(self.profiles.iter_mut().map(|profile| &mut profile.layout));
-        names.extend(&mut self.glove);
-        names.extend(&mut self.person);
-        names.extend(self.arm.model_name());
-        if let Some(other) = &mut self.other_hand {
-            names.extend(&mut other.glove);
-            names.extend(other.arm.model_name());
+    /// Returns the kinds and names of all files: layouts, gloves, arms and the person.
+    fn file_names(&mut self) -> Vec<(FileKind, &mut String)> {
+        let profiles = self.profiles.iter_mut();
+        let layouts = iter::once(&mut self.layout).chain(profiles.map(|it| &mut it.layout));
+        let mut names: Vec<_> = layouts.map(|name| (FileKind::Layout, name)).collect();
+        let person = self.person.as_mut().map(|name| (FileKind::Person, name));
+        names.extend(person);
+        let other = self.other_hand.as_mut();
+        let other = other.map(|other| (&mut other.glove, &mut other.arm));
+        for (glove, arm) in iter::once((&mut self.glove, &mut self.arm)).chain(other) {
+            names.extend(glove.as_mut().map(|name| (FileKind::Glove, name)));
+            names.extend(arm.model_name().map(|name| (FileKind::Arm, name)));
         }
         names
     }

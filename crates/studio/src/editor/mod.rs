@@ -58,7 +58,7 @@ use self::file::EditedFile;
 use self::history::{History, Step};
 use self::recovery::Recovery;
 use ademan_core::contact::TargetId;
-use ademan_core::document::{Document, DocumentError, Node, quote, read_tree};
+use ademan_core::document::{Document, DocumentError, FileKind, Node, quote, read_tree};
 use ademan_core::editing;
 use ademan_core::layout::{Fit, Layout, LayoutDraft};
 use ademan_runtime::files::OpenDocument;
@@ -86,13 +86,13 @@ pub struct LayoutEditor {
 }
 
 impl LayoutEditor {
-    /// Opens the layout with a name, as [`Document::open`] finds it, for these hands. One that comes with the program is an unsaved
+    /// Opens the layout with a name, as [`Document::open_kind`] finds it, for these hands. One that comes with the program is an unsaved
     /// copy: [`save`](Self::save) fails until [`save_as`](Self::save_as) has given it a file.
     ///
     /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons. One that is empty begins
     /// with a layout without controls, which is not saved.
     pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
-        let document = Document::open(name)?;
+        let document = Document::open_kind(FileKind::Layout, name)?;
         let file = EditedFile::open(&document);
         let text = match document.path.filter(|_| document.text.trim().is_empty()) {
             Some(path) => blank_layout(&path),

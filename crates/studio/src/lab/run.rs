@@ -8,7 +8,7 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use super::outcome::{LabOutcome, Scored};
 use super::settings::{LabSettings, jobs};
-use ademan_core::document::Document;
+use ademan_core::document::{Document, FileKind};
 use ademan_core::layout::Layout;
 use ademan_lab::measures::{
     Conditions, PersonScore, ScoreError, compare, score_decoded, summarize,
@@ -33,7 +33,7 @@ impl LabRequest {
     /// Returns the document of a layout that is compared: the name of one that comes with the program, or a path. The error is a
     /// sentence for the user.
     pub fn open_other(name: &str) -> Result<Document, String> {
-        Document::open(name).map_err(|error| error.to_string())
+        Document::open_kind(FileKind::Layout, name).map_err(|error| error.to_string())
     }
 
     /// Returns the conditions for one of the layouts.

@@ -11,7 +11,7 @@ use crossbeam_channel::{Sender, unbounded};
 
 pub use self::source::SimulatedHand;
 use crate::settings::HandSettings;
-use ademan_core::document::Document;
+use ademan_core::document::{Document, FileKind};
 use ademan_core::layout::Person;
 use ademan_lab::sim::HandTask;
 use ademan_runtime::files::OpenDocument;
@@ -75,7 +75,7 @@ impl HandControl {
         }
         let person = match &settings.person {
             same if *same == self.applied.person => self.person.clone(),
-            Some(name) => Person::parse(&Document::open(name)?)?,
+            Some(name) => Person::parse(&Document::open_kind(FileKind::Person, name)?)?,
             None => self.own.clone(),
         };
         self.setup.simulate(&person)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Layout;
 
@@ -53,7 +53,7 @@ fn text(layout: &str) -> Option<&'static str> {
 
 /// Returns the script for a layout that comes with the program, if it has one. A file of a person has none.
 pub fn for_layout(layout: &str) -> Option<&'static str> {
-    let document = Document::open(layout).ok()?;
+    let document = Document::open_kind(FileKind::Layout, layout).ok()?;
     text(layout).filter(|_| document.path.is_none())
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
-use ademan::document::Document;
+use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
 use ademan::layout::Layout;
 use ademan::output;
@@ -210,7 +210,7 @@ fn load_or_edit(
         (None, Some(path)) => Setup::load(path)?.layout,
         (None, None) => return Err(error),
     };
-    let is_refused = Document::open(&layout)
+    let is_refused = Document::open_kind(FileKind::Layout, &layout)
         .is_ok_and(|document| document.path.is_some() && Layout::from_document(document).is_err());
     if !is_edited || !is_refused {
         return Err(error);

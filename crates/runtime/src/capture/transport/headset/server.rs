@@ -25,7 +25,7 @@ use crate::network::{
     Gatekeeper, ServerStream, TokenEntry, TokenRole, Unproven, canonical, network_folder,
 };
 use crate::share::{PageFolder, forbid, no_such_page, parse_request, upgrade};
-use ademan_core::document::Document;
+use ademan_core::document::{Document, FileKind};
 use ademan_core::message::escape;
 
 /// The path of the WebSocket.
@@ -273,7 +273,7 @@ fn answer(receiver: &mut MessageReceiver<ServerStream>, answer: &Answer) {
 
 /// Returns the present text of a layout: of a file, or of one that comes with the program.
 fn layout_text(name: &str) -> Option<String> {
-    let document = Document::open(name);
+    let document = Document::open_kind(FileKind::Layout, name);
     if let Err(error) = &document {
         tracing::warn!("the headset keeps the layout of its page: {error}");
     }
