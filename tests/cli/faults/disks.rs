@@ -7,8 +7,9 @@ use std::process::{Command, Output, Stdio};
 use crossbeam_channel::RecvTimeoutError;
 
 use crate::support::binary::ademan;
+use crate::support::glove::Glove;
 use crate::support::process::{Process, signal};
-use crate::support::run::{TIMEOUT, line_receiver};
+use crate::support::run::{TIMEOUT, line_receiver, postures};
 
 const TEXT: &str = "typist:hola y adios";
 
@@ -179,6 +180,41 @@ fn a_disk_that_fills_is_reported_at_once_and_in_the_state_while_the_typing_goes_
     }
     assert!(last.contains("No space left"), "{last}");
     assert_eq!(run.0.wait().expect("it ends").code(), Some(1));
+}
+
+#[test]
+fn a_recording_that_cannot_be_written_ends_a_command_that_only_records() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [port, recording] = ["port", "run.mcap"].map(|name| folder.path().join(name));
+    let (clear, _) = postures();
+    let _glove = Glove::plug_in(&port, clear);
+    let source = format!("serial:{}", port.display());
+    let recording = recording.to_str().expect("a path");
+    let short = ["record", recording, "--source", "typist:h"];
+    let recorded = in_shell("sh", "", &short).status();
+    assert!(recorded.expect("the program starts").success());
+    let bytes = fs::metadata(recording).expect("a recording").len();
+    fs::remove_file(recording).expect("a recording");
+    // As on a disk that is full when the next recording is as long.
+    let before = format!("trap '' XFSZ; ulimit -f {};", bytes / 512);
+    let arguments = ["record", recording, "--source", &source];
+    let mut command = in_shell("sh", &before, &arguments);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut run = Process::start(&mut command).expect("the program starts");
+    let err = line_receiver(run.0.stderr.take().expect("it is piped"));
+    let mut messages = Vec::new();
+    loop {
+        match err.recv_timeout(TIMEOUT) {
+            Ok(message) => messages.push(message),
+            Err(RecvTimeoutError::Timeout) => panic!("it goes on: {messages:#?}"),
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    assert_eq!(run.0.wait().expect("it ends").code(), Some(1));
+    let last = messages.last().expect("a reason");
+    assert!(last.starts_with("error: "), "{messages:#?}");
+    assert!(last.contains("File too large"), "{messages:#?}");
+    assert!(!last.contains("goes on"), "{messages:#?}");
 }
 
 #[test]
