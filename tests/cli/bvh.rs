@@ -91,6 +91,56 @@ fn an_existing_file_is_not_overwritten() {
 }
 
 #[test]
+fn an_export_without_a_pose_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.bvh");
+    // Nothing listens on its port once it is dropped.
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    drop(listener);
+    let source = format!("tcp:127.0.0.1:{port}");
+    let refused = run(["export", text(&path), "--source", &source]);
+    assert_ne!(refused.code, Some(0));
+    assert!(!path.exists(), "{}", refused.err);
+    let left = ["--hand", "left", "--source", "typist:hi"];
+    let absent = run(["export", text(&path)].into_iter().chain(left));
+    assert_eq!(absent.code, Some(1), "{}", absent.err);
+    assert!(
+        absent.err.contains("hand.bvh is not written"),
+        "{}",
+        absent.err
+    );
+    assert!(!path.exists());
+    run(["export", text(&path), "--source", "typist:hi"]).done();
+    assert!(frames(&path) > 0);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_export_that_fills_the_disk_names_its_file_which_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    // A file may have 400 blocks, as on a full disk; then less than the skeleton.
+    for (blocks, is_kept) in [(400, true), (1, false)] {
+        let path = folder.path().join(format!("{blocks}.bvh"));
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell
+            .args(["-c", &script, env!("CARGO_BIN_EXE_ademan"), "export"])
+            .args([text(&path), "--source", "typist:hola hola hola hola"])
+            .stdin(Stdio::null());
+        let ended = Ended::from(shell.output().expect("a shell"));
+        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        let named = format!("cannot write {}: ", text(&path));
+        assert!(ended.err.contains(&named), "{}", ended.err);
+        assert!(ended.err.contains("File too large"), "{}", ended.err);
+        assert_eq!(path.exists(), is_kept);
+        if is_kept {
+            assert!(frames(&path) >= 100);
+        }
+    }
+}
+
+#[test]
 fn a_damaged_file_is_refused_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(

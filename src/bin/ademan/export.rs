@@ -1,17 +1,16 @@
 //! `ademan export`: the poses of a source as a BVH file.
 
-use std::fs::File;
-use std::io::BufWriter;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use ademan::command::Command;
-use ademan::files;
+use ademan::files::{self, FileError};
 use ademan::geometry::EulerOrder;
 use ademan::hand::Side;
 use ademan::message::escape_path;
 use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
-use ademan::trace::bvh::{PoseOptions, PoseWriter};
+use ademan::trace::bvh::{self, PoseOptions};
 
 use crate::complete;
 use crate::failure::Failure;
@@ -56,7 +55,10 @@ const MEASURED_POSES: usize = 6000;
 pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.flags.read_setup(args.setup.as_deref())?;
     let setup = setup.load_files()?;
-    let file = create(&args.file)?;
+    let checked = files::check_absent(&args.file);
+    checked
+        .and_then(|()| files::check_destination(&args.file))
+        .map_err(|error| cannot_create(&args.file, &error))?;
     session::prepare()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),
@@ -74,7 +76,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         order: args.order,
         measured_poses: MEASURED_POSES,
     };
-    let written = write(&session, file, pose_options);
+    let written = write(&session, &args.file, pose_options);
     session.commands().send(Command::Stop)?;
     let summary = session.join()?;
     let frames = written?;
@@ -84,28 +86,44 @@ pub fn run(args: Args) -> Result<(), Failure> {
     stats::check_cut(&summary.stats)?;
     if frames == 0 {
         return Err(Failure::job(format!(
-            "the source gave no pose of the hand, so {} is empty; look at its readings with `ademan trace readings`",
+            "the source gave no pose of the hand, so {} is not written; look at its readings with `ademan trace readings`",
             escape_path(&args.file)
         )));
     }
     Ok(())
 }
 
-/// Creates a file that only its owner can read: it shows what a hand typed.
-fn create(path: &Path) -> Result<File, Failure> {
-    files::create_private(path).map_err(|error| {
-        Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
-    })
+fn cannot_create(path: &Path, error: &FileError) -> Failure {
+    Failure::wrong_use(format!("cannot create {}: {error}", escape_path(path)))
 }
 
-fn write(session: &SessionHandle, file: File, options: PoseOptions) -> std::io::Result<u64> {
-    let mut writer = PoseWriter::new(BufWriter::new(file), options);
-    for snapshot in session.snapshots() {
-        if let Some(pose) = &snapshot.pose {
-            writer.push(pose)?;
-        }
+/// Writes the poses of a session to a file, which is created with the first one. Returns the number of frames.
+fn write(session: &SessionHandle, path: &Path, options: PoseOptions) -> Result<u64, Failure> {
+    let poses = session
+        .snapshots()
+        .iter()
+        .filter_map(|snapshot| snapshot.pose);
+    let mut poses = poses
+        .filter(|pose| options.side.is_none_or(|side| side == pose.side))
+        .peekable();
+    if poses.peek().is_none() {
+        return Ok(0);
     }
-    writer.finish()
+    // Only its owner can read it: it shows what a hand typed.
+    let file = files::create_private(path).map_err(|error| cannot_create(path, &error))?;
+    bvh::write_file(poses, file, options).map_err(|error| {
+        let is_empty = fs::metadata(path).is_ok_and(|written| written.len() == 0);
+        if is_empty {
+            let _ = fs::remove_file(path);
+        }
+        let shown = escape_path(path);
+        let kept = if is_empty {
+            "nothing is written"
+        } else {
+            "it ends at the last whole second"
+        };
+        Failure::job(format!("cannot write {shown}: {error}; {kept}"))
+    })
 }
 
 fn rate(text: &str) -> Result<f64, String> {

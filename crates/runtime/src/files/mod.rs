@@ -141,12 +141,23 @@ pub fn replace(path: &Path) -> Result<File, FileError> {
 fn created(path: &Path, created: io::Result<File>) -> Result<File, FileError> {
     match created {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            let metadata = fs::symlink_metadata(path)?;
+            check_absent(path)?;
+            Err(FileError::Exists)
+        }
+        created => Ok(created?),
+    }
+}
+
+/// Fails with the reason why a new file cannot be created if there is anything at its path, before work whose result it keeps.
+pub fn check_absent(path: &Path) -> Result<(), FileError> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error.into()),
+        Ok(metadata) => {
             check_no_link(&metadata)?;
             check_regular(metadata.file_type())?;
             Err(FileError::Exists)
         }
-        created => Ok(created?),
     }
 }
 

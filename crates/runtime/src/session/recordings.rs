@@ -1,8 +1,6 @@
 //! The files that a session records to: all results of each step, and the poses for animation programs.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::RecvTimeoutError;
@@ -13,7 +11,7 @@ use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
 use crate::files;
 use crate::recorder::{RecordError, Recorder, cannot_create};
-use crate::trace::bvh::{PoseOptions, PoseWriter};
+use crate::trace::bvh::{self, PoseOptions};
 use ademan_core::kinematics::HandPose;
 use ademan_core::pipeline::Pipeline;
 use ademan_core::snapshot::{Snapshot, StepView};
@@ -24,12 +22,6 @@ const FLUSH_AFTER: Duration = Duration::from_millis(500);
 
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
-
-/// Frames after which a BVH file is complete again: one second.
-const FRAMES_PER_BLOCK: u64 = 100;
-
-/// Room for the frames of a block: they reach the disk together with their number.
-const BLOCK_BYTES: usize = 1 << 20;
 
 /// The recordings of a session, each with a thread of its own.
 #[derive(Default)]
@@ -80,7 +72,13 @@ impl Recordings {
     pub fn record_poses(&mut self, path: &Path, is_lossless: bool) -> Result<(), RecordError> {
         let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
         let owned = path.to_owned();
-        let write = move |poses| write_bvh(poses, file, owned);
+        let write = move |poses: QueuedSteps<HandPose>| {
+            let written = bvh::write_file(poses, file, PoseOptions::new(BVH_RATE_HZ));
+            written.map(drop).map_err(|error| RecordError::Write {
+                path: owned,
+                reason: error.to_string(),
+            })
+        };
         let failures = self.failures.clone();
         self.poses = Some(WriterThread::start(path, is_lossless, failures, write)?);
         Ok(())
@@ -107,46 +105,6 @@ impl Observer for Recordings {
     fn observe(&mut self, step: &StepView, _: Instant, _: &Pipeline) {
         self.push(step);
     }
-}
-
-/// Writes poses in blocks. After a failed write, the file ends with the last whole block.
-fn write_bvh(poses: QueuedSteps<HandPose>, file: File, path: PathBuf) -> Result<(), RecordError> {
-    let failed = |error: io::Error| RecordError::Write {
-        path: path.clone(),
-        reason: error.to_string(),
-    };
-    let whole = file.try_clone().map_err(failed)?;
-    let mut length = 0;
-    let result = write_blocks(poses, file, &mut || {
-        length = whole.metadata()?.len();
-        Ok(())
-    });
-    if result.is_err() {
-        // If this fails too, a reader finds a part of a frame after the last one.
-        let _ = whole.set_len(length);
-    }
-    result.map_err(failed)
-}
-
-/// Writes poses, and calls `complete` after each whole block.
-fn write_blocks(
-    poses: QueuedSteps<HandPose>,
-    file: File,
-    complete: &mut dyn FnMut() -> io::Result<()>,
-) -> io::Result<()> {
-    let file = BufWriter::with_capacity(BLOCK_BYTES, file);
-    let mut writer = PoseWriter::new(file, PoseOptions::new(BVH_RATE_HZ));
-    let mut next_block = 0;
-    for pose in poses {
-        writer.push(&pose)?;
-        if writer.frames() >= next_block {
-            writer.complete_block()?;
-            complete()?;
-            // The first frames come together.
-            next_block = (writer.frames() / FRAMES_PER_BLOCK + 1) * FRAMES_PER_BLOCK;
-        }
-    }
-    writer.finish().map(drop)
 }
 
 #[cfg(test)]

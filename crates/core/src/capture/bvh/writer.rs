@@ -48,12 +48,13 @@ impl<W: Write + Seek> BvhWriter<W> {
         self.frames
     }
 
-    /// Writes the number of frames so far, after the frames.
-    pub fn complete_block(&mut self) -> Result<()> {
+    /// Writes the number of frames so far, after the frames. Returns the length of the text in bytes.
+    pub fn complete_block(&mut self) -> Result<u64> {
         self.out.seek(SeekFrom::Start(self.count_at))?;
         write!(self.out, "{:<COUNT_WIDTH$}", self.frames)?;
-        self.out.seek(SeekFrom::End(0))?;
-        self.out.flush()
+        let length = self.out.seek(SeekFrom::End(0))?;
+        self.out.flush()?;
+        Ok(length)
     }
 
     /// Writes the number of frames and returns the file.

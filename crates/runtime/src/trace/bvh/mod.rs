@@ -5,7 +5,8 @@
 //! reproduced exactly. The file is in centimetres with +Y up and the person looking along +Z, and has the joint names of
 //! Mixamo, which most programs know.
 
-use std::io::{Result, Seek, Write};
+use std::fs::File;
+use std::io::{BufWriter, Result, Seek, Write};
 use std::time::Duration;
 
 use crate::capture::bvh::{ArmShape, ArmsSkeleton, BvhWriter};
@@ -17,6 +18,12 @@ use ademan_core::time::Timestamp;
 
 /// Longest gap between two poses that is kept. Longer ones are shortened to it.
 const MAX_GAP: Duration = Duration::from_secs(2);
+
+/// Frames after which a file is complete again: one second at 100 per second.
+const FRAMES_PER_BLOCK: u64 = 100;
+
+/// Room for the frames of a block: they reach the disk together with their number.
+const BLOCK_BYTES: usize = 1 << 20;
 
 /// The form of a file of poses.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +83,30 @@ struct Text<W> {
     latest: Timestamp,
     /// Time of frame 0, moved by the gaps that were shortened.
     start: Timestamp,
+    /// Length of the whole file at the end of the last block.
+    whole_bytes: u64,
+}
+
+/// Writes poses in blocks to an empty file, and returns the number of frames. After a failed write, the file ends with the last whole
+/// block; without one, it is empty.
+pub fn write_file(
+    poses: impl IntoIterator<Item = HandPose>,
+    file: File,
+    options: PoseOptions,
+) -> Result<u64> {
+    let whole = file.try_clone()?;
+    let mut writer = PoseWriter::new(BufWriter::with_capacity(BLOCK_BYTES, file), options);
+    let mut poses = poses.into_iter();
+    let written = poses.try_for_each(|pose| writer.push(&pose));
+    let written = written.and_then(|()| writer.complete());
+    if written.is_err() {
+        let length = writer.whole_bytes();
+        // It may write what its buffer has.
+        drop(writer);
+        // If this fails too, a reader finds a part of a frame after the last one.
+        let _ = whole.set_len(length);
+    }
+    written
 }
 
 impl<W: Write + Seek> PoseWriter<W> {
@@ -114,41 +145,37 @@ impl<W: Write + Seek> PoseWriter<W> {
     fn start(&mut self) -> Result<()> {
         let early = std::mem::take(&mut self.early);
         if let (Some(first), Some(out)) = (early.first(), self.out.take()) {
-            let mut text = Text::new(out, first.time, &early, &self.options)?;
+            let text = Text::new(out, first.time, &early, &self.options)?;
+            let text = self.text.insert(text);
             for pose in &early {
                 text.push(pose)?;
             }
-            self.text = Some(text);
+            text.complete_block()?;
         }
         Ok(())
     }
 
-    /// Returns the number of frames so far.
-    pub fn frames(&self) -> u64 {
+    /// Returns the length of the whole file at the end of the last block, which is complete if nothing follows; 0 without a block.
+    pub fn whole_bytes(&self) -> u64 {
         let text = self.text.as_ref();
-        text.map_or(0, |text| text.writer.frames())
-    }
-
-    /// Completes the file: if nothing follows, it is a whole file of the frames so far.
-    pub fn complete_block(&mut self) -> Result<()> {
-        match &mut self.text {
-            Some(text) => text.writer.complete_block(),
-            None => Ok(()),
-        }
+        text.map_or(0, |text| text.whole_bytes)
     }
 
     /// Writes the last frame and returns the number of frames. Without a pose, nothing is written.
     pub fn finish(mut self) -> Result<u64> {
+        self.complete()
+    }
+
+    fn complete(&mut self) -> Result<u64> {
         if self.text.is_none() {
             self.start()?;
         }
-        let Some(mut text) = self.text else {
+        let Some(text) = &mut self.text else {
             return Ok(0);
         };
         text.writer.write_frame(&text.values)?;
-        let frames = text.writer.frames();
-        text.writer.finish()?;
-        Ok(frames)
+        text.complete_block()?;
+        Ok(text.writer.frames())
     }
 }
 
@@ -171,7 +198,14 @@ impl<W: Write + Seek> Text<W> {
             values: Vec::new(),
             latest: start,
             start,
+            whole_bytes: 0,
         })
+    }
+
+    /// Completes the file: if nothing follows, it is a whole file of the frames so far.
+    fn complete_block(&mut self) -> Result<()> {
+        self.whole_bytes = self.writer.complete_block()?;
+        Ok(())
     }
 
     fn push(&mut self, pose: &ArmPose) -> Result<()> {
@@ -182,6 +216,9 @@ impl<W: Write + Seek> Text<W> {
         self.start = self.start + gap.saturating_sub(MAX_GAP);
         while self.start + frame_time(self.writer.frames(), self.rate_hz) < pose.time {
             self.writer.write_frame(&self.values)?;
+            if self.writer.frames().is_multiple_of(FRAMES_PER_BLOCK) {
+                self.whole_bytes = self.writer.complete_block()?;
+            }
         }
         self.latest = self.latest.max(pose.time);
         self.arms[pose.side.index()] = shape.fit(&pose.joints);
