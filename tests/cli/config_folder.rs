@@ -183,6 +183,32 @@ fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_name
     assert!(invalid.err.contains(&place), "{}", invalid.err);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_setup_of_the_configuration_folder_that_cannot_be_read_is_not_ignored() {
+    use std::os::unix::fs::symlink;
+
+    let home = Home::new();
+    let path = home.0.path().join("config/ademan/setup.ron");
+    let refused = |reason: &str| {
+        let ended = home.run("run --source typist:1");
+        assert_eq!(ended.code, Some(2), "{}", ended.err);
+        assert_eq!(ended.out, "", "nothing is typed without its limits");
+        let named = ended.err.contains(&home.config("setup.ron"));
+        assert!(named && ended.err.contains(reason), "{}", ended.err);
+    };
+    symlink("/nowhere/setup.ron", &path).unwrap();
+    refused("no such file");
+    fs::remove_file(&path).unwrap();
+    symlink("setup.ron", &path).unwrap();
+    refused("cannot read the file");
+    fs::remove_file(&path).unwrap();
+    fs::create_dir(&path).unwrap();
+    refused("this is a directory");
+    fs::remove_dir(&path).unwrap();
+    home.run("run --source typist:1").done();
+}
+
 #[test]
 fn files_to_start_from_come_with_the_program_and_are_valid() {
     let home = Home::new();

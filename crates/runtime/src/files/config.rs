@@ -1,5 +1,7 @@
 //! The configuration folder of a person.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use etcetera::BaseStrategy;
@@ -24,8 +26,15 @@ pub fn transcript_folder() -> Option<PathBuf> {
     Some(state_folder()?.join("transcripts"))
 }
 
-/// Returns the path of a file of a person in the configuration folder, if the file exists.
+/// Returns the path of a file of a person in the configuration folder, if there is anything at the path. What cannot be read, such as a
+/// link that leads nowhere or a folder without access, is not taken for absent: its reader reports the reason.
 pub fn in_config_folder(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = config_folder()?.join(path);
-    path.is_file().then_some(path)
+    match fs::symlink_metadata(&path) {
+        // The folder may be one that cannot exist, below a file.
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            None
+        }
+        _ => Some(path),
+    }
 }
