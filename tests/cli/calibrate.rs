@@ -39,7 +39,11 @@ fn calibrate_after(before: &str, folder: &TempDir, arguments: &[&str]) -> (i32, 
         .arg(program.get_program())
         .args(program.get_args())
         .args(arguments)
-        .envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))))
+        .envs(
+            program
+                .get_envs()
+                .filter_map(|(name, value)| Some((name, value?))),
+        )
         .stdin(std::process::Stdio::null());
     ended(folder, &mut shell)
 }
@@ -211,7 +215,10 @@ fn a_full_or_closed_standard_output_does_not_lose_the_glove_file() {
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);
         let mut command = ademan(["calibrate"]);
-        command.args(arguments).args(["--out", &closed]).stdout(writer);
+        command
+            .args(arguments)
+            .args(["--out", &closed])
+            .stdout(writer);
         let (closed_code, _, closed_errors) = ended(&folder, &mut command);
         assert_eq!(closed_code, 0, "{name}: {closed_errors}");
         assert!(!closed_errors.contains("panicked"), "{closed_errors}");
@@ -369,6 +376,10 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
             "--hand-length and --forearm-length: a hand is 100 to 300 mm long",
         ),
         (
+            &["--hand-length", "262", "--forearm-length", "189"],
+            "with this hand it is 236 to 472 mm long; check that they are not exchanged",
+        ),
+        (
             &["--hand-length", "18.9cm", "--forearm-length", "262"],
             "is not a number",
         ),
@@ -419,6 +430,11 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     assert_eq!(known_code, 0, "{known_errors}");
     let expected = "in the setup file: arm: Measured(hand_length_mm: 178, forearm_length_mm: 262)";
     assert!(known_out.contains(expected), "no {expected}:\n{known_out}");
+    let (_, wrong_out, _) = calibrate(&folder, &["--source", source, "--forearm-length", "126"]);
+    assert!(
+        wrong_out.contains("no lengths: no person has a hand of 178 mm"),
+        "{wrong_out}"
+    );
 }
 
 #[cfg(target_os = "linux")]

@@ -422,7 +422,7 @@ fn a_layout_is_checked_for_the_hand_of_a_flag_or_a_setup() {
             ended.err
         );
     }
-    for wrong in ["189", "189,x", "1890,262"] {
+    for wrong in ["189", "189,x", "1890,262", "262,189"] {
         let ended = run(["layout", "check", &path, "--hand", wrong]);
         assert_eq!(ended.code, Some(2), "{wrong}: {}", ended.err);
     }

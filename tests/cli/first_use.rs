@@ -128,11 +128,11 @@ fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored(
 fn a_layout_that_does_not_fit_a_hand_is_not_called_valid() {
     let folder = tempfile::tempdir().unwrap();
     let arc = "Layout(name: \"arc\", boards: [(pose: (anchor: elbow, bearing_deg: 35, height_mm: -45),\n\
-               shape: Arc(radius_mm: 320), rows: [(at_mm: (900, 0), keys: \"A\")])])";
+               shape: Arc(radius_mm: 260), rows: [(at_mm: (810, 0), keys: \"A\")])])";
     let path = file(&folder, "arc.ron", arc);
     let check = |hand: &str| run(["layout", "check", &path, "--hand", hand]);
-    assert!(check("100,500").done().out.contains("valid"));
-    let ended = check("300,100");
+    assert!(check("150,265").done().out.contains("valid"));
+    let ended = check("180,170");
     assert_eq!(ended.code, Some(2), "{}", ended.err);
     assert_eq!(ended.out, "", "{}", ended.err);
     assert!(

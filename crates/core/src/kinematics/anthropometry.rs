@@ -1,5 +1,7 @@
 //! Anthropometry: bone lengths derived from hand and forearm length, and an arm model with these bones.
 
+use std::ops::RangeInclusive;
+
 use parry3d::math::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,8 @@ use crate::hand::{Dof, Finger, Joint, Side};
 const BREADTH: f64 = 0.456;
 /// Upper arm length as a multiple of forearm length: 0.186 and 0.146 of the stature (Drillis & Contini 1966).
 const UPPER_ARM: f64 = 0.186 / 0.146;
+/// The ratios of forearm and hand length that are no mistake: a third more or less than the average.
+pub(crate) const FOREARM_PER_HAND: RangeInclusive<f64> = 0.9..=1.8;
 /// Distance of the finger CMC joints from the wrist as a fraction of hand length (Buchholz 1992).
 const CARPUS: f64 = 0.073;
 /// The radius of a fingertip, in metres: the usual poke radius of XR hand interaction.
@@ -39,8 +43,28 @@ impl BoneLengths {
     /// Uses the ratios to hand length of Buchholz et al. 1992, with proximal phalanges after An 1979.
     ///
     /// # Errors
-    /// Returns a message if a length is outside the human range: hand 0.1..=0.3 m, forearm 0.1..=0.5 m.
+    /// Returns a message if a length is outside the human range, hand 0.1..=0.3 m, forearm 0.1..=0.5 m, or if no person has both, as
+    /// when they are exchanged.
     pub fn from_hand_and_forearm(hand: f64, forearm: f64) -> Result<Self, String> {
+        let bones = Self::in_any_proportion(hand, forearm)?;
+        if FOREARM_PER_HAND.contains(&(forearm / hand)) {
+            return Ok(bones);
+        }
+        let (low, high) = (
+            FOREARM_PER_HAND.start() * hand,
+            FOREARM_PER_HAND.end() * hand,
+        );
+        Err(format!(
+            "no person has a hand of {:.0} mm and a forearm of {:.0} mm: with this hand it is {:.0} to {:.0} mm long; check that they are not exchanged",
+            hand * 1e3,
+            forearm * 1e3,
+            low * 1e3,
+            high * 1e3
+        ))
+    }
+
+    /// Derives all bone lengths as [`from_hand_and_forearm`](Self::from_hand_and_forearm), without a check of their proportion.
+    pub(crate) fn in_any_proportion(hand: f64, forearm: f64) -> Result<Self, String> {
         if !(0.1..=0.3).contains(&hand) {
             return Err(format!(
                 "a hand is 100 to 300 mm long, not {} mm",
@@ -252,5 +276,12 @@ mod tests {
                 .unwrap_err()
                 .contains("2550 mm")
         );
+    }
+
+    #[test]
+    fn exchanged_lengths_are_rejected() {
+        let exchanged = BoneLengths::from_hand_and_forearm(0.262, 0.189).unwrap_err();
+        assert!(exchanged.contains("236 to 472 mm"), "{exchanged}");
+        assert!(BoneLengths::from_hand_and_forearm(0.189, 0.262).is_ok());
     }
 }

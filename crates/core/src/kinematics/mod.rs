@@ -12,6 +12,7 @@ mod principal_axis;
 mod reach;
 
 pub use anthropometry::BoneLengths;
+pub(crate) use anthropometry::FOREARM_PER_HAND;
 pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
 pub use joint_rotations::sin_cos;

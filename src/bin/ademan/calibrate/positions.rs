@@ -36,7 +36,11 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result
             "this source measures no positions of joints, and needs no glove file: there is nothing to calibrate",
         ));
     }
-    let lengths = measure_lengths(&positions).map(|measured| typed.or(measured));
+    let lengths = measure_lengths(&positions).and_then(|measured| {
+        let lengths = typed.or(measured);
+        lengths.check()?;
+        Ok(lengths)
+    });
     let table = TablePlane::fit(&positions, TIP_RADIUS);
     let mut out = io::stdout().lock();
     writeln!(out, "{}", describe_lengths(&lengths))?;

@@ -17,6 +17,9 @@ const HAND: [Joint; 5] = [
 /// The joints at the ends of the forearm.
 const FOREARM: [Joint; 2] = [Joint::Elbow, Joint::Wrist];
 
+/// Forearm length as a multiple of hand length, where only one is measured.
+const FOREARM_PER_HAND: f64 = 0.25 / 0.18;
+
 /// The largest range of a length, from the 10th to the 90th percentile, as a fraction of its median.
 const STEADY: f64 = 0.15;
 
@@ -29,11 +32,30 @@ pub struct HandLengths {
     pub forearm: Option<f64>,
 }
 
+impl HandLengths {
+    /// Checks that a person has the known lengths. One that is not known is no reason to refuse the other one.
+    ///
+    /// # Errors
+    /// Fails if one is outside the range of people, or if no person has both.
+    pub fn check(&self) -> Result<(), PositionError> {
+        let assumed_hand = |forearm: f64| (forearm / FOREARM_PER_HAND).clamp(0.1, 0.3);
+        let (hand, forearm) = match (self.hand, self.forearm) {
+            (None, None) => return Ok(()),
+            (Some(hand), Some(forearm)) => (hand, forearm),
+            (Some(hand), None) => (hand, FOREARM_PER_HAND * hand),
+            (None, Some(forearm)) => (assumed_hand(forearm), forearm),
+        };
+        let bones = BoneLengths::from_hand_and_forearm(hand, forearm);
+        let checked = bones.map_err(|reason| PositionError::NotHuman { reason });
+        checked.map(drop)
+    }
+}
+
 /// Measures hand and forearm length in readings of any poses, such as the flat hand and the pinch: each length is the median over
 /// the readings, so that a few wrong ones do not count.
 ///
 /// # Errors
-/// Fails if neither is seen, if one is unsteady, or if one is outside the range of people.
+/// Fails if neither is seen, if one is unsteady, or if a person does not have [these lengths](HandLengths::check).
 pub fn measure_lengths(readings: &[JointPositions]) -> Result<HandLengths, PositionError> {
     let hand = length(readings, &HAND, "hand")?;
     let forearm = length(readings, &FOREARM, "forearm")?;
@@ -43,10 +65,9 @@ pub fn measure_lengths(readings: &[JointPositions]) -> Result<HandLengths, Posit
             readings: seen(readings, &HAND).len(),
         });
     }
-    // A length that is not measured is no reason to refuse the other one.
-    let check = BoneLengths::from_hand_and_forearm(hand.unwrap_or(0.18), forearm.unwrap_or(0.25));
-    check.map_err(|reason| PositionError::NotHuman { reason })?;
-    Ok(HandLengths { hand, forearm })
+    let lengths = HandLengths { hand, forearm };
+    lengths.check()?;
+    Ok(lengths)
 }
 
 /// Returns the median length of a chain of joints, or `None` if too few readings show all of it.

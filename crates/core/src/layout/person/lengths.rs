@@ -4,13 +4,12 @@ use std::ops::RangeInclusive;
 
 use super::schema::PersonSchema;
 use crate::document::{Document, DocumentError};
-use crate::kinematics::BoneLengths;
+use crate::kinematics::{BoneLengths, FOREARM_PER_HAND};
 
 /// Forearm length as a multiple of hand length: 0.146 and 0.108 of the stature (Drillis & Contini 1966).
 const FOREARM: f64 = 0.146 / 0.108;
 
 /// The ratios of lengths that are no mistake: a third more or less than the average.
-const FOREARM_PER_HAND: RangeInclusive<f64> = 0.9..=1.8;
 const BREADTH_PER_HAND: RangeInclusive<f64> = 0.3..=0.65;
 const UPPER_ARM_PER_FOREARM: RangeInclusive<f64> = 0.85..=1.7;
 
@@ -45,7 +44,8 @@ pub(super) fn bones(
         "upper_arm_length_mm",
     ];
     let place = named.iter().find_map(|name| document.field_value(name));
-    let computed = BoneLengths::from_hand_and_forearm(hand_length, forearm_length);
+    // `check` names the fields of a proportion that is a mistake.
+    let computed = BoneLengths::in_any_proportion(hand_length, forearm_length);
     let mut bones =
         computed.map_err(|error| document.error_at(place.unwrap_or(&document.text), error))?;
     bones.breadth = breadth.unwrap_or(bones.breadth);
