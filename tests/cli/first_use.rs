@@ -1,8 +1,10 @@
 //! The first day of a person: a glove or hand that a layout was not written for, new files, a narrow terminal.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::{Ended, ademan, file, run, text};
+use crate::support::binary::copy_binary;
 
 #[test]
 fn a_glove_that_measures_no_arm_is_told_the_layouts_below_its_fingers() {
@@ -322,6 +324,76 @@ fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
             refused.err
         );
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let home = folder.join("home");
+    let install = |program: &Path| {
+        let mut command = Command::new(program);
+        command
+            .args(["system-files", "unit", "--install"])
+            .env("HOME", &home)
+            .env_remove("XDG_RUNTIME_DIR")
+            .env("XDG_CONFIG_HOME", home.join("my config"));
+        Ended::from(command.output().unwrap())
+    };
+    let unit = home.join("my config/systemd/user/ademan.service");
+    for (name, start, stop) in [
+        ("mi año 5%", "\"F/mi año 5%%/ademan\"", "\"-F/mi año 5%%/ademan\""),
+        ("niño", "F/niño/ademan", "-F/niño/ademan"),
+        ("a$b", ":F/a$b/ademan", "-:F/a$b/ademan"),
+    ] {
+        let program = folder.join(name).join("ademan");
+        std::fs::create_dir(folder.join(name)).unwrap();
+        copy_binary(&program);
+        let ended = install(&program).done();
+        let written = std::fs::read_to_string(&unit).unwrap();
+        let [start, stop] = [start, stop].map(|word| word.replace('F', text(folder)));
+        assert!(written.contains(&format!("\nExecStart={start} run ")), "{written}");
+        let stops = format!("\nExecStopPost={stop} release-keys\n");
+        assert!(written.contains(&stops), "{written}");
+        let paths = format!("\nExecPaths=/usr {} ", start.replace(':', ""));
+        assert!(written.contains(&paths), "{written}");
+        verify_unit(&unit, folder);
+        std::fs::remove_file(&unit).unwrap();
+        let next = ended.out.lines().find_map(|line| line.strip_prefix("next: "));
+        let next = next.and_then(|next| next.split_once(", then ")).unwrap().0;
+        let mut shell = Command::new("sh");
+        shell.args(["-c", next]).env("HOME", &home);
+        let path = format!("{}:/usr/bin:/bin", folder.join(name).display());
+        let created = shell.env("PATH", path).output().unwrap();
+        assert!(created.status.success(), "{next}: {created:?}");
+        std::fs::remove_file(home.join("my config/ademan/setup.ron")).unwrap();
+    }
+    let quoted = folder.join("it's");
+    std::fs::create_dir(&quoted).unwrap();
+    copy_binary(&quoted.join("ademan"));
+    let refused = install(&quoted.join("ademan"));
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(refused.err.contains("move the program"), "{}", refused.err);
+    assert!(!unit.exists());
+}
+
+/// Checks that systemd finds the programs of a unit, where it is installed.
+#[cfg(target_os = "linux")]
+fn verify_unit(unit: &Path, runtime: &Path) {
+    let mut verify = Command::new("systemd-analyze");
+    verify
+        .args(["--user", "--man=no", "verify"])
+        .arg(unit)
+        .env("XDG_RUNTIME_DIR", runtime);
+    let Ok(verified) = verify.output() else {
+        return;
+    };
+    let errors = String::from_utf8_lossy(&verified.stderr);
+    let is_wrong = |reason: &str| errors.contains(reason);
+    assert!(!is_wrong("is not executable"), "{errors}");
+    assert!(!is_wrong("special characters"), "{errors}");
+    assert!(!is_wrong("ignoring"), "{errors}");
 }
 
 #[cfg(target_os = "linux")]

@@ -7,7 +7,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::files::{self, FileError};
-use ademan::message::escape_path;
+use ademan::message::{escape_path, shell_word};
+use ademan::setup::OWN_SETUP;
 use clap::builder::PossibleValuesParser;
 
 use crate::failure::Failure;
@@ -84,33 +85,47 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let mut out = io::stdout().lock();
     for file in FILES {
+        let text = file.text_for(&program).unwrap_or(file.text.into());
         if args.file == ALL {
-            let text = file.text_for(&program);
             writeln!(out, "##### {}: {}\n{text}", file.name, file.path)?;
         } else if args.file == file.name {
-            out.write_all(file.text_for(&program).as_bytes())?;
+            out.write_all(text.as_bytes())?;
         }
     }
     Ok(())
 }
 
 impl SystemFile {
-    /// Returns the text for a program at this path, which systemd needs to be absolute.
-    fn text_for(&self, program: &Path) -> Cow<'static, str> {
-        let packaged = Path::new(PACKAGED_PROGRAM);
-        // A quote, a blank, `%` or `$` has a meaning in a unit.
-        let is_plain = |path: &&str| {
-            let mut bytes = path.bytes();
-            bytes.all(|byte| byte.is_ascii_alphanumeric() || b"/._+-".contains(&byte))
-        };
-        match program.to_str().filter(is_plain) {
-            Some(path) if self.name == "unit" && program != packaged => {
-                let text = self.text.replace(PACKAGED_PROGRAM, path);
-                let executable = format!("ExecPaths=/usr {path} ");
-                text.replace("ExecPaths=/usr ", &executable).into()
-            }
-            _ => self.text.into(),
+    /// Returns the text for a program at this path, which systemd needs to be absolute. `None` if a unit cannot name it.
+    fn text_for(&self, program: &Path) -> Option<Cow<'static, str>> {
+        if self.name != "unit" || program == Path::new(PACKAGED_PROGRAM) {
+            return Some(self.text.into());
         }
+        let path = program.to_str().filter(|path| is_unit_path(path))?;
+        // Without the prefix, variables in the name of the process would be replaced; in the path they never are.
+        let literal = if path.contains('$') { ":" } else { "" };
+        let [start, stop] = ["", "-"].map(|prefix| unit_word(&format!("{prefix}{literal}{path}")));
+        let executable = unit_word(path);
+        let text = self.text;
+        let text = text.replace(&format!("=-{PACKAGED_PROGRAM}"), &format!("={stop}"));
+        let text = text.replace(&format!("={PACKAGED_PROGRAM}"), &format!("={start}"));
+        let paths = format!("ExecPaths=/usr {executable} ");
+        Some(text.replace("ExecPaths=/usr ", &paths).into())
+    }
+}
+
+/// Returns `true` if systemd accepts the path of a program: it refuses quotes, backslashes and control characters.
+fn is_unit_path(path: &str) -> bool {
+    !path.contains(|it: char| matches!(it, '"' | '\'' | '\\') || it.is_control())
+}
+
+/// Returns a text as a word of a unit, in which `%` starts a specifier.
+fn unit_word(text: &str) -> String {
+    let escaped = text.replace('%', "%%");
+    if escaped.contains(char::is_whitespace) {
+        format!("\"{escaped}\"")
+    } else {
+        escaped
     }
 }
 
@@ -125,21 +140,36 @@ fn install(name: &str, program: &Path) -> Result<(), Failure> {
     };
     let cannot_write =
         |error: FileError| Failure::job(format!("cannot write {}: {error}", escape_path(&path)));
+    let text = found.text_for(program).ok_or_else(|| {
+        Failure::wrong_use(format!(
+            "a unit cannot name the program {}: systemd accepts no quotes, backslashes and control characters in a path; move the program",
+            escape_path(program)
+        ))
+    })?;
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|error| cannot_write(error.into()))?;
     }
-    let mut created = files::create_new(&path).map_err(cannot_write)?;
-    let written = created.write_all(found.text_for(program).as_bytes());
-    written.map_err(|error| cannot_write(error.into()))?;
+    files::write_new_text(&path, &text).map_err(cannot_write)?;
     let mut out = io::stdout().lock();
     writeln!(out, "wrote {}", escape_path(&path))?;
     if found.name == "unit" {
-        writeln!(
-            out,
-            "next: ademan setup new ~/.config/ademan/setup.ron, then systemctl --user enable --now ademan"
-        )?;
+        let setup = match new_setup() {
+            Some(command) => format!("{command}, then "),
+            None => String::new(),
+        };
+        writeln!(out, "next: {setup}systemctl --user enable --now ademan")?;
     }
     Ok(())
+}
+
+/// Returns the command that creates the setup of the unit, unless there is one.
+fn new_setup() -> Option<String> {
+    let folder = files::config_folder().filter(|_| files::in_config_folder(OWN_SETUP).is_none())?;
+    let [shown, setup] = [folder.clone(), folder.join(OWN_SETUP)].map(|path| {
+        let path = path.to_string_lossy();
+        shell_word(&path).into_owned()
+    });
+    Some(format!("mkdir -p {shown} && ademan setup new {setup}"))
 }
 
 /// Returns the path of a file in the home folder; `None` for one of the system.
