@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::support::glove::Glove;
 use crate::support::process::Process;
-use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
+use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, postures, shipped};
 use ademan::files::OpenDocument;
 use ademan::session::control_socket::Client;
 use serde_json::Value;
@@ -209,6 +210,33 @@ fn an_invalid_line_gets_an_error_and_the_connection_stays_open() {
         .expect("the session keeps reading");
     assert_eq!(read_response(&mut reader)["state"], "running");
     assert!(run.events.is_empty(), "the key stays pressed");
+}
+
+#[test]
+fn a_layout_without_boards_refuses_every_move() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [port, socket] = ["port", "c.sock"].map(|name| folder.path().join(name));
+    let _glove = Glove::plug_in(&port, postures().0);
+    let source = format!("serial:{}", port.display());
+    let socket = socket.to_str().expect("the path is UTF-8");
+    let layout = ["--layout", "arm-6dof", "--control", socket];
+    let arguments = [&["run", "--source", &source], &layout[..]].concat();
+    let mut command = ademan(&arguments);
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let _run = Process::start(&mut command).expect("the program starts");
+    wait_until(|| Client::connect(Path::new(socket)).is_ok());
+    for request in [
+        &["nudge", "0", "0", "-5"][..],
+        &["tilt", "5"],
+        &["scale", "1.5"],
+    ] {
+        let output = ademan(&[&["ctl", "--socket", socket], request].concat()).output();
+        let output = output.expect("the program starts");
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{request:?}: {err}");
+        let expected = "error: the active layout has no boards; nothing was moved\n";
+        assert_eq!(err, expected, "{request:?}");
+    }
 }
 
 #[test]

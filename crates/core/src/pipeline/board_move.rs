@@ -70,8 +70,11 @@ impl LayoutInstance {
         Ok(offset - normal * offset.dot(normal))
     }
 
-    /// Checks that a layout file can represent the board poses after a move.
+    /// Checks that there are boards, and that a layout file can represent their poses after a move.
     pub(super) fn check_move(&self, board_move: BoardMove) -> Result<(), CommandError> {
+        if self.scene.surfaces().is_empty() {
+            return Err(CommandError::NoBoards);
+        }
         for (number, surface) in (1..).zip(self.scene.surfaces()) {
             let Some(pose) = board_move.moved(surface) else {
                 continue;

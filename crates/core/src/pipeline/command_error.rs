@@ -20,6 +20,9 @@ pub enum CommandError {
     /// All boards belong to the other hand, or their anchor is not known.
     #[error("no board belongs to the {0} hand, which was tracked last")]
     NoBoard(Side),
+    /// The active layout has no boards that could be moved.
+    #[error("the active layout has no boards; nothing was moved")]
+    NoBoards,
     /// A position is outside the range of a layout file.
     #[error("board {0} would be more than 2000 mm from its anchor; no board was moved")]
     TooFar(usize),

@@ -125,7 +125,7 @@ impl Pipeline {
     /// Releases everything and moves the boards of the active layout by a vector in metres along the axes of the world.
     /// A fingertip inside a target must leave it before it can touch.
     ///
-    /// If a layout file could not represent a new position, no board moves and nothing is released.
+    /// If there is no board, or a layout file could not represent a new position, no board moves and nothing is released.
     pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
         self.active_layout().check_move(BoardMove::Nudge(by))?;
         self.release_all(self.time, events);

@@ -11,7 +11,7 @@ use ademan_core::contact::board_pose::BoardPose;
 use ademan_core::document::{Document, DocumentError};
 use ademan_core::layout::{self, Layout};
 use ademan_core::message::escape;
-use ademan_core::pipeline::LayoutInstance;
+use ademan_core::pipeline::{CommandError, LayoutInstance};
 
 const SHIPPED: &str = "the layout comes with the program or a recording and has no file; create one with `ademan layout new`";
 
@@ -150,6 +150,9 @@ impl ActiveLayout {
         build: Build,
         link: &LayoutLink,
     ) -> Result<Result<String, String>, SessionEnded> {
+        if self.layout.boards.is_empty() {
+            return Ok(Err(CommandError::NoBoards.to_string()));
+        }
         let layout = layout::scale_boards(&self.document(), factor)
             .and_then(|text| self.layout.with_text(&text));
         let layout = match layout {
