@@ -316,6 +316,11 @@ fn files_other_than_recordings_are_refused() {
         &format!("record {empty} --source typist:a"),
         &["the file exists"],
     );
+    for command in ["record --source typist:a", "run --source typist:a --record"] {
+        let ended = run(command.split(' ').chain([empty.as_str()]));
+        assert!(ended.err.contains("the file exists"), "{}", ended.err);
+        assert!(!ended.err.contains("recording to"), "{}", ended.err);
+    }
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
     refused_with(3, &format!("replay {text}"), &["it is not an MCAP file"]);
 }

@@ -43,6 +43,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    recording_size::announce(&args.file);
+    recording_size::announce(&session, &args.file);
     stats::report(session.join()?)
 }

@@ -145,9 +145,6 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let checked = setup.clone();
     let session = session::start(setup, options)?;
-    if let Some(path) = &record_to {
-        recording_size::announce(path);
-    }
     if let Some(volume) = args.sound {
         sound::start(&session, volume)?;
     }
@@ -157,6 +154,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
         (view == ViewKind::Board).then(|| LiveView::open(Views::Session(session.add_viewer())));
     // The system prefers this thread for the delivery of signals. The view does not inherit its priority.
     priority::raise_thread_priority();
+    if let Some(path) = &record_to {
+        recording_size::announce(&session, path);
+    }
     let ended = session.join();
     drop(view);
     stats::report(ended?)
