@@ -280,6 +280,23 @@ fn new_files_go_to_the_standard_output_on_request() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+#[test]
+fn the_readme_shows_the_transcript_that_the_program_prints() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.mcap");
+    run(["record", text(&path), "--source", "typist:Hi"]).done();
+    let replayed = run(["replay", text(&path)]).done();
+    let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+    let readme = std::fs::read_to_string(readme)
+        .unwrap()
+        .replace("\r\n", "\n");
+    let shown = format!(
+        "$ ademan replay hand.mcap\n{}{}",
+        replayed.out, replayed.err
+    );
+    assert!(readme.contains(&shown), "{shown}");
+}
+
 #[cfg(unix)]
 #[test]
 fn the_unit_is_written_to_its_folder_for_the_program_that_writes_it() {
@@ -343,7 +360,11 @@ fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {
     };
     let unit = home.join("my config/systemd/user/ademan.service");
     for (name, start, stop) in [
-        ("mi año 5%", "\"F/mi año 5%%/ademan\"", "\"-F/mi año 5%%/ademan\""),
+        (
+            "mi año 5%",
+            "\"F/mi año 5%%/ademan\"",
+            "\"-F/mi año 5%%/ademan\"",
+        ),
         ("niño", "F/niño/ademan", "-F/niño/ademan"),
         ("a$b", ":F/a$b/ademan", "-:F/a$b/ademan"),
     ] {
@@ -353,14 +374,20 @@ fn a_unit_names_a_program_with_any_letters_and_the_next_command_works() {
         let ended = install(&program).done();
         let written = std::fs::read_to_string(&unit).unwrap();
         let [start, stop] = [start, stop].map(|word| word.replace('F', text(folder)));
-        assert!(written.contains(&format!("\nExecStart={start} run ")), "{written}");
+        assert!(
+            written.contains(&format!("\nExecStart={start} run ")),
+            "{written}"
+        );
         let stops = format!("\nExecStopPost={stop} release-keys\n");
         assert!(written.contains(&stops), "{written}");
         let paths = format!("\nExecPaths=/usr {} ", start.replace(':', ""));
         assert!(written.contains(&paths), "{written}");
         verify_unit(&unit, folder);
         std::fs::remove_file(&unit).unwrap();
-        let next = ended.out.lines().find_map(|line| line.strip_prefix("next: "));
+        let next = ended
+            .out
+            .lines()
+            .find_map(|line| line.strip_prefix("next: "));
         let next = next.and_then(|next| next.split_once(", then ")).unwrap().0;
         let mut shell = Command::new("sh");
         shell.args(["-c", next]).env("HOME", &home);
