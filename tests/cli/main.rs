@@ -10,6 +10,8 @@ mod browser;
 mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
+mod calibrate_faults;
+#[cfg(target_os = "linux")]
 mod calibrate_interrupted;
 mod camera_pictures;
 mod cameras;
