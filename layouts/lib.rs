@@ -34,6 +34,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
     "keyboards/webcam-qwerty"
+    "keyboards/wrist-remote"
     "panels/drum-pads"
     "panels/game"
     "panels/media"

@@ -63,6 +63,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "qwertz-flat",
             "spanish-flat",
             "webcam-qwerty",
+            "wrist-remote",
             "drum-pads",
             "game",
             "media",

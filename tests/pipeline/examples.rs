@@ -10,8 +10,11 @@ use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::TargetNames;
 use ademan::device::{EventKind, Events};
+use ademan::files::Load;
+use ademan::hand::Side;
+use ademan::layout::Layout;
 use ademan::output::transcript::EventLine;
-use ademan::setup::Setup;
+use ademan::setup::{OtherHand, Setup};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scripts")
@@ -90,8 +93,10 @@ impl Ranges {
 
 /// Plays a script and returns its events.
 fn play(layout: &str, script: &Path) -> String {
+    let uses_left = Layout::load(layout).is_ok_and(|layout| layout.uses_hand(Side::Left));
     let setup = Setup {
         layout: layout.into(),
+        other_hand: uses_left.then(OtherHand::default),
         ..Setup::default()
     };
     let loaded = setup.load_files().expect("a shipped layout");

@@ -44,7 +44,7 @@ fn measured((hand_length_mm, forearm_length_mm): (f64, f64)) -> ArmSetup {
 }
 
 fn load(layout: &str, arm: ArmSetup) -> LoadedSetup {
-    let needs_left = Layout::load(layout).unwrap().has_board_for(Side::Left);
+    let needs_left = Layout::load(layout).unwrap().uses_hand(Side::Left);
     let other_hand = needs_left.then(|| OtherHand {
         arm: arm.clone(),
         ..OtherHand::default()

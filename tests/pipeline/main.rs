@@ -10,6 +10,7 @@ mod body_angles;
 mod body_landmarks;
 mod calibration;
 mod camera;
+mod carried_boards;
 mod estimator;
 mod examples;
 mod faulty_readings;

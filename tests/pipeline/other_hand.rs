@@ -205,6 +205,25 @@ fn a_setup_that_does_not_measure_the_other_hand_in_one_room_says_so() {
 }
 
 #[test]
+fn a_simulated_person_is_measured_in_one_room_unless_a_protocol_is_of_a_glove() {
+    for (source, is_missing) in [
+        ("typist:a", false),
+        ("script:tap A", false),
+        ("typist:a?protocol=openxr", false),
+        ("typist:a?protocol=hc11", true),
+    ] {
+        let setup = Setup {
+            source: Some(source.parse().expect("a source")),
+            other_hand: Some(OtherHand::default()),
+            ..Setup::default()
+        };
+        let setup = load(BOARD, setup);
+        let missing = setup.missing_other_hand(&setup.layout);
+        assert_eq!(missing.is_some(), is_missing, "{source}: {missing:?}");
+    }
+}
+
+#[test]
 fn a_board_that_follows_the_other_hand_is_for_one_hand() {
     let text = BOARD.replace("hand: \"right\",", "");
     let error = Layout::parse(&text, "t.ron").unwrap_err().to_string();

@@ -46,7 +46,7 @@ fn load(layout: &str, person: &str) -> LoadedSetup {
     let first = parse(person).side.unwrap_or(Side::Right);
     let has_other = Layout::load(layout)
         .expect("a layout")
-        .has_board_for(first.opposite());
+        .uses_hand(first.opposite());
     let uses_both = !person.contains("One");
     let folder = Folder::new();
     let setup = Setup {

@@ -14,7 +14,7 @@ fn load(name: &str) -> LoadedSetup {
     let layout = Layout::load(name).expect("the layout exists");
     let setup = Setup {
         layout: name.into(),
-        other_hand: layout.has_board_for(Side::Left).then(OtherHand::default),
+        other_hand: layout.uses_hand(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
     setup.load_files().expect("the layout is valid")

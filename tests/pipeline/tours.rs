@@ -26,7 +26,7 @@ fn load(name: &str) -> LoadedSetup {
     let layout = Layout::load(name).unwrap_or_else(|error| panic!("{error}"));
     let setup = Setup {
         layout: name.into(),
-        other_hand: layout.has_board_for(Side::Left).then(OtherHand::default),
+        other_hand: layout.uses_hand(Side::Left).then(OtherHand::default),
         allow_system_keys: true,
         ..Setup::default()
     };

@@ -9,7 +9,9 @@ use ademan::files::Load;
 use ademan::hand::Side;
 use ademan::layout::{Glove, Layout, Person};
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup, SmoothingSetup};
-use ademan::sim::{HandAction, Sensor, SimulatedTypist, TypingKeys, TypistSettings, UsTextField};
+use ademan::sim::{
+    HandAction, JointSensor, Sensor, SimulatedTypist, TypingKeys, TypistSettings, UsTextField,
+};
 
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
@@ -130,7 +132,7 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
         .into_iter()
         .filter(|(_, layout)| layout.chords.is_empty());
     for (name, layout) in for_one_finger {
-        let setup = if layout.has_board_for(Side::Left) {
+        let setup = if layout.uses_hand(Side::Left) {
             load_for_two_hands(name)
         } else {
             load(name)
@@ -146,6 +148,15 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
             seed: 0,
             person: Person::default(),
             keys: TypingKeys::default(),
+        };
+        let is_seen = layout.follows_other_hand();
+        let sensor = |glove| {
+            if is_seen {
+                // Gloves do not know where the other hand is.
+                Sensor::Joints(JointSensor::Positions)
+            } else {
+                sensor(glove)
+            }
         };
         let mut hands = vec![(&setup.arm, sensor(&setup.glove))];
         let other = setup.other_hand.iter();

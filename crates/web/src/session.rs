@@ -205,7 +205,7 @@ impl PageSession {
     fn simulate(&mut self, task: HandTask) -> Vec<Fault> {
         self.release();
         let mut arms = vec![self.right.clone()];
-        if self.layout.has_board_for(Side::Left) {
+        if self.layout.uses_hand(Side::Left) {
             arms.push(self.left.clone());
         }
         match SimulatedPerson::new(task, &self.layout, &arms, &self.person) {
@@ -339,7 +339,7 @@ impl PageSession {
 
     /// Appends what a sensor measures of the hands at rest.
     fn push_idle(&self, readings: &mut Vec<Reading>) {
-        let has_left = self.layout.has_board_for(Side::Left);
+        let has_left = self.layout.uses_hand(Side::Left);
         let shown = self.idle.iter().take(1 + usize::from(has_left));
         let reading =
             |(side, sample): &(Side, Sample)| Reading::new(self.time, Some(*side), sample.clone());

@@ -70,6 +70,17 @@ fn two_hands_type_on_boards_for_both() {
 }
 
 #[test]
+fn one_hand_presses_keys_on_a_board_that_the_other_one_carries() {
+    let mut session = session("wrist-remote");
+    assert_eq!(session.play("tap F5; tap Escape"), []);
+    let found = events(&run(&mut session)).join(", ");
+    assert_eq!(
+        found,
+        "key-down F5, key-up F5, key-down Escape, key-up Escape"
+    );
+}
+
+#[test]
 fn every_shipped_layout_opens_and_is_toured() {
     for name in ademan_core::document::shipped_layouts() {
         let mut session = session(name);

@@ -57,7 +57,7 @@ fn tour(layout: &str) -> Result<String, Failure> {
     let setup = Setup {
         layout: layout.to_owned(),
         allow_system_keys: true,
-        other_hand: loaded.has_board_for(Side::Left).then(OtherHand::default),
+        other_hand: loaded.uses_hand(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
     Ok(setup.load_files()?.tour())

@@ -391,6 +391,16 @@ impl Layout {
         surfaces.any(|surface| surface.side() == Some(side))
     }
 
+    /// Returns `true` if this hand presses on a board of its own, or carries a board of the other hand.
+    pub fn uses_hand(&self, side: Side) -> bool {
+        let mut surfaces = self.scene.surfaces().iter();
+        let is_carried = surfaces.any(|surface| {
+            surface.anchor() == Anchor::OtherHand && surface.side() == Some(side.opposite())
+        });
+        // A pointer or space belongs to neither hand.
+        is_carried || self.has_board_for(side) || self.has_frame_at(Anchor::OtherHand)
+    }
+
     /// Returns the chords of fingers that bend; none if fingertips touch the keys.
     pub fn bend_chords(&self) -> &[Chord] {
         if self.scene.has_bend_targets() {

@@ -19,6 +19,7 @@ pub mod script;
 mod text_plan;
 mod reach;
 mod reach_target;
+mod room;
 mod typing_hand;
 mod pointer_hand;
 mod movement;

@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
 use super::effector::Effector;
+use super::room::place_of_carrier;
 use super::sensor::body_points;
 use crate::estimate::{AffineMap, BendRanges, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Input, Joint, Side};
@@ -53,6 +54,8 @@ pub struct TypingHand {
     pub(super) resting_pose: HandPose,
     /// The place of the open hand at the start.
     start: StartPlace,
+    /// The wrist of a hand that carries a board of this one (world, metres).
+    other_wrist: Option<Vec3>,
     /// The sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
 }
@@ -78,6 +81,7 @@ impl TypingHand {
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
             start: StartPlace::default(),
+            other_wrist: None,
             is_stiff: false,
         }
         .at_rest()
@@ -110,6 +114,7 @@ impl TypingHand {
             variables,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
             start: StartPlace::default(),
+            other_wrist: None,
             is_stiff: false,
         }
         .at_rest()
@@ -164,11 +169,9 @@ impl TypingHand {
             own: place,
             shared: place,
         };
-        let mut resting_pose = self.pose(&self.rest_values());
-        // The other hand comes to where this one rests.
-        resting_pose.other_wrist = resting_pose.fingertip(FINGER);
+        self.other_wrist = place_of_carrier(&self.pose(&self.rest_values()));
         Self {
-            resting_pose,
+            resting_pose: self.pose(&self.rest_values()),
             ..self
         }
     }
@@ -215,6 +218,7 @@ impl TypingHand {
     fn placed(&self, angles: JointAngles) -> HandPose {
         let mut pose = self.arm.forward(&Estimate::new(Timestamp(0), angles));
         pose.start = self.start;
+        pose.other_wrist = self.other_wrist;
         pose.body = body_points(&pose);
         pose
     }

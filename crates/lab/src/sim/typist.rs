@@ -9,6 +9,7 @@ use super::action_error::ActionError;
 use super::follower::Follower;
 use super::layout_feed::LayoutFeed;
 use super::live::{LiveTask, rewound};
+use super::room::Room;
 use super::sensed_hand::{SensedHand, assign_hands};
 use super::sensor::Sensor;
 use super::settings::TypistSettings;
@@ -55,6 +56,8 @@ pub struct SimulatedTypist {
     name: String,
     /// One or two hands.
     hands: Vec<SensedHand>,
+    /// The room in which one hand carries a board of the other.
+    room: Option<Room>,
     part: Part,
     follower: Option<Follower>,
     /// The hands that take over as soon as no fingertip presses.
@@ -124,9 +127,11 @@ impl SimulatedTypist {
         };
         let hands: Result<Vec<SensedHand>, TypistError> =
             hands.iter().enumerate().map(sense).collect();
+        let hands = hands?;
         Ok(Self {
             name: settings.name.clone(),
-            hands: hands?,
+            room: Room::new(scene, &hands),
+            hands,
             part: Part::Planned(Planned {
                 hand_of_action,
                 permitted: 1,
@@ -296,12 +301,16 @@ impl SimulatedTypist {
             return None;
         }
         self.packet += 1;
-        let samples = self.hands.iter_mut();
-        Some(
-            samples
-                .map(|hand| (hand.side, hand.hand.sample()))
-                .collect(),
-        )
+        let seconds = self.period.as_secs_f64() * self.packet as f64;
+        let room = self.room;
+        let sample = |SensedHand { side, hand }: &mut SensedHand| {
+            let mut sample = hand.sample();
+            if let Some(room) = room {
+                room.place(*side, seconds, &mut sample);
+            }
+            (*side, sample)
+        };
+        Some(self.hands.iter_mut().map(sample).collect())
     }
 
     /// Moves the hands by one packet. Returns `false` at the end.
@@ -345,6 +354,7 @@ impl SimulatedTypist {
             return;
         };
         let task = follower.task();
+        self.room = Room::new(&layout.scene, &self.hands);
         let part = std::mem::replace(&mut self.part, Part::Planned(Planned::default()));
         let live = match part {
             Part::Live(live) => live.set_layout(layout, &mut self.hands),

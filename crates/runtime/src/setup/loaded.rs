@@ -324,7 +324,7 @@ impl LoadedSetup {
             Some(
                 "`anchor: other` follows the other hand, and the setup has one hand: nothing is touched; set `other_hand`",
             )
-        } else if self.glove.is_some() {
+        } else if self.glove.is_some() && !self.setup.is_seen_as_needed() {
             Some(
                 "`anchor: other` needs a source that measures both hands in one room, and a glove does not: nothing is touched; \
                  use a camera or a headset",

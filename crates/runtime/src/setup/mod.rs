@@ -372,11 +372,22 @@ impl Setup {
 
     /// Returns whether a simulated hand wears a glove that the setup does not name.
     fn has_default_simulated_glove(&self) -> bool {
-        let is_simulated =
-            |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
-        let is_simulated = self.source.as_ref().is_none_or(is_simulated);
+        let is_simulated = self.source.is_none() || self.has_simulated_hands();
         let name = self.glove_name(Side::Right);
         is_simulated && self.glove.is_none() && name == Some(DEFAULT_GLOVES[0])
+    }
+
+    /// Returns whether the source is a simulated person.
+    fn has_simulated_hands(&self) -> bool {
+        let is_simulated =
+            |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
+        self.source.as_ref().is_some_and(is_simulated)
+    }
+
+    /// Returns whether the source is a simulated person without a protocol, whose sensors measure what the layout needs.
+    fn is_seen_as_needed(&self) -> bool {
+        let source = self.source.as_ref();
+        self.has_simulated_hands() && source.is_some_and(|it| it.protocol().is_none())
     }
 
     /// Returns the setup with simulated gloves that have a stick and buttons, the first one for a hand of `side`.

@@ -30,7 +30,7 @@ impl LoadedSetup {
             person: self.simulated_person.clone(),
             keys: TypingKeys::new(&self.layout),
         };
-        let kind = Self::simulated_kind(self.layout.follows_body());
+        let kind = self.simulated_kind(self.layout.follows_body());
         self.typist_with(text, &settings, kind)
     }
 
@@ -196,13 +196,16 @@ impl LoadedSetup {
     /// Returns what a script moves.
     fn scripted_kind(&self) -> SampleKind {
         let layout = &self.layout;
-        Self::simulated_kind(layout.uses_body() || layout.follows_body())
+        self.simulated_kind(layout.uses_body() || layout.follows_body())
     }
 
-    /// Returns what the simulated person moves: a camera that sees the person if the body counts, else a glove.
-    fn simulated_kind(sees_body: bool) -> SampleKind {
+    /// Returns what the simulated person moves: a camera that sees the person if the body counts, a headset that sees both hands in
+    /// one room if one carries a board of the other, else a glove.
+    fn simulated_kind(&self, sees_body: bool) -> SampleKind {
         if sees_body {
             SampleKind::Body
+        } else if self.layout.follows_other_hand() {
+            SampleKind::Joints
         } else {
             SampleKind::Channels
         }

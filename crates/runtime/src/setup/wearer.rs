@@ -82,6 +82,7 @@ fn poses(hands: &[(Side, TypingHand)]) -> Vec<HandPose> {
             Side::Right => HALF_DISTANCE,
         };
         let mut moved = pose;
+        moved.other_wrist = pose.other_wrist.map(|wrist| wrist + Vec3::X * x);
         for (joint, world_from_joint) in pose.known() {
             let position = world_from_joint.translation + Vec3::X * x;
             moved.set(joint, Pose::from_parts(position, world_from_joint.rotation));

@@ -12,11 +12,11 @@ use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
-use ademan::capture::protocol::{body_landmarks, lucidgloves};
+use ademan::capture::protocol::{body_landmarks, joint_sets, lucidgloves};
 use ademan::capture::{Hc11Format, Source, StreamFormat, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
-use ademan::layout::Motion;
+use ademan::layout::{Layout, Motion};
 use ademan::message::{escape, shell_word};
 use ademan::output;
 use ademan::session::{Session, SessionHandle, SessionOptions, Summary};
@@ -138,8 +138,7 @@ fn cancel(player: &CurrentPlayer) {
 fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     let (setup, line) = (setup::load(args)?, line_format(args)?);
     let (task, hand) = simulated_hand(args, &setup, &line)?;
-    // The simulated serial lines carry packets without sticks and buttons.
-    if args.fast || setup.layout.uses_inputs() || setup.layout.uses_body() {
+    if args.fast || shows_more_than_a_line(&setup.layout) {
         play_bytes(args, current, setup, &line, task, hand)
     } else {
         play_on_line(args, current, setup, line, task, hand)
@@ -236,13 +235,24 @@ fn play_bytes(
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
-/// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, or of
-/// body landmarks for head and feet.
+/// Returns whether a layout needs more than the simulated serial lines carry: packets without sticks and buttons, of a glove that
+/// knows nothing of the body and of the other hand.
+fn shows_more_than_a_line(layout: &Layout) -> bool {
+    layout.uses_inputs() || layout.uses_body() || layout.follows_other_hand()
+}
+
+/// Returns the format of the bytes: the line's, or lines of LucidGloves at its rate for a glove with a stick and buttons, of body
+/// landmarks for head and feet, or of a headset for both hands in one room.
 fn byte_format(setup: &LoadedSetup, line: &Hc11Format) -> Result<StreamFormat, Failure> {
-    let protocol = match (setup.layout.uses_body(), setup.layout.uses_inputs()) {
-        (true, _) => &body_landmarks::PROTOCOL,
-        (false, true) => &lucidgloves::PROTOCOL,
-        (false, false) => return Ok(StreamFormat::from(*line)),
+    let layout = &setup.layout;
+    let protocol = if layout.uses_body() {
+        &body_landmarks::PROTOCOL
+    } else if layout.follows_other_hand() {
+        &joint_sets::OPENXR
+    } else if layout.uses_inputs() {
+        &lucidgloves::PROTOCOL
+    } else {
+        return Ok(StreamFormat::from(*line));
     };
     let mut format = StreamFormat::new(protocol);
     let mut options = format.protocol.options.iter();

@@ -42,6 +42,7 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "touch-pad"
     "webcam-mouse"
     "workshop"
+    "wrist-remote"
     "xy-pad"
 };
 

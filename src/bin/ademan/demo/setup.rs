@@ -35,7 +35,7 @@ pub fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     };
     let layout = Layout::load(&layout_name)?;
     let glove_of = |worn| simulated_glove(&layout, worn).to_owned();
-    let has_other = layout.has_board_for(side.opposite());
+    let has_other = layout.uses_hand(side.opposite());
     let uses_both = simulated
         .as_ref()
         .is_none_or(|person| person.hands == HandUse::Both);
@@ -77,7 +77,7 @@ pub fn with_simulated_gloves(setup: Setup, side: Side) -> Result<Setup, Failure>
     Ok(Setup {
         stall_timeout_ms: STALL_TIMEOUT_MS,
         glove: Some(simulated_glove(&layout, side).to_owned()),
-        other_hand: layout.has_board_for(other).then(|| OtherHand {
+        other_hand: layout.uses_hand(other).then(|| OtherHand {
             glove: Some(simulated_glove(&layout, other).to_owned()),
             ..OtherHand::default()
         }),

@@ -39,7 +39,7 @@ pub fn load(
 /// Returns the setup with the second hand that its layout needs, if its person has two and it names none.
 fn with_both_hands(loaded: &LoadedSetup) -> Option<Setup> {
     let other = loaded.arm.side().opposite();
-    let is_needed = loaded.other_hand.is_none() && loaded.layout.has_board_for(other);
+    let is_needed = loaded.other_hand.is_none() && loaded.layout.uses_hand(other);
     let has_two = loaded.person.hands == HandUse::Both;
     (is_needed && has_two).then(|| Setup {
         other_hand: Some(OtherHand {
