@@ -183,7 +183,7 @@ headset-hide = Hide the link
 headset-keys = Until you allow keys here, it only points.
 headset-allow = Allow keys
 headset-forbid = Forbid keys
-headset-allow-hint = Releases everything; then all sources of the session press keys until it ends
+headset-allow-hint = Releases everything; then all sources of the session press keys until it ends or another sender follows
 headset-forbid-hint = Releases everything; then all sources of the session only point
 
 ## Notices of the session

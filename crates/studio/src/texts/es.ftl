@@ -183,7 +183,7 @@ headset-hide = Ocultar el enlace
 headset-keys = Hasta que permita teclas aquí, solo apunta.
 headset-allow = Permitir teclas
 headset-forbid = Prohibir teclas
-headset-allow-hint = Lo suelta todo; después todas las fuentes de la sesión pulsan teclas hasta que termine
+headset-allow-hint = Lo suelta todo; después todas las fuentes de la sesión pulsan teclas hasta que termine o siga otro emisor
 headset-forbid-hint = Lo suelta todo; después todas las fuentes de la sesión solo apuntan
 
 ## Avisos de la sesión
