@@ -1,4 +1,4 @@
-//! What a hand has locked, armed or switched on ends when the hand is lost, and what the other hand has set stays.
+//! The locks, one-shots and switched keys of a hand end when it is lost, and those that the other hand has set stay.
 
 use std::fs;
 

@@ -3,7 +3,7 @@
 use crate::estimate::Estimate;
 use crate::hand::FingerSet;
 
-/// Whether the hand of the last step was tracked.
+/// The tracking of a hand, as of its last step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HandWatch {
     /// The position of the hand was known.

@@ -41,7 +41,7 @@ pub struct LayoutInstance {
     /// Targets or devices depend on the bends of the fingers.
     needs_bends: bool,
     bend_trackers: [BendTracker; Side::COUNT],
-    /// Whether each hand is tracked, by side.
+    /// The tracking of each hand, by side.
     hands: [HandWatch; Side::COUNT],
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,

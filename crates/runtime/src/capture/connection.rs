@@ -146,7 +146,7 @@ impl ConnectError {
     }
 }
 
-/// Returns whether an error of a read means that there are no bytes yet.
+/// Returns `true` if an error of a read means that there are no bytes yet.
 pub fn is_idle(kind: ErrorKind) -> bool {
     matches!(
         kind,

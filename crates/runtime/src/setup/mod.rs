@@ -377,14 +377,14 @@ impl Setup {
         is_simulated && self.glove.is_none() && name == Some(DEFAULT_GLOVES[0])
     }
 
-    /// Returns whether the source is a simulated person.
+    /// Returns `true` if the source is a simulated person.
     fn has_simulated_hands(&self) -> bool {
         let is_simulated =
             |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
         self.source.as_ref().is_some_and(is_simulated)
     }
 
-    /// Returns whether the source is a simulated person without a protocol, whose sensors measure what the layout needs.
+    /// Returns `true` if the source is a simulated person without a protocol, whose sensors measure what the layout needs.
     fn is_seen_as_needed(&self) -> bool {
         let source = self.source.as_ref();
         self.has_simulated_hands() && source.is_some_and(|it| it.protocol().is_none())

@@ -55,7 +55,7 @@ pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool
 
 /// The taps of a sentence from which on its end becomes no likelier.
 const LONG: usize = 56;
-/// How much likelier a period is than a comma, by the taps of the sentence before it, eight by eight: three quarters of what the short
+/// The log-odds of a period against a comma, by the taps of the sentence before it, eight by eight: three quarters of what the short
 /// sentences have that the English model is made of (−1.7 to 3.8), a quarter of what the guides of this program have (−3.3 to −0.3).
 const PERIODS: [f32; LONG / 8 + 1] = [-1.6, -1.8, -0.4, 0.3, 0.8, 1.4, 2.0, 2.7];
 

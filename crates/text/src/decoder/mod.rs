@@ -283,9 +283,7 @@ impl<'m> Decoder<'m> {
             .tokens
             .first()
             .map_or(self.touch.drift, |token| token.drift);
-        if self.touches.is_outdated() {
-            self.touches.learn(&self.keyboard, &self.touch);
-        }
+        self.touches.refresh(&self.keyboard, &self.touch);
         self.touches.tap(tap.position, key, &drift);
         let typed = (key, character);
         self.literal.push(

@@ -156,9 +156,11 @@ impl Touches {
         self.carried.last = None;
     }
 
-    /// Returns `true` if the last taps show another precision than the keys have.
-    pub fn is_outdated(&self) -> bool {
-        self.precision.has_changed()
+    /// Computes the keys again if the last taps show another precision than they have.
+    pub fn refresh(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
+        if self.precision.has_changed() {
+            self.learn(keyboard, touch);
+        }
     }
 
     pub fn carried(&self) -> Carried {

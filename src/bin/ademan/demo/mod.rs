@@ -235,7 +235,7 @@ fn play_bytes(
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
-/// Returns whether a layout needs more than the simulated serial lines carry: packets without sticks and buttons, of a glove that
+/// Returns `true` if a layout needs more than the simulated serial lines carry: packets without sticks and buttons, of a glove that
 /// knows nothing of the body and of the other hand.
 fn shows_more_than_a_line(layout: &Layout) -> bool {
     layout.uses_inputs() || layout.uses_body() || layout.follows_other_hand()

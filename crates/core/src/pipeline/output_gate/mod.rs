@@ -145,7 +145,7 @@ impl OutputGate {
         }
     }
 
-    /// Returns whether a source may cause more than its configured role permits.
+    /// Returns `true` if a source may cause more than its configured role permits.
     pub(super) fn exceeds_configured_roles(&self) -> bool {
         let exceeds = |source: &SourceState| {
             source.role == SourceRole::Both && source.role != source.configured_role
@@ -160,7 +160,7 @@ impl OutputGate {
         }
     }
 
-    /// Returns whether a source may cause keys.
+    /// Returns `true` if a source may cause keys.
     pub(super) fn allows_keys(&self, source: usize) -> bool {
         let last = self.sources.len() - 1;
         self.sources[source.min(last)].role.allows_keys()
