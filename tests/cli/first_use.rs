@@ -120,6 +120,11 @@ fn every_shipped_layout_for_one_hand_is_within_reach_of_the_other_when_mirrored(
         }
         created.done();
         let ended = run(["layout", "check", &path, "--setup", &setup]).done();
+        // The other hand carries its board.
+        if name == "wrist-remote" {
+            assert!(ended.err.contains("set `other_hand`"), "{}", ended.err);
+            continue;
+        }
         assert_eq!(ended.err, "", "{name}");
         checked += 1;
     }

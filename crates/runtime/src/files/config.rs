@@ -27,14 +27,20 @@ pub fn transcript_folder() -> Option<PathBuf> {
 }
 
 /// Returns the path of a file of a person in the configuration folder, if there is anything at the path. What cannot be read, such as a
-/// link that leads nowhere or a folder without access, is not taken for absent: its reader reports the reason.
+/// link that leads nowhere, is not taken for absent: its reader reports the reason.
 pub fn in_config_folder(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = config_folder()?.join(path);
     match fs::symlink_metadata(&path) {
-        // The folder may be one that cannot exist, below a file.
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-            None
-        }
+        Err(error) if is_no_folder_of_the_person(error.kind()) => None,
         _ => Some(path),
     }
+}
+
+/// Returns `true` if the file is absent, its folder cannot exist, or the folder is closed, as the home folder of another user is that
+/// `su` has left in the environment.
+fn is_no_folder_of_the_person(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::PermissionDenied
+    )
 }
