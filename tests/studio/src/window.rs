@@ -68,7 +68,8 @@ impl Opening {
     pub fn on_layout(layout: &str) -> Self {
         let mut opening = Self::default();
         opening.setup.layout = layout.to_owned();
-        opening.setup.other_hand = layout.contains("-two-").then(OtherHand::default);
+        let uses_both = layout.contains("-two-") || layout == "wrist-remote";
+        opening.setup.other_hand = uses_both.then(OtherHand::default);
         opening
     }
 
