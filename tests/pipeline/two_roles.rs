@@ -8,7 +8,7 @@ use ademan::setup::{OtherHand, Setup};
 
 use crate::wearer::Wearer;
 
-/// The same board for each hand, whose controls have the name of their side in front.
+/// Returns a layout with the same board for each hand. The name of a control starts with the side of its hand.
 fn boards() -> String {
     let board = |side: &str, bearing: i32| {
         format!(

@@ -293,8 +293,8 @@ impl LayoutInstance {
     }
 
     /// Updates the devices for one hand and one step, and the sequence that it has started. Presses of keys by hands that may only
-    /// point are dropped; returns their number. In the step that shows that the hand is lost, the one-shots and locks that it has set and
-    /// what it has switched on end too; what the other hand presses or has set stays.
+    /// point are dropped; returns their number. In the step that shows that the hand is lost, its one-shots and locks end, and its
+    /// toggles and radio keys are released; presses, locks and toggles of the other hand stay.
     pub(super) fn update_devices(
         &mut self,
         step: &mut StepOutput,

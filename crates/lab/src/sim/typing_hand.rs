@@ -169,9 +169,11 @@ impl TypingHand {
             own: place,
             shared: place,
         };
-        self.other_wrist = place_of_carrier(&self.pose(&self.rest_values()));
+        let mut resting_pose = self.pose(&self.rest_values());
+        self.other_wrist = place_of_carrier(&resting_pose);
+        resting_pose.other_wrist = self.other_wrist;
         Self {
-            resting_pose: self.pose(&self.rest_values()),
+            resting_pose,
             ..self
         }
     }

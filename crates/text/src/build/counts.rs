@@ -37,7 +37,8 @@ pub struct Counts {
     threes: BTreeMap<(String, String, String), u32>,
 }
 
-/// Returns the case of a word: a model has no capitals inside a word, so that those of `iPhone` are left to the person.
+/// Returns the case of a word. A word with capitals inside, such as `iPhone`, counts as lower case: a model has no case for it, and the
+/// capitals that the person types stay.
 fn case(word: &str) -> Option<Case> {
     let mut upper = word
         .chars()

@@ -6,11 +6,11 @@ use super::{GAIN, Options};
 
 use super::touches::{SLACK, Touches};
 use crate::keyboard::Millimetres;
-use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
+use crate::model::{Model, ends_sentence};
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
@@ -59,8 +59,8 @@ const LONG: usize = 56;
 /// sentences have that the English model is made of (−1.7 to 3.8), a quarter of what the guides of this program have (−3.3 to −0.3).
 const PERIODS: [f32; LONG / 8 + 1] = [-1.6, -1.8, -0.4, 0.3, 0.8, 1.4, 2.0, 2.7];
 
-/// Returns the log-probability of punctuation behind a word, with the taps of its sentence before it: [`Options::punctuation`] plus
-/// how much rarer or more frequent the character is than a comma.
+/// Returns the log-probability of punctuation behind a word after a number of taps of its sentence: the probability of a comma,
+/// [`Options::punctuation`], plus the log-odds of the character against a comma.
 pub fn punctuation(options: &Options, character: char, taps: u16) -> f32 {
     let end = PERIODS[usize::from(taps).min(LONG) / 8];
     options.punctuation
@@ -72,11 +72,6 @@ pub fn punctuation(options: &Options, character: char, taps: u16) -> f32 {
             '-' => -2.0,
             _ => -3.3,
         }
-}
-
-/// Returns `true` for a mark that ends a sentence.
-pub fn ends_sentence(character: char) -> bool {
-    matches!(character, '.' | '!' | '?')
 }
 
 /// A hypothesis on the way: further letters may be left out before the tap is used.

@@ -1,15 +1,15 @@
 //! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
-use super::expand::{ends_sentence, is_punctuation};
+use super::expand::is_punctuation;
 use super::finish::Finished;
 use super::token::Place;
 use super::{Decoder, NONE, Start};
 use crate::correction::ends_word;
 use crate::keyboard::Millimetres;
-use crate::model::Model;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::ROOT;
+use crate::model::{Model, ends_sentence};
 use crate::touch::ErrorCounts;
 
 /// The share of a word that is left after one more word: names, code and passwords come in groups.

@@ -1,13 +1,13 @@
 //! The text as it was typed, with its own log-probability, so that a correction can be compared with it.
 
 use super::Options;
-use super::expand::{ANY_CHARACTER, ends_sentence, is_punctuation, punctuation, spelling_end};
+use super::expand::{ANY_CHARACTER, is_punctuation, punctuation, spelling_end};
 use super::touches::Touches;
 use crate::keyboard::Millimetres;
-use crate::model::Model;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
 use crate::model::spelling::START;
+use crate::model::{Model, ends_sentence};
 
 /// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]

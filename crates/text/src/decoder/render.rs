@@ -1,9 +1,9 @@
 //! The text of a hypothesis, with capitals.
 
-use super::expand::ends_sentence;
 use super::finish::Finished;
 use super::history::{Entry, History};
 use crate::keyboard::Tap;
+use crate::model::ends_sentence;
 use crate::model::lexicon::Case;
 
 /// The most characters of a text.

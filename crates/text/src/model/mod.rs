@@ -175,7 +175,7 @@ impl<'a> Model<'a> {
     /// Returns the row of the words that follow a punctuation mark.
     pub fn row_behind(&self, punctuation: char) -> Row {
         match punctuation {
-            '.' | '!' | '?' => self.row(ROOT),
+            mark if ends_sentence(mark) => self.row(ROOT),
             ',' => self.row(AFTER_COMMA),
             _ => NO_ROW,
         }
@@ -185,4 +185,9 @@ impl<'a> Model<'a> {
     pub fn next_row(&self, row: Row, node: u32) -> Row {
         self.bigrams.next(row, node)
     }
+}
+
+/// Returns `true` for a mark that ends a sentence.
+pub(crate) fn ends_sentence(character: char) -> bool {
+    matches!(character, '.' | '!' | '?')
 }

@@ -18,7 +18,7 @@ const HAND: [Joint; 5] = [
 const FOREARM: [Joint; 2] = [Joint::Elbow, Joint::Wrist];
 
 /// Forearm length as a multiple of hand length, where only one is measured.
-const FOREARM_PER_HAND: f64 = 0.25 / 0.18;
+const USUAL_FOREARM: f64 = 0.25 / 0.18;
 
 /// The largest range of a length, from the 10th to the 90th percentile, as a fraction of its median.
 const STEADY: f64 = 0.15;
@@ -38,11 +38,11 @@ impl HandLengths {
     /// # Errors
     /// Fails if one is outside the range of people, or if no person has both.
     pub fn check(&self) -> Result<(), PositionError> {
-        let assumed_hand = |forearm: f64| (forearm / FOREARM_PER_HAND).clamp(0.1, 0.3);
+        let assumed_hand = |forearm: f64| (forearm / USUAL_FOREARM).clamp(0.1, 0.3);
         let (hand, forearm) = match (self.hand, self.forearm) {
             (None, None) => return Ok(()),
             (Some(hand), Some(forearm)) => (hand, forearm),
-            (Some(hand), None) => (hand, FOREARM_PER_HAND * hand),
+            (Some(hand), None) => (hand, USUAL_FOREARM * hand),
             (None, Some(forearm)) => (assumed_hand(forearm), forearm),
         };
         let bones = BoneLengths::from_hand_and_forearm(hand, forearm);
