@@ -19,8 +19,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use crate::picture;
-
-const TIMEOUT: Duration = Duration::from_secs(30);
+use crate::window::TIMEOUT;
 
 /// The setup and the session of the window; dropped last.
 type Running = Rc<RefCell<(Setup, Option<SessionHandle>)>>;

@@ -19,8 +19,7 @@ use serialport::{SerialPort, TTYPort};
 
 use crate::picture;
 use crate::played_hand::PlayedHand;
-
-const TIMEOUT: Duration = Duration::from_secs(30);
+use crate::window::TIMEOUT;
 
 /// A glove with five curls, whose firmware is not the program's, on a pseudo-terminal.
 struct CurlGlove {

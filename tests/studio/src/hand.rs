@@ -75,7 +75,7 @@ fn a_pause_stays_although_the_hand_goes_on() {
     let before = window.model().stats.accepted;
     window.change_layout(&TWO_KEYS.replace("Y N", "Q W"));
     // Some tours.
-    window.wait_for("readings", |model| model.stats.accepted > before + 6000);
+    window.wait_for("readings", |model| model.stats.accepted > before + 1500);
     assert!(window.model().view.state.paused_by.is_some());
     assert_eq!(presses(&window, "Q"), 0);
     window.click(text("button-resume"));
