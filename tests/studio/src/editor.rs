@@ -16,7 +16,10 @@ use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
 /// A file with a layout of its own in a folder of the test.
-pub struct EditedFile(pub PathBuf, #[allow(dead_code, reason = "keeps the folder")] TempDir);
+pub struct EditedFile(
+    pub PathBuf,
+    #[allow(dead_code, reason = "keeps the folder")] TempDir,
+);
 
 impl EditedFile {
     pub fn new(name: &str, content: &str) -> Self {

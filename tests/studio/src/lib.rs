@@ -2,7 +2,7 @@
 //!
 //! [`window`] opens Studio and operates it through the accessibility tree, as a screen reader does. [`picture`] writes what
 //! it shows to `target/studio`, and compares it with the reviewed pictures in `docs/pictures`. After a change that is meant to be
-//! seen, `UPDATE_SNAPSHOTS=1 cargo test --manifest-path tests/studio/Cargo.toml` replaces them; look at each before a commit.
+//! seen, `UPDATE_SNAPSHOTS=1 cargo test -p ademan-studio-tests` replaces them; look at each before a commit.
 
 #![cfg(test)]
 
