@@ -10,7 +10,7 @@ use std::time::Duration;
 use tempfile::TempDir;
 
 use crate::session_bus::{Bus, PYTHON};
-use crate::support::binary::{NO_FOLDER, ademan};
+use crate::support::binary::{self, ademan};
 use crate::support::process::{Process, collect_lines};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
@@ -201,7 +201,7 @@ impl Field {
         command
             .env("GDK_BACKEND", "wayland")
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
-            .env("XDG_CONFIG_HOME", NO_FOLDER)
+            .env("XDG_CONFIG_HOME", binary::NO_FOLDER)
             .env_remove("GTK_IM_MODULE");
         let field = Self::start(command, &["field.py", kind]);
         field.wait_for("focused\t");
