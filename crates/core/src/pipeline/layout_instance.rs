@@ -176,11 +176,10 @@ impl LayoutInstance {
         (filter, &self.scene, &self.key_arbiter)
     }
 
-    /// Takes over the mode of the text decoder from the layout before.
-    pub(super) fn keep_text_mode(&mut self, before: &Self) {
-        let mode = before.filter().and_then(PressFilter::text_state);
-        if let Some((filter, state)) = self.filter.as_mut().zip(mode) {
-            filter.set_mode(state.mode);
+    /// Takes over the mode of the text decoder, and what it knows of the person, from the layout before.
+    pub(super) fn take_over_text(&mut self, before: &Self) {
+        if let Some((filter, known)) = self.filter.as_mut().zip(before.filter()) {
+            filter.take_over(known);
         }
     }
 

@@ -295,7 +295,7 @@ impl Pipeline {
             self.release_all(self.time, events);
         }
         let active = &mut self.profiles[profile].layout;
-        layout.keep_text_mode(active);
+        layout.take_over_text(active);
         std::mem::swap(active, layout);
     }
 

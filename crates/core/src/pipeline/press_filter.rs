@@ -8,6 +8,8 @@
 //! - A pause, a loss and a stall [reset](PressFilter::reset) the filters: what they hold is never emitted.
 //! - Presses that a filter adds do not count against the rate limit of the source.
 
+use std::any::Any;
+
 use arrayvec::{ArrayString, ArrayVec};
 
 use crate::command::TextMode;
@@ -66,6 +68,22 @@ pub trait PressFilter: Send {
 
     /// Returns what displays show of it, if it decodes text.
     fn text_state(&self) -> Option<&TextState> {
+        None
+    }
+
+    /// Returns `true` if the text before the cursor ends inside a word; `None` if it does not know.
+    fn is_inside_word(&self) -> Option<bool> {
+        None
+    }
+
+    /// Goes on behind text that ends inside a word or does not, and that another filter has seen.
+    fn set_inside_word(&mut self, _is_inside: bool) {}
+
+    /// Takes over the mode and what is known of the person from the filter of the layout that this one replaces. May allocate.
+    fn take_over(&mut self, _before: &dyn PressFilter) {}
+
+    /// Returns itself, for a filter of its own type that [takes over](Self::take_over).
+    fn as_any(&self) -> Option<&dyn Any> {
         None
     }
 }

@@ -8,7 +8,7 @@ use crate::text::{self, Language, TextSetup};
 use ademan_core::command::TextMode;
 use ademan_core::device::{Capabilities, Capability};
 use ademan_core::layout::Layout;
-use ademan_core::message::escape_path;
+use ademan_core::message::{escape, escape_path};
 use ademan_core::pipeline::LayoutInstance;
 
 impl LoadedSetup {
@@ -40,7 +40,17 @@ impl LoadedSetup {
         let asks = setup.mode != TextSetup::default().mode;
         let has_letters = |layout: &Layout| !text::capabilities(layout, false).keys.is_empty();
         if asks && self.language.is_some() && !self.layouts().any(has_letters) {
-            self.text_error = Some("no layout has letters".to_owned());
+            let other = self.layouts().find(|layout| text::shows_other_keymap(layout));
+            self.text_error = Some(other.map_or_else(
+                || "no layout has letters".to_owned(),
+                |layout| {
+                    format!(
+                        "`{}` is for a receiver with another keymap than US, as its labels show, and the decoder types for that one \
+                         only; use a layout such as `qwerty-words`: the decoder writes the accents",
+                        escape(&layout.name)
+                    )
+                },
+            ));
         }
         if let Some(note) = self.text_note() {
             tracing::warn!("{note}");

@@ -70,7 +70,7 @@ pub fn spelling(word: &str) -> Option<(String, Case)> {
 impl Counts {
     /// Adds an entry of a list.
     pub fn listed(&mut self, word: &str, weight: f64) {
-        if let Some((key, case)) = spelling(word) {
+        if let Some((key, case)) = spelling(&word.replace('\u{2019}', "'")) {
             let spelled = self.spelled.entry(key).or_default();
             spelled.weight = spelled.weight.max(weight);
             spelled.listed = true;

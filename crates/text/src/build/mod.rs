@@ -93,6 +93,8 @@ impl Builder {
     /// Fails at the first line whose weight is no finite number from 0; nothing of the list is added then.
     pub fn words(&mut self, list: &str) -> Result<(), LineError> {
         let mut words = Vec::new();
+        // Some editors write a byte order mark.
+        let list = list.trim_start_matches('\u{feff}');
         for (index, line) in list.lines().enumerate() {
             let mut fields = line.split_whitespace();
             let Some(word) = fields.next() else { continue };

@@ -143,6 +143,23 @@ impl<'m> Corrector<'m> {
         self.is_partial = true;
     }
 
+    /// Returns `true` if the text before the cursor ends inside a word, as far as is known.
+    pub fn is_inside_word(&self) -> bool {
+        self.is_partial || self.shown.ends_with(|last| !ends_word(last))
+    }
+
+    /// Drops what is pending, and goes on behind text that ends inside a word or does not.
+    pub fn set_inside_word(&mut self, is_inside: bool) {
+        self.reset();
+        self.is_partial = is_inside;
+    }
+
+    /// Takes over what another corrector has learned of the person.
+    pub fn take_over(&mut self, before: &Self) {
+        self.restored.clone_from(&before.restored);
+        self.decoder.set_touch(before.decoder.touch().clone());
+    }
+
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a line.
     pub fn start_line(&mut self) {
         self.start_word();
@@ -263,6 +280,7 @@ impl<'m> Corrector<'m> {
         // The whole first word of the tail, so that it can be learned.
         self.restored.remember(&self.shown, prefix, &self.target);
         std::mem::swap(&mut self.shown, &mut self.target);
+        self.decoder.follow(&self.shown);
     }
 
     /// Takes a Backspace.
@@ -272,6 +290,11 @@ impl<'m> Corrector<'m> {
             self.edits
                 .extend((0..self.undo.corrected).map(|_| Edit::Backspace));
             self.edits.extend(self.undo.typed.chars().map(Edit::Type));
+            // Nothing of a text that is final, but the tail.
+            let kept = self.shown.chars().count().saturating_sub(self.undo.corrected);
+            self.target.clear();
+            self.target.extend(self.shown.chars().take(kept));
+            self.target.push_str(&self.undo.typed);
             self.shown.clear();
             // The rest of a word is no word, and its beginning is no word to be learned.
             self.is_partial = self.undo.is_inside;
@@ -281,7 +304,7 @@ impl<'m> Corrector<'m> {
                 if !self.is_partial {
                     self.restored.learn();
                 }
-                self.decoder.commit_typed();
+                self.decoder.commit_behind(Some(&self.target));
             }
             return &self.edits;
         }
@@ -314,6 +337,18 @@ impl<'m> Corrector<'m> {
             _ if self.is_partial => &[],
             _ => self.decoder.candidates(),
         }
+    }
+
+    /// Types punctuation in place of the space that a word has brought, and that space behind it.
+    pub fn punctuate(&mut self, mark: char) -> &[Edit] {
+        self.undo.is_possible = false;
+        self.swiped = None;
+        self.shown.clear();
+        self.decoder.commit_mark(mark);
+        self.edits.clear();
+        self.edits
+            .extend([Edit::Backspace, Edit::Type(mark), Edit::Type(' ')]);
+        &self.edits
     }
 
     /// Takes a candidate in place of what is shown, with a space behind it unless it ends a word already. One Backspace takes it

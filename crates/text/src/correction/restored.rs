@@ -95,11 +95,12 @@ impl Restored {
         changed(shown, prefix, target).any(|word| self.words.iter().any(|known| same(word, known)))
     }
 
-    /// Notes the words that a change replaces.
+    /// Notes the words that a change replaces, unless the new text has them too.
     pub(super) fn remember(&mut self, shown: &str, prefix: usize, target: &str) {
         self.pending.clear();
         for word in changed(shown, prefix, target) {
-            if self.pending.len() + word.len() < PENDING_BYTES {
+            let stays = target.split(ends_word).any(|new| new == word);
+            if !stays && self.pending.len() + word.len() < PENDING_BYTES {
                 self.pending.push_str(word);
                 self.pending.push(' ');
             }

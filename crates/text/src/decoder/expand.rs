@@ -1,6 +1,7 @@
 //! The hypotheses that one hypothesis becomes with a tap.
 
 use super::beam::Beam;
+use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::token::{Emission, From, Next, Place, Token};
 use super::{GAIN, Options};
 
@@ -10,7 +11,7 @@ use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
-use crate::model::{Model, ends_sentence};
+use crate::model::Model;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
@@ -22,6 +23,8 @@ const DOUBLE: f32 = -5.0;
 const SECOND_SPACE: f32 = -7.0;
 /// A spurious tap that hits the space bar, which a thumb rests on.
 const SPURIOUS_SPACE: f32 = -7.0;
+/// A spurious tap that types a digit or a sign with no letter near it, such as what is typed with Shift.
+const SPURIOUS_SIGN: f32 = -8.0;
 
 /// The step of one tap.
 pub struct Expansion<'a, 'm> {
@@ -35,14 +38,6 @@ pub struct Expansion<'a, 'm> {
     pub is_sign: bool,
 }
 
-/// Returns `true` if the character ends a word as a space does.
-pub fn is_punctuation(character: char) -> bool {
-    matches!(
-        character,
-        '.' | ',' | ';' | ':' | '!' | '?' | '-' | '(' | ')' | '"' | '¡' | '¿'
-    )
-}
-
 /// Returns the log-probability that a word that the lexicon has not ends.
 pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool) -> f32 {
     let end = options.language * model.spelling.end(state);
@@ -51,27 +46,6 @@ pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool
     } else {
         end
     }
-}
-
-/// The taps of a sentence from which on its end becomes no likelier.
-const LONG: usize = 56;
-/// The log-odds of a period against a comma, by the taps of the sentence before it, eight by eight: three quarters of what the short
-/// sentences have that the English model is made of (−1.7 to 3.8), a quarter of what the guides of this program have (−3.3 to −0.3).
-const PERIODS: [f32; LONG / 8 + 1] = [-1.6, -1.8, -0.4, 0.3, 0.8, 1.4, 2.0, 2.7];
-
-/// Returns the log-probability of punctuation behind a word after a number of taps of its sentence: the probability of a comma,
-/// [`Options::punctuation`], plus the log-odds of the character against a comma.
-pub fn punctuation(options: &Options, character: char, taps: u16) -> f32 {
-    let end = PERIODS[usize::from(taps).min(LONG) / 8];
-    options.punctuation
-        + match character {
-            '.' => end,
-            ',' => 0.0,
-            '?' => end - 2.1,
-            '!' => end - 2.7,
-            '-' => -2.0,
-            _ => -3.3,
-        }
 }
 
 /// A hypothesis on the way: further letters may be left out before the tap is used.
@@ -101,6 +75,8 @@ impl Expansion<'_, '_> {
         nothing.token.score += self.options.insertion + self.touches.stray();
         if self.typed.1 == ' ' {
             nothing.token.score += SPURIOUS_SPACE;
+        } else if self.touches.near().iter().all(|near| near.symbol.is_none()) {
+            nothing.token.score += SPURIOUS_SIGN;
         }
         self.push(nothing);
         match token.place {
@@ -145,7 +121,7 @@ impl Expansion<'_, '_> {
         }
         if node == ROOT {
             self.unknown(partial);
-            if self.is_sign {
+            if self.is_sign && !joins_words(self.typed.1) {
                 let mut sign = *partial;
                 sign.token.score += self.options.verbatim - self.best(node);
                 self.verbatim(&sign);
@@ -202,27 +178,50 @@ impl Expansion<'_, '_> {
                 next.emission = next.emission.with(' ', From::This, Case::Lower);
                 self.push(next);
             }
-            self.opening_quote(partial);
+            self.opening_mark(partial);
+            self.joint(partial, -self.best(ROOT), Case::Lower);
             return None;
         }
         let ended = self.ended(partial)?;
         let case = self.model.lexicon.node(node).case();
         self.separators(&ended, node, case);
+        self.joint(&ended, 0.0, case);
         Some(ended)
     }
 
-    /// Uses the tap as a quotation mark before a word.
-    fn opening_quote(&mut self, partial: &Partial) {
+    /// Uses the tap as a mark before a word: one that opens, or any other if it was typed.
+    fn opening_mark(&mut self, partial: &Partial) {
         for near in 0..self.touches.near().len() {
             let near = self.touches.near()[near];
-            if near.character == '\'' {
-                let touch = self.touches.of_key(near.key, &partial.token.drift);
-                let mut next = *partial;
-                next.token.score += touch + punctuation(self.options, '\'', next.token.sentence);
-                next.emission = next.emission.with('\'', From::This, Case::Lower);
-                self.push(next);
-            }
+            let cost = match near.character {
+                '\'' | '"' | '(' | '¿' | '¡' => 0.0,
+                '-' if near.key == self.typed.0 => 0.0,
+                mark if near.key == self.typed.0 && is_punctuation(mark) => DOUBLE,
+                _ => continue,
+            };
+            let touch = self.touches.of_key(near.key, &partial.token.drift);
+            let mut next = *partial;
+            let mark = punctuation(self.options, near.character, next.token.sentence);
+            next.token.score += touch + mark + cost;
+            next.emission = next.emission.with(near.character, From::This, Case::Lower);
+            self.push(next);
         }
+    }
+
+    /// Uses the tap as the sign that it typed, behind a complete word or at the start of one. What is known of the word to come is
+    /// added to the score, and `known` is what it has of that already, as a negative number.
+    fn joint(&mut self, partial: &Partial, known: f32, case: Case) {
+        let (key, sign) = self.typed;
+        if !self.is_sign || !joins_words(sign) {
+            return;
+        }
+        let touch = self.touches.of_key(key, &partial.token.drift);
+        let mut next = *partial;
+        next.token.score += touch + JOINT + self.best(ROOT) + known;
+        next.token.place = Place::Word(ROOT);
+        next.token.row = NO_ROW;
+        next.emission = next.emission.with(sign, From::This, case);
+        self.push(next);
     }
 
     /// Returns the hypothesis with its word complete, or `None` if it is none, or too unlikely for the tap.
@@ -235,7 +234,8 @@ impl Expansion<'_, '_> {
         let behind = self
             .touches
             .separator()
-            .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT));
+            .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT))
+            .max(if self.is_sign { JOINT + self.touches.likeliest() } else { f32::NEG_INFINITY });
         if most + behind + SLACK <= self.beam.limit() {
             return None;
         }
@@ -275,9 +275,6 @@ impl Expansion<'_, '_> {
             next.token.score +=
                 touch + punctuation(self.options, near.character, next.token.sentence);
             next.token.place = Place::Gap;
-            if ends_sentence(near.character) {
-                next.token.sentence = 0;
-            }
             next.token.row = self.model.row_behind(near.character);
             next.token.drift = self.drift(touch, near.key, &ended.token.drift);
             next.emission = next.emission.with(near.character, From::This, case);
@@ -327,8 +324,9 @@ impl Expansion<'_, '_> {
         let mut ended = *partial;
         ended.token.score += self.spelling_end(state, is_typed);
         self.separators(&ended, ROOT, Case::Lower);
+        self.joint(&ended, 0.0, Case::Lower);
         // A sign is typed on purpose only in a word that is meant as it was typed.
-        if self.is_sign && is_typed {
+        if self.is_sign && is_typed && !joins_words(self.typed.1) {
             let mut sign = *partial;
             sign.token.score += self.options.verbatim;
             self.verbatim(&sign);
@@ -345,6 +343,9 @@ impl Expansion<'_, '_> {
         let touch = self.touches.of_key(key, &partial.token.drift);
         if character == ' ' || is_punctuation(character) {
             return self.separators(partial, ROOT, Case::Lower);
+        }
+        if joins_words(character) {
+            return self.joint(partial, 0.0, Case::Lower);
         }
         let mut next = *partial;
         next.token.score += touch + ANY_CHARACTER;
@@ -375,10 +376,11 @@ impl Expansion<'_, '_> {
                 self.push(next);
             }
         }
+        self.joint(&start, 0.0, Case::Lower);
         start.token.score += RARE + self.best(ROOT);
         self.letters(&start);
         self.unknown(&start);
-        if self.is_sign {
+        if self.is_sign && !joins_words(self.typed.1) {
             start.token.score += self.options.verbatim - self.best(ROOT);
             self.verbatim(&start);
         }

@@ -1,7 +1,7 @@
 //! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
-use super::expand::is_punctuation;
+use super::marks::is_punctuation;
 use super::finish::Finished;
 use super::token::Place;
 use super::{Decoder, NONE, Start};
@@ -50,9 +50,7 @@ impl Decoder<'_> {
         };
         let token = self.tokens[best.token];
         self.learn(&best);
-        let capitals = self.capitals();
-        self.rendered
-            .text(&self.history, &best, &self.taps, capitals);
+        self.render(&best);
         learn_words(&mut self.words, &self.model, self.rendered.shown());
         self.touch.drift = token.drift;
         self.sentence = token.sentence;
@@ -62,8 +60,8 @@ impl Decoder<'_> {
         match (token.place, last) {
             (Place::Gap, Some(mark)) if ends_sentence(mark) => self.starts_sentence = true,
             (Place::Word(ROOT), _) => {
-                self.starts_sentence =
-                    self.starts_sentence && last.is_none() || token.row == self.model.row(ROOT);
+                let starts = token.row != NO_ROW && token.row == self.model.row(ROOT);
+                self.starts_sentence = self.starts_sentence && last.is_none() || starts;
             }
             _ => self.starts_sentence = false,
         }
@@ -81,6 +79,13 @@ impl Decoder<'_> {
     /// Takes what was typed as meant, and starts afresh behind it.
     pub fn commit_typed(&mut self) {
         self.commit_behind(None);
+    }
+
+    /// Goes on behind punctuation and a space, which follow the text of the last commit.
+    pub(crate) fn commit_mark(&mut self, mark: char) {
+        let mut encoded = [0; 4];
+        self.commit_behind(Some(mark.encode_utf8(&mut encoded)));
+        self.restart(Start::Word);
     }
 
     /// Takes a text as meant, or what was typed, without learning from the taps, and starts afresh behind it.

@@ -1,13 +1,17 @@
 //! The text as it was typed, with its own log-probability, so that a correction can be compared with it.
 
 use super::Options;
-use super::expand::{ANY_CHARACTER, is_punctuation, punctuation, spelling_end};
+use super::expand::{ANY_CHARACTER, spelling_end};
+use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::touches::Touches;
 use crate::keyboard::Millimetres;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
 use crate::model::spelling::START;
 use crate::model::{Model, ends_sentence};
+
+/// The part of the margin that is left behind a correction.
+const CORRECTED_TRUST: f32 = 0.4;
 
 /// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,8 @@ const EMPTY: Word = Word {
 #[derive(Clone, Debug)]
 pub struct Literal {
     text: String,
+    /// The bytes of the text that another text gave.
+    followed: usize,
     score: f32,
     row: Row,
     word: Word,
@@ -44,6 +50,7 @@ impl Literal {
     pub fn new(capacity: usize) -> Self {
         Self {
             text: String::with_capacity(4 * capacity),
+            followed: 0,
             score: 0.0,
             row: NO_ROW,
             word: EMPTY,
@@ -54,11 +61,37 @@ impl Literal {
 
     pub fn clear(&mut self, row: Row, sentence: u16) {
         self.text.clear();
+        self.followed = 0;
         self.score = 0.0;
         self.row = row;
         self.word = EMPTY;
         self.is_empty = true;
         self.sentence = sentence;
+    }
+
+    /// Goes on behind another text, between words, with its log-probability, the word before and the taps of its sentence.
+    pub fn follow(&mut self, text: &str, score: f32, (row, sentence): (Row, u16)) {
+        self.clear(row, sentence);
+        self.text.push_str(text);
+        self.followed = text.len();
+        self.score = score;
+    }
+
+    /// Returns the part of the margin that a correction needs: a person whose text was corrected makes more errors.
+    pub fn trust(&self) -> f32 {
+        if self.followed > 0 { CORRECTED_TRUST } else { 1.0 }
+    }
+
+    /// Returns `true` if a text ends with what was typed since the last [`follow`](Self::follow), whatever its capitals.
+    pub fn is_kept_by(&self, text: &str) -> bool {
+        let typed = self.text[self.followed..].chars().rev();
+        let lower = |letter: char| letter.to_lowercase().next();
+        let mut other = text.chars().rev();
+        let is_tail = typed.into_iter().all(|letter| {
+            let found = other.next();
+            found.and_then(lower) == lower(letter)
+        });
+        is_tail && (self.followed > 0 || other.next().is_none())
     }
 
     pub fn text(&self) -> &str {
@@ -84,17 +117,20 @@ impl Literal {
             sentence.saturating_add(1)
         };
         self.score += touches.of_key(key, drift);
-        if character == ' ' || is_punctuation(character) {
+        if character == ' ' || is_punctuation(character) || joins_words(character) {
             let (language, node) = self.language(model, options);
             self.score += language;
             self.row = match character {
-                ' ' if self.is_empty => self.row,
+                sign if joins_words(sign) => NO_ROW,
+                _ if self.is_empty => self.row,
                 ' ' => node.map_or(NO_ROW, |node| model.next_row(self.row, node)),
                 mark => model.row_behind(mark),
             };
-            if character != ' ' {
-                self.score += punctuation(options, character, sentence);
-            }
+            self.score += match character {
+                ' ' => 0.0,
+                sign if joins_words(sign) => JOINT,
+                mark => punctuation(options, mark, sentence),
+            };
             self.word = EMPTY;
             self.is_empty = true;
             return;

@@ -22,8 +22,10 @@ mod finish;
 mod history;
 mod learn;
 mod literal;
+mod marks;
 mod options;
 mod precision;
+mod reading;
 mod render;
 mod swiped;
 mod token;
@@ -36,7 +38,7 @@ pub(crate) use swiped::Before;
 use beam::Beam;
 pub(crate) use candidate::same_letters;
 use expand::Expansion;
-use finish::{Finished, finish};
+use finish::Finished;
 use history::{Entry, History, NONE};
 use learn::WordRates;
 use literal::Literal;
@@ -45,7 +47,7 @@ use token::{From, Place, Token};
 use touches::{Carried, Touches};
 
 use crate::keyboard::{Keyboard, Tap};
-use crate::model::Model;
+use crate::model::{Model, ends_sentence};
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
@@ -189,6 +191,16 @@ impl<'m> Decoder<'m> {
         &self.touch
     }
 
+    /// Drops all taps, and goes on behind unknown text with what is known of a person.
+    pub(crate) fn set_touch(&mut self, mut touch: TouchModel) {
+        touch.sanitize();
+        touch.reserve(&self.keyboard);
+        self.touches.learn(&self.keyboard, &touch);
+        self.touch = touch;
+        self.update_costs();
+        self.start_anywhere();
+    }
+
     /// Returns the keyboard.
     pub fn keyboard(&self) -> &Keyboard {
         &self.keyboard
@@ -322,7 +334,7 @@ impl<'m> Decoder<'m> {
             beam: &mut self.beam,
             apostrophe: self.apostrophe,
             typed,
-            is_sign: !is_letter && character != ' ' && !expand::is_punctuation(character),
+            is_sign: !is_letter && character != ' ' && !marks::is_punctuation(character),
         };
         for token in &self.tokens {
             expansion.expand(token);
@@ -338,7 +350,11 @@ impl<'m> Decoder<'m> {
         let now = self.taps.len() as u32;
         for next in self.beam.best() {
             let mut token = next.token;
-            token.sentence = token.sentence.saturating_add(1);
+            let last = next.emission.items().last();
+            token.sentence = match last {
+                Some(last) if ends_sentence(last.character) => 0,
+                _ => token.sentence.saturating_add(1),
+            };
             for emitted in next.emission.items() {
                 let tap = match emitted.from {
                     From::This => now,
@@ -396,104 +412,5 @@ impl<'m> Decoder<'m> {
     /// Returns what was typed since the last commit.
     pub fn typed(&self) -> &str {
         self.literal.text()
-    }
-
-    /// Returns the most probable text since the last commit.
-    pub fn best(&mut self) -> &str {
-        self.candidates()
-            .first()
-            .map_or("", |best| best.text.as_str())
-    }
-
-    /// Returns the most probable texts since the last commit, the best first. What was typed is always one of them.
-    pub fn candidates(&mut self) -> &[Candidate] {
-        self.finish();
-        self.found = 0;
-        for index in 0..self.finished.len() {
-            if self.found == CANDIDATES {
-                break;
-            }
-            let finished = self.finished[index];
-            let text = self
-                .rendered
-                .text(&self.history, &finished, &self.taps, self.capitals());
-            let is_new = self.candidates[..self.found]
-                .iter()
-                .all(|known| known.text != text);
-            // A lone space says nothing about a letter.
-            let is_empty = text.trim().is_empty() && !self.literal.text().trim().is_empty();
-            if is_new && !is_empty {
-                let candidate = &mut self.candidates[self.found];
-                candidate.text.clear();
-                candidate.text.push_str(text);
-                candidate.score = finished.score;
-                self.found += 1;
-            }
-        }
-        self.add_literal();
-        &self.candidates[..self.found]
-    }
-
-    /// Returns the text to show: the most probable one if it is likelier than what was typed by [`Options::margin`], or else what was
-    /// typed, with capitals where sentences start and names have them.
-    pub fn reading(&mut self) -> &str {
-        let typed = self.typed_score();
-        let margin = self.options.margin;
-        self.candidates();
-        let candidates = &self.candidates[..self.found];
-        let is_clear = |best: &&Candidate| best.score - typed >= margin;
-        let literal = self.literal.text();
-        let same = |candidate: &&Candidate| same_letters(&candidate.text, literal);
-        let chosen = candidates
-            .first()
-            .filter(is_clear)
-            .or_else(|| candidates.iter().find(same));
-        chosen.map_or(literal, |chosen| chosen.text.as_str())
-    }
-
-    fn capitals(&self) -> bool {
-        self.options.capitals && self.starts_sentence
-    }
-
-    /// Puts what was typed among the candidates, in place of the last one if there are enough.
-    fn add_literal(&mut self) {
-        let typed = self.literal.text();
-        let found = &self.candidates[..self.found];
-        if found.iter().any(|candidate| candidate.text == typed) {
-            return;
-        }
-        let score = self.typed_score();
-        let last = self.found.min(CANDIDATES - 1);
-        self.candidates[last].text.clear();
-        self.candidates[last].text.push_str(self.literal.text());
-        self.candidates[last].score = score;
-        self.found = last + 1;
-    }
-
-    /// Returns the log-probability that what was typed is meant.
-    pub fn typed_score(&self) -> f32 {
-        self.literal.score(&self.model, &self.costs)
-    }
-
-    /// Collects the complete hypotheses, the best first.
-    fn finish(&mut self) {
-        self.finished.clear();
-        for (index, token) in self.tokens.iter().enumerate() {
-            let full = self.finished.len() == FINISHED;
-            let worst = self.finished.last().filter(|_| full);
-            let worst = worst.map_or(f32::NEG_INFINITY, |worst| worst.score);
-            finish(&self.model, &self.costs, index, token, worst, |found| {
-                let better = |other: &Finished| other.score >= found.score;
-                let place = self.finished.partition_point(better);
-                if place < FINISHED {
-                    self.finished.truncate(FINISHED - 1);
-                    self.finished.insert(place, found);
-                }
-            });
-        }
-        // In the middle of a long word nothing may be complete. What was typed is no better then.
-        if let (true, Some(token)) = (self.finished.is_empty(), self.tokens.first()) {
-            self.finished.push(Finished::partial(0, token));
-        }
     }
 }

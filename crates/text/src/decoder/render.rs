@@ -9,6 +9,17 @@ use crate::model::lexicon::Case;
 /// The most characters of a text.
 const MAX_ENTRIES: usize = 4 * super::MAX_TAPS;
 
+/// The place at which a sentence starts in front of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SentenceStart {
+    /// None is known.
+    None,
+    /// The first character.
+    Here,
+    /// Behind a space, as the text before ends with a mark: an address has none there.
+    BehindSpace,
+}
+
 /// The text of a hypothesis, in memory that is used again.
 #[derive(Clone, Debug)]
 pub struct Rendered {
@@ -30,7 +41,7 @@ impl Rendered {
         history: &History,
         finished: &Finished,
         taps: &[Tap],
-        capital: bool,
+        sentence: SentenceStart,
     ) -> &str {
         self.entries.clear();
         self.text.clear();
@@ -43,7 +54,9 @@ impl Rendered {
             end = entry.previous;
         }
         self.entries.reverse();
-        let (mut start, mut capital) = (0, capital);
+        let mut start = 0;
+        let mut capital = sentence == SentenceStart::Here;
+        let mut is_behind_mark = sentence == SentenceStart::BehindSpace;
         for index in 0..self.entries.len() {
             let entry = self.entries[index];
             if entry.character.is_alphanumeric() || entry.character == '\'' {
@@ -52,8 +65,13 @@ impl Rendered {
             self.word(start, index, entry.case, taps, capital);
             if index > start {
                 capital = false;
+                is_behind_mark = false;
             }
-            capital |= ends_sentence(entry.character);
+            match entry.character {
+                ' ' => capital |= std::mem::take(&mut is_behind_mark),
+                '"' | ')' => {}
+                mark => is_behind_mark = ends_sentence(mark),
+            }
             self.text.push(entry.character);
             start = index + 1;
         }

@@ -1,6 +1,6 @@
 //! The likelihood of a tap for each key, and the drift of the hands.
 
-use super::expand::is_punctuation;
+use super::marks::is_punctuation;
 use super::precision::Precision;
 use crate::keyboard::{Keyboard, Millimetres};
 use crate::model::alphabet::{Alphabet, Symbol, plain};

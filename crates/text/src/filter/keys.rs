@@ -60,8 +60,12 @@ pub(super) struct TextKeys {
 }
 
 impl TextKeys {
-    /// Finds the keys of a layout; `None` if it has too few letters. Two hands that share a board type one half of it each.
+    /// Finds the keys of a layout; `None` if it has too few letters, or is for another keymap than the one for which characters
+    /// are typed. Two hands that share a board type one half of it each.
     pub(super) fn new(layout: &Layout, has_two_hands: bool) -> Option<Self> {
+        if shows_other_keymap(layout) {
+            return None;
+        }
         let mut keys: Vec<Key> = Vec::new();
         let mut places = Vec::new();
         let mut left = 0.0;
@@ -229,6 +233,27 @@ fn character(layout: &Layout, action: KeyAction, shifted: bool) -> Option<char> 
         }
         _ => None,
     }
+}
+
+/// The labels of keys whose character joins the next one, such as the accent of `á`.
+const DEAD: [&str; 4] = ["´", "`", "^", "¨"];
+
+/// Returns `true` if the label of a key shows that the receiver has another keymap than the US one: another letter, or an accent.
+pub fn shows_other_keymap(layout: &Layout) -> bool {
+    layout.keys.iter().any(|key| {
+        let Some(KeyAction::Key(code)) = key.action(0) else {
+            return false;
+        };
+        let mut label = key.face.label.chars().map(lower);
+        let (Some(shown), None) = (label.next(), label.next()) else {
+            return false;
+        };
+        let typed = code.us_character(false);
+        let typed = typed.filter(|typed| !typed.is_control() && *typed != shown);
+        typed.is_some_and(|typed| {
+            shown.is_alphabetic() || typed.is_alphabetic() || DEAD.contains(&&*key.face.label)
+        })
+    })
 }
 
 /// Returns the character that a key of the US keymap types without Shift, if it types this one with it.

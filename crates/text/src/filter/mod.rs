@@ -20,7 +20,7 @@ use self::text_filter::TextFilter;
 use crate::correction::Restored;
 use crate::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel, languages};
 
-pub use self::keys::has_text_commands;
+pub use self::keys::{has_text_commands, shows_other_keymap};
 
 /// The languages that come with the crate.
 static LANGUAGES: [(&str, &[u8]); 2] = [("en", languages::ENGLISH), ("es", languages::SPANISH)];
@@ -71,7 +71,8 @@ impl Language {
         self.0.word_list()
     }
 
-    /// Returns the text decoder for a layout; `None` if it has too few letters. `has_two_hands` type on it. With `accents` it types
+    /// Returns the text decoder for a layout; `None` if it has too few letters, or [shows another keymap](shows_other_keymap) than
+    /// the US one. `has_two_hands` type on it. With `accents` it types
     /// characters that no key types.
     pub fn filter(
         &self,

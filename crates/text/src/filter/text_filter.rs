@@ -1,8 +1,9 @@
 //! The text decoder as a filter of presses.
 
+use std::any::Any;
 use std::time::Duration;
 
-use crate::correction::MAX_EDITS;
+use crate::correction::{MAX_EDITS, ends_word};
 use crate::keyboard::Millimetres;
 use crate::{Corrector, Edit, Tap};
 use arrayvec::ArrayVec;
@@ -54,6 +55,8 @@ pub(super) struct TextFilter {
     backspace_since: Option<Timestamp>,
     /// The last key chose a candidate, which brought its space.
     is_spaced: bool,
+    /// What was typed past the decoder ends inside a word.
+    is_inside_word: bool,
     /// The text in the field, for the candidates.
     shown: String,
     is_changed: bool,
@@ -78,6 +81,7 @@ impl TextFilter {
             last_key: Timestamp::default(),
             backspace_since: None,
             is_spaced: false,
+            is_inside_word: false,
             shown: String::with_capacity(4_096),
             is_changed: false,
             tapped: PressedKeys::default(),
@@ -216,9 +220,46 @@ impl TextFilter {
             // It brings no space, and the one of a candidate before it stays.
             return;
         }
-        self.is_spaced = step.append(&edits, &self.keys, time);
-        if !self.is_spaced {
+        let has_space = edits.last() == Some(&Edit::Type(' '));
+        let is_appended = step.append(&edits, &self.keys, time);
+        self.is_spaced = is_appended && has_space;
+        if !is_appended {
             self.corrector.reset();
+        }
+    }
+
+    /// Handles punctuation behind a word that has brought its space: the space moves behind it.
+    fn punctuate(&mut self, mark: char, event: OutputEvent, step: &mut Step) {
+        self.is_changed = true;
+        let edits: ArrayVec<Edit, MAX_EDITS> =
+            self.corrector.punctuate(mark).iter().copied().collect();
+        self.is_spaced = step.append(&edits, &self.keys, event.time);
+        if self.is_spaced {
+            step.swallow(event);
+        } else {
+            self.leave();
+            step.tap(event);
+        }
+    }
+
+    /// Follows what is typed past the decoder, so that it knows later whether the cursor is inside a word.
+    fn follow_literal(&mut self, input: &FilterInput, events: &Events) {
+        let mut is_shifted = input.held.release_order().any(KeyCode::is_shift);
+        for event in events {
+            self.is_inside_word = match event.kind {
+                EventKind::KeyDown(key) if key.is_shift() => {
+                    is_shifted = true;
+                    continue;
+                }
+                EventKind::KeyDown(key) if key.is_modifier() => continue,
+                EventKind::KeyDown(key) => match key.us_character(is_shifted) {
+                    Some(character) => !ends_word(character),
+                    // An arrow or a Backspace, for example: the cursor may be in a word.
+                    None => true,
+                },
+                EventKind::Character(character) => !ends_word(character),
+                _ => continue,
+            };
         }
     }
 
@@ -251,6 +292,9 @@ impl TextFilter {
             }
             // The candidate before has brought it.
             Some(' ') if is_spaced => step.swallow(event),
+            Some(mark @ ('.' | ',' | ';' | ':' | '!' | '?')) if is_spaced => {
+                self.punctuate(mark, event, step);
+            }
             Some(character) => self.type_character(character, event, step),
             None => {
                 self.leave();
@@ -284,6 +328,7 @@ impl PressFilter for TextFilter {
     fn filter(&mut self, input: &FilterInput, events: &mut Events) {
         if self.state.mode == TextMode::Literal {
             self.choice = None;
+            self.follow_literal(input, events);
             return;
         }
         let was_swiping = self.is_swiping(input);
@@ -368,10 +413,36 @@ impl PressFilter for TextFilter {
     }
 
     fn set_mode(&mut self, mode: TextMode) {
+        let is_inside = PressFilter::is_inside_word(self);
         self.reset();
         self.tapped = PressedKeys::default();
         self.corrector.set_mode(decoder_mode(mode));
         self.state.mode = mode;
+        self.set_inside_word(is_inside.unwrap_or_default());
+    }
+
+    fn is_inside_word(&self) -> Option<bool> {
+        Some(match self.state.mode {
+            TextMode::Literal => self.is_inside_word,
+            _ => self.corrector.is_inside_word(),
+        })
+    }
+
+    fn set_inside_word(&mut self, is_inside: bool) {
+        self.is_inside_word = is_inside;
+        self.corrector.set_inside_word(is_inside);
+    }
+
+    fn take_over(&mut self, before: &dyn PressFilter) {
+        let before = before.as_any().and_then(<dyn Any>::downcast_ref::<Self>);
+        let Some(before) = before else { return };
+        self.set_mode(before.state.mode);
+        self.corrector.take_over(&before.corrector);
+        self.set_inside_word(PressFilter::is_inside_word(before).unwrap_or_default());
+    }
+
+    fn as_any(&self) -> Option<&dyn Any> {
+        Some(self)
     }
 
     fn choose(&mut self, number: u8) {

@@ -26,12 +26,20 @@ impl<'m> Field<'m> {
             capitals: false,
             ..options
         };
+        let mut field = Self::on(bytes, keyboard(), options);
+        let decoder = field.corrector.decoder().clone().with_swipes();
+        field.corrector = Corrector::new(decoder, mode, restored);
+        field
+    }
+
+    /// Makes a field that is corrected, on another keyboard.
+    pub fn on(bytes: &'m [u8], keyboard: Keyboard, options: Options) -> Self {
         let model = Model::from_bytes(bytes).expect("a model");
         let touch = TouchModel::new(Prior::default());
-        let decoder = Decoder::new(model, keyboard(), touch, options).with_swipes();
+        let decoder = Decoder::new(model, keyboard.clone(), touch, options);
         Self {
-            corrector: Corrector::new(decoder, mode, restored),
-            keyboard: keyboard(),
+            corrector: Corrector::new(decoder, Mode::Auto, Restored::default()),
+            keyboard,
             text: String::new(),
             edits: 0,
         }

@@ -83,6 +83,44 @@ pub fn keyboard() -> Keyboard {
     Keyboard::new(keys)
 }
 
+/// Returns a keyboard with the signs of a US keymap, and the opening marks of Spanish. What is typed with Shift is away from the rest.
+pub fn full_keyboard() -> Keyboard {
+    let rows = [
+        ("1234567890-=", "!@#$%^&*()_+", -0.5),
+        ("qwertyuiop[]", "          {}", 0.0),
+        ("asdfghjkl;'", "         :\"", 0.25),
+        ("zxcvbnm,./", "       <>?", 0.75),
+    ];
+    let mut keys = Vec::new();
+    for (row, (characters, shifted, indent)) in rows.into_iter().enumerate() {
+        let places = characters.chars().zip(shifted.chars()).enumerate();
+        for (column, (character, shifted)) in places {
+            let [x, y] = [(column as f32 + indent) * PITCH, row as f32 * PITCH];
+            let key = Key {
+                character,
+                center: [x, y],
+                size: [PITCH; 2],
+                hand: u8::from(column > 4),
+            };
+            keys.push(key);
+            keys.extend((shifted != ' ').then_some(Key {
+                character: shifted,
+                center: [x + 40_000.0, y],
+                ..key
+            }));
+        }
+    }
+    let space = keyboard().keys().last().copied().expect("a space bar");
+    let elsewhere = "¿¡".chars().zip([20_000.0, 20_100.0]);
+    let elsewhere = elsewhere.map(|(character, x)| Key {
+        character,
+        center: [x, 20_000.0],
+        ..keys[0]
+    });
+    let elsewhere: Vec<Key> = elsewhere.collect();
+    Keyboard::new(keys.into_iter().chain([space]).chain(elsewhere))
+}
+
 pub fn normal(random: &mut Rng) -> f32 {
     let radius = (-2.0 * (1.0 - random.f32()).ln()).sqrt();
     radius * (std::f32::consts::TAU * random.f32()).cos()

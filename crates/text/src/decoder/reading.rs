@@ -1,0 +1,136 @@
+//! The texts that hypotheses stand for.
+
+use super::candidate::Candidate;
+use super::finish::{Finished, finish};
+use super::render::SentenceStart;
+use super::{CANDIDATES, Decoder, FINISHED, Start};
+
+impl Decoder<'_> {
+    /// Returns the most probable text since the last commit.
+    pub fn best(&mut self) -> &str {
+        self.candidates()
+            .first()
+            .map_or("", |best| best.text.as_str())
+    }
+
+    /// Returns the most probable texts since the last commit, the best first. What was typed is always one of them.
+    pub fn candidates(&mut self) -> &[Candidate] {
+        self.finish();
+        self.found = 0;
+        for index in 0..self.finished.len() {
+            if self.found == CANDIDATES {
+                break;
+            }
+            let finished = self.finished[index];
+            self.render(&finished);
+            let text = self.rendered.shown();
+            let is_new = self.candidates[..self.found]
+                .iter()
+                .all(|known| known.text != text);
+            // A lone space says nothing about a letter.
+            let is_empty = text.trim().is_empty() && !self.literal.text().trim().is_empty();
+            if is_new && !is_empty {
+                let candidate = &mut self.candidates[self.found];
+                candidate.text.clear();
+                candidate.text.push_str(text);
+                candidate.score = finished.score;
+                self.found += 1;
+            }
+        }
+        self.add_literal();
+        &self.candidates[..self.found]
+    }
+
+    /// Returns the text to show: the most probable one if it is likelier by [`Options::margin`] than the most probable one that keeps
+    /// what was typed since the last correction, or else that one, with capitals where sentences start and names have them.
+    pub fn reading(&mut self) -> &str {
+        self.finish();
+        let typed = self.typed_score();
+        let Some(best) = self.finished.first().copied() else {
+            return self.literal.text();
+        };
+        let margin = self.options.margin * self.literal.trust();
+        for index in 0..self.finished.len() {
+            let finished = self.finished[index];
+            if best.score - finished.score >= margin {
+                break;
+            }
+            self.render(&finished);
+            if self.literal.is_kept_by(self.rendered.shown()) {
+                return self.rendered.shown();
+            }
+        }
+        if best.score - typed < margin {
+            return self.literal.text();
+        }
+        self.render(&best)
+    }
+
+    /// Takes the text of a hypothesis, to which the field was corrected, for what was typed: the words behind it are compared with
+    /// it.
+    pub(crate) fn follow(&mut self, shown: &str) {
+        for index in 0..self.finished.len() {
+            let finished = self.finished[index];
+            if self.render(&finished) == shown {
+                let token = self.tokens[finished.token];
+                let place = (token.row, token.sentence);
+                return self.literal.follow(shown, finished.score, place);
+            }
+        }
+    }
+
+    /// Returns the text of a complete hypothesis.
+    pub(super) fn render(&mut self, finished: &Finished) -> &str {
+        let capital = self.options.capitals && self.starts_sentence;
+        let is_behind_mark = self.start == Start::Behind;
+        let start = match (capital, is_behind_mark) {
+            (false, _) => SentenceStart::None,
+            (true, false) => SentenceStart::Here,
+            (true, true) => SentenceStart::BehindSpace,
+        };
+        self.rendered
+            .text(&self.history, finished, &self.taps, start)
+    }
+
+    /// Puts what was typed among the candidates, in place of the last one if there are enough.
+    fn add_literal(&mut self) {
+        let typed = self.literal.text();
+        let found = &self.candidates[..self.found];
+        if found.iter().any(|candidate| candidate.text == typed) {
+            return;
+        }
+        let score = self.typed_score();
+        let last = self.found.min(CANDIDATES - 1);
+        self.candidates[last].text.clear();
+        self.candidates[last].text.push_str(self.literal.text());
+        self.candidates[last].score = score;
+        self.found = last + 1;
+    }
+
+    /// Returns the log-probability that what was typed is meant.
+    pub fn typed_score(&self) -> f32 {
+        self.literal.score(&self.model, &self.costs)
+    }
+
+    /// Collects the complete hypotheses, the best first.
+    pub(super) fn finish(&mut self) {
+        self.finished.clear();
+        for (index, token) in self.tokens.iter().enumerate() {
+            let full = self.finished.len() == FINISHED;
+            let worst = self.finished.last().filter(|_| full);
+            let worst = worst.map_or(f32::NEG_INFINITY, |worst| worst.score);
+            finish(&self.model, &self.costs, index, token, worst, |found| {
+                let better = |other: &Finished| other.score >= found.score;
+                let place = self.finished.partition_point(better);
+                if place < FINISHED {
+                    self.finished.truncate(FINISHED - 1);
+                    self.finished.insert(place, found);
+                }
+            });
+        }
+        // In the middle of a long word nothing may be complete. What was typed is no better then.
+        if let (true, Some(token)) = (self.finished.is_empty(), self.tokens.first()) {
+            self.finished.push(Finished::partial(0, token));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Marks and signs that were typed on purpose, among words that are corrected.
+
+mod support;
+
+use ademan_text::languages::{ENGLISH, SPANISH};
+use ademan_text::Options;
+use support::field::Field;
+use support::simulated::full_keyboard;
+
+/// Returns what a field has after a text that was tapped in the middle of the keys.
+fn typed(language: &[u8], text: &str, capitals: bool) -> String {
+    let options = Options {
+        capitals,
+        ..Options::default()
+    };
+    let mut field = Field::on(language, full_keyboard(), options);
+    field.types(text);
+    field.text
+}
+
+fn check(language: &[u8], cases: &[(&str, &str)]) {
+    let read = |(text, _): &(&str, &str)| typed(language, text, false);
+    let wrong: Vec<_> = cases
+        .iter()
+        .map(|case| (*case, read(case)))
+        .filter(|((_, expected), found)| found != expected)
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn marks_that_open_stay_while_words_behind_them_are_corrected() {
+    check(
+        ENGLISH,
+        &[
+            ("see (the cat) and teh dog ", "see (the cat) and the dog "),
+            ("he said \"teh cat\" now ", "he said \"the cat\" now "),
+            ("it is -5 and teh dog ", "it is -5 and the dog "),
+            ("we saw 'teh cat' here ", "we saw 'the cat' here "),
+        ],
+    );
+    check(
+        SPANISH,
+        &[
+            ("hola ¡qeu bien! ", "hola ¡que bien! "),
+            ("dijo ¿qeu quieres? ", "dijo ¿que quieres? "),
+        ],
+    );
+}
+
+#[test]
+fn signs_inside_addresses_and_code_stay() {
+    check(
+        ENGLISH,
+        &[
+            ("ana@mail.com ", "ana@mail.com "),
+            ("user@example.com ", "user@example.com "),
+            ("he/she adn they ", "he/she and they "),
+            ("key=value adn so ", "key=value and so "),
+            ("user_name adn so ", "user_name and so "),
+            ("#news adn so ", "#news and so "),
+            ("https://example.com/ ", "https://example.com/ "),
+            ("baz(qux) adn so ", "baz(qux) and so "),
+            ("pages 5-6 adn so ", "pages 5-6 and so "),
+            ("x<y adn so ", "x<y and so "),
+        ],
+    );
+}
+
+#[test]
+fn a_correction_does_not_lower_the_margin_of_the_words_behind_it() {
+    for word in ["git", "nuria"] {
+        let alone = typed(ENGLISH, &format!("the old cat and {word} is "), false);
+        let behind = typed(ENGLISH, &format!("teh old cat and {word} is "), false);
+        assert_eq!(alone, behind);
+    }
+}
+
+#[test]
+fn the_spanish_conjunction_before_an_o_is_a_word() {
+    check(
+        SPANISH,
+        &[
+            ("siete u ocho ", "siete u ocho "),
+            ("uno u otro ", "uno u otro "),
+            ("mujer u hombre ", "mujer u hombre "),
+        ],
+    );
+}
+
+#[test]
+fn a_capital_follows_a_mark_and_a_space_only() {
+    for (text, shown) in [
+        ("write to gmail.com now ", "Write to gmail.com now "),
+        ("it is done. the cat ", "It is done. The cat "),
+        ("he said \"stop.\" the cat ", "He said \"stop.\" The cat "),
+        ("really? yes. ", "Really? Yes. "),
+    ] {
+        assert_eq!(typed(ENGLISH, text, true), shown);
+    }
+}
+
+#[test]
+fn words_that_a_correction_leaves_as_they_are_may_be_corrected_later() {
+    let options = Options {
+        capitals: false,
+        ..Options::default()
+    };
+    let mut field = Field::on(ENGLISH, full_keyboard(), options);
+    field.types("teh cat adn ");
+    field.backspace();
+    let mut words: Vec<&str> = field.corrector.restored().words().collect();
+    words.sort_unstable();
+    assert!(!words.contains(&"cat") && !words.is_empty(), "{words:?}");
+}
