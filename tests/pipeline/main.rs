@@ -43,6 +43,7 @@ mod stops;
 mod swipes;
 mod taps;
 mod text;
+mod text_between;
 mod text_taps;
 mod tours;
 mod tracked_hands;

@@ -1,0 +1,165 @@
+//! The text decoder where words meet something else: the space that a candidate has brought, another mode, profile or layout, and
+//! keys for another keymap.
+
+use ademan::capture::Hc11Format;
+use ademan::command::{Command, CommandOrigin, TextMode};
+use ademan::device::Events;
+use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
+use ademan::text::{TextModeSetup, TextSetup};
+
+use super::text::play;
+use crate::support::checked::CheckedPipeline;
+
+fn load(mode: TextModeSetup) -> LoadedSetup {
+    let setup = Setup {
+        layout: "qwerty-words".into(),
+        profiles: vec![ProfileSetup {
+            name: "other".into(),
+            text: None,
+            layout: "qwerty-flat".into(),
+        }],
+        text: Some(TextSetup {
+            mode,
+            ..TextSetup::default()
+        }),
+        ..Setup::default()
+    };
+    setup.load_files().expect("the shipped layouts")
+}
+
+/// Performs a script, and calls `change` once behind a number of presses.
+fn performs(
+    setup: &LoadedSetup,
+    script: &str,
+    behind: usize,
+    mut change: impl FnMut(&mut CheckedPipeline, &mut Events),
+) -> String {
+    let hand = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
+    let mut is_changed = false;
+    let typed = play(
+        setup,
+        hand.expect("a script"),
+        |presses, pipeline, events| {
+            if presses == behind && !is_changed {
+                is_changed = true;
+                change(pipeline, events);
+            }
+        },
+    );
+    assert!(is_changed || behind == usize::MAX, "{typed:?}");
+    typed.text
+}
+
+fn suggests(script: &str) -> String {
+    let setup = load(TextModeSetup::Suggest);
+    performs(&setup, script, usize::MAX, |_, _| {})
+}
+
+#[test]
+fn a_mark_takes_the_space_that_a_candidate_has_brought() {
+    let take = "tap H; tap E; tap candidate-3";
+    let taken = suggests(take);
+    let word = taken.strip_suffix(' ').expect("a space");
+    let then = |keys: &str| suggests(&format!("{take}; {keys}"));
+    assert_eq!(then("tap Period; tap A"), format!("{word}. a"));
+    // The person may type the space, too.
+    assert_eq!(then("tap Comma; tap Space; tap A"), format!("{word}, a"));
+    assert_eq!(
+        then("tap Period; tap Backspace; tap A"),
+        format!("{word}.a")
+    );
+    let question = "tap ShiftLeft; tap Slash; tap A";
+    assert_eq!(then(question), format!("{word}? a"));
+}
+
+#[test]
+fn a_space_behind_a_candidate_that_ends_with_a_mark_is_typed() {
+    let sentence =
+        "tap T; tap E; tap H; tap Space; tap C; tap A; tap T; tap Period; tap candidate-1";
+    let taken = suggests(sentence);
+    assert!(taken.ends_with("cat."), "{taken}");
+    let more = suggests(&format!("{sentence}; tap Space; tap T"));
+    assert_eq!(more, format!("{taken} t"));
+}
+
+const HALF: &str = "tap C; tap O; tap N; wait 1500; tap T; tap E; tap H; tap Space";
+const WORD: &str = "wait 300; tap T; tap E; tap H; tap Space";
+
+#[test]
+fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
+    let to_auto = |pipeline: &mut CheckedPipeline, events: &mut Events| {
+        let command = Command::Text {
+            mode: TextMode::Auto,
+        };
+        let origin = CommandOrigin::Client;
+        pipeline.execute(&command, origin, events).expect("a mode");
+    };
+    let setup = load(TextModeSetup::Literal);
+    let script = format!("{HALF}; {WORD}");
+    let text = performs(&setup, &script, 3, to_auto);
+    assert_eq!(text, "conteh the ");
+    let script = format!("tap A; tap Space; wait 1500; {WORD}");
+    assert_eq!(performs(&setup, &script, 2, to_auto), "a the ");
+}
+
+#[test]
+fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_profile() {
+    let setup = load(TextModeSetup::Auto);
+    let script = format!("{HALF}; {WORD}");
+    let text = performs(&setup, &script, 3, |pipeline, events| {
+        pipeline.switch_profile(1, events);
+    });
+    assert_eq!(text, "conteh the ");
+}
+
+#[test]
+fn a_layout_that_is_replaced_hands_over_half_a_word_and_what_was_learned() {
+    let setup = load(TextModeSetup::Auto);
+    let replace = |pipeline: &mut CheckedPipeline, events: &mut Events| {
+        let mut instance = setup.layout_instance(&setup.layout).expect("a layout");
+        pipeline.replace_profile(0, &mut instance, &setup.layout, events);
+    };
+    let script = format!("{HALF}; {WORD}");
+    assert_eq!(performs(&setup, &script, 3, replace), "conteh the ");
+    // One Backspace restores a word, which is not changed again.
+    let restored = "tap T; tap E; tap H; tap Space; tap Backspace; wait 1500; tap A; tap Space";
+    let hand = setup.scripted(restored, &Hc11Format::default(), 0.0, 0);
+    let alone = play(&setup, hand.expect("a script"), |_, _, _| {});
+    assert_eq!(alone.text, "teh a ");
+    let presses = alone.events.matches("KeyDown").count();
+    let script = format!("{restored}; wait 1500; {WORD}");
+    assert_eq!(performs(&setup, &script, presses, replace), "teh a teh ");
+}
+
+#[test]
+fn words_are_not_corrected_on_a_board_for_another_keymap() {
+    for layout in ["spanish-flat", "azerty-flat", "qwertz-flat"] {
+        let setup = Setup {
+            layout: layout.into(),
+            ..load(TextModeSetup::Auto).setup
+        };
+        let setup = Setup {
+            profiles: Vec::new(),
+            ..setup
+        };
+        let loaded = setup.load_files().expect("a shipped layout");
+        let instance = loaded.layout_instance(&loaded.layout).expect("a layout");
+        assert!(instance.filter().is_none(), "{layout}");
+        let note = loaded.text_note().expect("a message");
+        assert!(note.contains("another keymap"), "{note}");
+    }
+    for layout in [
+        "qwerty-flat",
+        "qwerty-words",
+        "dvorak-flat",
+        "qwerty-two-flat",
+        "qwerty-swipe",
+    ] {
+        let setup = Setup {
+            layout: layout.into(),
+            profiles: Vec::new(),
+            ..load(TextModeSetup::Auto).setup
+        };
+        assert_eq!(setup.load_files().expect("a layout").text_note(), None);
+    }
+}
