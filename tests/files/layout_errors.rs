@@ -230,6 +230,15 @@ fn a_contradiction_in_the_activation_of_a_key_has_its_position() {
 }
 
 #[test]
+fn a_duplicate_label_has_its_position() {
+    let boards = "boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q W\")])]";
+    let text = format!(
+        "Layout(name: \"x\", {boards},\nlabels: {{\"Q\": \"1\", \"W\": \"2\", \"Q\": \"3\"}})"
+    );
+    check(&text, "2:31: duplicate label of `Q`");
+}
+
+#[test]
 fn a_duplicate_or_overlapping_key_has_its_position() {
     let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
     check_boards(&[

@@ -246,8 +246,13 @@ impl<'a> LayoutSchema<'a> {
             let message = "the layout has no keys and no other controls, add `boards`";
             return Err(builder.error(self.name.text, message));
         }
-        for (name, label) in &self.labels.0 {
-            let labelled = builder.set_label(name.text, &label.0);
+        for (index, (name, label)) in self.labels.0.iter().enumerate() {
+            let mut earlier = self.labels.0[..index].iter();
+            let labelled = if earlier.any(|(other, _)| other.text == name.text) {
+                Err(builder.error(name.text, format!("duplicate label of `{}`", name.text)))
+            } else {
+                builder.set_label(name.text, &label.0)
+            };
             builder.collect(labelled)?;
         }
         // Declared layers have their indices from the file.
