@@ -291,6 +291,18 @@ fn other_files_are_refused_with_the_reason() {
             "no layer `main`; it has `base`",
         ),
         ("{\"layers\": {\"main\": [\"q w e r t y\"]}}", "has 1 rows"),
+        (
+            r#"{"anchor": [18446744073709551615, 18446744073709551615], "layers": {"main": ["q w e", "a s d", "z x c"]}}"#,
+            "the anchor is in column 18446744073709551615",
+        ),
+        (
+            r#"{"anchor": [1, 18446744073709551615], "layers": {"main": ["q w e", "a s d", "z x c"]}}"#,
+            "has 3 rows",
+        ),
+        (
+            r#"{"anchor": [2, 1], "layers": {"main": ["q w e", "a s d", "z x c"]}}"#,
+            "the first key is in column 0 or 1",
+        ),
         ("<?xml version=\"1.0\"?>", "is XML"),
         (
             "KBD us \"US\"\nCOPYRIGHT something long",

@@ -62,6 +62,13 @@ pub(super) fn read(text: &str, stem: &str) -> Result<Grid, ImportError> {
     let rows: Vec<Vec<String>> = main.iter().map(|row| words(row)).collect();
     let first = dof.anchor.map(|[_, y]| y);
     // The anchor is the physical column of the first key; the letters begin in column 1.
+    if let Some([x, _]) = dof.anchor
+        && x > 1
+    {
+        return Err(ImportError::Content(format!(
+            "the anchor is in column {x}; the first key is in column 0 or 1"
+        )));
+    }
     let leading = dof.anchor.map(|[x, _]| 1_usize.saturating_sub(x));
     place_rows(&mut grid, &rows, first, leading)?;
     let others: Vec<&String> = dof

@@ -195,7 +195,7 @@ fn place_rows(
     };
     let first = first.unwrap_or_else(|| usize::from(!rows.first().is_some_and(is_digits)));
     let last = grid.rows.len();
-    if rows.len() < 3 || first + rows.len() > last {
+    if rows.len() < 3 || rows.len() > last.saturating_sub(first) {
         return Err(ImportError::Content(format!(
             "the layout has {} rows; a layout has three rows of letters, perhaps one of digits above and one for thumbs below",
             rows.len()
