@@ -245,6 +245,20 @@ fn a_text_that_cannot_be_typed_is_refused() {
 }
 
 #[test]
+fn a_byte_order_mark_is_no_part_of_a_file_and_a_cut_is_said() {
+    let state = tempfile::tempdir().unwrap();
+    let marked = file(&state, "marked.txt", "\u{feff}hola\n");
+    let ended = run(state.path(), &["--file", &marked]).done();
+    assert!(ended.out.contains("text       hola\n"), "{}", ended.out);
+    let long = "é".repeat(1001);
+    for (typed, is_cut) in [(&long[..], true), (&long[..2000], false)] {
+        let refused = run(state.path(), &["--text", typed]);
+        let said = refused.err.contains("the first 1000 characters");
+        assert_eq!(said, is_cut, "{}", refused.err);
+    }
+}
+
+#[test]
 fn a_damaged_history_is_reported_and_nothing_of_it_is_lost() {
     let state = tempfile::tempdir().unwrap();
     run(state.path(), &["--text", "a b"]).done();

@@ -1,6 +1,7 @@
 //! Locks of files.
 
 use std::fs::{File, TryLockError};
+use std::io;
 use std::ops::Deref;
 
 /// A locked file, which is unlocked when it is dropped.
@@ -10,6 +11,12 @@ use std::ops::Deref;
 pub struct LockedFile(File);
 
 impl LockedFile {
+    /// Locks a file, after any other process or handle has unlocked it.
+    pub fn lock(file: File) -> io::Result<Self> {
+        file.lock()?;
+        Ok(Self(file))
+    }
+
     /// Locks a file. Fails if another process, or another handle of this one, has locked it.
     pub fn try_lock(file: File) -> Result<Self, TryLockError> {
         file.try_lock()?;

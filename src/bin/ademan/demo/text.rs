@@ -35,6 +35,10 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
     }
     Err(Failure::wrong_use(match choice {
         TextChoice::Given(_) => "nothing to type: --text is empty".to_owned(),
+        _ if !layout.multitaps.keys.is_empty() => format!(
+            "the characters of `{}` take several taps of a key, which the simulated hand and practice do not have; choose another layout",
+            layout.name
+        ),
         _ => format!(
             "no key of `{}` writes a character; `ademan layout show` draws the keys",
             layout.name
@@ -62,6 +66,14 @@ mod tests {
 
     fn text_for(layout: &str) -> Result<String, Failure> {
         choose(TextChoice::Default, &Layout::load(layout).unwrap())
+    }
+
+    #[test]
+    fn letters_that_take_several_taps_are_the_reason_why_there_is_no_text() {
+        let reason = text_for("phone-pad").unwrap_err().to_string();
+        assert!(reason.contains("take several taps of a key"), "{reason}");
+        let other = text_for("arrows").unwrap_err().to_string();
+        assert!(other.contains("writes a character"), "{other}");
     }
 
     #[test]

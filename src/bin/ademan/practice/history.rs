@@ -6,7 +6,7 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use ademan::files::{self, FileError};
+use ademan::files::{self, FileError, LockedFile};
 use ademan::measures::PointingResult;
 use ademan::message::{escape, escape_path, quote_csv};
 use ademan::session::counted;
@@ -118,19 +118,25 @@ impl History {
             sessions: Vec::new(),
             damage: None,
         };
-        let Some(file) = &history.path else {
+        let Some(file) = history.path.clone() else {
             return history;
         };
-        match read_bytes(file) {
-            Ok(bytes) => (history.sessions, history.damage) = parsed(&bytes),
-            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => history.damage = Some(error.to_string()),
-        }
+        history.read_file(&file);
         if let Some(damage) = &history.damage {
-            let file = escape_path(file);
+            let file = escape_path(&file);
             say!("cannot read all of {file}: {damage}; the file is kept beside the next one");
         }
         history
+    }
+
+    fn read_file(&mut self, file: &Path) {
+        (self.sessions, self.damage) = match read_bytes(file) {
+            Ok(bytes) => parsed(&bytes),
+            Err(FileError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
+                (Vec::new(), None)
+            }
+            Err(error) => (Vec::new(), Some(error.to_string())),
+        };
     }
 
     /// Returns the sessions, the oldest first.
@@ -143,13 +149,11 @@ impl History {
         self.sessions.len()
     }
 
-    /// Keeps a result, and returns the latest ones of its layout. A file that cannot be written is reported.
+    /// Keeps a result, and returns the latest ones of its layout. Results that other processes have kept since the file was read stay. A
+    /// file that cannot be written is reported.
     pub fn add(mut self, session: SessionResult) -> Option<Progress> {
         let (layout, is_pointing) = (session.layout.clone(), session.pointing.is_some());
-        self.sessions.push(session);
-        let excess = self.sessions.len().saturating_sub(MAX_SESSIONS);
-        self.sessions.drain(..excess);
-        if let Err(error) = self.write() {
+        if let Err(error) = self.add_to_file(session) {
             let place = self.path.as_deref().map(escape_path);
             let place = place.unwrap_or_else(|| "the state folder".to_owned());
             complain!(
@@ -163,8 +167,9 @@ impl History {
         Some(Progress(of_layout.collect()))
     }
 
-    fn write(&self) -> Result<(), FileError> {
-        let Some(path) = &self.path else {
+    /// Adds a result to the file while no other process does.
+    fn add_to_file(&mut self, session: SessionResult) -> Result<(), FileError> {
+        let Some(path) = self.path.clone() else {
             return Err(io::Error::other("this system has no such folder").into());
         };
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -172,6 +177,16 @@ impl History {
             fs::create_dir_all(parent)?;
         }
         files::create_private_folder(folder)?;
+        // The file itself is replaced, so that its lock would be one of an old file.
+        let _lock = LockedFile::lock(files::open_private(&path.with_extension("lock"))?)?;
+        self.read_file(&path);
+        self.sessions.push(session);
+        let excess = self.sessions.len().saturating_sub(MAX_SESSIONS);
+        self.sessions.drain(..excess);
+        self.write(&path)
+    }
+
+    fn write(&self, path: &Path) -> Result<(), FileError> {
         if self.damage.is_some() {
             let kept = free_name(path);
             fs::rename(path, &kept)?;
@@ -374,6 +389,26 @@ mod tests {
         let history = read();
         assert_eq!(history.count(), MAX_SESSIONS);
         assert_eq!(history.sessions[0], session(1.0));
+    }
+
+    #[test]
+    fn results_of_sessions_at_the_same_time_are_all_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state/ademan/practice/sessions.jsonl");
+        let read = || History::read_from(Some(path.clone()));
+        let at_once: Vec<History> = (0..7).map(|_| read()).collect();
+        std::thread::scope(|scope| {
+            for (number, history) in at_once.into_iter().enumerate() {
+                scope.spawn(move || history.add(session(number as f64)).expect("it is kept"));
+            }
+        });
+        let mut speeds: Vec<f64> = read()
+            .sessions
+            .iter()
+            .map(|it| it.words_per_minute)
+            .collect();
+        speeds.sort_by(f64::total_cmp);
+        assert_eq!(speeds, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     }
 
     #[test]

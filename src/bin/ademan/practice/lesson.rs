@@ -75,7 +75,7 @@ impl Lesson {
     /// Returns the lesson that the arguments ask for. `number` chooses among the texts of a language.
     pub fn choose(args: &Args, layout: &Layout, number: usize) -> Result<Self, Failure> {
         let (name, text) = match (&args.text, &args.file, args.lesson) {
-            (Some(text), ..) => ("text", one_line(text)),
+            (Some(text), ..) => ("text", first_line(text)),
             (None, Some(path), _) => ("file", read(path)?),
             (None, None, Some(LessonKind::Chords)) => ("chords", chords(layout)?),
             (None, None, Some(LessonKind::Spanish)) => {
@@ -180,17 +180,27 @@ fn read(path: &Path) -> Result<String, Failure> {
     let mut text = String::new();
     let read = file.take(MAX_FILE_BYTES).read_to_string(&mut text);
     read.map_err(|error| cannot_read(error.to_string()))?;
-    let line = one_line(&text);
-    if line.chars().count() == MAX_CHARACTERS {
-        say!("the lesson is the first {MAX_CHARACTERS} characters of the file");
-    }
-    Ok(line)
+    // Editors of Windows write a byte order mark.
+    Ok(first_line(text.trim_start_matches('\u{feff}')))
 }
 
-/// Returns the beginning of a text with single spaces between its words.
-fn one_line(text: &str) -> String {
+/// Returns the beginning of a text as one line, and says so if there is more.
+fn first_line(text: &str) -> String {
+    let (line, is_cut) = one_line(text);
+    if is_cut {
+        say!("the lesson is the first {MAX_CHARACTERS} characters of the text");
+    }
+    line
+}
+
+/// Returns the beginning of a text with single spaces between its words, and `true` if there is more.
+fn one_line(text: &str) -> (String, bool) {
     let words: Vec<&str> = text.split_whitespace().collect();
-    words.join(" ").chars().take(MAX_CHARACTERS).collect()
+    let line = words.join(" ");
+    match line.char_indices().nth(MAX_CHARACTERS) {
+        Some((end, _)) => (line[..end].to_owned(), true),
+        None => (line, false),
+    }
 }
 
 #[cfg(test)]
@@ -235,10 +245,10 @@ mod tests {
 
     #[test]
     fn a_text_becomes_one_line_of_bounded_length() {
-        assert_eq!(one_line(" a\tb\r\n\n c "), "a b c");
-        assert_eq!(
-            one_line(&"ab ".repeat(2000)).chars().count(),
-            MAX_CHARACTERS
-        );
+        assert_eq!(one_line(" a\tb\r\n\n c "), ("a b c".to_owned(), false));
+        let (line, is_cut) = one_line(&"ab ".repeat(2000));
+        assert_eq!((line.chars().count(), is_cut), (MAX_CHARACTERS, true));
+        let whole = "é".repeat(MAX_CHARACTERS);
+        assert_eq!(one_line(&whole), (whole.clone(), false));
     }
 }
