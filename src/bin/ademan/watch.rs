@@ -8,7 +8,7 @@ use ademan::session::control_socket::WatchClient;
 
 use crate::failure::Failure;
 use crate::view::{self, LiveView, Views};
-use crate::{ctl, messages, signals};
+use crate::{ctl, messages, pause_signals, signals};
 
 /// Show a running session in the terminal: boards, fingertips, values and messages
 #[derive(clap::Args)]
@@ -38,6 +38,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         stopped.store(true, Ordering::Relaxed);
         view::end();
     });
+    pause_signals::install_without_session()?;
     let view = LiveView::open(Views::Remote(viewer));
     view.wait();
     if !is_stopped.load(Ordering::Relaxed) {

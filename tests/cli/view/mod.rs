@@ -209,7 +209,24 @@ fn ctrl_s_stops_the_picture_only_and_the_end_restores_the_terminal() {
 
 #[test]
 fn ctrl_z_gives_the_terminal_back_until_the_run_continues() {
-    let mut screen = Screen::start(&run(&[]), 80, 24);
+    stop_and_continue(&run(&[]));
+}
+
+#[test]
+fn ctrl_z_gives_the_terminal_back_until_practice_or_a_demo_continues() {
+    for arguments in [
+        &["practice", "--no-history", "--text", &"hello ".repeat(20)][..],
+        &["demo", "--repeat"],
+    ] {
+        let mut command = ademan(arguments);
+        set_terminal(&mut command);
+        stop_and_continue(&command);
+    }
+}
+
+/// Stops a program that shows a keyboard as Ctrl-Z does, continues and ends it.
+fn stop_and_continue(command: &Command) {
+    let mut screen = Screen::start(command, 80, 24);
     screen.wait_for_text("│ Q ││ W │");
     // The parent of this process group is no shell that would be told of the stop.
     signal("TSTP", screen.program.0.id());

@@ -59,6 +59,23 @@ fn a_watcher_sees_the_run_and_comes_and_goes_without_effect_on_it() {
 }
 
 #[test]
+fn ctrl_z_gives_the_terminal_back_until_the_watcher_continues() {
+    let (_run, socket) = held_run();
+    let mut screen = watch(&socket, 80, 24);
+    screen.wait_for_text("down: H");
+    signal("TSTP", screen.program.0.id());
+    screen.wait_for("terminal of before", |screen| {
+        !screen.text().contains("down: H")
+    });
+    screen.assert_restored();
+    signal("CONT", screen.program.0.id());
+    screen.wait_for_text("down: H");
+    signal("HUP", screen.program.0.id());
+    assert_eq!(screen.wait().code(), Some(0));
+    screen.assert_restored();
+}
+
+#[test]
 fn watchers_that_show_nothing_do_not_slow_the_run() {
     let (run, socket) = held_run();
     let mut command = ademan(["watch", "--socket", &socket]);

@@ -1,8 +1,8 @@
 //! SIGUSR1 and SIGTSTP on Unix systems.
 
 use std::io;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -27,6 +27,11 @@ const OUTPUT_DELAY: Duration = Duration::from_millis(50);
 const CONTINUE: usize = 0;
 const STOP: usize = 1;
 
+/// The session that the signals pause: the latest one of this process.
+static SESSION: Mutex<Option<CommandSender>> = Mutex::new(None);
+
+static IS_INSTALLED: AtomicBool = AtomicBool::new(false);
+
 /// The last one of the signals that stop and continue the process. The system discards a stop when a SIGCONT follows, and so
 /// does this program, which has work to do before it stops.
 #[derive(Clone)]
@@ -46,20 +51,28 @@ impl LastRequest {
     }
 }
 
-/// Handles the signals until the program ends.
+/// Handles the signals until the program ends. A later session takes the place of an earlier one.
 pub fn install(commands: CommandSender) -> Result<(), Failure> {
+    *lock_session() = Some(commands);
+    if IS_INSTALLED.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
     let last = LastRequest::watch().map_err(failed)?;
     let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
-    let pause = commands.with_origin(CommandOrigin::Signal);
-    let suspended = commands.with_origin(CommandOrigin::Suspend);
     let handle = move || {
         // An emergency stop does not wait for other programs.
         priority::raise_thread_priority();
         for signal in &mut signals {
+            let Some(session) = lock_session().clone() else {
+                continue;
+            };
             match signal {
-                SIGUSR1 => _ = pause.send(Command::Pause),
-                _ => suspend(&suspended, &last),
+                SIGUSR1 => {
+                    let pause = session.with_origin(CommandOrigin::Signal);
+                    let _ = pause.send(Command::Pause);
+                }
+                _ => suspend(&session.with_origin(CommandOrigin::Suspend), &last),
             }
         }
     };
@@ -69,12 +82,19 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
 
 /// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped.
 pub fn install_without_session() -> Result<(), Failure> {
+    if IS_INSTALLED.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
     let last = LastRequest::watch().map_err(failed)?;
     let mut signals = Signals::new([SIGTSTP]).map_err(failed)?;
     let handle = move || signals.forever().for_each(|_| stop_process(&last));
     let thread = thread::Builder::new().name("signals".into());
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
+}
+
+fn lock_session() -> MutexGuard<'static, Option<CommandSender>> {
+    SESSION.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was

@@ -33,7 +33,7 @@ use crate::output_list::OutputList;
 use crate::root_args::RootArgs;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, Views};
-use crate::{complete, demo, person, session, signals, watchdog};
+use crate::{complete, demo, pause_signals, person, session, signals, watchdog};
 
 /// The output without another one: the practice line only.
 const NO_OUTPUT: &str = "none";
@@ -49,7 +49,7 @@ pub struct Args {
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
-    /// Text to type, in characters of a US keyboard
+    /// Text to type, in characters of a US keyboard: one line of at most 1000 characters
     #[arg(long, conflicts_with_all = ["file", "lesson"])]
     text: Option<String>,
     /// File with the text to type; lines become one line of at most 1000 characters
@@ -274,6 +274,7 @@ fn run_task(
         options.speed = is_drawn.then_some(1.0);
     }
     let session = session::start(setup, options)?;
+    pause_signals::install(session.commands().clone())?;
     follow(&session, task, is_drawn);
     session.join()?;
     Ok(())
