@@ -7,6 +7,21 @@ use super::ademan;
 use super::{run, text};
 
 #[test]
+fn two_files_of_one_name_are_refused_before_one_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("z.out");
+    let both = ["--svg", text(&path), "--json", text(&path)];
+    let refused = run([&["layout", "show", "game"], &both[..]].concat());
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(
+        refused.err.contains("is named for two files"),
+        "{}",
+        refused.err
+    );
+    assert!(!path.exists());
+}
+
+#[test]
 fn a_picture_goes_to_a_file_or_to_standard_output() {
     let folder = tempfile::tempdir().unwrap();
     let svg = folder.path().join("game.svg");

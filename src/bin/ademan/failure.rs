@@ -61,7 +61,15 @@ impl Failure {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;
         }
-        complain!("error: {}", self.error);
+        // Errors of other files name them.
+        let io = self.error.downcast_ref::<io::Error>();
+        let is_full = io.is_some_and(|error| error.kind() == io::ErrorKind::StorageFull);
+        let context = if is_full {
+            "cannot write to the standard output: "
+        } else {
+            ""
+        };
+        complain!("error: {context}{}", self.error);
         ExitCode::from(self.code)
     }
 

@@ -103,9 +103,18 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         },
         &|| Ok(json::from_layout(layout).into_bytes()),
     ];
+    let named: Vec<&PathBuf> = targets.into_iter().flatten().collect();
+    for (index, path) in named.iter().enumerate() {
+        if named[..index].contains(path) {
+            return Err(Failure::wrong_use(format!(
+                "{} is named for two files; name another one",
+                escape_path(path)
+            )));
+        }
+        refuse_existing(path, args.overwrite)?;
+    }
     for (target, draw) in targets.into_iter().zip(drawers) {
         if let Some(path) = target {
-            refuse_existing(path, args.overwrite)?;
             write(path, &draw()?, args.overwrite)?;
         }
     }
