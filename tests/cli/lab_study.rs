@@ -3,6 +3,7 @@
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use super::{Ended, ademan, run, text};
 
@@ -47,7 +48,7 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
         &["qwerty-flat", "numpad", "--count", "1", "--text"]
             .iter()
             .copied()
-            .chain([super::file(&folder, "phrases.txt", "go 12\n").as_str()])
+            .chain([super::file(&folder, "phrases.txt", "go 12345\n").as_str()])
             .collect::<Vec<_>>(),
     );
     let ended = add(&study, "P01", &["--simulated", "--tasks", "1"]).done();
@@ -119,6 +120,115 @@ fn participants_do_their_tasks_in_turn_and_each_trial_is_a_row() {
         damaged_end.err.contains("P01-0000.json"),
         "{}",
         damaged_end.err
+    );
+}
+
+/// Runs the program with a standard output that nobody reads. Returns the messages.
+fn run_unread(mut command: Command) -> String {
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut program = command.spawn().expect("the program starts");
+    drop(program.stdout.take());
+    let ended = program.wait_with_output().expect("it ends");
+    String::from_utf8(ended.stderr).expect("UTF-8")
+}
+
+#[test]
+fn trials_and_tables_are_kept_although_nobody_reads_the_text() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = super::file(&folder, "phrases.txt", "12\n");
+    let study = new(folder.path(), &["numpad", "--text", &phrases]);
+    let start = ["lab", "study", "add", text(&study), "--participant", "P01"];
+    let errors = run_unread(ademan(start.iter().chain(&["--simulated"])));
+    assert!(study.join("trials/P01-0000.json").exists(), "{errors}");
+    let table = folder.path().join("trials.csv");
+    let report = [
+        "lab",
+        "study",
+        "report",
+        text(&study),
+        "--csv",
+        text(&table),
+    ];
+    let errors_of_report = run_unread(ademan(report));
+    assert!(table.exists(), "{errors_of_report}");
+}
+
+fn json(study: &Path) -> serde_json::Value {
+    let written = fs::read_to_string(study.join("study.json")).expect("a study");
+    serde_json::from_str(&written).expect("JSON")
+}
+
+#[test]
+fn all_layouts_that_type_have_the_same_phrases() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = super::file(&folder, "phrases.txt", "go 12\ncall 345 now\n");
+    let study = folder.path().join("study");
+    let layouts = ["qwerty-flat", "numpad", "workshop"];
+    let start = ["lab", "study", "new", text(&study)];
+    let ended = run([&start[..], &layouts, &["--text", &phrases]].concat()).done();
+    let words = "left out of all phrases: Space a c g l n o w";
+    assert!(ended.err.contains(words), "{}", ended.err);
+    let made = json(&study);
+    let tasks = |index: usize| &made["layouts"][index]["tasks"];
+    assert_eq!(tasks(0), tasks(1));
+    assert_eq!(tasks(0).as_array().map(Vec::len), Some(2), "{made}");
+}
+
+#[test]
+fn a_knob_with_ends_has_goals_between_them_and_is_set_to_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = new(folder.path(), &["media", "--values", "4"]);
+    let made = json(&study);
+    let tasks = made["layouts"][0]["tasks"].as_array().expect("tasks");
+    let values: Vec<&serde_json::Value> = tasks.iter().map(|it| &it["value"]).collect();
+    let volume = values.iter().filter(|it| it["control"] == "Volume");
+    let goals: Vec<f64> = volume.filter_map(|it| it["goal"].as_f64()).collect();
+    assert_eq!(goals.len(), 4, "{made}");
+    assert!(
+        goals.iter().all(|goal| (0.05..=0.95).contains(goal)),
+        "{goals:?}"
+    );
+    add(&study, "P01", &["--simulated", "--no-recording"]).done();
+    let (out, rows) = report(&study);
+    let column = |name: &str| rows[0].iter().position(|it| it == name).expect(name);
+    for row in &rows[1..] {
+        let error = row[column("value_error")].parse::<f64>().expect("an error");
+        assert!(error < 0.1, "{row:?} {out}");
+    }
+}
+
+#[test]
+fn trials_of_another_study_do_not_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let phrases = super::file(&folder, "phrases.txt", "12\n34\n56\n");
+    let study = new(folder.path(), &["numpad", "--text", &phrases]);
+    add(&study, "P01", &["--simulated", "--no-recording"]).done();
+    let other = folder.path().join("other");
+    fs::create_dir(&other).expect("a folder");
+    let smaller = new(&other, &["numpad", "--text", &phrases, "--count", "1"]);
+    fs::copy(smaller.join("study.json"), study.join("study.json")).expect("a copy");
+    let ended = add(&study, "P01", &["--simulated", "--no-recording"]).done();
+    assert!(
+        ended.out.contains("P01 has done all tasks"),
+        "{}",
+        ended.out
+    );
+
+    fs::remove_file(study.join("study.json")).expect("it is there");
+    let again = run([
+        "lab",
+        "study",
+        "new",
+        text(&study),
+        "numpad",
+        "--text",
+        &phrases,
+    ]);
+    assert_eq!(again.code, Some(2), "{}", again.out);
+    assert!(
+        again.err.contains("has trials of another study"),
+        "{}",
+        again.err
     );
 }
 
@@ -200,6 +310,16 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
         .chain(digits));
     refused(again, "so that no trial is lost");
     let nothing = folder.path().join("nothing");
+    let twice = [
+        "lab",
+        "study",
+        "new",
+        text(&nothing),
+        "numpad",
+        "arrows",
+        "numpad",
+    ];
+    refused(run(twice), "numpad is named twice");
     let ended = run([
         "lab",
         "study",

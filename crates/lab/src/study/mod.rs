@@ -13,7 +13,7 @@ pub use page::{study_curves, study_to_html};
 pub use report::{LayoutFigures, figures, trials_to_csv};
 pub use trial::{Trial, TrialKind};
 
-use crate::layout::{ControlKind, Layout};
+use crate::layout::{ControlKind, Handle, Layout};
 use crate::measures::ReadError;
 use crate::people::Draw;
 use crate::phrases::Corpus;
@@ -116,8 +116,8 @@ impl Study {
         }
     }
 
-    /// Adds a layout with its tasks: phrases that it can type, or else rings and values. All layouts get the same phrases of a corpus,
-    /// without the characters that one of them cannot type. `station` is a person in front of the layout.
+    /// Adds a layout with its tasks: phrases that it can type, or else rings and values. All layouts get the same phrases of a corpus that
+    /// [`typable_by_all`] has returned. `station` is a person in front of the layout.
     pub fn add_layout(
         &mut self,
         name: &str,
@@ -197,9 +197,14 @@ impl Study {
 
 fn add_values(layout: &Layout, count: usize, draw: &mut Draw, tasks: &mut Vec<Task>) {
     for control in &layout.controls {
-        let range = match &control.kind {
-            ControlKind::Slider(_) => (0.05, 0.95),
-            ControlKind::Knob(_) => (-0.4, 0.4),
+        let range = match (&control.kind, control.kind.handle()) {
+            (
+                ControlKind::Knob(_),
+                Handle::Turn {
+                    is_endless: true, ..
+                },
+            ) => (-0.4, 0.4),
+            (ControlKind::Slider(_) | ControlKind::Knob(_), _) => (0.05, 0.95),
             _ => continue,
         };
         let Some(face) = control.faces.first() else {
@@ -213,6 +218,28 @@ fn add_values(layout: &Layout, count: usize, draw: &mut Draw, tasks: &mut Vec<Ta
             });
         }
     }
+}
+
+/// Returns a corpus without the characters that one of the layouts that type cannot type, and these characters. Each station is a person in
+/// front of a layout.
+pub fn typable_by_all(stations: &mut [Station], corpus: &Corpus) -> (Corpus, Vec<char>) {
+    let mut left_out: Vec<char> = Vec::new();
+    for station in stations {
+        let strokes = station.strokes_for(corpus.phrases.iter().map(String::as_str));
+        if strokes.can_type() {
+            left_out.extend(&strokes.untypable);
+        }
+    }
+    left_out.sort_unstable();
+    left_out.dedup();
+    let is_kept = |character: &char| !left_out.contains(character);
+    let phrases = corpus.phrases.iter();
+    let phrases = phrases.map(|phrase| phrase.chars().filter(is_kept).collect());
+    let typable = Corpus {
+        name: corpus.name.clone(),
+        phrases: phrases.collect(),
+    };
+    (typable, left_out)
 }
 
 /// Checks that a name is a pseudonym.

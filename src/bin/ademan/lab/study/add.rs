@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use ademan::contact::TargetId;
 use ademan::document::Document;
 use ademan::files::{self, FileError};
-use ademan::layout::{ControlKind, Layout};
+use ademan::layout::{ControlKind, Handle, Layout};
 use ademan::message::{escape, escape_path};
 use ademan::session::counted;
 use ademan::study::{Study, StudyLayout, Task, Trial, TrialKind, check_pseudonym};
@@ -62,13 +62,7 @@ pub fn run(args: AddArgs) -> Result<(), Failure> {
             "the study says which layouts are used; leave out --layout",
         ));
     }
-    let order = study.order(trials.participants_before(&args.participant));
-    let remaining = order.into_iter().filter(|&(layout, task)| {
-        let name = &study.layouts[layout].name;
-        let mut done = trials.of(&args.participant);
-        !done.any(|trial| trial.layout == *name && trial.task == Some(task))
-    });
-    let remaining: Vec<(usize, usize)> = remaining.collect();
+    let remaining = trials.remaining(&study, &args.participant);
     let count = args.tasks.unwrap_or(usize::MAX).min(remaining.len());
     let mut out = io::stdout();
     for (number, &(layout, task)) in remaining.iter().take(count).enumerate() {
@@ -82,17 +76,14 @@ pub fn run(args: AddArgs) -> Result<(), Failure> {
         let Some(trial) = do_task(&args, (layout, task), &trials)? else {
             break;
         };
-        writeln!(out, "{}", in_words(&trial))?;
+        let result = in_words(&trial);
+        // A reader that ends early must not cost the trial.
         trials.keep(trial)?;
+        writeln!(out, "{result}")?;
     }
-    let left = study.order(0).len()
-        - trials
-            .of(&args.participant)
-            .filter(|it| it.task.is_some())
-            .count();
-    match left {
+    match trials.remaining(&study, &args.participant).len() {
         0 => writeln!(out, "{} has done all tasks", escape(&args.participant))?,
-        _ => {
+        left => {
             let left = counted(left as u64, "task");
             writeln!(out, "{}: {left} to go", escape(&args.participant))?;
         }
@@ -171,9 +162,17 @@ fn script_for(layout: &Layout, target: TargetId, name: &str, goal: f64) -> Strin
     let mut controls = layout.controls.iter();
     let control = controls.find(|it| it.faces.first().is_some_and(|face| face.target == target));
     let movement = match control.map(|it| &it.kind) {
-        Some(ControlKind::Knob(knob)) => {
+        Some(kind @ ControlKind::Knob(knob)) => {
+            let turns = match kind.handle() {
+                Handle::Turn {
+                    is_endless: false,
+                    turns,
+                    ..
+                } => f64::from(turns) * (goal - f64::from(knob.initial)),
+                _ => goal,
+            };
             let rim = f64::from(knob.radius) * 800.0;
-            format!("{rim:.1} 0; arc {:.0}", -360.0 * goal)
+            format!("{rim:.1} 0; arc {:.0}", -360.0 * turns)
         }
         Some(ControlKind::Slider(slider)) => {
             let end = f64::from(slider.half_length) * 1e3;

@@ -5,17 +5,18 @@ mod report;
 mod task;
 mod trials;
 
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
-use ademan::message::{escape_path, shell_word};
+use ademan::message::{escape, escape_path, shell_word};
 use ademan::people::{People, population};
 use ademan::phrases::{Corpus, PhraseSet};
 use ademan::session::counted;
 use ademan::sim::fluent::SourceKind;
-use ademan::study::{Counts, Study, StudyError};
+use ademan::study::{Counts, Study, StudyError, typable_by_all};
 use ademan::trials::{Station, TrialError};
 
 use self::add::AddArgs;
@@ -85,6 +86,14 @@ pub fn run(action: StudyAction) -> Result<(), Failure> {
 }
 
 fn new(args: &NewArgs) -> Result<(), Failure> {
+    let mut named = args.layouts.iter().enumerate();
+    if let Some((_, twice)) = named.find(|(index, name)| args.layouts[..*index].contains(name)) {
+        return Err(Failure::wrong_use(format!(
+            "{} is named twice; name each layout of the study once",
+            escape(twice)
+        )));
+    }
+    check_folder(&args.folder)?;
     let corpus = match &args.text {
         None => Corpus::shipped(args.phrases),
         Some(path) => outputs::read_corpus(path)?,
@@ -97,16 +106,31 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         rings: args.rings.into(),
         values: args.values.into(),
     };
+    let (mut texts, mut stations) = (Vec::new(), Vec::new());
     for name in &args.layouts {
         let document = Document::open_kind(FileKind::Layout, name)?;
         let station = Station::new(&document, &person, SourceKind::Ideal);
-        let mut station = station.map_err(|error| match error {
+        stations.push(station.map_err(|error| match error {
             TrialError::Document(error) => Failure::from(error),
             other => Failure::job(other.to_string()),
-        })?;
+        })?);
+        texts.push(document.text);
+    }
+    let (phrases, left_out) = typable_by_all(&mut stations, &corpus);
+    for ((name, text), station) in args.layouts.iter().zip(&texts).zip(&mut stations) {
         study
-            .add_layout(name, &document.text, &mut station, &corpus, counts)
+            .add_layout(name, text, station, &phrases, counts)
             .map_err(|error| Failure::wrong_use(format!("cannot study this layout: {error}")))?;
+    }
+    if !left_out.is_empty() {
+        let characters = left_out.iter().map(|it| match it {
+            ' ' => "Space".to_owned(),
+            other => escape(&other.to_string()).to_string(),
+        });
+        say!(
+            "not every layout can type these characters, which are left out of all phrases: {}",
+            characters.collect::<Vec<_>>().join(" ")
+        );
     }
     let path = args.folder.join(STUDY);
     let shown = escape_path(&path);
@@ -114,11 +138,6 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         let folder = escape_path(&args.folder);
         Failure::wrong_use(format!("cannot use the folder {folder}: {error}"))
     })?;
-    if path.symlink_metadata().is_ok() {
-        return Err(Failure::wrong_use(format!(
-            "{shown} exists; choose another folder, so that no trial is lost"
-        )));
-    }
     files::replace_private_text(&path, &study.to_json())
         .map_err(|error| Failure::job(format!("cannot write {shown}: {error}")))?;
     let folder = shell_word(&args.folder.to_string_lossy()).to_string();
@@ -127,6 +146,26 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         io::stdout(),
         "{shown}: {tasks} for each participant\neach one: ademan lab study add {folder} --participant P01 --source URI\nthen:     ademan lab study report {folder} --csv trials.csv"
     )?;
+    Ok(())
+}
+
+/// Refuses a folder that has a study, or trials of one.
+fn check_folder(folder: &Path) -> Result<(), Failure> {
+    let path = folder.join(STUDY);
+    if path.symlink_metadata().is_ok() {
+        return Err(Failure::wrong_use(format!(
+            "{} exists; choose another folder, so that no trial is lost",
+            escape_path(&path)
+        )));
+    }
+    let trials = folder.join(trials::FOLDER);
+    let is_used = fs::read_dir(&trials).is_ok_and(|mut entries| entries.next().is_some());
+    if is_used {
+        return Err(Failure::wrong_use(format!(
+            "{} has trials of another study; choose another folder, so that none is lost",
+            escape_path(&trials)
+        )));
+    }
     Ok(())
 }
 

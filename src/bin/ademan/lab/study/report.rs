@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use ademan::files;
 use ademan::message::{escape, escape_path};
 use ademan::session::counted;
-use ademan::study::{LayoutFigures, figures, study_to_html, trials_to_csv};
+use ademan::study::{LayoutFigures, Study, figures, study_to_html, trials_to_csv};
 
 use super::super::table::row;
 use super::trials::Trials;
@@ -31,6 +31,20 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs) -> Result<(), Failure> {
     let study = super::read(&args.folder)?;
     let trials = Trials::read(&args.folder)?;
+    // The files come first: a reader of the text that ends early must not cost them.
+    let csv = args.csv.as_ref();
+    let csv = csv.map(|path| write_file(path, &trials_to_csv(&trials.all)));
+    let html = args.html.as_ref();
+    let html = html.map(|path| write_file(path, &study_to_html(&trials.all, args.with_practice)));
+    let printed = print(args, &study, &trials);
+    [csv, html]
+        .into_iter()
+        .flatten()
+        .collect::<Result<(), _>>()?;
+    Ok(printed?)
+}
+
+fn print(args: &ReportArgs, study: &Study, trials: &Trials) -> io::Result<()> {
     let mut out = io::stdout().lock();
     let all = figures(&trials.all, args.with_practice);
     if all.is_empty() {
@@ -51,16 +65,10 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
     names.sort_unstable();
     names.dedup();
     for name in names {
-        let done = trials.of(name).filter(|it| it.task.is_some()).count();
+        let done = planned - trials.remaining(study, name).len();
         if done < planned {
             writeln!(out, "{} has done {done} of {planned} tasks", escape(name))?;
         }
-    }
-    if let Some(path) = &args.csv {
-        write_file(path, &trials_to_csv(&trials.all))?;
-    }
-    if let Some(path) = &args.html {
-        write_file(path, &study_to_html(&trials.all, args.with_practice))?;
     }
     Ok(())
 }

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use ademan::files;
 use ademan::message::escape_path;
-use ademan::study::Trial;
+use ademan::study::{Study, Trial};
 
 use super::outputs;
 use crate::failure::Failure;
 
 /// The folder of the trials, in the folder of the study.
-const FOLDER: &str = "trials";
+pub const FOLDER: &str = "trials";
 
 /// The trials so far.
 pub struct Trials {
@@ -60,6 +60,18 @@ impl Trials {
         self.all
             .iter()
             .filter(move |it| it.participant == participant)
+    }
+
+    /// Returns the tasks of a study that a participant has not done, in their order: the indices of the layout and of its task. Trials of
+    /// other tasks do not count.
+    pub fn remaining(&self, study: &Study, participant: &str) -> Vec<(usize, usize)> {
+        let order = study.order(self.participants_before(participant));
+        let remaining = order.into_iter().filter(|&(layout, task)| {
+            let name = &study.layouts[layout].name;
+            let mut done = self.of(participant);
+            !done.any(|trial| trial.layout == *name && trial.task == Some(task))
+        });
+        remaining.collect()
     }
 
     /// Returns the number of participants whose first trial was before the first one of a participant.
