@@ -101,7 +101,7 @@ pub struct Comparison {
     pub median_hand_mm: f64,
     /// The differences of all people.
     pub differences: Vec<Difference>,
-    /// The differences of people with short and with long hands.
+    /// The differences of people with short and with long hands, without a group of nobody.
     pub groups: Vec<HandGroup>,
 }
 
@@ -182,7 +182,11 @@ pub fn compare(
         second: second.to_owned(),
         median_hand_mm,
         differences: differences(measures, &pairs),
-        groups: vec![group(false), group(true)],
+        groups: [false, true]
+            .map(group)
+            .into_iter()
+            .filter(|group| group.people > 0)
+            .collect(),
     })
 }
 
@@ -199,8 +203,16 @@ fn differences(measures: &[Measure], pairs: &[(&PersonScore, &PersonScore)]) -> 
 }
 
 impl Comparison {
-    /// Returns one sentence: what the intervals say about speed and errors, or about tasks, and for which hands it is the reverse.
+    /// Returns one sentence: what the intervals say about speed and errors, or about tasks, and for which hands it is the reverse. One
+    /// person tells nothing.
     pub fn verdict(&self) -> String {
+        let people: usize = self.groups.iter().map(|group| group.people).sum();
+        if people < 2 {
+            return format!(
+                "One person tells no difference between {} and {}: choose more people.",
+                self.first, self.second
+            );
+        }
         let mut parts: Vec<String> = self.differences.iter().take(2).map(words).collect();
         let last = parts.pop().unwrap_or_default();
         let all = match parts.pop() {
@@ -290,5 +302,47 @@ fn words(difference: &Difference) -> String {
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.verdict())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn people(hands: &[f64], wpm: f64) -> Vec<PersonScore> {
+        let person = |&hand_mm: &f64| PersonScore {
+            hand_mm,
+            wpm,
+            characters: 10,
+            ..PersonScore::default()
+        };
+        hands.iter().map(person).collect()
+    }
+
+    fn compared(hands: &[f64]) -> Comparison {
+        let (before, after) = (people(hands, 10.0), people(hands, 12.0));
+        compare(("a", &before), ("b", &after)).expect("both type")
+    }
+
+    #[test]
+    fn one_person_tells_no_difference_and_two_do() {
+        let one = compared(&[180.0]);
+        assert_eq!(
+            one.verdict(),
+            "One person tells no difference between a and b: choose more people."
+        );
+        let two = compared(&[180.0, 190.0]).verdict();
+        assert!(two.starts_with("b is 2.0 to 2.0 words/min faster"), "{two}");
+    }
+
+    #[test]
+    fn a_group_of_nobody_is_left_out() {
+        let sizes = |hands: &[f64]| {
+            let groups = compared(hands).groups;
+            groups.iter().map(|it| (it.is_long, it.people)).collect()
+        };
+        let of_two: Vec<(bool, usize)> = sizes(&[180.0, 190.0]);
+        assert_eq!(of_two, [(false, 1), (true, 1)]);
+        assert_eq!(sizes(&[180.0, 180.0]), [(false, 2)]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -15,8 +15,8 @@ use crate::readings::{self, Decoding, KeyPlaces, ReadingScore};
 use crate::sim::EditCounts;
 use crate::sim::fluent::SourceKind;
 use crate::trials::{
-    Cancelled, KeyTally, Observed, PointingScore, Station, Strokes, TaskKind, TrialError, for_each,
-    speed,
+    Cancelled, KeyTally, Observed, PointingScore, Station, Strokes, TaskKind, TaskResult,
+    TasksDone, TrialError, for_each, speed,
 };
 
 /// The layout, people and conditions of a score.
@@ -117,6 +117,9 @@ pub struct PersonScore {
     pub pointing: Option<PointingScore>,
     /// Controls that no finger of the person reaches, of those that the text needs.
     pub unreached: Vec<String>,
+    /// Controls that even a hand without errors cannot use in the lab. Their tries do not count.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub untried: Vec<String>,
     /// Characters that the layout cannot type, or that need a control out of reach.
     pub untypable: String,
     /// Readings of the same taps, with a decoder.
@@ -203,40 +206,47 @@ pub fn score_decoded(
     cancel: &AtomicBool,
     progress: impl FnMut(usize),
 ) -> Result<Vec<PersonScore>, ScoreError> {
-    let work = |index: usize| one(conditions, decoding, index);
+    let work = |index: usize| one(conditions, decoding, index, cancel);
     let people = conditions.people.len();
     let scores = for_each(people, conditions.jobs, cancel, work, progress)?;
-    Ok(scores.into_iter().collect::<Result<_, _>>()?)
+    scores.into_iter().collect()
 }
 
 fn one(
     conditions: &Conditions,
     decoding: Option<&Decoding>,
     index: usize,
-) -> Result<PersonScore, TrialError> {
+    cancel: &AtomicBool,
+) -> Result<PersonScore, ScoreError> {
     let person = &conditions.people[index];
     let mut station = station(conditions, decoding, person)?;
     let strokes = conditions.strokes(&mut station, decoding);
     let mut observed = Observed::default();
     if strokes.can_type() {
         for (number, phrase) in conditions.phrases_of(person).enumerate() {
+            // A person may type for longer than an interrupted program may go on.
+            if cancel.load(Ordering::Relaxed) {
+                return Err(Cancelled.into());
+            }
             let seed = conditions.seed_of(person, number);
             station.type_phrase(phrase, &strokes, seed, &mut observed);
         }
     }
     let (tasks, pointing) = if strokes.can_type() {
-        (Vec::new(), None)
+        (TasksDone::default(), None)
     } else {
         let pointing = station.point(conditions.seed_of(person, 1));
         let seed = conditions.seed_of(person, 0);
-        (task_scores(&station, seed, pointing.is_some()), pointing)
+        let tasks = station.do_tasks(seed, pointing.is_some(), cancel)?;
+        (tasks, pointing)
     };
     let names = station.layout().target_names();
     let unreached = strokes.unreached.iter();
     let unreached = unreached.map(|target| names.get(*target).to_string());
     let untypable: String = strokes.untypable.iter().collect();
     let mut score = from_observed(person, station.layout(), &observed);
-    score.tasks = tasks;
+    score.tasks = task_scores(tasks.results);
+    score.untried = tasks.untried;
     score.pointing = pointing;
     score.text_readings = decoding.map_or_else(Vec::new, |decoding| {
         let keys = KeyPlaces::new(station.layout());
@@ -345,6 +355,7 @@ fn from_observed(person: &Participant, layout: &Layout, observed: &Observed) -> 
         tasks: Vec::new(),
         pointing: None,
         unreached: Vec::new(),
+        untried: Vec::new(),
         untypable: String::new(),
         text_readings: Vec::new(),
     }
@@ -387,9 +398,9 @@ fn key_score(name: String, tally: &KeyTally) -> KeyScore {
     }
 }
 
-fn task_scores(station: &Station, seed: u64, has_pointed: bool) -> Vec<TaskScore> {
+fn task_scores(results: Vec<TaskResult>) -> Vec<TaskScore> {
     let mut scores: BTreeMap<(String, bool), TaskScore> = BTreeMap::new();
-    for result in station.do_tasks(seed, has_pointed) {
+    for result in results {
         let key = (result.name.clone(), result.kind == TaskKind::Value);
         let score = scores.entry(key).or_insert_with(|| TaskScore {
             name: result.name.clone(),
@@ -420,4 +431,29 @@ fn task_scores(station: &Station, seed: u64, has_pointed: bool) -> Vec<TaskScore
 /// Returns a quotient; 0 for no divisor.
 pub(super) fn ratio(sum: f64, count: f64) -> f64 {
     if count > 0.0 { sum / count } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::people::{People, population};
+    use crate::phrases::PhraseSet;
+
+    #[test]
+    fn a_cancelled_person_ends_before_the_next_phrase_or_task() {
+        let people = population(&People::Drawn(1), None, 0);
+        for layout in ["qwerty-flat", "workshop"] {
+            let conditions = Conditions {
+                document: &Document::shipped(layout).expect("a shipped layout"),
+                people: &people,
+                corpus: &Corpus::shipped(PhraseSet::En),
+                phrases: 2,
+                source: SourceKind::Ideal,
+                seed: 0,
+                jobs: NonZeroUsize::MIN,
+            };
+            let score = one(&conditions, None, 0, &AtomicBool::new(true));
+            assert!(matches!(score, Err(ScoreError::Cancelled(_))), "{layout}");
+        }
+    }
 }

@@ -45,8 +45,10 @@ impl Corpus {
         Self::from_text(set.name(), text).expect("the sets of the program have phrases")
     }
 
-    /// Reads one phrase from each line that is not blank. Longer ones than [`MAX_PHRASE`] characters are cut between two words.
+    /// Reads one phrase from each line that is not blank, without a byte order mark. Longer ones than [`MAX_PHRASE`] characters are cut
+    /// between two words.
     pub fn from_text(name: &str, text: &str) -> Result<Self, NoPhrase> {
+        let text = text.trim_start_matches('\u{feff}');
         let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let phrases: Vec<String> = lines.flat_map(cut).collect();
         if phrases.is_empty() {
@@ -132,7 +134,11 @@ mod tests {
 
     #[test]
     fn a_text_without_phrases_is_refused_and_a_long_line_is_cut() {
-        assert_eq!(Corpus::from_text("empty", " \n\n"), Err(NoPhrase));
+        for empty in [" \n\n", "\u{feff}\n"] {
+            assert_eq!(Corpus::from_text("empty", empty), Err(NoPhrase));
+        }
+        let marked = Corpus::from_text("marked", "\u{feff}one\ntwo").expect("phrases");
+        assert_eq!(marked.phrases, ["one", "two"]);
         let long = "word ".repeat(100);
         let corpus = Corpus::from_text("long", &long).expect("phrases");
         let lengths = corpus.phrases.iter().map(|it| it.chars().count());

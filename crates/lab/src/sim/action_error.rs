@@ -87,6 +87,20 @@ pub enum ActionErrorKind {
     PinchFailed(f64),
 }
 
+impl ActionErrorKind {
+    /// Returns `true` if the hand can move like this, and does not reach the target or has no free way to it.
+    pub(crate) fn is_out_of_reach(&self) -> bool {
+        matches!(
+            self,
+            Self::OutOfReach { .. }
+                | Self::WouldPress { .. }
+                | Self::WouldMiss(_)
+                | Self::NoWay
+                | Self::PinchFailed(_)
+        )
+    }
+}
+
 fn describe(target: &Option<TargetId>) -> String {
     match target {
         Some(TargetId(id)) => format!("target {id}"),

@@ -26,4 +26,4 @@ pub use pointing::{PointingScore, PointingSeries};
 pub use retraced::{FingerPath, NearMiss, NearPress, Retraced, Retracer};
 pub use session::Watch;
 pub use station::{Station, TrialError};
-pub use tasks::{TaskKind, TaskResult};
+pub use tasks::{TaskKind, TaskResult, TasksDone};

@@ -1,20 +1,22 @@
 //! Tasks on controls: touch every key and switch, and move sliders and knobs to values.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use parry3d::math::Vec2;
 
+use super::jobs::Cancelled;
 use super::station::Station;
 use crate::capture::Reading;
 use crate::contact::{Phase, TargetId};
 use crate::device::{EventKind, Events};
 use crate::document::Document;
-use crate::layout::{Handle, Motion, Person, Scatter, Tremor};
+use crate::layout::{Control, ControlKind, Face, Handle, Motion, Person, Scatter, Tremor};
 use crate::people::{Draw, mix};
 use crate::sim::fluent::SourceKind;
 use crate::sim::script::Script;
 use crate::sim::{
-    JointSensor, Sensor, SimulatedTypist, TourStop, TypingKeys, TypistSettings, tour,
+    JointSensor, Sensor, SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, tour,
 };
 use crate::time::Timestamp;
 
@@ -53,6 +55,42 @@ pub struct TaskResult {
     pub error: Option<f64>,
 }
 
+/// The results of a person in all tasks of a layout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TasksDone {
+    /// The results that count.
+    pub results: Vec<TaskResult>,
+    /// The names of the controls that even a hand without errors cannot use, each once.
+    pub untried: Vec<String>,
+}
+
+impl TasksDone {
+    fn leave_out(&mut self, name: &str) {
+        if !self.untried.iter().any(|it| it == name) {
+            self.untried.push(name.to_owned());
+        }
+    }
+}
+
+/// The end of a script.
+enum Play {
+    Played(Played),
+    /// The arm does not reach a control, or another control is in the way.
+    OutOfReach,
+    /// The hand or its sensor has no such movement.
+    Impossible,
+}
+
+impl Play {
+    /// Returns the observations; `None` if the script was not played.
+    fn played(&self) -> Option<&Played> {
+        match self {
+            Self::Played(played) => Some(played),
+            Self::OutOfReach | Self::Impossible => None,
+        }
+    }
+}
+
 /// The observations of a script that was played.
 #[derive(Default)]
 struct Played {
@@ -62,9 +100,27 @@ struct Played {
     seconds: f64,
 }
 
+impl Played {
+    /// Returns the last value of a control.
+    fn last_value(&self, target: TargetId) -> Option<f32> {
+        let mut values = self.values.iter().rev();
+        let last = values.find(|(own, _)| *own == target);
+        last.map(|(_, value)| *value)
+    }
+}
+
 impl Station {
-    /// Does all tasks of the layout once. `has_pointed` leaves out movements that only show that a cursor moves.
-    pub fn do_tasks(&self, seed: u64, has_pointed: bool) -> Vec<TaskResult> {
+    /// Does all tasks of the layout once. `has_pointed` leaves out movements that only show that a cursor moves. A failed try does not
+    /// count if a hand without errors fails, too, although it reaches the control: then the lab cannot try it.
+    ///
+    /// # Errors
+    /// If it is cancelled, between two tasks.
+    pub fn do_tasks(
+        &self,
+        seed: u64,
+        has_pointed: bool,
+        cancel: &AtomicBool,
+    ) -> Result<TasksDone, Cancelled> {
         let mut draw = Draw::new(seed, 0x7a5c);
         // Each task has errors of its own.
         let mut tries = 0;
@@ -72,17 +128,31 @@ impl Station {
             tries += 1;
             mix(seed.wrapping_add(tries))
         };
+        let check = || {
+            if cancel.load(Ordering::Relaxed) {
+                Err(Cancelled)
+            } else {
+                Ok(())
+            }
+        };
+        let mut tasks = TasksDone::default();
         let stops = tour(&self.layout).into_iter();
-        let mut results: Vec<TaskResult> = stops
-            .filter(|stop| !(has_pointed && stop.moves_cursor()))
-            .map(|stop| self.touch(&stop, next_seed()))
-            .collect();
+        for stop in stops.filter(|stop| !(has_pointed && stop.moves_cursor())) {
+            check()?;
+            let result = self.touch(&stop, &self.play(&stop.actions, Some(next_seed())));
+            if result.is_done || self.can_try(&stop) {
+                tasks.results.push(result);
+            } else {
+                tasks.leave_out(&stop.name);
+            }
+        }
         for control in &self.layout.controls {
             let Some(face) = control.faces.first() else {
                 continue;
             };
             let name = format!("\"{}\"", face.name);
             for _ in 0..GOALS {
+                check()?;
                 let handle = control.kind.handle();
                 let (from, by) = match handle {
                     Handle::Line { half_length } => {
@@ -108,15 +178,31 @@ impl Station {
                 };
                 let wanted = self.play(&script(&name, from, by), None);
                 let done = self.play(&script(&name, from, by + error), Some(next_seed()));
-                results.push(value_result(&face.name, face.target, wanted, done));
+                let goal = wanted.played().map(|it| it.last_value(face.target));
+                // A control that is out of reach is tried in vain.
+                if matches!(wanted, Play::Impossible) || goal == Some(None) {
+                    tasks.leave_out(&face.name);
+                    continue;
+                }
+                let result = value_result(control, face, goal.flatten(), &done);
+                tasks.results.push(result);
             }
         }
-        results
+        Ok(tasks)
     }
 
-    fn touch(&self, stop: &TourStop, seed: u64) -> TaskResult {
+    /// Returns `true` if a hand without errors uses a control, or does not reach it.
+    fn can_try(&self, stop: &TourStop) -> bool {
+        match self.play(&stop.actions, None) {
+            Play::OutOfReach => true,
+            Play::Impossible => false,
+            play @ Play::Played(_) => self.touch(stop, &play).is_done,
+        }
+    }
+
+    /// Returns the result of a control that was to be used once.
+    fn touch(&self, stop: &TourStop, play: &Play) -> TaskResult {
         let target = self.layout.target_names().find(&stop.name);
-        let played = self.play(&stop.actions, Some(seed));
         let mut result = TaskResult {
             name: stop.name.clone(),
             kind: TaskKind::Touch,
@@ -125,7 +211,9 @@ impl Station {
             seconds: 0.0,
             error: None,
         };
-        let Some(played) = played else { return result };
+        let Some(played) = play.played() else {
+            return result;
+        };
         let is_own = |pressed: &TargetId| Some(*pressed) == target;
         let is_board = target.is_some_and(|target| self.layout.face(target).is_some());
         result.is_done = if is_board {
@@ -142,10 +230,12 @@ impl Station {
         result
     }
 
-    /// Plays a script with the errors of the person, or without any for `None`; `None` if the hand cannot play it.
-    fn play(&self, script: &str, seed: Option<u64>) -> Option<Played> {
+    /// Plays a script with the errors of the person, or without any for `None`.
+    fn play(&self, script: &str, seed: Option<u64>) -> Play {
         let document = Document::new("task", script);
-        let parsed = Script::parse(document, &self.layout.target_names()).ok()?;
+        let Ok(parsed) = Script::parse(document, &self.layout.target_names()) else {
+            return Play::Impossible;
+        };
         let settings = TypistSettings {
             name: "task".to_owned(),
             packet_period: Duration::from_secs_f64(1.0 / self.source.rate_hz()),
@@ -175,9 +265,11 @@ impl Station {
             .into_iter()
             .map(|action| action.placed(&self.layout.fit))
             .collect();
-        let typist =
-            SimulatedTypist::with_hands(&settings, &actions, &self.layout.scene, &hands).ok()?;
-        Some(self.watch(typist))
+        match SimulatedTypist::with_hands(&settings, &actions, &self.layout.scene, &hands) {
+            Ok(typist) => Play::Played(self.watch(typist)),
+            Err(TypistError::Action(error)) if error.kind.is_out_of_reach() => Play::OutOfReach,
+            Err(_) => Play::Impossible,
+        }
     }
 
     /// Passes all readings of a hand through a pipeline.
@@ -251,31 +343,48 @@ fn turn(name: &str, rim: f32, degrees: f32) -> String {
     format!("press {name} {rim:.2} 0; arc {degrees:.2}; lift")
 }
 
-fn value_result(
-    name: &str,
-    target: TargetId,
-    wanted: Option<Played>,
-    done: Option<Played>,
-) -> TaskResult {
-    let last = |played: &Played| {
-        let mut values = played.values.iter().rev();
-        values
-            .find(|(own, _)| *own == target)
-            .map(|(_, value)| *value)
-    };
+fn value_result(control: &Control, face: &Face, goal: Option<f32>, done: &Play) -> TaskResult {
+    let (target, done) = (face.target, done.played());
     let is_other = |pressed: &&TargetId| **pressed != target;
-    let values = wanted
-        .as_ref()
-        .and_then(last)
-        .zip(done.as_ref().and_then(last));
+    let values = goal.zip(done.and_then(|it| it.last_value(target)));
     TaskResult {
-        name: name.to_owned(),
+        name: face.name.clone(),
         kind: TaskKind::Value,
         is_done: values.is_some(),
-        wrong: done
-            .as_ref()
-            .map_or(0, |it| it.pressed.iter().filter(is_other).count()),
-        seconds: done.as_ref().map_or(0.0, |it| it.seconds),
-        error: values.map(|(goal, reached)| f64::from((goal - reached).abs())),
+        wrong: done.map_or(0, |it| it.pressed.iter().filter(is_other).count()),
+        seconds: done.map_or(0.0, |it| it.seconds),
+        error: values.map(|values| difference(&control.kind, values)),
+    }
+}
+
+/// Returns the difference of two values of a control, as a part of the range or in turns.
+fn difference(kind: &ControlKind, (goal, reached): (f32, f32)) -> f64 {
+    let apart = f64::from((goal - reached).abs());
+    match kind {
+        // The value 1 is the value 0 of the next turn.
+        ControlKind::ScrollRing(_) => apart.min(1.0 - apart),
+        _ => apart,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Layout;
+
+    #[test]
+    fn values_of_a_scroll_ring_are_neighbors_across_its_start_and_of_a_slider_are_not() {
+        let apart = |name: &str, values: (f32, f32)| {
+            let document = Document::shipped(name).expect("a shipped layout");
+            let layout = Layout::from_document(document).expect("a layout");
+            let mut kinds = layout.controls.iter().map(|control| &control.kind);
+            let kind = kinds
+                .find(|kind| matches!(kind, ControlKind::ScrollRing(_) | ControlKind::Slider(_)));
+            difference(kind.expect("a control"), values)
+        };
+        let across = (0.98, 0.01);
+        assert!((apart("scroll-rings", across) - 0.03).abs() < 1e-6);
+        assert!((apart("scroll-rings", (0.2, 0.5)) - 0.3).abs() < 1e-6);
+        assert!((apart("mixer", across) - 0.97).abs() < 1e-6);
     }
 }
