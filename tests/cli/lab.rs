@@ -92,7 +92,34 @@ fn a_score_is_printed_written_and_verified() {
         &result.replacen("the kettle", "the teapot", 1),
         "do not have the hash",
     );
+    let pace = result.rfind("\"pace_wpm\": ").expect("a parameter");
+    let changed_pace = result[..pace].to_owned() + "\"pace_wpm\": 1" + &result[pace + 12..];
+    refused(&changed_pace, "the parameters of the people differ");
     refused("{}", "this is no file of the lab of this kind");
+}
+
+#[test]
+fn a_changed_comparison_is_not_verified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("two.json");
+    let layouts = ["qwerty-flat", "qwerty-flat-22"];
+    let more = ["--people", "2", "--count", "1", "--json", text(&path)];
+    run([&["lab", "compare"], &layouts[..], &more].concat()).done();
+    let verified = run(["lab", "verify", text(&path)]).done();
+    assert!(
+        verified.out.contains("the same figures for 2 people"),
+        "{}",
+        verified.out
+    );
+    let result = std::fs::read_to_string(&path).expect("a result");
+    let place = result.find("\"differences\": ").expect("a comparison");
+    let changed =
+        result[..place].to_owned() + &result[place..].replacen("\"value\": ", "\"value\": 9", 1);
+    let changed = file(&folder, "changed.json", changed);
+    let ended = run(["lab", "verify", &changed]);
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let words = "the comparison of qwerty-flat-22 differs";
+    assert!(ended.err.contains(words), "{}", ended.err);
 }
 
 #[test]
@@ -143,6 +170,17 @@ fn two_layouts_are_compared_with_the_same_people() {
         "{}",
         compared_tasks.err
     );
+    assert_eq!(compared_tasks.out, "", "it is refused before anybody types");
+    let one = ["--people", "1", "--count", "1"];
+    let of_one = run([&["lab", "compare", "qwerty-flat", "qwerty-arc"], &one[..]].concat()).done();
+    for words in [
+        "qwerty-flat: 1 simulated person,",
+        "  1 person, hands up to",
+        "One person tells no difference between qwerty-flat and qwerty-arc",
+    ] {
+        assert!(of_one.out.contains(words), "{words}: {}", of_one.out);
+    }
+    assert!(!of_one.out.contains("0 people"), "{}", of_one.out);
 }
 
 #[test]
@@ -160,6 +198,14 @@ fn a_text_that_cannot_be_typed_names_its_characters_and_an_empty_one_is_refused(
     let empty_end = score_text(&empty);
     assert_eq!(empty_end.code, Some(2));
     assert!(empty_end.err.contains("no phrase"), "{}", empty_end.err);
+    // Nothing of these texts can be typed.
+    for other in ["\u{1f600}\n", "да нет\n"] {
+        let other = file(&folder, "other.txt", other);
+        let ended_early = score_text(&other);
+        assert_eq!(ended_early.code, Some(2), "{}", ended_early.out);
+        let words = "types no letter and no digit of";
+        assert!(ended_early.err.contains(words), "{}", ended_early.err);
+    }
     let unknown = run(["lab", "score", "no-such-layout"]);
     assert_eq!(unknown.code, Some(2));
 }
@@ -169,8 +215,26 @@ fn a_layout_that_does_not_type_is_scored_by_tasks() {
     let ended = run(["lab", "score", "workshop", "--people", "2", "--tier", "T0"]).done();
     assert!(ended.out.contains("tasks done, %"), "{}", ended.out);
     assert!(ended.out.contains("error of a value"), "{}", ended.out);
+    let words = "workshop.ron is scored by tasks: it types none of the phrases";
+    assert!(ended.err.contains(words), "{}", ended.err);
+    assert!(!ended.err.contains("not tried"), "{}", ended.err);
 }
 
+#[test]
+fn controls_that_no_simulated_hand_can_use_are_named_and_not_counted() {
+    let score = |layout: &str| run(["lab", "score", layout, "--people", "1"]);
+    for layout in ["space", "drive", "wrist-remote", "lucidgloves-controller"] {
+        let ended = score(layout);
+        assert_eq!(ended.code, Some(2), "{layout}: {}{}", ended.out, ended.err);
+        let words = "a simulated hand of the lab cannot use its controls";
+        assert!(ended.err.contains(words), "{layout}: {}", ended.err);
+    }
+    let some = score("gestures").done();
+    assert!(some.err.contains("not tried on "), "{}", some.err);
+    assert!(some.err.contains("Full screen"), "{}", some.err);
+}
+
+#[cfg(unix)]
 #[test]
 fn the_figures_are_printed_although_a_result_cannot_be_written() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -180,19 +244,37 @@ fn the_figures_are_printed_although_a_result_cannot_be_written() {
         let reason = "cannot write /no/folder/result: there is no such folder";
         assert!(refused.err.contains(reason), "{}", refused.err);
         assert_eq!(refused.out, "", "it is refused before anybody types");
-        // A file cannot replace a folder.
-        let table = folder.path().join("table.csv");
-        let mut arguments = [&SCORE[..], &[option, text(folder.path())]].concat();
-        if option == "--json" {
-            arguments.extend(["--csv", text(&table)]);
+        for (place, words) in [
+            (text(folder.path()), "this is a directory"),
+            ("-", "not to the standard output"),
+        ] {
+            let early = run([&SCORE[..], &[option, place]].concat());
+            assert_eq!(early.code, Some(2), "{}", early.err);
+            assert!(early.err.contains(words), "{}", early.err);
+            assert_eq!(early.out, "", "it is refused before anybody types");
         }
-        let ended = run(arguments);
-        assert_eq!(ended.code, Some(1), "{}", ended.err);
-        assert!(ended.err.contains("cannot write"), "{}", ended.err);
-        let figures = "wrong characters (CER), %";
-        assert!(ended.out.contains(figures), "{}{}", ended.out, ended.err);
-        assert!(table.exists(), "the other files are written");
     }
+    // The limit of the size of files stands for a full disk: the result is longer than the table.
+    let (json, table) = (folder.path().join("a.json"), folder.path().join("a.csv"));
+    let files = ["--json", text(&json), "--csv", text(&table)];
+    let ended = run_with_small_files(&[&SCORE[..], &files].concat());
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    assert!(ended.err.contains("cannot write"), "{}", ended.err);
+    let figures = "wrong characters (CER), %";
+    assert!(ended.out.contains(figures), "{}{}", ended.out, ended.err);
+    assert!(table.exists(), "the other files are written");
+}
+
+/// Runs the program without files of more than 1 KiB.
+#[cfg(unix)]
+pub fn run_with_small_files(arguments: &[&str]) -> super::Ended {
+    let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
+    let mut shell = std::process::Command::new("bash");
+    let ended = shell
+        .args(["-c", script, env!("CARGO_BIN_EXE_ademan")])
+        .args(arguments)
+        .output();
+    ended.expect("the shell starts").into()
 }
 
 #[test]

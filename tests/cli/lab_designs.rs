@@ -1,5 +1,9 @@
 //! `ademan lab`: layouts are improved, imported, replayed and decoded.
 
+#[cfg(unix)]
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
+
 use super::{file, run, text};
 
 /// Keys in a bad order for phrases of 1 and 2.
@@ -98,6 +102,103 @@ fn a_layout_is_improved_only_if_held_out_people_do_better() {
         assert_eq!(bad_end.code, Some(2), "{bad:?}: {}", bad_end.err);
         assert!(bad_end.err.contains(words), "{}", bad_end.err);
     }
+}
+
+/// The start of a command that improves a layout in a short time.
+fn improve<'a>(pad: &'a str, phrases: &'a str, people: &'a str, count: &'a str) -> [&'a str; 12] {
+    [
+        "lab",
+        "improve",
+        pad,
+        "--text",
+        phrases,
+        "--move",
+        "assignment",
+        "--objective=effort",
+        "--people",
+        people,
+        "--count",
+        count,
+    ]
+}
+
+const PHRASES: &str = "1212121212\n2121211212\n1221121212\n2112211212\n";
+
+/// Runs the program with a standard output that nobody reads.
+fn run_unread(arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = super::ademan(arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut program = command.spawn().expect("the program starts");
+    drop(program.stdout.take());
+    let ended = program.wait_with_output().expect("it ends");
+    let errors = String::from_utf8(ended.stderr).expect("UTF-8");
+    (ended.status.code(), errors)
+}
+
+#[test]
+fn an_improved_layout_is_kept_whatever_becomes_of_the_text_and_of_results() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pad = file(&folder, "pad.ron", PAD);
+    let phrases = file(&folder, "phrases.txt", PHRASES);
+    let start = improve(&pad, &phrases, "6", "3");
+    let path = |name: &str| folder.path().join(name);
+    let unread = path("unread.ron");
+    let to = ["--steps", "30", "--output", text(&unread)];
+    let (_, errors) = run_unread(&[&start[..], &to].concat());
+    assert!(unread.exists(), "{errors}");
+    #[cfg(unix)]
+    {
+        let (kept, json) = (path("kept.ron"), path("result.json"));
+        let files = ["--output", text(&kept), "--json", text(&json)];
+        let all = [&start[..], &["--steps", "30"], &files].concat();
+        let ended = super::lab::run_with_small_files(&all);
+        assert_eq!(ended.code, Some(1), "{}", ended.err);
+        assert!(ended.err.contains("result.json"), "{}", ended.err);
+        assert!(kept.exists(), "{}{}", ended.out, ended.err);
+        assert!(ended.out.contains("kept.ron"), "{}", ended.out);
+    }
+}
+
+#[test]
+fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pad = file(&folder, "pad.ron", PAD);
+    let phrases = file(&folder, "phrases.txt", PHRASES);
+    let better = folder.path().join("better.ron");
+    for (people, to, words) in [
+        ("6", "/no/such/x.ron", "cannot write /no/such/x.ron"),
+        ("1", text(&better), "one person does not tell"),
+    ] {
+        let ended = run([&improve(&pad, &phrases, people, "3")[..], &["--output", to]].concat());
+        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
+        assert!(ended.err.contains(words), "{}", ended.err);
+        assert!(!ended.err.contains("tried"), "{}", ended.err);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_of_the_judgement_keeps_the_layout() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pad = file(&folder, "pad.ron", PAD);
+    let phrases = file(&folder, "phrases.txt", PHRASES);
+    let better = folder.path().join("better.ron");
+    let to = ["--steps", "8", "--output", text(&better)];
+    let mut command = super::ademan([&improve(&pad, &phrases, "6", "60")[..], &to].concat());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut program = command.spawn().expect("the program starts");
+    let mut errors = BufReader::new(program.stderr.take().expect("a pipe"));
+    let mut said = String::new();
+    while !said.contains(" changed; not tried: ") {
+        let length = errors.read_line(&mut said).expect("UTF-8");
+        assert!(length > 0, "{said}");
+    }
+    crate::support::process::signal("INT", program.id());
+    errors.read_to_string(&mut said).expect("UTF-8");
+    let ended = program.wait_with_output().expect("it ends");
+    assert_eq!(ended.status.code(), Some(0), "{said}");
+    assert!(said.contains("was not judged"), "{said}");
+    assert!(better.exists(), "{said}");
 }
 
 /// Returns a figure of a row of the table, in percent: the figure, and the ends of its interval.
@@ -232,6 +333,10 @@ fn a_recorded_hand_is_replayed_on_other_layouts_with_the_limits() {
         found.contains("\"near_misses\"") && found.contains("\"limits\""),
         "{found}"
     );
+    let unread = folder.path().join("unread.json");
+    let arguments = ["lab", "replay", text(&recording), "--json", text(&unread)];
+    let (_, errors) = run_unread(&arguments);
+    assert!(unread.exists(), "{errors}");
     let replayed = run(["lab", "replay", text(&json), "qwerty-flat"]);
     assert_ne!(replayed.code, Some(0), "{}", replayed.out);
 }

@@ -104,6 +104,36 @@ fn shards_in_any_order_give_the_result_of_one_run_byte_by_byte() {
 }
 
 #[test]
+fn layouts_of_both_kinds_are_not_planned_and_merged_scores_of_them_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mixed = folder.path().join("mixed");
+    let refused = run(["lab", "plan", "qwerty-flat", "arrows", "--to", text(&mixed)]);
+    assert_eq!(refused.code, Some(2), "{}", refused.out);
+    assert!(refused.err.contains("scored by tasks"), "{}", refused.err);
+
+    // A plan of both, as no command makes it.
+    let sweep = plan(folder.path(), &["qwerty-flat"]);
+    let others = folder.path().join("others");
+    fs::create_dir(&others).expect("a folder");
+    let other = plan(&others, &["arrows"]);
+    let read = |path: &Path| {
+        let written = fs::read_to_string(path.join("plan.json")).expect("a plan");
+        serde_json::from_str::<serde_json::Value>(&written).expect("JSON")
+    };
+    let (mut both, second) = (read(&sweep), read(&other));
+    let runs = both["runs"].as_array_mut().expect("runs");
+    runs.push(second["runs"][0].clone());
+    fs::write(sweep.join("plan.json"), both.to_string()).expect("a plan");
+    run(["lab", "run", text(&sweep)]).done();
+    let json = folder.path().join("both.json");
+    let merged = run(["lab", "merge", text(&sweep), "--json", text(&json)]);
+    assert_eq!(merged.code, Some(2), "{}", merged.err);
+    assert!(merged.err.contains("cannot compare"), "{}", merged.err);
+    assert!(merged.out.contains("tasks done, %"), "{}", merged.out);
+    assert!(json.exists());
+}
+
+#[test]
 fn killed_shards_are_run_again_and_the_result_is_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let sweep = plan(folder.path(), &["qwerty-flat"]);

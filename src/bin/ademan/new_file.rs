@@ -40,16 +40,39 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
 /// Creates a file, says what it is, and the commands that use it. Fails if it exists. Writes only the text to the standard output,
 /// `-`.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
+    write(path, text)?;
+    announce(path, original, next)
+}
+
+/// Fails if a file cannot be created at a path, before the work whose result it keeps. The standard output, `-`, is always accepted.
+pub fn check(path: &Path) -> Result<(), Failure> {
+    if path == Path::new(STDOUT) {
+        return Ok(());
+    }
+    let checked = files::check_absent(path).and_then(|()| files::check_destination(path));
+    checked.map_err(|error| cannot_write(path, &error))
+}
+
+/// Creates a file. Fails if it exists. Writes the text to the standard output, `-`.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if path == Path::new(STDOUT) {
         return Ok(io::stdout().write_all(text.as_bytes())?);
     }
-    let cannot_write = |error: FileError| {
-        Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
-    };
-    files::write_new_text(path, text).map_err(cannot_write)?;
+    files::write_new_text(path, text).map_err(|error| cannot_write(path, &error))
+}
+
+/// Says what a new file is, and the commands that use it. Says nothing of the standard output, `-`.
+pub fn announce(path: &Path, original: &str, next: &str) -> Result<(), Failure> {
+    if path == Path::new(STDOUT) {
+        return Ok(());
+    }
     let mut out = io::stdout().lock();
     let shown = escape_path(path);
     writeln!(out, "wrote {shown}, {}", escape(original))?;
     let next = next.replace("FILE", &shell_word(&path.to_string_lossy()));
     Ok(writeln!(out, "edit it, then: {next}")?)
+}
+
+fn cannot_write(path: &Path, error: &FileError) -> Failure {
+    Failure::wrong_use(format!("cannot write {}: {error}", escape_path(path)))
 }

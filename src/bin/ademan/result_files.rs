@@ -3,17 +3,23 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ademan::files::folder_of;
+use ademan::files::{self, folder_of};
 use ademan::message::escape_path;
 
 use crate::failure::Failure;
 
-/// Refuses a file to write whose folder does not exist, that the command reads, or that is named for another result. Any other file is
-/// replaced.
+/// Refuses a file that cannot be written, that the command reads, or that is named for another result. Any other file is replaced.
 pub fn check(written: &[&Path], read: &[PathBuf]) -> Result<(), Failure> {
     for (index, path) in written.iter().enumerate() {
         let name = escape_path(path);
+        if *path == Path::new("-") {
+            return Err(Failure::wrong_use(
+                "a result is written to a file, not to the standard output; name a file",
+            ));
+        }
         check_folder(path)?;
+        files::check_destination(path)
+            .map_err(|error| Failure::wrong_use(format!("cannot write {name}: {error}")))?;
         if read.iter().any(|it| is_same_file(path, it)) {
             return Err(Failure::wrong_use(format!(
                 "{name} is read by this command and is not overwritten; name another file"

@@ -251,11 +251,6 @@ impl Prepared {
         })
     }
 
-    /// Scores a layout: the name of a shipped one, or a file.
-    pub fn score(&self, layout: &str) -> Result<LabResult, Failure> {
-        self.score_document(layout, Document::open_kind(FileKind::Layout, layout)?)
-    }
-
     /// Scores the text of a layout, which results call by a name.
     pub fn score_document(&self, name: &str, document: Document) -> Result<LabResult, Failure> {
         let result = self.unscored_document(name, document.clone());
@@ -267,6 +262,11 @@ impl Prepared {
             participants: self.participants.clone(),
             ..result
         })
+    }
+
+    /// Returns `true` if the phrases are a text of the user, and none that come with the program.
+    pub fn has_own_text(&self) -> bool {
+        self.corpus.name.parse::<PhraseSet>().is_err()
     }
 
     /// Returns the number of people.
@@ -365,6 +365,13 @@ impl Prepared {
         let file = escape(&document.file);
         let does_nothing =
             |it: &PersonScore| it.characters == 0 && it.tasks.is_empty() && it.pointing.is_none();
+        let untried = untried_of_all(scores);
+        if scores.iter().all(does_nothing) && !untried.is_empty() {
+            return Err(Failure::wrong_use(format!(
+                "cannot score {file}: a simulated hand of the lab cannot use its controls ({}); try the layout with a real hand: `ademan run`",
+                listed(&untried)
+            )));
+        }
         if scores.iter().all(does_nothing) {
             return Err(Failure::wrong_use(format!(
                 "nobody can use {file}: it has no control within reach; `ademan layout check` says what is out of reach"
@@ -373,7 +380,9 @@ impl Prepared {
         let Some(first) = scores.iter().max_by_key(|it| it.untypable.chars().count()) else {
             return Ok(());
         };
-        if first.characters > 0 && !first.untypable.is_empty() {
+        if scores.iter().all(|it| it.characters == 0) {
+            say!("{file} is scored by tasks: it types none of the phrases");
+        } else if !first.untypable.is_empty() {
             let characters: Vec<String> = first
                 .untypable
                 .chars()
@@ -385,16 +394,33 @@ impl Prepared {
             );
         }
         if !first.unreached.is_empty() {
-            let names: Vec<String> = first
-                .unreached
-                .iter()
-                .map(|it| escape(it).to_string())
-                .collect();
             complain!(
                 "out of reach of some people on {file}: {}",
-                names.join(", ")
+                listed(&first.unreached)
+            );
+        }
+        if !untried.is_empty() {
+            complain!(
+                "not tried on {file}, as a hand without errors cannot use them either: {}",
+                listed(&untried)
             );
         }
         Ok(())
     }
+}
+
+/// Returns the names of all controls that were not tried, each once.
+fn untried_of_all(scores: &[PersonScore]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in scores.iter().flat_map(|it| &it.untried) {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
+fn listed(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|it| escape(it).to_string()).collect();
+    names.join(", ")
 }

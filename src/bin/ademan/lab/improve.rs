@@ -8,15 +8,15 @@ use ademan::document::{Document, FileKind};
 use ademan::files::{self, OpenDocument};
 use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
 use ademan::layout::Layout;
-use ademan::measures::{LabResult, compare};
+use ademan::measures::{Comparison, Interval, LabResult, compare};
 use ademan::message::{escape, escape_path, shell_word};
 use ademan::session::counted;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::conditions::{ConditionArgs, Prepared};
-use super::{OutputArgs, outputs, table};
+use super::{OutputArgs, kinds, outputs, table};
 use crate::failure::Failure;
-use crate::{complete, new_file, result_files};
+use crate::{complete, new_file, result_files, signals};
 
 /// The people of the search and the held-out people by default.
 const PEOPLE: u32 = 20;
@@ -69,7 +69,17 @@ fn margin(text: &str) -> Result<f64, String> {
 /// The file of the result.
 enum Destination {
     New(PathBuf),
+    /// The file of the layout.
     Same(PathBuf),
+}
+
+/// A file that was written.
+enum Written {
+    New(PathBuf),
+    /// The file of the layout has its new text.
+    Same(PathBuf),
+    /// A new file, because the file of the layout was changed during the search.
+    Beside(PathBuf),
 }
 
 impl Destination {
@@ -96,30 +106,72 @@ impl Destination {
                 escape_path(&path)
             )));
         }
+        new_file::check(&path)?;
         Ok(Self::New(path))
     }
 
-    /// Writes the improved text of a layout, which its user calls `name`.
-    fn write(&self, name: &str, original: &Layout, text: &str) -> Result<(), Failure> {
+    /// Writes the improved text of a layout that was read as `document`. Edits of its file since then are kept.
+    fn write(&self, document: &Document, layout: &Layout, text: &str) -> Result<Written, Failure> {
+        let create = |path: &Path| {
+            let renamed = new_file::renamed(text, &layout.name, path);
+            new_file::write(path, &renamed)
+        };
         match self {
             Self::New(path) => {
-                let text = new_file::renamed(text, &original.name, path);
-                let origin = format!("an improved copy of {name}");
-                let next = format!(
-                    "ademan layout check FILE && ademan lab compare {} FILE",
-                    shell_word(name)
-                );
-                new_file::create(path, &text, &origin, &next)
+                create(path)?;
+                Ok(Written::New(path.clone()))
             }
             Self::Same(path) => {
+                let present = Document::open_kind(FileKind::Layout, &path.to_string_lossy());
+                if !present.is_ok_and(|present| present.text == document.text) {
+                    let copy = beside(path);
+                    create(&copy)?;
+                    return Ok(Written::Beside(copy));
+                }
                 files::replace_text(path, text).map_err(|error| {
                     Failure::job(format!("cannot write {}: {error}", escape_path(path)))
                 })?;
-                say!("overwrote {}", escape_path(path));
-                Ok(())
+                Ok(Written::Same(path.clone()))
             }
         }
     }
+}
+
+impl Written {
+    /// Says what was written. The user of the layout calls it `name`.
+    fn announce(&self, name: &str) -> Result<(), Failure> {
+        let path = match self {
+            Self::Same(path) => {
+                say!("overwrote {}", escape_path(path));
+                return Ok(());
+            }
+            Self::Beside(path) => {
+                complain!(
+                    "{} was changed during the search, and is left as it is",
+                    escape(name)
+                );
+                path
+            }
+            Self::New(path) => path,
+        };
+        let origin = format!("an improved copy of {name}");
+        let next = format!(
+            "ademan layout check FILE && ademan lab compare {} FILE",
+            shell_word(name)
+        );
+        new_file::announce(path, &origin, &next)
+    }
+}
+
+/// Returns a name beside a layout that no other file has.
+fn beside(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let numbered = (1..).map(|number: usize| match number {
+        1 => path.with_file_name(format!("{stem}-improved.ron")),
+        _ => path.with_file_name(format!("{stem}-improved-{number}.ron")),
+    });
+    let mut free = numbered.skip_while(|used| used.symlink_metadata().is_ok());
+    free.next().expect("there are more numbers than files")
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -140,6 +192,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "one phrase cannot be used to search and to judge; give at least two lines of text",
         ));
     }
+    if prepared.people() < 2 {
+        return Err(Failure::wrong_use(
+            "one person does not tell which layout is better; use --people with 2 or more",
+        ));
+    }
+    kinds::check(&prepared, std::slice::from_ref(&document))?;
     let search = prepared.half(false)?;
     let found = find(args, &document, &search)?;
     say!("{}", summary(&found));
@@ -150,29 +208,61 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             advice(&found)
         )));
     }
-    if found.is_cancelled {
+    let judged = if found.is_cancelled {
+        None
+    } else {
+        judge(args, (&document, &found.text), &destination, &prepared)?
+    };
+    let Some([before, after]) = judged else {
         complain!(
             "interrupted: the best layout so far was not judged by held-out people; `ademan lab compare` does"
         );
-        return destination.write(&args.layout, &layout, &found.text);
+        let written = destination.write(&document, &layout, &found.text)?;
+        return written.announce(&args.layout);
+    };
+    let judgement = Judgement::new(args, &before, &after)?;
+    // The files come first: a reader of the text that ends early must not cost them.
+    let is_better = judgement.gain.low > 0.0;
+    let layout_file = is_better
+        .then(|| destination.write(&document, &layout, &found.text))
+        .transpose();
+    let results = outputs::write(&args.outputs, &[before, after]);
+    let printed = judgement.print(args);
+    let announced = layout_file?.map_or(Ok(()), |written| written.announce(&args.layout));
+    results?;
+    printed?;
+    announced?;
+    if is_better {
+        return Ok(());
     }
+    Err(Failure::job(format!(
+        "no better layout found than {}: the gain of the search does not hold for other people and phrases, so nothing is written; more --people and --steps may help",
+        escape(&args.layout)
+    )))
+}
+
+/// Lets held-out people use the original and the text that was found. Returns both results, or `None` after an interruption.
+fn judge(
+    args: &Args,
+    (document, found): (&Document, &str),
+    destination: &Destination,
+    prepared: &Prepared,
+) -> Result<Option<[LabResult; 2]>, Failure> {
     let held_out = prepared.half(true)?;
-    let before = held_out.score_document(&args.layout, document)?;
-    let name = match &destination {
+    let name = match destination {
         Destination::New(path) => path.to_string_lossy().into_owned(),
         Destination::Same(_) => format!("{}, changed", args.layout),
     };
-    let after = Document::new(name.as_str(), found.text.as_str());
-    let after = held_out.score_document(&name, after)?;
-    let is_better = print_judgement(args, &before, &after)?;
-    outputs::write(&args.outputs, &[before, after])?;
-    if !is_better {
-        return Err(Failure::job(format!(
-            "no better layout found than {}: the gain of the search does not hold for other people and phrases, so nothing is written; more --people and --steps may help",
-            escape(&args.layout)
-        )));
+    let scores = held_out
+        .score_document(&args.layout, document.clone())
+        .and_then(|before| {
+            let after = held_out.score_document(&name, Document::new(name.as_str(), found))?;
+            Ok([before, after])
+        });
+    match scores {
+        Err(_) if signals::is_stop_requested() => Ok(None),
+        scores => scores.map(Some),
     }
-    destination.write(&args.layout, &layout, &found.text)
 }
 
 fn find(args: &Args, document: &Document, search: &Prepared) -> Result<Found, Failure> {
@@ -238,35 +328,52 @@ fn advice(found: &Found) -> &'static str {
     ""
 }
 
-/// Prints what held-out people do on both layouts. Returns whether the second one is better by its interval.
-fn print_judgement(args: &Args, before: &LabResult, after: &LabResult) -> Result<bool, Failure> {
-    let mut out = io::stdout().lock();
-    let comparison = compare(
-        (&before.layout_file, &before.scores),
-        (&after.layout_file, &after.scores),
-    );
-    let comparison = comparison.map_err(|error| Failure::job(error.to_string()))?;
-    writeln!(
-        out,
-        "held out: {} simulated people and {} phrases that the search has not seen",
-        before.scores.len(),
-        before.corpus_phrases.len()
-    )?;
-    table::print_comparison(&comparison, &mut out)?;
-    let reference = Reference::new(&before.scores);
-    let gain = args
-        .objective
-        .gain(&before.scores, &after.scores, &reference);
-    let types = before.summary.characters > 0;
-    writeln!(
-        out,
-        "gain for the objective: {:.2} ({:.2} to {:.2}) {}",
-        gain.value,
-        gain.low,
-        gain.high,
-        args.objective.unit(types)
-    )?;
-    Ok(gain.low > 0.0)
+/// What held-out people do on both layouts.
+struct Judgement {
+    people: usize,
+    phrases: usize,
+    comparison: Comparison,
+    /// The gain for the objective.
+    gain: Interval,
+    /// The layouts type.
+    types: bool,
+}
+
+impl Judgement {
+    fn new(args: &Args, before: &LabResult, after: &LabResult) -> Result<Self, Failure> {
+        let comparison = compare(
+            (&before.layout_file, &before.scores),
+            (&after.layout_file, &after.scores),
+        );
+        let reference = Reference::new(&before.scores);
+        Ok(Self {
+            people: before.scores.len(),
+            phrases: before.corpus_phrases.len(),
+            comparison: comparison.map_err(|error| Failure::job(error.to_string()))?,
+            gain: args
+                .objective
+                .gain(&before.scores, &after.scores, &reference),
+            types: before.summary.characters > 0,
+        })
+    }
+
+    fn print(&self, args: &Args) -> io::Result<()> {
+        let mut out = io::stdout().lock();
+        writeln!(
+            out,
+            "held out: {} simulated people and {} phrases that the search has not seen",
+            self.people, self.phrases
+        )?;
+        table::print_comparison(&self.comparison, &mut out)?;
+        writeln!(
+            out,
+            "gain for the objective: {:.2} ({:.2} to {:.2}) {}",
+            self.gain.value,
+            self.gain.low,
+            self.gain.high,
+            args.objective.unit(self.types)
+        )
+    }
 }
 
 /// A progress bar on a terminal, and a line for each tenth elsewhere.
@@ -316,5 +423,39 @@ impl Bar {
         if self.drawn.is_some() {
             let _ = writeln!(io::stderr());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    const BOARD: &str = r#"Layout(name: "mine", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: "Q W")])])"#;
+
+    #[test]
+    fn edits_of_a_layout_during_the_search_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.ron");
+        fs::write(&path, BOARD).unwrap();
+        let name = path.to_string_lossy();
+        let document = Document::open_kind(FileKind::Layout, &name).unwrap();
+        let layout = Layout::from_document(document.clone()).unwrap();
+        let destination = Destination::Same(path.clone());
+        let better = BOARD.replace("Q W", "W Q");
+        let edited = BOARD.replace("Q W", "Q W E");
+        fs::write(&path, &edited).unwrap();
+        for beside in ["mine-improved", "mine-improved-2"] {
+            let written = destination.write(&document, &layout, &better).unwrap();
+            assert!(matches!(written, Written::Beside(_)));
+            assert_eq!(fs::read_to_string(&path).unwrap(), edited);
+            let copy = fs::read_to_string(folder.path().join(format!("{beside}.ron"))).unwrap();
+            assert_eq!(copy, better.replace("mine", beside));
+        }
+        fs::write(&path, BOARD).unwrap();
+        let written = destination.write(&document, &layout, &better).unwrap();
+        assert!(matches!(written, Written::Same(_)));
+        assert_eq!(fs::read_to_string(&path).unwrap(), better);
     }
 }

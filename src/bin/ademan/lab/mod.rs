@@ -4,6 +4,7 @@ mod conditions;
 mod decoder;
 mod import;
 mod improve;
+mod kinds;
 mod outputs;
 mod replay;
 mod shards;
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::document::{Document, FileKind};
 use ademan::files::OpenDocument;
-use ademan::measures::{LabResult, compare};
+use ademan::measures::{LabResult, NotComparable, compare};
 
 pub use self::verify::read_results;
 
@@ -161,37 +162,46 @@ fn score(
     outputs: &OutputArgs,
 ) -> Result<(), Failure> {
     let prepared = Prepared::new(conditions)?;
-    let mut read = conditions.files()?;
+    let mut documents = Vec::new();
     for layout in layouts {
-        read.extend(Document::open_kind(FileKind::Layout, layout)?.path);
+        documents.push(Document::open_kind(FileKind::Layout, layout)?);
     }
+    let mut read = conditions.files()?;
+    read.extend(documents.iter().filter_map(|it| it.path.clone()));
     result_files::check(&outputs.paths(), &read)?;
+    kinds::check(&prepared, &documents)?;
     let mut results = Vec::new();
-    for layout in layouts {
-        results.push(prepared.score(layout)?);
+    for (layout, document) in layouts.iter().zip(documents) {
+        results.push(prepared.score_document(layout, document)?);
     }
     present(&mut results, outputs)
 }
 
 /// Compares all results but the first with the first, writes their files and prints them. The files come first: a reader of the text that
-/// ends early must not cost them. A file that cannot be written must not cost the text.
+/// ends early must not cost them. A file that cannot be written, and layouts that cannot be compared, must not cost the text.
 fn present(results: &mut [LabResult], outputs: &OutputArgs) -> Result<(), Failure> {
+    let mut compared = Ok(());
     if let Some((first, others)) = results.split_first_mut() {
         for second in others {
             let comparison = compare(
                 (&first.layout_file, &first.scores),
                 (&second.layout_file, &second.scores),
             );
-            let comparison = comparison.map_err(|error| {
-                Failure::wrong_use(format!("cannot compare these layouts: {error}"))
-            })?;
-            second.comparison = Some(comparison);
+            match comparison {
+                Ok(comparison) => second.comparison = Some(comparison),
+                Err(error) => compared = Err(not_comparable(&error)),
+            }
         }
     }
     let written = outputs::write(outputs, results);
     let printed = print(results);
     written?;
-    Ok(printed?)
+    printed?;
+    compared
+}
+
+fn not_comparable(error: &NotComparable) -> Failure {
+    Failure::wrong_use(format!("cannot compare these layouts: {error}"))
 }
 
 fn print(results: &[LabResult]) -> io::Result<()> {

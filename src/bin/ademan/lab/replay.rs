@@ -46,7 +46,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.json {
         result_files::check(&[path], &files(args)?)?;
     }
-    let mut out = io::stdout().lock();
     let mut all = Vec::new();
     let chosen: Vec<Option<&str>> = if args.layouts.is_empty() {
         vec![None]
@@ -56,18 +55,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut cut = None;
     for layout in chosen {
         let (name, found, truncation) = retrace(args, layout)?;
-        print(&args.recording, &name, &found, &mut out)?;
-        all.push(json!({"layout": name, "found": found}));
+        all.push((name, found));
         cut = cut.or(truncation);
     }
-    writeln!(out, "{LIMITS}.")?;
-    if let Some(path) = &args.json {
-        let recording = args.recording.to_string_lossy();
-        let text = json!({"recording": recording, "limits": LIMITS, "layouts": all});
-        let text = serde_json::to_string_pretty(&text).map_err(io::Error::from)?;
-        let text = format!("{}\n", escape_json(&text));
-        outputs::write_private(path, &text)?;
-    }
+    // The file comes first: a reader of the text that ends early must not cost it.
+    let path = args.json.as_ref();
+    let written = path.map_or(Ok(()), |path| write(path, &args.recording, &all));
+    let printed = print_all(&args.recording, &all);
+    written?;
+    printed?;
     match cut {
         None => Ok(()),
         Some(offset) => Err(Failure::damaged(format!(
@@ -123,6 +119,25 @@ fn retrace(args: &Args, layout: Option<&str>) -> Result<(String, Retraced, Optio
     let name = layout.map_or_else(|| setup.layout.file.clone(), str::to_owned);
     let truncation = replay.truncation().map(|cut| cut.offset);
     Ok((name, retracer.finish(), truncation))
+}
+
+/// Writes the result file.
+fn write(path: &Path, recording: &Path, all: &[(String, Retraced)]) -> Result<(), Failure> {
+    let layouts = all.iter();
+    let layouts = layouts.map(|(layout, found)| json!({"layout": layout, "found": found}));
+    let recording = recording.to_string_lossy();
+    let result =
+        json!({"recording": recording, "limits": LIMITS, "layouts": layouts.collect::<Vec<_>>()});
+    let text = serde_json::to_string_pretty(&result).map_err(io::Error::from)?;
+    outputs::write_private(path, &format!("{}\n", escape_json(&text)))
+}
+
+fn print_all(recording: &Path, all: &[(String, Retraced)]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    for (layout, found) in all {
+        print(recording, layout, found, &mut out)?;
+    }
+    writeln!(out, "{LIMITS}.")
 }
 
 fn print(recording: &Path, layout: &str, found: &Retraced, out: &mut impl Write) -> io::Result<()> {

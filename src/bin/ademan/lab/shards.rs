@@ -13,7 +13,7 @@ use ademan::session::counted;
 use ademan::shards::{Plan, ShardError, ShardScores};
 
 use super::conditions::{ConditionArgs, Prepared};
-use super::{OutputArgs, outputs, present};
+use super::{OutputArgs, kinds, outputs, present};
 use crate::failure::Failure;
 use crate::result_files;
 
@@ -72,6 +72,8 @@ pub fn plan(args: &PlanArgs) -> Result<(), Failure> {
         Layout::from_document(document_of(&run))?;
         runs.push(run);
     }
+    let layouts: Vec<Document> = runs.iter().map(document_of).collect();
+    kinds::check(&prepared, &layouts)?;
     let people = prepared.people();
     if people == 0 {
         return Err(Failure::wrong_use("nobody to plan for: --people is 0"));

@@ -18,9 +18,10 @@ pub fn print(result: &LabResult, out: &mut impl Write) -> io::Result<()> {
     };
     writeln!(
         out,
-        "{}: {} simulated people, {tier}, source {}, {} phrases each of {}, seed {}",
+        "{}: {} simulated {}, {tier}, source {}, {} phrases each of {}, seed {}",
         escape(&result.layout_file),
         result.scores.len(),
+        people(result.scores.len()),
         result.source,
         result.phrases,
         escape(&result.corpus),
@@ -196,12 +197,13 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
     for (index, difference) in comparison.differences.iter().enumerate() {
         row(out, difference.measure.name(), &difference.interval, 1.0, 2)?;
         for group in &comparison.groups {
+            let (count, noun) = (group.people, people(group.people));
             let name = if group.is_long {
-                format!("  {} people, longer hands", group.people)
+                format!("  {count} {noun}, longer hands")
             } else {
                 format!(
-                    "  {} people, hands up to {:.0} mm",
-                    group.people, comparison.median_hand_mm
+                    "  {count} {noun}, hands up to {:.0} mm",
+                    comparison.median_hand_mm
                 )
             };
             if let Some(own) = group.differences.get(index) {
@@ -210,6 +212,11 @@ pub fn print_comparison(comparison: &Comparison, out: &mut impl Write) -> io::Re
         }
     }
     writeln!(out, "{}", escape(&comparison.verdict()))
+}
+
+/// Returns the noun behind a number of people.
+pub fn people(count: usize) -> &'static str {
+    if count == 1 { "person" } else { "people" }
 }
 
 /// Prints a figure with its interval.

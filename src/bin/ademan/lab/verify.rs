@@ -5,20 +5,21 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use ademan::document::Document;
-use ademan::measures::{LabResult, ReadError, summarize};
-use ademan::message::escape_path;
+use ademan::measures::{LabResult, ReadError, compare, summarize};
+use ademan::message::{escape, escape_path};
 
 use super::conditions::Prepared;
-use super::outputs;
+use super::{outputs, table};
 use crate::failure::Failure;
 
 /// Runs the results of a file again, and compares each figure exactly.
 pub fn run(path: &Path, jobs: Option<NonZeroUsize>) -> Result<(), Failure> {
     let file = escape_path(path).to_string();
-    for result in read_results(path)? {
+    let results = read_results(path)?;
+    for (number, result) in results.iter().enumerate() {
         let document = Document::new(result.layout_file.as_str(), result.layout.as_str());
-        let prepared = Prepared::again(&result, jobs)?;
-        let scores = prepared.with_people_of(&result.scores).scores(&document)?;
+        let prepared = Prepared::again(result, jobs)?.with_people_of(&result.scores);
+        let scores = prepared.scores(&document)?;
         let different = scores.iter().zip(&result.scores).position(|(a, b)| a != b);
         if scores.len() != result.scores.len() || different.is_some() {
             let who = different.map_or(String::new(), |index| format!(", first of person {index}"));
@@ -31,11 +32,32 @@ pub fn run(path: &Path, jobs: Option<NonZeroUsize>) -> Result<(), Failure> {
                 "{file}: the people are the same, and the figures of all of them differ; the file was changed"
             )));
         }
+        if prepared.participants() != result.participants {
+            return Err(Failure::job(format!(
+                "{file}: the parameters of the people differ; the file was changed"
+            )));
+        }
+        // The first result is compared with nothing.
+        let first = results[..number].first();
+        let comparison = first.and_then(|first| {
+            let compared = compare(
+                (&first.layout_file, &first.scores),
+                (&result.layout_file, &scores),
+            );
+            compared.ok()
+        });
+        if comparison != result.comparison {
+            return Err(Failure::job(format!(
+                "{file}: the comparison of {} differs; the file was changed",
+                escape(&result.layout_file)
+            )));
+        }
         writeln!(
             io::stdout(),
-            "{file}: {}: the same figures for {} people",
-            ademan::message::escape(&result.layout_file),
-            scores.len()
+            "{file}: {}: the same figures for {} {}",
+            escape(&result.layout_file),
+            scores.len(),
+            table::people(scores.len())
         )?;
     }
     Ok(())
