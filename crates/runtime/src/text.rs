@@ -6,9 +6,7 @@ use ademan_core::command::TextMode;
 use ademan_core::document::schema;
 use ademan_core::names::UnknownName;
 
-pub use ademan_text::filter::{
-    Language, capabilities, has_text_commands, shows_other_keymap,
-};
+pub use ademan_text::filter::{Language, capabilities, has_text_commands, shows_other_keymap};
 
 schema! {
     /// The text decoder of a setup.

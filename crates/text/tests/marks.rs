@@ -2,8 +2,8 @@
 
 mod support;
 
-use ademan_text::languages::{ENGLISH, SPANISH};
 use ademan_text::Options;
+use ademan_text::languages::{ENGLISH, SPANISH};
 use support::field::Field;
 use support::simulated::full_keyboard;
 

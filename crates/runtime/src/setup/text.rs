@@ -40,7 +40,9 @@ impl LoadedSetup {
         let asks = setup.mode != TextSetup::default().mode;
         let has_letters = |layout: &Layout| !text::capabilities(layout, false).keys.is_empty();
         if asks && self.language.is_some() && !self.layouts().any(has_letters) {
-            let other = self.layouts().find(|layout| text::shows_other_keymap(layout));
+            let other = self
+                .layouts()
+                .find(|layout| text::shows_other_keymap(layout));
             self.text_error = Some(other.map_or_else(
                 || "no layout has letters".to_owned(),
                 |layout| {

@@ -291,7 +291,11 @@ impl<'m> Corrector<'m> {
                 .extend((0..self.undo.corrected).map(|_| Edit::Backspace));
             self.edits.extend(self.undo.typed.chars().map(Edit::Type));
             // Nothing of a text that is final, but the tail.
-            let kept = self.shown.chars().count().saturating_sub(self.undo.corrected);
+            let kept = self
+                .shown
+                .chars()
+                .count()
+                .saturating_sub(self.undo.corrected);
             self.target.clear();
             self.target.extend(self.shown.chars().take(kept));
             self.target.push_str(&self.undo.typed);

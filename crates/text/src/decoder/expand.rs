@@ -7,11 +7,11 @@ use super::{GAIN, Options};
 
 use super::touches::{SLACK, Touches};
 use crate::keyboard::Millimetres;
+use crate::model::Model;
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::NO_ROW;
 use crate::model::lexicon::{Case, ROOT};
 use crate::model::spelling::START;
-use crate::model::Model;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
@@ -235,7 +235,11 @@ impl Expansion<'_, '_> {
             .touches
             .separator()
             .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT))
-            .max(if self.is_sign { JOINT + self.touches.likeliest() } else { f32::NEG_INFINITY });
+            .max(if self.is_sign {
+                JOINT + self.touches.likeliest()
+            } else {
+                f32::NEG_INFINITY
+            });
         if most + behind + SLACK <= self.beam.limit() {
             return None;
         }

@@ -1,8 +1,8 @@
 //! Learning from committed text: where keys are tapped, how often taps are missed or mean nothing, and how often words are
 //! unknown.
 
-use super::marks::is_punctuation;
 use super::finish::Finished;
+use super::marks::is_punctuation;
 use super::token::Place;
 use super::{Decoder, NONE, Start};
 use crate::correction::ends_word;

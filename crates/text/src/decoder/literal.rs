@@ -79,7 +79,11 @@ impl Literal {
 
     /// Returns the part of the margin that a correction needs: a person whose text was corrected makes more errors.
     pub fn trust(&self) -> f32 {
-        if self.followed > 0 { CORRECTED_TRUST } else { 1.0 }
+        if self.followed > 0 {
+            CORRECTED_TRUST
+        } else {
+            1.0
+        }
     }
 
     /// Returns `true` if a text ends with what was typed since the last [`follow`](Self::follow), whatever its capitals.

@@ -47,10 +47,10 @@ use token::{From, Place, Token};
 use touches::{Carried, Touches};
 
 use crate::keyboard::{Keyboard, Tap};
-use crate::model::{Model, ends_sentence};
 use crate::model::alphabet::Symbol;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
+use crate::model::{Model, ends_sentence};
 use crate::swipe::Swipes;
 use crate::touch::TouchModel;
 
