@@ -276,13 +276,7 @@ fn a_film_has_the_marks_of_its_pictures_and_labels_stay_with_them() {
     let film = folder.path().join("films");
     fs::create_dir(&film).unwrap();
     let film = film.join("left.mkv");
-    let mut ffmpeg = Command::new("ffmpeg");
-    ffmpeg
-        .args(["-v", "error", "-framerate", "25", "-i"])
-        .arg(left.join("%d.png"));
-    let made = ffmpeg.args(["-c:v", "png"]).arg(&film).status();
-    if made.is_err() {
-        println!("SKIPPED: there is no ffmpeg");
+    if !make_film(&left, "25", &film) {
         return;
     }
     let of_film = markers(&[film], &["--label", "a,b"]).done();
@@ -297,6 +291,63 @@ fn a_film_has_the_marks_of_its_pictures_and_labels_stay_with_them() {
         "{}",
         refused.err
     );
+}
+
+/// Makes a film of the pictures of a folder. Returns `false` if that is not possible here.
+fn make_film(pictures: &Path, rate_hz: &str, film: &Path) -> bool {
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg
+        .args(["-v", "error", "-framerate", rate_hz, "-i"])
+        .arg(pictures.join("%d.png"));
+    let made = ffmpeg.args(["-c:v", "png"]).arg(film).status();
+    if made.is_err() {
+        println!("SKIPPED: there is no ffmpeg");
+    }
+    made.is_ok()
+}
+
+/// Returns the first mark of each camera in a line.
+fn first_marks(line: &str) -> Vec<Option<[f64; 2]>> {
+    let line: serde_json::Value = serde_json::from_str(line).unwrap();
+    let views = line["cameras"].as_array().unwrap().iter();
+    let marks = views.map(|view| serde_json::from_value(view["markers"][0]["image"].clone()));
+    marks.map(Result::ok).collect()
+}
+
+#[test]
+fn cameras_stay_in_step_without_a_picture_and_films_of_other_rates_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let disc = |index: i32| vec![(DVec2::new(50.0 + 8.0 * f64::from(index), 60.0), WHITE)];
+    let pictures: Vec<_> = (0..12).map(disc).collect();
+    let left = write_pictures(folder.path(), "left", &pictures);
+    let right = write_pictures(folder.path(), "right", &pictures);
+    let film_folder = folder.path().join("films");
+    fs::create_dir(&film_folder).unwrap();
+    let films = ["left.mkv", "right.mkv"].map(|name| film_folder.join(name));
+    let are_made = make_film(&left, "30", &films[0]) && make_film(&right, "25", &films[1]);
+
+    fs::remove_file(right.join("5.png")).unwrap();
+    let found = markers(&[left, right], &[]).done();
+    assert!(found.err.contains("right/5.png"), "{}", found.err);
+    assert_eq!(found.out.lines().count(), 12);
+    for (index, line) in found.out.lines().enumerate() {
+        let [Some(of_left), of_right] = first_marks(line)[..] else {
+            panic!("{line}");
+        };
+        assert_eq!(of_right.is_none(), index == 5, "{line}");
+        let difference = of_left[0] - of_right.unwrap_or(of_left)[0];
+        assert!(difference.abs() < 1.0, "{line}");
+    }
+    if !are_made {
+        return;
+    }
+    let refused = markers(&films, &[]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    let expected = "`left` has 30 pictures per second, and `right` 25";
+    assert!(refused.err.contains(expected), "{}", refused.err);
+    let resampled = markers(&films, &["--rate-hz", "25"]).done();
+    let count = resampled.out.lines().count();
+    assert!((10..=11).contains(&count), "{count} lines");
 }
 
 #[test]

@@ -31,8 +31,9 @@ fn room() -> Vec<Camera> {
 fn line(cameras: &[Camera], points: &[(&str, DVec3)]) -> String {
     let views = cameras.iter().map(|camera| {
         let marks = points.iter().filter_map(|(label, point)| {
-            let image = camera.project(*point)?.pixel.to_array();
-            Some(json!({"label": label, "image": image}))
+            let image = camera.project(*point)?.pixel;
+            let is_inside = image.cmpge(DVec2::ZERO).all() && image.cmple(camera.size).all();
+            is_inside.then(|| json!({"label": label, "image": image.to_array()}))
         });
         json!({"name": camera.name, "markers": marks.collect::<Vec<_>>()})
     });
@@ -137,5 +138,27 @@ fn a_camera_that_is_there_twice_is_refused_with_the_reason() {
     let ended = calibrate(&wand, &folder.path().join("cameras.ron"));
     assert_eq!(ended.code, Some(1), "{}", ended.err);
     let expected = "`cam0` and `twin`: both see the points from one place";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+}
+
+#[test]
+fn marks_outside_the_image_are_refused_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let view = |u: f64| json!({"name": "left", "markers": [{"label": "a", "image": [u, 300.0]}]});
+    let lines = [640.0, 908.5].map(|u| json!({"cameras": [view(u)]}).to_string());
+    let wand = file(&folder, "wand.jsonl", lines.join("\n"));
+    let output = folder.path().join("cameras.ron");
+    let options = [
+        "cameras",
+        "calibrate",
+        &wand,
+        "--wand",
+        "500",
+        "--size",
+        "640x360",
+    ];
+    let ended = run(options.into_iter().chain(["--output", text(&output)]));
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let expected = "wand.jsonl:2: camera `left` has a mark at 908.5, 300, outside its image of 640 × 360 pixels";
     assert!(ended.err.contains(expected), "{}", ended.err);
 }

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::fs;
 use std::io::{BufReader, Read};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
@@ -20,7 +21,7 @@ const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// The pictures of a camera.
 pub enum Frames {
-    /// Files of a folder, in the order of their names.
+    /// Files of a folder, in the order of their names. Where a picture is missing, the name leads to no file.
     Folder(std::vec::IntoIter<PathBuf>),
     /// Frames of a film, from `ffmpeg`.
     Film(Box<Film>),
@@ -64,7 +65,7 @@ impl Frames {
             )));
         }
         pictures.sort_by(|one, other| by_number(&name(one), &name(other)));
-        Ok(Self::Folder(pictures.into_iter()))
+        Ok(Self::Folder(with_missing(pictures).into_iter()))
     }
 
     /// Returns the next picture; `None` at the end.
@@ -191,6 +192,77 @@ fn name(path: &Path) -> String {
         .into_owned()
 }
 
+/// Adds the names of pictures that are missing between others, so that the cameras stay in step.
+///
+/// Pictures are numbered in steps of one size by the last number of their names. Names that differ otherwise, or lack more pictures than
+/// there are, do not count pictures, and stay as they are.
+fn with_missing(pictures: Vec<PathBuf>) -> Vec<PathBuf> {
+    let Some(numbers) = numbers(&pictures) else {
+        return pictures;
+    };
+    let steps = || {
+        numbers
+            .windows(2)
+            .map(|pair| pair[1].saturating_sub(pair[0]))
+    };
+    let step = steps().min().unwrap_or(0);
+    if step == 0 || steps().any(|difference| difference % step != 0) {
+        return pictures;
+    }
+    let missing = steps().map(|difference| difference / step - 1);
+    if missing.fold(0, u64::saturating_add) > pictures.len() as u64 {
+        return pictures;
+    }
+    let mut all = Vec::new();
+    for (index, picture) in pictures.iter().enumerate() {
+        all.push(picture.clone());
+        let next = numbers.get(index + 1).copied().unwrap_or(0);
+        let skipped = (numbers[index] + step..next).step_by(step as usize);
+        all.extend(skipped.map(|number| with_number(picture, number)));
+    }
+    all
+}
+
+/// Returns the last numbers of names that are otherwise the same.
+fn numbers(pictures: &[PathBuf]) -> Option<Vec<u64>> {
+    let mut numbers = Vec::new();
+    let first = name(pictures.first()?);
+    let before = &first[..last_number(&first)?.start];
+    for picture in pictures {
+        let name = name(picture);
+        let digits = last_number(&name)?;
+        if &name[..digits.start] != before {
+            return None;
+        }
+        // The number after the last one is a number, too.
+        numbers.push(
+            name[digits]
+                .parse()
+                .ok()
+                .filter(|&number| number < u64::MAX / 2)?,
+        );
+    }
+    Some(numbers)
+}
+
+/// Returns a path with another last number, of as many digits or more.
+fn with_number(picture: &Path, number: u64) -> PathBuf {
+    let name = name(picture);
+    let Some(digits) = last_number(&name) else {
+        return picture.to_owned();
+    };
+    let (before, after, width) = (&name[..digits.start], &name[digits.end..], digits.len());
+    picture.with_file_name(format!("{before}{number:0width$}{after}"))
+}
+
+/// Returns the place of the last number in a name, before its ending.
+fn last_number(name: &str) -> Option<Range<usize>> {
+    let (stem, _) = name.rsplit_once('.')?;
+    let end = stem.rfind(|letter: char| letter.is_ascii_digit())? + 1;
+    let start = stem[..end].trim_end_matches(|letter: char| letter.is_ascii_digit());
+    Some(start.len()..end)
+}
+
 /// Compares names with their numbers as numbers: `9.png` is before `10.png`.
 fn by_number(one: &str, other: &str) -> Ordering {
     let (mut one, mut other) = (one, other);
@@ -218,6 +290,36 @@ fn by_number(one: &str, other: &str) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_missing_pictures_are_added_where_names_count_pictures() {
+        for (there, missing) in [
+            ("img1.png img2.png img4.png", "img3.png"),
+            (
+                "left/008.jpg left/009.jpg left/012.jpg",
+                "left/010.jpg left/011.jpg",
+            ),
+            ("f0-a.png f2-a.png f6-a.png", "f4-a.png"),
+            ("a9.png a10.png a12.PNG", "a11.png"),
+            // Times in milliseconds, other names, and pictures that are not consecutive.
+            ("t33.png t66.png t100.png t167.png", ""),
+            ("a1.png a2.png b4.png", ""),
+            ("a.png b.png d.png", ""),
+            ("1.jpg 1.png 3.png", ""),
+            ("1.png 2.png 9000000000000000000.png", ""),
+            ("99999999999999999999.png 1.png", ""),
+            ("7.png", ""),
+        ] {
+            let paths = |text: &str| {
+                text.split_whitespace()
+                    .map(PathBuf::from)
+                    .collect::<Vec<_>>()
+            };
+            let mut found = with_missing(paths(there));
+            found.retain(|path| !paths(there).contains(path));
+            assert_eq!(found, paths(missing), "{there}");
+        }
+    }
 
     #[test]
     fn names_are_ordered_by_their_numbers() {

@@ -22,6 +22,9 @@ const MAX_MARKS: usize = 64;
 /// Pictures per second of folders without `--rate-hz`.
 const RATE_HZ: f64 = 100.0;
 
+/// Largest relative difference of equal rates: less than one picture in a day.
+const SAME_RATE: f64 = 1e-7;
+
 /// Find bright or coloured marks in pictures or films, and print them as lines of markers
 ///
 /// Each folder of PNG or JPEG pictures, in the order of their names, or film is one camera, with the name of the folder or film. The cameras
@@ -110,8 +113,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut readers = open(args)?;
     let rate_hz = match args.rate_hz {
         Some(rate_hz) => rate_hz,
-        None if args.cameras[0].is_dir() => RATE_HZ,
-        None => film_rate(&args.cameras[0])?,
+        None => common_rate(args)?,
     };
     let mut out = args.output.open()?;
     for index in 0_u64.. {
@@ -176,6 +178,35 @@ fn check(args: &Args) -> Result<(), Failure> {
             args.cameras.len()
         ))
     }
+}
+
+/// Returns the pictures per second of all films, and of the folders beside them.
+fn common_rate(args: &Args) -> Result<f64, Failure> {
+    let mut first: Option<(String, f64)> = None;
+    for film in args.cameras.iter().filter(|path| !path.is_dir()) {
+        let (name, rate) = (camera_name(film), film_rate(film)?);
+        match &first {
+            None => first = Some((name, rate)),
+            Some((first_name, first_rate)) if (rate / first_rate - 1.0).abs() > SAME_RATE => {
+                return Err(Failure::wrong_use(format!(
+                    "`{}` has {} pictures per second, and `{}` {}, so that their pictures are not taken at the same times; resample the films with \
+                     `--rate-hz {}`",
+                    escape(first_name),
+                    rounded(*first_rate),
+                    escape(&name),
+                    rounded(rate),
+                    rounded(first_rate.min(rate))
+                )));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(first.map_or(RATE_HZ, |(_, rate)| rate))
+}
+
+/// Returns a rate with three decimals.
+fn rounded(rate: f64) -> f64 {
+    (rate * 1000.0).round() / 1000.0
 }
 
 fn open(args: &Args) -> Result<Vec<Reader>, Failure> {
@@ -373,10 +404,13 @@ impl Report {
             }
         }
         for damaged in self.damaged.iter().take(5) {
-            say!("{name}: a damaged picture shows nothing: {damaged}");
+            say!("{name}: a damaged or missing picture shows nothing: {damaged}");
         }
         if self.damaged.len() > 5 {
-            say!("{name}: {} more damaged pictures", self.damaged.len() - 5);
+            say!(
+                "{name}: {} more damaged or missing pictures",
+                self.damaged.len() - 5
+            );
         }
         for label in &self.lost {
             let label = escape(label);

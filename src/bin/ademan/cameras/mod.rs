@@ -24,6 +24,9 @@ use crate::failure::Failure;
 /// Longest file of cameras or known points, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
+/// Pixels beyond the edge of an image that the noise of a mark explains.
+const EDGE_PX: f64 = 2.0;
+
 /// Most cameras.
 const MAX_CAMERAS: usize = 16;
 
@@ -107,6 +110,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// The view of all cameras at one instant.
 #[derive(Deserialize)]
 struct Line {
+    /// The file with the number of the line.
+    #[serde(skip)]
+    place: String,
     time_us: Option<u64>,
     cameras: Vec<View>,
 }
@@ -140,6 +146,7 @@ fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         let message = format!("{} cameras; {MAX_CAMERAS} can be calibrated", start.len());
         return Err(Failure::wrong_use(message));
     }
+    check_marks(&start, &lines)?;
     let frames: Vec<Frame> = lines.iter().map(|line| frame(&start, line)).collect();
     let calibration = match (args.wand, &args.points) {
         (Some(length), _) => from_wand(
@@ -241,16 +248,16 @@ fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
     let mut lines = Vec::new();
     for path in paths {
         for (number, text) in poses::lines(path)? {
-            let refused = |reason: &str| {
-                let (path, reason) = (escape_path(path), escape_line(reason));
-                Failure::wrong_use(format!("{path}:{number}: {reason}"))
-            };
-            let line: Line =
+            let place = format!("{}:{number}", escape_path(path));
+            let refused =
+                |reason: &str| Failure::wrong_use(format!("{place}: {}", escape_line(reason)));
+            let mut line: Line =
                 serde_json::from_str(&text).map_err(|error| refused(&error.to_string()))?;
             let mut marks = line.cameras.iter().flat_map(|view| &view.markers);
             if marks.any(|mark| mark.image.iter().any(|pixel| pixel.abs() > 1e6)) {
                 return Err(refused("a pixel beyond a million"));
             }
+            line.place = place;
             lines.push(line);
         }
     }
@@ -261,6 +268,30 @@ fn read_lines(paths: &[PathBuf]) -> Result<Vec<Line>, Failure> {
     } else {
         Ok(lines)
     }
+}
+
+/// Refuses marks outside the images of the cameras.
+fn check_marks(cameras: &[Camera], lines: &[Line]) -> Result<(), Failure> {
+    for line in lines {
+        for view in &line.cameras {
+            let Some(camera) = cameras.iter().find(|camera| camera.name == view.name) else {
+                continue;
+            };
+            let is_outside = |mark: &&SeenMark| {
+                let (image, edge) = (DVec2::from(mark.image), DVec2::splat(EDGE_PX));
+                image.cmplt(-edge).any() || image.cmpgt(camera.size + edge).any()
+            };
+            if let Some(mark) = view.markers.iter().find(is_outside) {
+                let ([u, v], name, size) = (mark.image, escape(&view.name), camera.size);
+                return Err(Failure::wrong_use(format!(
+                    "{}: camera `{name}` has a mark at {u}, {v}, outside its image of {} × {} pixels; state the size of the images in which the \
+                     marks were found, with `--size` or in the file of the cameras",
+                    line.place, size.x, size.y
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Returns a camera for each name of the lines.
