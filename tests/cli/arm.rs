@@ -266,3 +266,127 @@ fn comma_separated_values_have_a_column_for_each_number() {
             .all(|field| field.parse::<f64>().is_ok())
     );
 }
+
+/// Returns a line of landmarks of a person whose left wrist is at `wrist`, and whose left hand is hidden.
+fn left_arm(wrist: [f64; 3]) -> Value {
+    json!([
+        [0.2, -0.5, 0.0],
+        [-0.2, -0.5, 0.0],
+        [0.2, -0.2, 0.0],
+        [-0.2, -0.2, 0.0],
+        wrist,
+        [-0.2, 0.05, 0.0],
+        null,
+        [-0.22, 0.12, 0.02],
+        null,
+        [-0.18, 0.12, 0.02],
+        null,
+        [-0.16, 0.08, 0.0],
+        [0.1, 0.0, 0.0],
+        [-0.1, 0.0, 0.0]
+    ])
+}
+
+#[test]
+fn a_straight_or_folded_arm_without_its_hand_has_no_shoulder_rotation() {
+    let folder = tempfile::tempdir().unwrap();
+    let straight = Some(std::f64::consts::PI);
+    let wrists = [
+        ([0.2, 0.05, 0.0], straight, false),
+        ([0.2 + 1e-7, 0.05, 0.0], straight, false),
+        ([0.2 - 1e-7, 0.05, 0.0], straight, false),
+        ([0.2, 0.05, 1e-4], straight, false),
+        ([0.2, -0.45, 0.0], Some(0.0), false),
+        ([0.4, -0.2, 0.0], Some(std::f64::consts::FRAC_PI_2), true),
+        // No forearm.
+        ([0.2, -0.2, 0.0], None, false),
+    ];
+    let poses = wrists.map(|(wrist, ..)| left_arm(wrist).to_string());
+    let poses = file(&folder, "poses.jsonl", poses.join("\n"));
+    let printed = run(["arm", "attributes", &poses]).done();
+    let found = lines(&printed.out);
+    assert_eq!(found.len(), wrists.len());
+    for (line, (wrist, angle, has_rotation)) in found.iter().zip(wrists) {
+        let left = &line["left"];
+        let rotation = &left["shoulder_rotation"];
+        assert_eq!(rotation.is_number(), has_rotation, "{wrist:?}: {left}");
+        match angle {
+            Some(angle) => assert_close(&left["elbow_angle"], &angle.into(), 1e-9, "elbow"),
+            None => assert!(left["elbow_angle"].is_null(), "{left}"),
+        }
+    }
+}
+
+#[test]
+fn lines_that_show_nobody_are_counted_and_a_movement_names_the_landmark_that_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let pose = left_arm([0.4, -0.2, 0.0]);
+    // Some programs begin a text with a mark of its encoding.
+    let text =
+        format!("\u{feff}{pose}\n{{\"pose_world_landmarks\":null}}\n{{\"pose_landmarks\":[]}}\n");
+    let poses = file(&folder, "poses.jsonl", text);
+    let printed = run(["arm", "attributes", &poses]).done();
+    assert_eq!(printed.out.lines().count(), 1);
+    let expected = "2 of 3 lines of";
+    assert!(printed.err.contains(expected), "{}", printed.err);
+
+    let refused = run(["arm", "between", &poses, &poses]);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.err.contains("lacks the landmark `left-little`"),
+        "{}",
+        refused.err
+    );
+
+    let fraction = file(
+        &folder,
+        "fraction.jsonl",
+        format!("{{\"time_us\":1.5,\"pose_landmarks\":{pose}}}"),
+    );
+    let timed = run(["arm", "attributes", &fraction]);
+    assert_eq!(timed.code, Some(2));
+    assert!(timed.err.contains("`time_us` is 1.5"), "{}", timed.err);
+}
+
+#[test]
+fn attributes_out_of_their_ranges_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let pose = file(&folder, "pose.json", vectors()[0]["half_pose"].to_string());
+    let printed = run(["arm", "attributes", &pose, "--signed"]).done();
+    let good = &lines(&printed.out)[0];
+    for (name, value, reason) in [
+        (
+            "shoulder_direction",
+            json!([2.0, 0.0, 0.0]),
+            "has the length 2",
+        ),
+        (
+            "elbow_angle",
+            json!(132.6),
+            "is 132.6; it is in radians, 0.0000 to 3.1416",
+        ),
+        (
+            "shoulder_rotation",
+            json!(60),
+            "is 60; it is in radians, -3.1416 to 3.1416",
+        ),
+        (
+            "forearm_length",
+            json!(-0.3),
+            "is -0.3; a length is more than 0",
+        ),
+        (
+            "wrist_inclination",
+            json!(-0.1),
+            "is -0.1; it is in radians",
+        ),
+    ] {
+        let mut line = good.clone();
+        line["left"][name] = value;
+        let path = file(&folder, &format!("{name}.jsonl"), line.to_string());
+        let refused = run(["arm", "landmarks", &path]);
+        assert_eq!(refused.code, Some(2), "{name}");
+        let expected = format!("`{name}` of the left arm {reason}");
+        assert!(refused.err.contains(&expected), "{}", refused.err);
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::{file, run};
 
@@ -98,10 +98,78 @@ fn a_pose_with_an_arm_of_no_length_is_left_out_and_counted() {
     assert_eq!(lines(&ended.out).len(), 1);
     let expected = "1 of 2 poses have no angles and are left out";
     assert!(ended.err.contains(expected), "{}", ended.err);
+    // A fit gives such a bone no direction either.
+    let fitted = run(["body", "angles", path.as_str(), "--fit"]).done();
+    assert_eq!(lines(&fitted.out).len(), 1);
+    assert!(fitted.err.contains(expected), "{}", fitted.err);
     let empty_path = file(&folder, "none.jsonl", pose.to_string());
     let empty = run(["body", "angles", empty_path.as_str()]);
     assert_eq!(empty.code, Some(2));
     assert!(empty.err.contains("no pose has angles"), "{}", empty.err);
+}
+
+#[test]
+fn a_hidden_point_costs_its_pose_alone_and_landmarks_may_have_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut pose = vectors()[0]["points"].clone();
+    let whole = pose.to_string();
+    pose["left_wrist"] = Value::Null;
+    let nobody = r#"{"pose_world_landmarks":null}"#;
+    let path = file(
+        &folder,
+        "poses.jsonl",
+        [&whole, &pose.to_string(), &whole, nobody].join("\n"),
+    );
+    for options in [&[][..], &["--fit"]] {
+        let angles = ["body", "angles", path.as_str()];
+        let ended = run(angles.into_iter().chain(options.iter().copied())).done();
+        assert_eq!(lines(&ended.out).len(), 2);
+        let expected = "2 of 4 poses have no angles and are left out; the first one: the pose lacks the position of `left-wrist`";
+        assert!(ended.err.contains(expected), "{}", ended.err);
+    }
+
+    let position = |row: u32| [f64::from(row) * 0.03, (f64::from(row) * 0.7).sin(), 0.1];
+    let list: Vec<_> = (0..33).map(position).collect();
+    let named = list.iter().map(|[x, y, z]| json!({"x": x, "y": y, "z": z}));
+    let named = json!({"pose_world_landmarks": named.collect::<Vec<_>>()});
+    let as_lists = file(
+        &folder,
+        "lists.jsonl",
+        json!({"pose_world_landmarks": list}).to_string(),
+    );
+    let as_objects = file(&folder, "objects.jsonl", named.to_string());
+    let from_objects = run(["body", "angles", as_objects.as_str()]).done().out;
+    assert_eq!(
+        from_objects,
+        run(["body", "angles", as_lists.as_str()]).done().out
+    );
+}
+
+#[test]
+fn positions_keep_the_time_of_their_line_and_wrong_numbers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut pose = vectors()[0]["points"].clone();
+    pose["time_us"] = 12_500.into();
+    let poses = file(&folder, "poses.jsonl", pose.to_string());
+    let printed = run(["body", "angles", poses.as_str()]).done().out;
+    let angles = &lines(&printed)[0];
+    let positions = |name: &str, change: &dyn Fn(&mut Value)| {
+        let mut line = angles.clone();
+        change(&mut line);
+        let path = file(&folder, name, line.to_string());
+        run(["body", "positions", path.as_str()])
+    };
+    let lower_case = positions("order.jsonl", &|line| line["order"] = "zxy".into()).done();
+    assert_eq!(lines(&lower_case.out)[0]["time_us"], 12_500);
+    let negative = positions("hips.jsonl", &|line| line["lengths"]["hips"] = json!(-0.24));
+    assert_eq!(negative.code, Some(2));
+    let expected = "the length of `hips` is -0.24; a length is 0 or more";
+    assert!(negative.err.contains(expected), "{}", negative.err);
+    pose["time_us"] = json!(-5);
+    let early = file(&folder, "early.jsonl", pose.to_string());
+    let refused = run(["body", "angles", early.as_str()]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("`time_us` is -5"), "{}", refused.err);
 }
 
 /// Returns the bytes of an array of NumPy of 64-bit numbers.

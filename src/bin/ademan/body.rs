@@ -10,7 +10,8 @@ use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
 use ademan::geometry::EulerOrder;
 use ademan::message::{escape_line, escape_path};
 use glam::{DMat3, DVec3};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use crate::arm::{OutputArgs, poses};
@@ -77,10 +78,20 @@ struct PositionsArgs {
 pub struct AnglesLine {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     time_us: Option<u64>,
+    #[serde(deserialize_with = "deserialize_order")]
     order: EulerOrder,
     root: [f64; 3],
     lengths: BTreeMap<BodyJoint, f64>,
     angles_deg: BTreeMap<BodyJoint, [f64; 3]>,
+}
+
+/// A line of positions.
+#[derive(Serialize)]
+struct PositionsLine {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_us: Option<u64>,
+    #[serde(flatten)]
+    positions: BTreeMap<BodyPoint, [f64; 3]>,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
@@ -97,10 +108,12 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     let lengths = args.fit.then(|| median_lengths(&args.files)).transpose()?;
     for_each_line(&args.files, |text| {
         let (time_us, mut body) = parse_body(text)?;
-        if let Some(lengths) = &lengths {
+        let mut line = AnglesLine::new(time_us, args.order, &body);
+        if let (Some(lengths), Ok(_)) = (&lengths, &line) {
             body = body.fitted(lengths);
+            line = AnglesLine::new(time_us, args.order, &body);
         }
-        let line = match AnglesLine::new(time_us, args.order, &body) {
+        let line = match line {
             Ok(line) => line,
             // One hidden limb says nothing about the other poses.
             Err(reason) => {
@@ -143,7 +156,7 @@ fn print_angles(args: &AnglesArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the median length of each bone.
+/// Returns the median length of each bone in the poses that have angles.
 fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure> {
     if files.iter().any(|file| file.as_os_str() == "-") {
         let message = "`--fit` reads the poses twice, which standard input cannot be; write them to a file first";
@@ -152,6 +165,9 @@ fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure>
     let mut seen: [Vec<f64>; BodyJoint::COUNT] = Default::default();
     for_each_line(files, |text| {
         let (_, body) = parse_body(text)?;
+        if body.rotations().is_err() {
+            return Ok(());
+        }
         for (bone_lengths, length) in seen.iter_mut().zip(body.lengths()) {
             bone_lengths.push(length);
         }
@@ -169,7 +185,10 @@ fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
         let positions: BTreeMap<BodyPoint, [f64; 3]> = points
             .map(|&point| (point, body.get(point).to_array()))
             .collect();
-        lines.push(json(&positions));
+        lines.push(json(&PositionsLine {
+            time_us: line.time_us,
+            positions,
+        }));
         Ok(())
     })?;
     let mut out = args.output.open()?;
@@ -205,6 +224,10 @@ fn at_line(file: &Path, number: usize, reason: &str) -> Failure {
 impl AnglesLine {
     /// Returns the line of a body; an error if its points do not determine all joints.
     pub fn new(time_us: Option<u64>, order: EulerOrder, body: &BodyPoints) -> Result<Self, String> {
+        let mut points = BodyPoint::ALL.iter();
+        if let Some(&hidden) = points.find(|&&point| !body.get(point).is_finite()) {
+            return Err(missing(hidden));
+        }
         let rotations = body.rotations().map_err(|error| error.to_string())?;
         let lengths = body.lengths();
         let joints = || BodyJoint::ALL.iter();
@@ -232,7 +255,13 @@ impl AnglesLine {
             let missing = || format!("the line lacks the joint `{joint}`");
             let angles = self.angles_deg.get(&joint).ok_or_else(missing)?;
             local[joint.index()] = self.order.rotation(angles.map(f64::to_radians));
-            lengths[joint.index()] = *self.lengths.get(&joint).ok_or_else(missing)?;
+            let length = *self.lengths.get(&joint).ok_or_else(missing)?;
+            if length < 0.0 {
+                return Err(format!(
+                    "the length of `{joint}` is {length}; a length is 0 or more"
+                ));
+            }
+            lengths[joint.index()] = length;
         }
         let root = DVec3::from_array(self.root);
         Ok(BodyRotations::new(local).points(root, &lengths))
@@ -267,6 +296,7 @@ pub fn body_of_landmarks(landmarks: &BodyLandmarks) -> BodyPoints {
     BodyPoints { positions }
 }
 
+/// Parses a pose. Points that are `null` are not numbers, as all points are if nobody was seen.
 fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
         format!(
@@ -274,12 +304,16 @@ fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
              the formats"
         )
     })?;
-    let time_us = value.get("time_us").and_then(Value::as_u64);
+    let time_us = poses::time_us(&value)?;
     let mut positions = [DVec3::NAN; BodyPoint::COUNT];
-    if let Some(landmarks) = value.get("pose_world_landmarks") {
+    if let Some(field) = value.get("pose_world_landmarks") {
+        let Some(landmarks) = poses::landmarks(field)? else {
+            return Ok((time_us, BodyPoints { positions }));
+        };
         for (row, point) in LANDMARKS {
+            let landmark = landmarks.get(row).ok_or_else(|| missing(point))?;
+            let position = poses::row(landmark);
             // The image has y down and z away from the camera.
-            let position = position(&landmarks[row]).ok_or_else(|| missing(point))?;
             positions[point.index()] = position * DVec3::new(1.0, -1.0, -1.0);
         }
         return Ok((time_us, BodyPoints { positions }));
@@ -297,18 +331,13 @@ fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
         let underscored = point.name().replace('-', "_");
         let found = value.get(index).or_else(|| value.get(point.name()));
         let found = found.or_else(|| value.get(underscored));
-        positions[point.index()] = found.and_then(position).ok_or_else(|| missing(point))?;
+        positions[point.index()] = found.map(poses::row).ok_or_else(|| missing(point))?;
     }
     Ok((time_us, BodyPoints { positions }))
 }
 
 fn missing(point: BodyPoint) -> String {
     format!("the pose lacks the position of `{point}`")
-}
-
-fn position(value: &Value) -> Option<DVec3> {
-    let number = |axis: usize| value.get(axis)?.as_f64();
-    Some(DVec3::new(number(0)?, number(1)?, number(2)?))
 }
 
 fn write_csv(lines: &[AnglesLine], out: &mut dyn Write) -> std::io::Result<()> {
@@ -336,6 +365,11 @@ fn write_csv(lines: &[AnglesLine], out: &mut dyn Write) -> std::io::Result<()> {
 /// Returns a value as JSON.
 pub fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("every key is a string")
+}
+
+fn deserialize_order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<EulerOrder, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    order(&text).map_err(D::Error::custom)
 }
 
 /// Reads the order of Euler angles.

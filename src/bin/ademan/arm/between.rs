@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use ademan::estimate::arm_attributes::{HalfPose, ImageSize, Trunk};
+use ademan::estimate::arm_attributes::{HALF_POSE_ROWS, HalfPose, ImageSize, Trunk};
 use ademan::message::escape_path;
 
 use super::values::{Line, both};
@@ -63,6 +63,24 @@ enum Form {
     Strip,
 }
 
+/// The landmarks of a half pose.
+const LANDMARKS: [&str; HALF_POSE_ROWS] = [
+    "left-shoulder",
+    "right-shoulder",
+    "left-elbow",
+    "right-elbow",
+    "left-wrist",
+    "right-wrist",
+    "left-little",
+    "right-little",
+    "left-index",
+    "right-index",
+    "left-thumb",
+    "right-thumb",
+    "left-hip",
+    "right-hip",
+];
+
 impl Ease {
     /// Returns the fraction of the way at a fraction of the time.
     fn way(self, time: f64) -> f64 {
@@ -81,6 +99,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map(|file| {
             let poses = poses::read(file, args.image_size)?;
             let half = poses[0].half;
+            if let Some(row) = half.rows().iter().position(|row| !row.is_finite()) {
+                return Err(Failure::wrong_use(format!(
+                    "the first pose of {} lacks the landmark `{}`, which a movement needs; name a file whose first pose shows both arms",
+                    escape_path(file),
+                    LANDMARKS[row]
+                )));
+            }
             both(&half).map_err(|(side, error)| {
                 Failure::wrong_use(format!(
                     "the {side} arm of {} has no attributes: {error}",

@@ -20,6 +20,9 @@ const FIRST_ROW: usize = 11;
 /// The longest line, in bytes.
 const MAX_LINE_BYTES: u64 = 1 << 16;
 
+/// Bytes that some programs write at the start of a text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// The fields that hold landmarks, in world coordinates or normalised.
 const LANDMARK_FIELDS: [&str; 3] = ["pose_world_landmarks", "body_landmarks", "pose_landmarks"];
 
@@ -42,9 +45,19 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
             ))
         })
     };
-    let mut poses = Vec::new();
+    let (mut poses, mut without_person) = (Vec::new(), 0);
     for (number, text) in lines(path)? {
-        poses.push(read_line(number, &text)?);
+        match read_line(number, &text)? {
+            Some(pose) => poses.push(pose),
+            None => without_person += 1,
+        }
+    }
+    if without_person > 0 {
+        let count = poses.len() + without_person;
+        complain!(
+            "{without_person} of {count} lines of {} show nobody and are left out",
+            escape_path(path)
+        );
     }
     if poses.is_empty() {
         Err(Failure::wrong_use(format!(
@@ -69,7 +82,9 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     let start = reader
         .fill_buf()
         .map_err(|error| cannot_read(error.to_string()))?;
-    if start.starts_with(npy::MAGIC) {
+    if start.starts_with(BYTE_ORDER_MARK) {
+        reader.consume(BYTE_ORDER_MARK.len());
+    } else if start.starts_with(npy::MAGIC) {
         reader.consume(npy::MAGIC.len());
         let poses =
             npy::read(reader).map_err(|reason| cannot_read(escape_line(&reason).to_string()))?;
@@ -91,26 +106,47 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     Ok(found)
 }
 
-/// Parses one pose. An error states what it could be and is not.
-fn parse(text: &str, image: Option<ImageSize>) -> Result<Pose, String> {
+/// Parses one pose; `None` if nobody was seen. An error states what it could be and is not.
+fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
     let Ok(value) = serde_json::from_str::<Value>(text) else {
         let rows = csv_rows(text).ok_or(
             "neither JSON nor comma-separated numbers of 14 or 33 landmarks; \
              `ademan arm attributes --help` lists the formats",
         )?;
-        return half_pose(&rows, image, None);
+        return half_pose(&rows, image, None).map(Some);
     };
     if value.get("trunk").is_some() {
         let line: Line = serde_json::from_value(value).map_err(|error| error.to_string())?;
         let half = line.pose()?;
-        return Ok(Pose {
+        return Ok(Some(Pose {
             time_us: line.time_us,
             half,
-        });
+        }));
     }
-    let time_us = value.get("time_us").and_then(Value::as_u64);
+    let time_us = time_us(&value)?;
     let field = LANDMARK_FIELDS.iter().find_map(|name| value.get(name));
-    let list = field.unwrap_or(&value).as_array().ok_or_else(|| {
+    let Some(list) = landmarks(field.unwrap_or(&value))? else {
+        return Ok(None);
+    };
+    half_pose(&list.iter().map(row).collect::<Vec<_>>(), image, time_us).map(Some)
+}
+
+/// Returns the time that a line states, in microseconds.
+pub fn time_us(line: &Value) -> Result<Option<u64>, String> {
+    match line.get("time_us") {
+        None | Some(Value::Null) => Ok(None),
+        Some(time) => time.as_u64().map(Some).ok_or_else(|| {
+            format!("`time_us` is {time}; it is a whole number of microseconds, 0 or more")
+        }),
+    }
+}
+
+/// Returns the landmarks of the first person in a field; `None` if nobody was seen.
+pub fn landmarks(field: &Value) -> Result<Option<&[Value]>, String> {
+    if field.is_null() {
+        return Ok(None);
+    }
+    let list = field.as_array().ok_or_else(|| {
         format!(
             "a pose is a list of landmarks, or an object with one of `{}`",
             LANDMARK_FIELDS.join("`, `")
@@ -118,13 +154,16 @@ fn parse(text: &str, image: Option<ImageSize>) -> Result<Pose, String> {
     })?;
     // The bridge emits one list for each person.
     let of_person = list.first().and_then(Value::as_array);
-    let is_nested = of_person.is_some_and(|first| first.first().is_some_and(Value::is_array));
+    let is_nested = of_person.is_some_and(|person| {
+        let first = person.first();
+        first.is_some_and(|landmark| landmark.is_array() || landmark.is_object())
+    });
     let list = of_person.filter(|_| is_nested).unwrap_or(list);
-    half_pose(&list.iter().map(row).collect::<Vec<_>>(), image, time_us)
+    Ok(Some(list.as_slice()).filter(|list| !list.is_empty()))
 }
 
 /// Returns the position of a landmark; not a number for one that is missing.
-fn row(value: &Value) -> DVec3 {
+pub fn row(value: &Value) -> DVec3 {
     let number = |index: usize, name: &str| {
         let number = value.get(index).or_else(|| value.get(name));
         number.and_then(Value::as_f64).unwrap_or(f64::NAN)

@@ -1,12 +1,22 @@
 //! The attributes of a pose as JSON.
 
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
 use ademan::estimate::arm_attributes::{
-    ArmAttributes, ArmAttributesError, ArmLandmarks, FullRotation, HalfPose, Trunk, hand_basis,
-    shoulder_basis,
+    ArmAttributes, ArmAttributesError, ArmLandmarks, FullRotation, HalfPose, MIN_ELBOW_SINE,
+    STRAIGHT_LANDMARKS, Trunk, hand_basis, shoulder_basis,
 };
+use ademan::geometry::angle_between;
 use ademan::hand::Side;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+
+/// The largest error of a direction or an angle that rounding explains.
+const ROUNDING: f64 = 1e-3;
+
+/// The name of an attribute that is refused, and the reason.
+type Refused = (&'static str, String);
 
 /// One line: the trunk and the attributes of both arms.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -74,7 +84,7 @@ impl Line {
         let arms = [(Side::Left, &self.left), (Side::Right, &self.right)];
         let [left, right] = arms.map(|(side, arm)| {
             arm.attributes()
-                .map_err(|name| format!("`{name}` of the {side} arm is null"))
+                .map_err(|(name, reason)| format!("`{name}` of the {side} arm {reason}"))
         });
         let trunk = self.trunk.into();
         HalfPose::from_attributes(&trunk, &[left?, right?]).map_err(|error| error.to_string())
@@ -87,7 +97,14 @@ impl ArmValues {
         let arm = pose.arm(side);
         let length = |from: DVec3, to: DVec3| Some(from.distance(to)).filter(|it| it.is_finite());
         let (upper_arm, forearm) = (arm.elbow - arm.shoulder, arm.wrist - arm.elbow);
-        let angle = std::f64::consts::PI - upper_arm.angle_between(forearm);
+        let has_lengths = upper_arm != DVec3::ZERO && forearm != DVec3::ZERO;
+        let flexion = if has_lengths {
+            angle_between(upper_arm, forearm)
+        } else {
+            f64::NAN
+        };
+        let is_straight = flexion <= STRAIGHT_LANDMARKS;
+        let angle = if is_straight { PI } else { PI - flexion };
         let mut values = Self {
             upper_arm_length: length(arm.shoulder, arm.elbow),
             forearm_length: length(arm.elbow, arm.wrist),
@@ -117,6 +134,10 @@ impl ArmValues {
             return values;
         };
         values.shoulder_direction = Some(direction.to_array());
+        // A straight or folded arm spans no plane.
+        if is_straight || flexion.sin() < MIN_ELBOW_SINE {
+            return values;
+        }
         let normal = image_from_shoulder.transpose() * upper_arm.cross(forearm);
         let full = FullRotation::new(side, direction);
         let rotation = full.map(|full| normal.angle_between(full.normal));
@@ -124,27 +145,67 @@ impl ArmValues {
         values
     }
 
-    /// Returns all attributes, or the name of one that is missing.
-    fn attributes(&self) -> Result<ArmAttributes, &'static str> {
-        fn number(value: Option<f64>, name: &'static str) -> Result<f64, &'static str> {
-            value.ok_or(name)
-        }
-        fn vector(value: Option<[f64; 3]>, name: &'static str) -> Result<DVec3, &'static str> {
-            value.map(DVec3::from_array).ok_or(name)
-        }
+    /// Returns all attributes, or the name of one that is missing or out of its range, with the reason.
+    fn attributes(&self) -> Result<ArmAttributes, Refused> {
+        let turn = |value, name| angle(value, name, -PI..=PI);
+        let bend = |value, name| angle(value, name, 0.0..=PI);
         Ok(ArmAttributes {
-            shoulder_direction: vector(self.shoulder_direction, "shoulder_direction")?,
-            upper_arm_length: number(self.upper_arm_length, "upper_arm_length")?,
-            shoulder_rotation: number(self.shoulder_rotation, "shoulder_rotation")?,
-            elbow_angle: number(self.elbow_angle, "elbow_angle")?,
-            forearm_length: number(self.forearm_length, "forearm_length")?,
-            elbow_rotation: number(self.elbow_rotation, "elbow_rotation")?,
-            wrist_rotation: number(self.wrist_rotation, "wrist_rotation")?,
-            wrist_inclination: number(self.wrist_inclination, "wrist_inclination")?,
+            shoulder_direction: direction(self.shoulder_direction, "shoulder_direction")?,
+            upper_arm_length: length(self.upper_arm_length, "upper_arm_length")?,
+            shoulder_rotation: turn(self.shoulder_rotation, "shoulder_rotation")?,
+            elbow_angle: bend(self.elbow_angle, "elbow_angle")?,
+            forearm_length: length(self.forearm_length, "forearm_length")?,
+            elbow_rotation: turn(self.elbow_rotation, "elbow_rotation")?,
+            wrist_rotation: turn(self.wrist_rotation, "wrist_rotation")?,
+            wrist_inclination: bend(self.wrist_inclination, "wrist_inclination")?,
             little_vector: vector(self.little_vector, "little_vector")?,
             index_vector: vector(self.index_vector, "index_vector")?,
             thumb_vector: vector(self.thumb_vector, "thumb_vector")?,
         })
+    }
+}
+
+/// Returns a value that is not null.
+fn known<T>(value: Option<T>, name: &'static str) -> Result<T, Refused> {
+    value.ok_or_else(|| (name, "is null".to_owned()))
+}
+
+fn vector(value: Option<[f64; 3]>, name: &'static str) -> Result<DVec3, Refused> {
+    known(value, name).map(DVec3::from_array)
+}
+
+fn direction(value: Option<[f64; 3]>, name: &'static str) -> Result<DVec3, Refused> {
+    let direction = vector(value, name)?;
+    let length = direction.length();
+    if (length - 1.0).abs() <= ROUNDING {
+        Ok(direction)
+    } else {
+        let reason = format!("has the length {length}; a direction has the length 1");
+        Err((name, reason))
+    }
+}
+
+fn length(value: Option<f64>, name: &'static str) -> Result<f64, Refused> {
+    let length = known(value, name)?;
+    if length > 0.0 {
+        Ok(length)
+    } else {
+        Err((name, format!("is {length}; a length is more than 0")))
+    }
+}
+
+fn angle(
+    value: Option<f64>,
+    name: &'static str,
+    range: RangeInclusive<f64>,
+) -> Result<f64, Refused> {
+    let angle = known(value, name)?;
+    let (least, most) = range.into_inner();
+    if (least - ROUNDING..=most + ROUNDING).contains(&angle) {
+        Ok(angle)
+    } else {
+        let reason = format!("is {angle}; it is in radians, {least:.4} to {most:.4}");
+        Err((name, reason))
     }
 }
 

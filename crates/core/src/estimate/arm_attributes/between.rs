@@ -18,7 +18,7 @@ const PARALLEL: f64 = 1e-9;
 impl ArmAttributes {
     /// Returns the attributes at a fraction of a movement to `end`, 0..=1: exactly these at 0, and exactly `end` at 1.
     ///
-    /// Angles with limits stay between their two ends, so that a movement between possible postures is possible.
+    /// Angles with limits stay between their two ends, and a signed shoulder rotation takes the short way, so that a movement between possible postures is possible.
     #[must_use]
     pub fn between(&self, end: &Self, fraction: f64) -> Self {
         if fraction <= 0.0 {
@@ -37,6 +37,13 @@ impl ArmAttributes {
             (_, to) if to < MIN_INCLINATION => [self.wrist_rotation; 2],
             _ => [self.wrist_rotation, end.wrist_rotation],
         };
+        // Only a rotation with a sign has a way across half a turn.
+        let rotation = [self.shoulder_rotation, end.shoulder_rotation];
+        let shoulder_rotation = if (rotation[1] - rotation[0]).abs() > PI {
+            turn_between(rotation[0], rotation[1], fraction)
+        } else {
+            linear(rotation[0], rotation[1])
+        };
         Self {
             shoulder_direction: direction_between(
                 self.shoulder_direction,
@@ -44,7 +51,7 @@ impl ArmAttributes {
                 fraction,
             ),
             upper_arm_length: linear(self.upper_arm_length, end.upper_arm_length),
-            shoulder_rotation: linear(self.shoulder_rotation, end.shoulder_rotation),
+            shoulder_rotation,
             elbow_angle: linear(self.elbow_angle, end.elbow_angle),
             forearm_length: linear(self.forearm_length, end.forearm_length),
             elbow_rotation: turn_between(self.elbow_rotation, end.elbow_rotation, fraction),
@@ -120,13 +127,19 @@ mod tests {
 
     #[test]
     fn turns_take_the_short_way_across_half_a_turn() {
+        let start = ArmAttributes {
+            shoulder_rotation: 3.1,
+            ..posture()
+        };
         let end = ArmAttributes {
+            shoulder_rotation: -3.1,
             elbow_rotation: -3.0,
             wrist_rotation: 3.0,
             ..posture()
         };
         for step in 1..10 {
-            let between = posture().between(&end, f64::from(step) / 10.0);
+            let between = start.between(&end, f64::from(step) / 10.0);
+            assert!(between.shoulder_rotation.abs() >= 3.1, "{between:?}");
             assert!(between.elbow_rotation.abs() >= 3.0, "{between:?}");
             assert!(between.wrist_rotation.abs() >= 3.0, "{between:?}");
         }

@@ -81,7 +81,7 @@ pub enum ArmAttributesError {
 
 /// The largest angle between upper arm and forearm of landmarks, in radians, that counts as a straight elbow:
 /// 1e-3 + 1e-5 · π.
-const STRAIGHT_LANDMARKS: f64 = 1e-3 + 1e-5 * std::f64::consts::PI;
+pub const STRAIGHT_LANDMARKS: f64 = 1e-3 + 1e-5 * std::f64::consts::PI;
 
 /// The smallest sine of the elbow angle with which the arm spans a plane.
-const MIN_ELBOW_SINE: f64 = 1e-6;
+pub const MIN_ELBOW_SINE: f64 = 1e-6;
