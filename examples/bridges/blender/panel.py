@@ -4,6 +4,7 @@ class Link:
     def __init__(self):
         self.receiver = None
         self.table = None
+        self.path = ""
         self.message = ""
         self.take = Take()
         self.recording = False
@@ -13,10 +14,11 @@ class Link:
 
     def load(self, path):
         """Loads the table of a file, or the starting table without a path."""
+        self.path = path
         try:
             text = STARTING_TABLE
             if path:
-                with open(bpy.path.abspath(path), encoding="utf-8") as file:
+                with open(bpy.path.abspath(path), encoding="utf-8-sig") as file:
                     text = file.read()
             self.table = Table(text)
             self.message = ""
@@ -27,6 +29,14 @@ class Link:
             return
         for fault in self.table.faults:
             print("Ademán: a row is left out:", fault, flush=True)
+
+    def find_targets(self):
+        """Loads the table again, because objects or bones have changed. It is dropped if none of its rows is left."""
+        self.baking = None
+        self.load(self.path)
+        if self.table and not (self.table.attach or self.table.bones):
+            self.table = None
+            self.message = "an object of the table has been removed: load the table again"
 
     def connect(self, host, port):
         self.disconnect()
@@ -68,9 +78,14 @@ def tick():
     moves = False
     try:
         moves = LINK.update()
-    except ReferenceError:
+    except (ReferenceError, TableError):
+        # An undo replaces all objects, and an edit the bones.
+        LINK.find_targets()
+    except Exception as error:
+        # A timer that fails is never called again.
         LINK.table, LINK.baking = None, None
-        LINK.message = "an object of the table has been removed: load the table again"
+        LINK.message = f"the table cannot be applied: {error}; correct it and load it again"
+        print("Ademán:", LINK.message, flush=True)
     shown = (LINK.receiver and LINK.receiver.state, LINK.message)
     if not moves and shown == LINK.shown:
         return TICK_S

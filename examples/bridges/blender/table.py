@@ -6,14 +6,22 @@ class Target:
     """An object, or a bone of one: `Object` or `Armature/bone`."""
 
     def __init__(self, name):
-        name, _, bone = name.partition("/")
+        name, _, self.bone_name = name.partition("/")
         self.object = bpy.data.objects.get(name)
         if self.object is None:
             raise TableError(f"there is no object `{name}`")
-        self.bone = self.object.pose and self.object.pose.bones.get(bone) if bone else None
-        if bone and self.bone is None:
-            raise TableError(f"object `{name}` has no bone `{bone}`")
-        self.owner = self.bone or self.object
+
+    @property
+    def bone(self):
+        """The bone, which is another one after the skeleton was edited."""
+        bone = self.object.pose and self.object.pose.bones.get(self.bone_name)
+        if bone is None:
+            raise TableError(f"object `{self.object.name}` has no bone `{self.bone_name}`")
+        return bone
+
+    @property
+    def owner(self):
+        return self.bone if self.bone_name else self.object
 
 
 class Attachment:
@@ -24,32 +32,40 @@ class Attachment:
         self.scale, self.offset = float(row.get("scale", 1)), float(row.get("offset", 0))
         if not (math.isfinite(self.scale) and math.isfinite(self.offset)):
             raise TableError("scale and offset are finite numbers")
-        owner, path = Target(row["target"]).owner, row["attribute"]
-        self.struct, self.name, self.index = owner, path, -1
+        self.target, path = Target(row["target"]), row["attribute"]
+        owner = self.target.owner
+        self.head, self.name, self.index, self.kind = "", path, -1, float
         if path.startswith('["') and path.endswith('"]'):
             if path[2:-2] not in owner:
                 owner[path[2:-2]] = 0.0
             return
         head, _, last = path.rpartition(".")
         if last in ("w", "x", "y", "z") and head:
-            head, _, vector = head.rpartition(".")
-            self.struct = owner.path_resolve(head) if head else owner
+            self.head, _, vector = head.rpartition(".")
             self.name = vector
             quaternion = vector in ("rotation_quaternion", "rotation_axis_angle")
             self.index = ("wxyz" if quaternion else "xyz").index(last)
-            getattr(self.struct, vector)[self.index]
+            self.kind = type(getattr(self.struct, vector)[self.index])
         else:
-            self.struct = owner.path_resolve(head) if head else owner
-            self.name = last
-            if not isinstance(getattr(self.struct, last), (bool, int, float)):
+            self.head, self.name = head, last
+            self.kind = type(getattr(self.struct, last))
+            if self.kind not in (bool, int, float):
                 raise TableError(f"`{path}` is no number; add the axis, as in `location.x`")
         if self.name == "rotation_euler" and owner.rotation_mode in ("QUATERNION", "AXIS_ANGLE"):
             owner.rotation_mode = "XYZ"
+
+    @property
+    def struct(self):
+        """What has the attribute."""
+        owner = self.target.owner
+        return owner.path_resolve(self.head) if self.head else owner
 
     def apply(self, channels):
         if self.channel not in channels:
             return
         value = channels[self.channel] * self.scale + self.offset
+        if self.kind is not float:
+            value = value >= 0.5 if self.kind is bool else round(value)
         if self.name.startswith('["'):
             self.struct[self.name[2:-2]] = value
         elif self.index >= 0:
@@ -68,10 +84,9 @@ class BoneRow:
         self.device, self.joint = row["device"], row["joint"]
         if self.joint not in BONE_ENDS and self.joint != "wrist":
             raise TableError(f"no bone begins at a joint `{self.joint}`")
-        target = Target(row["target"])
-        if target.bone is None:
+        target = self.target = Target(row["target"])
+        if not target.bone_name:
             raise TableError(f"`{row['target']}` is no bone; name it as `Armature/bone`")
-        self.bone = target.bone
         self.bone.rotation_mode = "QUATERNION"
         self.world_from_armature = target.object.matrix_world.to_3x3().normalized()
         self.rest = self.bone.bone.matrix_local.to_3x3()
@@ -82,6 +97,10 @@ class BoneRow:
         rest = axes((self.world_from_armature @ self.rest).col[1].normalized(), palm)
         self.turn = turn
         self.bone_from_axes = rest.transposed() @ self.world_from_armature @ self.rest
+
+    @property
+    def bone(self):
+        return self.target.bone
 
     def wanted(self, bones):
         """Returns the rotation of the bone in its skeleton; None if the hand does not show it."""
@@ -174,14 +193,24 @@ class Table:
                 row.key(frame)
 
 
+# A time that is so much earlier comes from another start of the program.
+RESTART_US = 500_000
+
+
 class Take:
     """Recorded hands by side, in the order of time."""
 
     def __init__(self):
         self.hands = {"left": [], "right": []}
+        # The latest time, when it came, and what is added to the times of a program that was started again.
+        self.latest_us, self.came, self.offset_us = 0, time.monotonic(), 0
 
     def add(self, hand):
-        hands = self.hands[hand.side]
+        hands, now = self.hands[hand.side], time.monotonic()
+        if hand.time_us + self.offset_us < self.latest_us - RESTART_US:
+            self.offset_us = self.latest_us + round((now - self.came) * 1e6) - hand.time_us
+        hand.time_us += self.offset_us
+        self.latest_us, self.came = max(self.latest_us, hand.time_us), now
         if not hands or hand.time_us > hands[-1].time_us:
             hands.append(hand)
 

@@ -120,13 +120,58 @@ for rate_hz in (50.0, 0.0):
         bone_keys=[len(curve.keyframe_points) for curve in rig.animation_data.action.fcurves],
     )
 
-# The connection is lost, and comes back.
+# The connection is lost, and comes back from a program that counts its time from 0 again.
+bpy.ops.ademan.record()
+ticks_until(lambda: addon.LINK.take.seconds() > 1.0)
+before = len(addon.LINK.take.hands["right"])
 say(lose=True)
 ticks_until(lambda: addon.LINK.receiver.state.startswith("no connection"))
 say(lost=addon.LINK.receiver.state)
 received = addon.LINK.receiver.received
 ticks_until(lambda: addon.LINK.receiver.received > received + 20)
 say(back=addon.LINK.receiver.state, connections=addon.LINK.receiver.connections)
+bpy.ops.ademan.record()
+times = [hand.time_us for hand in addon.LINK.take.hands["right"]]
+say(recorded_after=len(times) - before, in_order=times == sorted(times))
+
+# After an undo, and without a bone that was deleted, the rest of the table goes on.
+
+
+def apply_after_undo(hand):
+    raise ReferenceError("StructRNA of type Object has been removed")
+
+
+addon.LINK.table.apply = apply_after_undo
+ticks_until(lambda: addon.LINK.table is None or addon.LINK.table.apply is not apply_after_undo)
+say(after_undo=addon.LINK.table is not None)
+bpy.context.view_layer.objects.active = rig
+bpy.ops.object.mode_set(mode="EDIT")
+rig.data.edit_bones.remove(rig.data.edit_bones["index3"])
+bpy.ops.object.mode_set(mode="OBJECT")
+ticks_until(lambda: addon.LINK.table is None or len(addon.LINK.table.faults) > 4)
+count = cube.location.x
+ticks_until(lambda: cube.location.x != count)
+say(after_deletion=addon.LINK.table.faults[-3:])
+
+# Whole numbers and switches are set as such. A table that fails while it is applied is dropped, and the timer goes on.
+rows = [
+    {"device": "right", "channel": "wrist.x", "scale": 0, "offset": offset, "target": "Cube", "attribute": attribute}
+    for offset, attribute in ((2.6, "pass_index"), (0.7, "hide_viewport"), (0.7, "lock_location.x"))
+]
+with open(table_path, "w", encoding="utf-8-sig") as file:
+    json.dump({"format": "ademan-mapping", "version": 1, "attach": rows}, file)
+bpy.ops.ademan.load()
+ticks_until(lambda: cube.pass_index == 3)
+say(pass_index=cube.pass_index, hidden=cube.hide_viewport, locked=cube.lock_location[0], faults=addon.LINK.table.faults)
+
+
+def failing(hand):
+    raise TypeError("expected an int type")
+
+
+addon.LINK.table.apply = failing
+ticks_until(lambda: addon.LINK.table is None)
+say(failed=addon.LINK.message)
 
 # Tables and objects that cannot be used are named.
 messages = []

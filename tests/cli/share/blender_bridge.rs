@@ -199,6 +199,7 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
         (&json!("receiving"), &json!(2))
     );
 
+    check_changes(&mut results);
     let refused = results.next("messages");
     let reasons = [
         "it is no JSON",
@@ -228,6 +229,27 @@ fn bones_and_properties_follow_a_shared_hand_and_are_baked() {
     assert_eq!(results.next("disconnected")["disconnected"], true);
     results.next("end");
     assert!(blender.0.wait().expect("a child process").success());
+}
+
+/// Checks that the add-on goes on after a restart of the program, an undo, an edit of the skeleton, and a table that fails.
+fn check_changes(results: &mut Results) {
+    let recorded = results.next("recorded_after");
+    assert!(recorded["recorded_after"].as_u64() > Some(10), "{recorded}");
+    assert_eq!(recorded["in_order"], true);
+    assert_eq!(results.next("after_undo")["after_undo"], true);
+    let deletion = results.next("after_deletion")["after_deletion"].to_string();
+    assert!(
+        deletion.contains("object `Rig` has no bone `index3`"),
+        "{deletion}"
+    );
+    let set = results.next("pass_index");
+    let expected = json!({"pass_index": 3, "hidden": true, "locked": true, "faults": []});
+    assert_eq!(set, expected);
+    let failed = results.next("failed")["failed"].to_string();
+    assert!(
+        failed.contains("expected an int type; correct it"),
+        "{failed}"
+    );
 }
 
 /// Checks the directions of bones and the values of properties while the hand moves.
