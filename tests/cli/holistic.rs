@@ -82,3 +82,26 @@ fn a_second_source_for_the_arm_is_refused() {
         refused.err
     );
 }
+
+#[test]
+fn a_source_that_shows_only_the_other_hand_says_so_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = |number: u64| hand_landmarks::encode(Some(number * 10_000), &[(Side::Left, hand())]);
+    let lines: String = (1..8).map(line).collect();
+    let path = file(&folder, "left.jsonl", lines);
+    let source = format!("file:{path}?protocol=hand-landmarks&camera=head");
+    for command in [&["run"][..], &["trace", "readings"]] {
+        let ended = run(command.iter().copied().chain(["--source", &source]));
+        assert!(
+            ended.err.contains("7 of the other hand left out"),
+            "{}",
+            ended.err
+        );
+        let expected = "shows only the left hand, which the setup does not use: add `hand=left` to the options of the source";
+        assert!(ended.err.contains(expected), "{}", ended.err);
+    }
+    let left = format!("{source}&hand=left");
+    let used = run(["run", "--source", &left]).done();
+    assert!(used.err.contains("7 readings: 7 accepted"), "{}", used.err);
+    assert!(!used.err.contains("other hand"), "{}", used.err);
+}

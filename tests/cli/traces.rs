@@ -253,3 +253,15 @@ fn euler_angles_of_the_joints_are_those_that_turn_them() {
     assert_eq!(refused.code, Some(2));
     assert!(refused.err.contains("`--euler` is for"), "{}", refused.err);
 }
+
+#[test]
+fn a_recording_that_is_not_there_has_no_setup_that_is_announced() {
+    let ended = run(["trace", "readings", "--source", "recording:/nope.mcap"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(
+        ended.err.contains("cannot open recording:/nope.mcap"),
+        "{}",
+        ended.err
+    );
+    assert!(!ended.err.contains("using the setup"), "{}", ended.err);
+}

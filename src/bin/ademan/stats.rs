@@ -45,6 +45,9 @@ pub fn line(stats: &Stats) -> String {
     let readings = counted(source.readings, "reading");
     let mut line = format!("{readings}: {} accepted", stats.accepted);
     line.extend(rejected);
+    if source.left_out > 0 {
+        line += &format!(", {} of the other hand left out", source.left_out);
+    }
     if source.dropped > 0 {
         line += &format!(", {} dropped", source.dropped);
     }

@@ -107,8 +107,9 @@ impl<'a> TracedSetup<'a> {
     fn open(args: &'a Args) -> Result<Self, Failure> {
         match (args.flags.recording(), &args.setup) {
             (Some(path), None) => {
+                let replay = Box::new(Replay::open(path)?);
                 say!("using the setup in {}", escape_path(path));
-                Ok(Self::Recorded(Box::new(Replay::open(path)?), &args.flags))
+                Ok(Self::Recorded(replay, &args.flags))
             }
             (_, file) => Ok(Self::Own(Box::new(args.flags.read_setup(file.as_deref())?))),
         }

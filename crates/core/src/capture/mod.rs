@@ -214,6 +214,9 @@ pub struct SourceStats {
     pub dropped: u64,
     /// Number of times that the device was lost.
     pub losses: u64,
+    /// Readings of a hand that the setup does not use, which are not among the returned ones.
+    #[serde(skip)]
+    pub left_out: u64,
     /// Number of times that a sender has followed another one, of a source that several can send to.
     #[serde(skip)]
     pub sender_changes: u64,

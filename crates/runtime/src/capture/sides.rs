@@ -23,9 +23,15 @@ pub struct SidedSource {
     remaining: ArrayVec<Side, { Side::COUNT }>,
     /// Readings returned beyond the readings of the source.
     repeated: u64,
-    /// Readings of the source that were left out.
+    /// Readings of the source that were left out, and the side of the latest one.
     left_out: u64,
+    left_out_side: Option<Side>,
+    /// `true` if a reading was returned, or a message said why none was.
+    is_explained: bool,
 }
+
+/// Readings of another hand after which a source probably shows no hand of the setup: one to three seconds.
+const MANY_LEFT_OUT: u64 = 100;
 
 impl SidedSource {
     /// Creates a source with a reading for each of `sides`.
@@ -38,6 +44,8 @@ impl SidedSource {
             remaining: ArrayVec::new(),
             repeated: 0,
             left_out: 0,
+            left_out_side: None,
+            is_explained: false,
         }
     }
 
@@ -46,6 +54,21 @@ impl SidedSource {
         Self {
             has_two_gloves: true,
             ..Self::new(source, sides)
+        }
+    }
+
+    /// Says once that the source shows only another hand.
+    fn explain(&mut self) {
+        if self.is_explained {
+            return;
+        }
+        if let Some(side) = self.left_out_side {
+            self.is_explained = true;
+            tracing::warn!(
+                "{} shows only the {side} hand, which the setup does not use: add `hand={side}` to the options of the source, or `other_hand` to \
+                 the setup for both hands",
+                self.source.name()
+            );
         }
     }
 
@@ -69,15 +92,23 @@ impl Source for SidedSource {
             return Ok(SourceEvent::Reading(reading));
         }
         let event = self.source.next()?;
+        if matches!(event, SourceEvent::End) {
+            self.explain();
+        }
         let SourceEvent::Reading(reading) = event else {
             return Ok(event);
         };
-        if let Some(side) = reading.side {
-            if self.sides.contains(&side) {
-                return Ok(SourceEvent::Reading(reading));
-            }
+        if let Some(side) = reading.side.filter(|side| !self.sides.contains(side)) {
             self.left_out += 1;
+            self.left_out_side = Some(side);
+            if self.left_out >= MANY_LEFT_OUT {
+                self.explain();
+            }
             return Ok(SourceEvent::Idle);
+        }
+        self.is_explained = true;
+        if reading.side.is_some() {
+            return Ok(SourceEvent::Reading(reading));
         }
         let kind = reading.sample.kind();
         let is_of_two_gloves = self.has_two_gloves && kind == SampleKind::Channels;
@@ -130,6 +161,7 @@ impl Source for SidedSource {
         let stats = self.source.stats();
         SourceStats {
             readings: stats.readings + self.repeated - self.left_out,
+            left_out: self.left_out,
             ..stats
         }
     }

@@ -48,6 +48,9 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
+/// Longest time between two frames, in seconds. Longer ones are milliseconds by mistake.
+const MAX_FRAME_TIME: f64 = 1.0;
+
 const UNIT: ProtocolOption = ProtocolOption {
     name: "unit_mm",
     default: "10",
@@ -181,7 +184,9 @@ impl Decoder for BvhDecoder {
     }
 
     fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
-        if !self.has_failed && self.stats.bytes > self.text_start {
+        // A connection without a text may be followed by one with a text; a file may not.
+        let is_empty = self.stats.bytes == self.text_start && self.text_start > 0;
+        if !self.has_failed && !is_empty {
             self.parse(emit, |parser, on_frame| parser.finish(on_frame));
         }
         self.skip_rest();
@@ -249,6 +254,13 @@ impl FrameReader {
                 "`Frame Time:` is 0, so the frames have no order in time; write the seconds between two frames"
                     .to_owned(),
             );
+        }
+        if motion.frame_time > MAX_FRAME_TIME {
+            let frame_time = motion.frame_time;
+            return Err(format!(
+                "`Frame Time:` is {frame_time} seconds, more than {MAX_FRAME_TIME}; if these are milliseconds, write {}",
+                frame_time / 1000.0
+            ));
         }
         HandJoints::find(&motion.skeleton, self.hand).map_err(|error| error.to_string())
     }
@@ -340,6 +352,16 @@ mod tests {
         assert_eq!(left_frames, 0);
         let (_, time_reason) = error(&options(&[]), &TEXT.replace("0.02", "0"));
         assert!(time_reason.contains("`Frame Time:` is 0"), "{time_reason}");
+        let (_, long_reason) = error(&options(&[]), &TEXT.replace("0.02", "33.333"));
+        assert!(
+            long_reason.contains("`Frame Time:` is 33.333 seconds, more than 1; if these are milliseconds, write 0.033333"),
+            "{long_reason}"
+        );
+        let (_, empty_reason) = error(&options(&[]), "");
+        assert!(
+            empty_reason.contains("the text ends here"),
+            "{empty_reason}"
+        );
     }
 
     #[test]

@@ -4,6 +4,9 @@ use super::{Decoder, InvalidPacket, Packet, PacketError};
 use crate::capture::SourceStats;
 use crate::capture::feedback::FeedbackFormat;
 
+/// Bytes that some programs write at the start of a text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// Parser of a line without its line end. The ends of the packets are filled in later.
 pub trait LineParser: Send {
     /// Longest line in bytes, line end excluded. The rest of a longer one is skipped.
@@ -60,6 +63,9 @@ impl<P: LineParser> LineDecoder<P> {
 
     /// Handles the line so far, which occupies `bytes` of the stream, line end included.
     fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
+        if self.line_start == 0 && self.line.starts_with(BYTE_ORDER_MARK) {
+            self.line.drain(..BYTE_ORDER_MARK.len());
+        }
         self.line_start += bytes;
         let end = self.line_start;
         let is_too_long = std::mem::take(&mut self.is_skipping);

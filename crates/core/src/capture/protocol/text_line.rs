@@ -252,6 +252,19 @@ mod tests {
     }
 
     #[test]
+    fn a_mark_of_the_encoding_before_the_first_line_is_skipped() {
+        let mut decoder = TextLineDecoder::new();
+        let line = encode(&angles(&[45.0; VALUES]));
+        let mark = "\u{feff}";
+        let stream = [mark, &line, mark, &line].concat();
+        let mut count = 0;
+        for byte in stream.as_bytes() {
+            decoder.push(&[*byte], &mut |_| count += 1);
+        }
+        assert_eq!((count, decoder.stats().invalid.total()), (1, 1));
+    }
+
+    #[test]
     fn a_line_may_state_its_time_and_one_that_is_repeated_or_no_number_is_refused() {
         let angles = angles(&[45.0; VALUES]);
         let line = |time| {

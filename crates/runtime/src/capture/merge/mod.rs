@@ -356,6 +356,7 @@ impl Source for MergedSource {
             readings: sum.readings + stats.readings,
             dropped: sum.dropped + stats.dropped,
             losses: sum.losses + stats.losses,
+            left_out: sum.left_out + stats.left_out,
             sender_changes: sum.sender_changes + stats.sender_changes,
             cut_at: sum.cut_at.or(stats.cut_at),
         })

@@ -333,15 +333,20 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
 }
 
 fn are_pairs(options: &str) -> bool {
-    options.split('&').all(|pair| {
-        let Some((key, _)) = pair.split_once('=') else {
-            return false;
-        };
-        !key.is_empty()
-            && key
-                .bytes()
-                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-    })
+    let mut pairs = options
+        .split('&')
+        .filter(|pair| !pair.is_empty())
+        .peekable();
+    pairs.peek().is_some()
+        && pairs.all(|pair| {
+            let Some((key, _)) = pair.split_once('=') else {
+                return false;
+            };
+            !key.is_empty()
+                && key
+                    .bytes()
+                    .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        })
 }
 
 /// The options of a stream.

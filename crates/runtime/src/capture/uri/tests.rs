@@ -109,6 +109,8 @@ fn every_kind_of_source_has_a_uri() {
                 format: Some(text_line_50_hz),
             },
         ),
+        ("file:a?protocol=hc11&", stream("file", "a", default)),
+        ("file:a?&", stream("file", "a?&", default)),
         (
             "script:tap Q; wait 5",
             SourceUri::Script {

@@ -210,10 +210,14 @@ impl HandParser {
         };
         let positions = joints(&landmarks);
         if backward_bend(&positions, self.side(hand)) > MAX_BACKWARD_BEND {
-            Err(PacketError::new(
-                InvalidPacket::Unknown,
-                "the fingers of a hand bend backwards, so that its label is wrong; try `swap_hands=yes` or `mirrored=yes`",
-            ))
+            let other = |is_yes: bool| if is_yes { "no" } else { "yes" };
+            let is_mirrored = self.camera.is_mirrored;
+            let text = format!(
+                "the fingers of a hand bend backwards, so that its label is wrong; try `swap_hands={}` or `mirrored={}`",
+                other(self.is_swapped != is_mirrored),
+                other(is_mirrored)
+            );
+            Err(PacketError::new(InvalidPacket::Unknown, text))
         } else {
             Ok(positions)
         }

@@ -148,6 +148,30 @@ fn a_mirrored_image_and_labels_that_assume_one_give_the_same_hand() {
 }
 
 #[test]
+fn a_wrong_label_is_refused_with_options_that_are_not_set_yet() {
+    let right = encode(None, &[(Side::Right, right_hand())]);
+    for (option, advice) in [
+        (
+            (&SWAP_HANDS, "yes"),
+            "try `swap_hands=no` or `mirrored=yes`",
+        ),
+        (
+            (&SWAP_HANDS, "no"),
+            "try `swap_hands=yes` or `mirrored=yes`",
+        ),
+    ] {
+        let mut parser = HandParser::new(&options(&[HEAD, option]));
+        // The fingers of a left hand bend the other way.
+        let label = if option.1 == "yes" { "right" } else { "left" };
+        let line = right.replace("\"right\"", &format!("\"{label}\""));
+        let error = parser
+            .parse(line.trim_end().as_bytes(), &mut |_| {})
+            .unwrap_err();
+        assert!(error.to_string().contains(advice), "{error}");
+    }
+}
+
+#[test]
 fn a_hand_below_the_score_or_out_of_view_has_no_joints() {
     let seen = encode(None, &[(Side::Right, right_hand())]);
     let unsure = seen.replace("\"score\":1.0", "\"score\":0.49");

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::capture::bvh::joint_of;
 use crate::capture::markers::{ElbowCenter, wrist_center};
 use crate::hand::{Joint, JointPositions, Side};
+use crate::message::escape;
 
 /// The place of a marker on the arm or hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,42 @@ impl MarkerSite {
         };
         (side.unwrap_or(hand) == hand).then_some(site)
     }
+}
+
+/// The reason of a line whose labels are right.
+pub(super) const NOT_SEEN_BY_TWO: &str = "no labelled marker of the hand is seen by two cameras";
+
+/// Most labels that a message names.
+const NAMED_LABELS: usize = 3;
+
+/// Returns the reason why labels give no marker of a hand.
+pub(super) fn why_no_marker<'a>(labels: impl Iterator<Item = &'a str>, hand: Side) -> String {
+    let (mut unknown, mut is_of_other) = (Vec::new(), false);
+    for label in labels {
+        if MarkerSite::from_label(label, hand).is_some() {
+            return NOT_SEEN_BY_TWO.to_owned();
+        }
+        if MarkerSite::from_label(label, hand.opposite()).is_some() {
+            is_of_other = true;
+        } else if !unknown.contains(&label) && unknown.len() < NAMED_LABELS {
+            unknown.push(label);
+        }
+    }
+    let other = hand.opposite();
+    if is_of_other {
+        return format!("the labels are of the {other} hand; use `hand={other}`");
+    }
+    if unknown.is_empty() {
+        return "no marker has a label; label each of them in one camera at least".to_owned();
+    }
+    let unknown: Vec<String> = unknown
+        .iter()
+        .map(|it| format!("`{}`", escape(it)))
+        .collect();
+    format!(
+        "no label names a joint of an arm or hand: {}; use names such as `RightHand`, `RELB` or `index-finger-tip`",
+        unknown.join(", ")
+    )
 }
 
 /// Reads the names of the marker set Plug-in Gait; `FIN` is over the knuckle of the middle finger.

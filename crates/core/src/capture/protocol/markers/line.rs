@@ -63,6 +63,14 @@ where
     }
 }
 
+impl Line<'_> {
+    /// Returns the labels that the cameras state.
+    pub fn labels(&self) -> impl Iterator<Item = &str> {
+        let markers = self.cameras.iter().flat_map(|camera| &camera.markers);
+        markers.filter_map(|marker| marker.label.as_deref())
+    }
+}
+
 impl Camera<'_> {
     /// Returns the rays to the markers; `None` if one of them is not determined.
     pub fn observations(&self) -> Option<Vec<Observation<'_>>> {

@@ -21,7 +21,7 @@ mod encode;
 mod hand_markers;
 mod line;
 
-use self::hand_markers::{HandMarkers, MarkerSite, SeenMarker};
+use self::hand_markers::{HandMarkers, MarkerSite, NOT_SEEN_BY_TWO, SeenMarker};
 use self::line::Line;
 use super::bone_lengths::{self, BONES};
 use super::encoder::{require_defaults, time_us};
@@ -167,7 +167,11 @@ impl LineParser for MarkerParser {
         let seen = self.seen();
         let mut positions = self.markers.joints(&seen);
         if positions.is_empty() || seen.iter().all(|marker| marker.is_predicted) {
-            let text = "no labelled marker of the hand is seen by two cameras";
+            let text = if seen.is_empty() {
+                hand_markers::why_no_marker(line.labels(), self.hand)
+            } else {
+                NOT_SEEN_BY_TWO.to_owned()
+            };
             return Err(PacketError::new(InvalidPacket::Unknown, text));
         }
         if let Some(fit) = &mut self.bones {

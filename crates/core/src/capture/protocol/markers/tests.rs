@@ -285,3 +285,36 @@ fn fixed_bones_keep_the_length_of_a_forearm_whose_markers_have_noise() {
     let (free, fixed) = (spread_mm("free"), spread_mm("fixed"));
     assert!(free > 5.0 && fixed < 1e-6, "{free} {fixed}");
 }
+
+#[test]
+fn a_line_without_a_marker_of_the_hand_states_why() {
+    let reason = |option: &[(&ProtocolOption, &str)], label: &str| {
+        let mut parser = MarkerParser::new(&options(option));
+        let line = line(&[
+            (CAMERAS[0], &[(label, ELBOW)]),
+            (CAMERAS[1], &[(label, ELBOW)]),
+        ]);
+        let error = parser.parse(line.as_bytes(), &mut |_| {}).unwrap_err();
+        error.to_string()
+    };
+    for (label, expected) in [
+        ("LELB", "the labels are of the left hand; use `hand=left`"),
+        (
+            "m1",
+            "no label names a joint of an arm or hand: `m1`; use names such as",
+        ),
+        ("-", "no marker has a label"),
+    ] {
+        let found = reason(&[], label);
+        assert!(found.contains(expected), "{label}: {found}");
+    }
+    let of_right = reason(&[(&HAND, "left")], "RightHand");
+    assert!(of_right.contains("use `hand=right`"), "{of_right}");
+    let mut parser = MarkerParser::new(&options(&[]));
+    let alone = line(&[
+        (CAMERAS[0], &[("elbow", ELBOW)]),
+        (CAMERAS[1], &[("foo", OTHER)]),
+    ]);
+    let error = parser.parse(alone.as_bytes(), &mut |_| {}).unwrap_err();
+    assert!(error.to_string().contains("seen by two cameras"), "{error}");
+}
