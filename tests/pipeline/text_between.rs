@@ -95,11 +95,10 @@ fn the_rest_of_a_word_is_not_corrected_behind_a_change_of_the_mode() {
         pipeline.execute(&command, origin, events).expect("a mode");
     };
     let setup = load(TextModeSetup::Literal);
-    let script = format!("{HALF}; {WORD}");
-    let text = performs(&setup, &script, 3, to_auto);
-    assert_eq!(text, "conteh the ");
-    let script = format!("tap A; tap Space; wait 1500; {WORD}");
-    assert_eq!(performs(&setup, &script, 2, to_auto), "a the ");
+    let half = format!("{HALF}; {WORD}");
+    assert_eq!(performs(&setup, &half, 3, to_auto), "conteh the ");
+    let whole = format!("tap A; tap Space; wait 1500; {WORD}");
+    assert_eq!(performs(&setup, &whole, 2, to_auto), "a the ");
 }
 
 #[test]
@@ -119,16 +118,16 @@ fn a_layout_that_is_replaced_hands_over_half_a_word_and_what_was_learned() {
         let mut instance = setup.layout_instance(&setup.layout).expect("a layout");
         pipeline.replace_profile(0, &mut instance, &setup.layout, events);
     };
-    let script = format!("{HALF}; {WORD}");
-    assert_eq!(performs(&setup, &script, 3, replace), "conteh the ");
+    let half = format!("{HALF}; {WORD}");
+    assert_eq!(performs(&setup, &half, 3, replace), "conteh the ");
     // One Backspace restores a word, which is not changed again.
     let restored = "tap T; tap E; tap H; tap Space; tap Backspace; wait 1500; tap A; tap Space";
     let hand = setup.scripted(restored, &Hc11Format::default(), 0.0, 0);
     let alone = play(&setup, hand.expect("a script"), |_, _, _| {});
     assert_eq!(alone.text, "teh a ");
     let presses = alone.events.matches("KeyDown").count();
-    let script = format!("{restored}; wait 1500; {WORD}");
-    assert_eq!(performs(&setup, &script, presses, replace), "teh a teh ");
+    let again = format!("{restored}; wait 1500; {WORD}");
+    assert_eq!(performs(&setup, &again, presses, replace), "teh a teh ");
 }
 
 #[test]

@@ -117,8 +117,8 @@ impl Pipeline {
             return;
         }
         self.release_all(self.time, events);
-        let filter = self.profiles[self.active_profile].layout.filter();
-        let is_inside_word = filter.and_then(PressFilter::is_inside_word);
+        let before = self.profiles[self.active_profile].layout.filter();
+        let is_inside_word = before.and_then(PressFilter::is_inside_word);
         self.active_profile = profile;
         let filter = self.profiles[profile].layout.filter_mut();
         if let Some((filter, is_inside)) = filter.zip(is_inside_word) {

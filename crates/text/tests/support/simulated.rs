@@ -94,7 +94,7 @@ pub fn full_keyboard() -> Keyboard {
     let mut keys = Vec::new();
     for (row, (characters, shifted, indent)) in rows.into_iter().enumerate() {
         let places = characters.chars().zip(shifted.chars()).enumerate();
-        for (column, (character, shifted)) in places {
+        for (column, (character, above)) in places {
             let [x, y] = [(column as f32 + indent) * PITCH, row as f32 * PITCH];
             let key = Key {
                 character,
@@ -103,8 +103,8 @@ pub fn full_keyboard() -> Keyboard {
                 hand: u8::from(column > 4),
             };
             keys.push(key);
-            keys.extend((shifted != ' ').then_some(Key {
-                character: shifted,
+            keys.extend((above != ' ').then_some(Key {
+                character: above,
                 center: [x + 40_000.0, y],
                 ..key
             }));
