@@ -20,7 +20,7 @@ pub use documents::{Load, OpenDocument};
 pub use lock::LockedFile;
 pub use replace::{
     check_destination, replace_private_text, replace_public_text, replace_text,
-    replace_text_and_keep, write_new_text,
+    replace_text_and_keep, replace_text_if, write_new_text,
 };
 pub use search::{own_gloves, own_layouts, own_persons};
 
@@ -49,6 +49,9 @@ pub enum FileError {
     /// A new file is to be created, and there is something at its path.
     #[error("the file exists; choose another name or remove it")]
     Exists,
+    /// The file is to be replaced, and another program has changed it.
+    #[error("another program has changed the file")]
+    Changed,
     /// The file belongs to another user, who could read what is written or change what is read.
     #[error("this file belongs to another user, use one of your own")]
     OtherOwner,

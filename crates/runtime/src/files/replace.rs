@@ -15,26 +15,41 @@ const MAX_TEMPORARY_FILES: u32 = 1000;
 /// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
 /// full disk. The group, permissions, extended attributes and symbolic links are kept.
 pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
+    replace_text_if(path, text, || true)
+}
+
+/// Replaces the content of a file as [`replace_text`] does, if `is_as_expected` returns `true` when the new text is on the disk. Otherwise it
+/// fails with [`FileError::Changed`].
+pub fn replace_text_if(
+    path: &Path,
+    text: &str,
+    is_as_expected: impl FnOnce() -> bool,
+) -> Result<(), FileError> {
     let path = own_target(path)?;
     let metadata = fs::metadata(&path)?;
     if metadata.permissions().readonly() {
         let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
         return Err(error.into());
     }
-    write_and_rename((&path, create_private), text, Some(&metadata))
+    write_and_rename(
+        (&path, create_private),
+        text,
+        Some(&metadata),
+        is_as_expected,
+    )
 }
 
 /// Writes a file that only its owner can access, atomically as [`replace_text`]. A file or a symbolic link of that name is replaced; a
 /// device, a pipe or a folder is refused.
 pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
     check_replaceable(path)?;
-    write_and_rename((path, create_private), text, None)
+    write_and_rename((path, create_private), text, None, || true)
 }
 
 /// Writes a file with the usual permissions, as [`replace_private_text`] does.
 pub fn replace_public_text(path: &Path, text: &str) -> Result<(), FileError> {
     check_replaceable(path)?;
-    write_and_rename((path, create_new), text, None)
+    write_and_rename((path, create_new), text, None, || true)
 }
 
 /// Writes a file of a new name with the usual permissions. Leaves none if the disk is full.
@@ -82,11 +97,12 @@ fn check_replaceable(path: &Path) -> Result<(), FileError> {
 }
 
 /// Writes a file beside `path` with a function that creates it, and gives it that name, and the attributes of the file with this
-/// metadata.
+/// metadata, unless `is_as_expected` returns `false` then.
 fn write_and_rename(
     (path, create): (&Path, CreateFile),
     text: &str,
     replaced: Option<&Metadata>,
+    is_as_expected: impl FnOnce() -> bool,
 ) -> Result<(), FileError> {
     let (mut file, temporary) = create_temporary(path, create)?;
     let kept = replaced.map_or(Ok(()), |replaced| {
@@ -95,11 +111,18 @@ fn write_and_rename(
     let written = kept
         .and_then(|()| file.write_all(text.as_bytes()))
         .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&temporary, path));
+        .map_err(FileError::from)
+        .and_then(|()| {
+            if is_as_expected() {
+                Ok(fs::rename(&temporary, path)?)
+            } else {
+                Err(FileError::Changed)
+            }
+        });
     if written.is_err() {
         let _ = fs::remove_file(&temporary);
     }
-    Ok(written?)
+    written
 }
 
 /// Creates a file of a new name in the folder of another one. A process of the same number may have been killed before it

@@ -256,3 +256,20 @@ fn a_replaced_file_keeps_its_group_mode_attributes_and_access_list() {
     }
     assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 1);
 }
+
+#[test]
+fn a_file_that_changes_while_its_new_text_is_written_is_not_replaced() {
+    let folder = Folder::new();
+    let path = folder.file("layout.ron", 0o600);
+    let names = || fs::read_dir(folder.0.path()).unwrap().count();
+    let replaced = replace_text_if(&path, "new", || {
+        assert_eq!(names(), 2, "the new text is on the disk");
+        fs::write(&path, "edited").unwrap();
+        false
+    });
+    assert!(matches!(replaced, Err(FileError::Changed)), "{replaced:?}");
+    assert_eq!(fs::read_to_string(&path).unwrap(), "edited");
+    assert_eq!(names(), 1);
+    replace_text_if(&path, "new", || true).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+}

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::LayoutReport;
 use super::watched_file::WatchedFile;
-use crate::files::{self, OpenDocument};
+use crate::files::{self, FileError, OpenDocument};
 use crate::session::layout_link::{LayoutLink, SessionEnded};
 use ademan_core::contact::board_pose::BoardPose;
 use ademan_core::document::{Document, DocumentError};
@@ -176,11 +176,14 @@ impl ActiveLayout {
                 "{name}: not saved, as an edited text of it is tried; save that in its editor"
             ));
         }
+        let differs = || {
+            format!(
+                "{name}: not saved, as the file differs from the active layout; `reload` activates the file"
+            )
+        };
         let on_disk = Document::from_path(file.path()).map_err(|error| error.to_string())?;
         if on_disk.text != file.text() {
-            return Err(format!(
-                "{name}: not saved, as the file differs from the active layout; `reload` activates the file"
-            ));
+            return Err(differs());
         }
         let active = Document::new(self.layout.file.as_str(), self.layout.text.as_str());
         let text = layout::move_boards(&active, poses, &self.layout.fit)
@@ -192,8 +195,14 @@ impl ActiveLayout {
         }
         let layout = self.layout.with_text(&text);
         let layout = layout.map_err(|error| error.to_string())?;
-        files::replace_text(Path::new(file.path()), &text)
-            .map_err(|error| format!("{name}: cannot write the file: {error}"))?;
+        // An editor may have saved the file since the comparison.
+        let is_unchanged =
+            || Document::from_path(file.path()).is_ok_and(|document| document.text == file.text());
+        let replaced = files::replace_text_if(Path::new(file.path()), &text, is_unchanged);
+        replaced.map_err(|error| match error {
+            FileError::Changed => differs(),
+            other => format!("{name}: cannot write the file: {other}"),
+        })?;
         file.set_active_text(&text);
         self.layout = layout;
         Ok(format!("{}: saved", escape(&self.layout.file)))
