@@ -80,7 +80,7 @@ impl KeymapClient {
     }
 
     /// Assigns the function key F35 to all unused keys but this number. Returns the number of unused keys before.
-    fn use_all_but(&self, count: usize) -> usize {
+    pub fn use_all_but(&self, count: usize) -> usize {
         let keymap = self.keymap();
         let codes = (8..=u8::MAX)
             .zip(&keymap)
@@ -163,6 +163,10 @@ fn is_typed(log: &KeyLog, sink: &mut Desktop, text: &str) -> bool {
         [0, length].contains(&dropped),
         "part of {text:?} is dropped"
     );
+    if dropped > 0 {
+        // As the loop does after a stall.
+        sink.void_presses();
+    }
     dropped == 0
 }
 

@@ -7,6 +7,8 @@ mod blocked_streams;
 #[cfg(target_os = "linux")]
 mod both_killed;
 #[cfg(target_os = "linux")]
+mod bursts;
+#[cfg(target_os = "linux")]
 mod characters;
 mod doctor;
 mod ends;
@@ -35,6 +37,8 @@ mod replug;
 #[cfg(target_os = "linux")]
 mod service_manager;
 mod sink;
+#[cfg(target_os = "linux")]
+mod slow_display;
 mod system_chords;
 mod text;
 mod webcam;

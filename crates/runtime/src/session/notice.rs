@@ -178,8 +178,9 @@ impl fmt::Display for Notice {
             ),
             Self::DroppedPresses(count) => write!(
                 f,
-                "{} dropped: the output did not accept them within 250 ms or before a pause, has no such key, or cannot \
-                 type a text now (Control or Alt is held, or the keymap has too few unused keys)",
+                "{} dropped: the output did not accept them within 250 ms or before a pause, has no such key, cannot type \
+                 a text now (Control or Alt is held, or the keymap has too few unused keys), or another window got the focus \
+                 before a correction",
                 counted(*count, "keystroke")
             ),
             Self::SystemKeysSuppressed(count) => write!(

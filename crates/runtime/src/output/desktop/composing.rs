@@ -69,7 +69,8 @@ impl Desktop {
 
     /// Sends text behind the keys so far.
     pub(in crate::output) fn compose(&mut self, composing: Composing) -> Result<(), OutputError> {
-        if !self.accept_presses(composing.characters())? {
+        let characters = composing.characters();
+        if !self.accept_presses(characters, characters)? {
             return Ok(());
         }
         let ticket = self.status.tickets.issue(self.generation);

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
+use super::injector::WindowId;
 use super::key_reporter::KeyReporter;
 use ademan_core::device::KeyCode;
 use ademan_core::device::pressed_keys::KeyDirection;
@@ -23,6 +24,11 @@ pub trait AnswerReader: Send {
     /// Waits until the display has executed the next key event. Returns `false` if it has not by `deadline`, or if the
     /// connection is closed.
     fn wait_for_answer(&mut self, deadline: Instant) -> bool;
+
+    /// Returns the window that had the focus at the last answer, if the display has reported it.
+    fn focus(&self) -> Option<WindowId> {
+        None
+    }
 
     /// Discards what the display has sent beside answers. Returns `false` if the connection is closed.
     fn discard_events(&mut self) -> bool;
@@ -141,6 +147,11 @@ impl DirectAnswers {
             self.close();
         }
         is_executed
+    }
+
+    /// Returns the window that had the focus at the last answer, if the display has reported it.
+    pub fn focus(&self) -> Option<WindowId> {
+        self.reader.as_ref().and_then(|reader| reader.focus())
     }
 
     /// Closes the connection.

@@ -8,6 +8,7 @@ use enigo::{
     NewConError, Settings,
 };
 
+use super::burst::{self, Stroke};
 use super::injector::Injector;
 use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
@@ -107,8 +108,16 @@ impl Injector for EnigoDisplay {
         }
     }
 
-    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
-        self.type_characters(text).map(|()| true)
+    fn type_burst(&mut self, strokes: &[Stroke], _: &mut KeyReporter) -> Result<bool, String> {
+        let are_characters =
+            |first: &Stroke, second: &Stroke| first.character().and(second.character()).is_some();
+        for run in strokes.chunk_by(are_characters) {
+            match run[0] {
+                Stroke::Key(key, direction) => self.inject(key, direction)?,
+                Stroke::Character(_) => self.type_characters(&burst::text(run))?,
+            }
+        }
+        Ok(true)
     }
 }
 

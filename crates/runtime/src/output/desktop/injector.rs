@@ -1,5 +1,6 @@
 //! The interface to a display.
 
+use super::burst::Stroke;
 #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
 use super::composing::Composing;
 use super::direct_keys::DirectConnection;
@@ -9,6 +10,9 @@ use crate::output::character_key::CharacterKey;
 use crate::output::watchdog::ReleaseTarget;
 use ademan_core::device::KeyCode;
 use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
+
+/// The number by which a display knows a window.
+pub type WindowId = u32;
 
 /// A connection to a display, which presses and releases keys and buttons.
 pub trait Injector {
@@ -23,9 +27,9 @@ pub trait Injector {
         Ok(())
     }
 
-    /// Types a text entirely. Returns `false` if it has typed nothing, as the display cannot type all of it now. Reports
+    /// Executes a burst entirely. Returns `false` if it has executed nothing, as the display cannot type all of it now. Reports
     /// the keys that it adds to the keymap of the display.
-    fn type_text(&mut self, _text: &str, _reporter: &mut KeyReporter) -> Result<bool, String> {
+    fn type_burst(&mut self, _: &[Stroke], _reporter: &mut KeyReporter) -> Result<bool, String> {
         Ok(false)
     }
 
@@ -50,6 +54,21 @@ pub trait Injector {
     /// Waits until the display has executed all requests, so that the next is executed at once.
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         Ok(())
+    }
+
+    /// Returns the window that had the focus at the end of the last [`wait_until_responsive`](Self::wait_until_responsive), or `None`
+    /// if the display does not report it.
+    fn focus(&self) -> Option<WindowId> {
+        None
+    }
+
+    /// Prepares to ask for the focus without waiting.
+    fn watch_focus(&mut self) {}
+
+    /// Returns the window that had the focus at the last call that returned one, or at the first call, if the answer has arrived
+    /// since. Does not wait.
+    fn poll_focus(&mut self) -> Option<WindowId> {
+        None
     }
 
     /// Returns the keys among `keys` that are pressed on the display, or `None` if it does not report them.
@@ -86,8 +105,8 @@ impl Injector for Box<dyn Injector> {
         (**self).check_connection()
     }
 
-    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
-        (**self).type_text(text, reporter)
+    fn type_burst(&mut self, burst: &[Stroke], reporter: &mut KeyReporter) -> Result<bool, String> {
+        (**self).type_burst(burst, reporter)
     }
 
     #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
@@ -105,6 +124,18 @@ impl Injector for Box<dyn Injector> {
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         (**self).wait_until_responsive()
+    }
+
+    fn watch_focus(&mut self) {
+        (**self).watch_focus();
+    }
+
+    fn focus(&self) -> Option<WindowId> {
+        (**self).focus()
+    }
+
+    fn poll_focus(&mut self) -> Option<WindowId> {
+        (**self).poll_focus()
     }
 
     fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {

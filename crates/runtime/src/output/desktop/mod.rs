@@ -14,22 +14,25 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use super::watchdog::{OnRelease, WatchdogClient, WatchdogSettings};
-use super::{Backend, OpenRequest, OutputError, Sink};
+use super::{Backend, OpenRequest, OutputError, Sink, TextField};
 use crate::advice;
 use crate::priority;
 use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 use ademan_core::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
-use ademan_core::time::Timestamp;
+use burst::Stroke;
 pub(super) use connect::connect;
 use direct_keys::{DirectAnswers, DirectKeys};
 use injector::Injector;
 use pending_motion::PendingMotion;
 use press_ticket::{MAX_PRESS_AGE, PressTicket};
 pub use wayland::SUPPORTS_WAYLAND;
-use worker::{Worker, WorkerRequest, WorkerStatus};
+use worker::{Worker, WorkerRequest};
+use worker_status::WorkerStatus;
 
 #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
 pub(super) mod composing;
+mod burst;
+mod check;
 mod connect;
 mod direct_keys;
 #[cfg_attr(
@@ -37,6 +40,7 @@ mod direct_keys;
     allow(dead_code, reason = "compiled on Linux to be checked there")
 )]
 mod enigo_display;
+mod followed_focus;
 pub(super) mod injector;
 mod key_reporter;
 mod loop_monitor;
@@ -45,6 +49,7 @@ mod press_ticket;
 mod system;
 mod wayland;
 pub(super) mod worker;
+mod worker_status;
 mod x11;
 
 /// The backend `desktop`.
@@ -56,7 +61,7 @@ pub const BACKEND: Backend = Backend {
     capabilities,
     is_log: false,
     is_fixed_when_open: false,
-    check: Some(check),
+    check: Some(check::run),
     open,
 };
 
@@ -75,20 +80,18 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest time that [`Desktop::close`](Sink::close) waits.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Number of pointer motions in a check, and the delay after each.
-const CHECK_STEPS: usize = 10;
-const CHECK_DELAY: Duration = Duration::from_millis(100);
-
 /// A sink that presses keys and buttons, types characters and moves the pointer on a desktop.
 ///
-/// Neighboring characters with one time are a text, which arrives entirely or not at all. While the queue is more than
-/// half full, presses and texts are dropped and [counted](Sink::dropped_presses), as are those that the display has not
-/// executed within 250 ms or that a [call](Sink::void_presses) made void, and texts that the display cannot type now. After
+/// Neighboring taps and characters with one time are a burst, which arrives entirely or not at all: a text, a correction. While the
+/// queue is more than half full, presses and bursts are dropped and [counted](Sink::dropped_presses), as are those that the display
+/// has not executed within 250 ms or that a [call](Sink::void_presses) made void, bursts that the display cannot type now, and
+/// bursts that would delete text in a window that got the focus since the last press. After
 /// a dropped press, and after the watchdog has released keys, the sink [has stalled](Sink::has_stalled). With a watchdog,
 /// [`send`](Sink::send) must be called at least every 50 ms while a key is pressed: after some 200 ms without a call the sink
 /// releases all keys and has stalled. The release of a
 /// dropped press is ignored; no other release is. While the queue is three quarters full, motion is
-/// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Pending motion
+/// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Motion that waits for
+/// 250 ms, or that a [call](Sink::void_presses) made void, is lost. Pending motion
 /// is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
 pub struct Desktop {
@@ -108,6 +111,8 @@ pub struct Desktop {
     dropped_presses: u64,
     /// The generation of the tickets of presses. Another one is valid after a stall.
     generation: u64,
+    /// The generation of the field that the last press or character was for.
+    field: u32,
     motion: PendingMotion,
     coalesced_motions: u64,
     status: Arc<WorkerStatus>,
@@ -200,6 +205,7 @@ impl Desktop {
             accepted: PressedKeys::default(),
             dropped_presses: 0,
             generation: 0,
+            field: 0,
             motion: PendingMotion::default(),
             coalesced_motions: 0,
             status,
@@ -209,39 +215,46 @@ impl Desktop {
     }
 
     fn press(&mut self, key: KeyCode) -> Result<(), OutputError> {
-        if !self.accept_presses(1)? || !self.accepted.press(key) {
+        if !self.accept_presses(1, 1)? || !self.accepted.press(key) {
             return Ok(());
         }
         self.send_motion()?;
+        if key.kind() == KeyKind::Keyboard {
+            self.field = self.status.field.load(Ordering::Acquire);
+        }
         let ticket = self.status.tickets.issue(self.generation);
         let direct = self.write_directly(key, KeyDirection::Press, ticket);
         self.request(direct.unwrap_or(WorkerRequest::Press(key, ticket)))
     }
 
-    /// Types the characters of one text, all or none.
-    fn type_text(&mut self, text: &[OutputEvent]) -> Result<(), OutputError> {
-        if !self.accept_presses(text.len())? {
+    /// Requests all strokes of a burst, or none.
+    fn type_burst(&mut self, burst: &[OutputEvent]) -> Result<(), OutputError> {
+        let strokes = || burst.iter().filter_map(Stroke::from_event);
+        let presses = strokes().filter(Stroke::is_press).count();
+        if !self.accept_presses(burst.len(), presses)? {
             return Ok(());
         }
         self.send_motion()?;
         let ticket = self.status.tickets.issue(self.generation);
-        for (event, remaining) in text.iter().zip((0..text.len()).rev()) {
-            if let EventKind::Character(character) = event.kind {
-                self.request(WorkerRequest::Type {
-                    character,
-                    is_last: remaining == 0,
-                    ticket,
-                })?;
-            }
+        // What it deletes was typed before.
+        let current = self.status.field.load(Ordering::Acquire);
+        let field = std::mem::replace(&mut self.field, current);
+        for (stroke, count) in strokes().zip(1..) {
+            self.request(WorkerRequest::Stroke {
+                stroke,
+                is_last: count == burst.len(),
+                ticket,
+                field,
+            })?;
         }
         Ok(())
     }
 
-    /// Returns `true` if the queue has room for this number of presses, and counts them as dropped otherwise.
-    fn accept_presses(&mut self, count: usize) -> Result<bool, OutputError> {
-        let has_room = self.queue_length()? + count <= PRESS_LIMIT;
+    /// Returns `true` if the queue has room for requests with this number of presses, and counts these as dropped otherwise.
+    fn accept_presses(&mut self, requests: usize, presses: usize) -> Result<bool, OutputError> {
+        let has_room = self.queue_length()? + requests <= PRESS_LIMIT;
         if !has_room {
-            self.dropped_presses += count as u64;
+            self.dropped_presses += presses as u64;
             self.status.tickets.void();
         }
         Ok(has_room)
@@ -302,7 +315,8 @@ impl Desktop {
             return Ok(());
         }
         for action in self.motion.drain() {
-            self.request(WorkerRequest::Perform(action))?;
+            let ticket = self.status.tickets.issue(self.generation);
+            self.request(WorkerRequest::Perform(action, ticket))?;
         }
         Ok(())
     }
@@ -350,13 +364,16 @@ impl Sink for Desktop {
         self.is_thread_idle = self.status.executed.load(Ordering::Acquire) == self.requested;
         self.has_written_release = false;
         let mut result = Ok(());
-        for run in events.chunk_by(are_of_one_text) {
-            let event = run[0];
+        let mut remaining = events;
+        while let Some(event) = remaining.first() {
+            let length = burst::length(remaining, &self.accepted);
+            let (run, others) = remaining.split_at(length.max(1));
+            remaining = others;
             let requested = match event.kind {
                 EventKind::KeyUp(key) => self.release(key),
                 _ if self.status.failure.get().is_some() => Ok(()),
+                _ if length > 0 => self.type_burst(run),
                 EventKind::KeyDown(key) => self.press(key),
-                EventKind::Character(_) => self.type_text(run),
                 EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
                     self.move_pointer(event.kind)
                 }
@@ -393,6 +410,7 @@ impl Sink for Desktop {
 
     fn void_presses(&mut self) {
         self.generation = self.status.tickets.void();
+        self.motion = PendingMotion::default();
         if self.status.executed.load(Ordering::Acquire) < self.requested_with_direct_press {
             // Closing the connection revokes what the display has not read.
             self.direct_keys = None;
@@ -410,18 +428,19 @@ impl Sink for Desktop {
     fn coalesced_motions(&self) -> u64 {
         self.coalesced_motions
     }
+
+    fn text_field(&self) -> TextField {
+        TextField {
+            generation: self.status.field.load(Ordering::Acquire),
+            ..TextField::default()
+        }
+    }
 }
 
 impl Drop for Desktop {
     fn drop(&mut self) {
         let _ = self.close();
     }
-}
-
-/// Returns `true` for neighboring characters of one text, which have one time. A text arrives entirely or not at all.
-fn are_of_one_text(first: &OutputEvent, second: &OutputEvent) -> bool {
-    let is_character = |event: &OutputEvent| matches!(event.kind, EventKind::Character(_));
-    is_character(first) && is_character(second) && first.time == second.time
 }
 
 /// Returns the keys and buttons of keyboards and mice that this system has, characters, and the pointer.
@@ -447,23 +466,6 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
         Some(watchdog) => Desktop::open_with_watchdog(watchdog, request.required)?,
         None => Desktop::open(None, request.required)?,
     }))
-}
-
-/// Connects, moves the pointer by one pixel to the right and back ten times within 1 s, and presses nothing.
-fn check() -> Result<String, OutputError> {
-    let required = Capabilities::from_iter([Capability::RelativeMotion]);
-    let mut desktop = Desktop::open(None, &required)?;
-    let motion = |pixels| OutputEvent {
-        time: Timestamp(0),
-        kind: EventKind::MoveBy(pixels, 0),
-    };
-    for _ in 0..CHECK_STEPS {
-        desktop.send(&[motion(1)])?;
-        desktop.send(&[motion(-1)])?;
-        thread::sleep(CHECK_DELAY);
-    }
-    desktop.close()?;
-    Ok("connected, and the pointer moved by one pixel to the right and back".into())
 }
 
 fn needs_pointer(capability: Capability) -> bool {

@@ -2,21 +2,23 @@
 //! end.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, never, select};
 
+use super::burst::{self, Stroke};
 #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
 use super::composing::Composing;
 use super::direct_keys::{ConnectionNumber, DirectAnswers};
-use super::injector::Injector;
+use super::followed_focus::FollowedFocus;
+use super::injector::{Injector, WindowId};
 use super::key_reporter::KeyReporter;
 use super::loop_monitor::LoopMonitor;
 use super::pending_motion::StatelessAction;
-use super::press_ticket::{MAX_PRESS_AGE, PressTicket, PressTickets};
+use super::press_ticket::{MAX_PRESS_AGE, PressTicket};
+use super::worker_status::WorkerStatus;
 use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
@@ -27,17 +29,19 @@ use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 #[derive(Clone, Copy)]
 pub enum WorkerRequest {
     Press(KeyCode, PressTicket),
-    /// A character of a text. All characters have one ticket, and the last one has the text typed.
-    Type {
-        character: char,
+    /// A part of a burst. All parts have one ticket, and the last one has the burst executed.
+    Stroke {
+        stroke: Stroke,
         is_last: bool,
         ticket: PressTicket,
+        /// The generation of the field of the text before the burst: a burst replaces nothing in another one.
+        field: u32,
     },
     Release(KeyCode),
     /// Text for the focused field.
     #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
     Compose(Composing, PressTicket),
-    Perform(StatelessAction),
+    Perform(StatelessAction, PressTicket),
     /// The loop has written a key event to a connection of its own, whose answers the thread reads.
     Confirm(KeyCode, KeyDirection, ConnectionNumber, PressTicket),
 }
@@ -48,43 +52,13 @@ const ACTIVE_TIME: Duration = Duration::from_secs(1);
 /// Interval at which an idle thread checks the connection to the display.
 const CHECK_INTERVAL: Duration = Duration::from_millis(400);
 
-/// State shared by the loop and the thread.
-pub struct WorkerStatus {
-    /// The first failure.
-    pub failure: OnceLock<String>,
-    /// The names of the keys that could not be released.
-    pub stuck_keys: OnceLock<String>,
-    /// Number of calls from the loop, as a sign of life.
-    pub loop_calls: AtomicU64,
-    /// Number of requests that the thread has executed.
-    pub executed: AtomicU64,
-    /// The validity of queued presses.
-    pub tickets: PressTickets,
-    /// Number of presses and characters that were not sent because their tickets were void, or the display cannot type the
-    /// text.
-    pub void_presses: AtomicU64,
-}
-
-impl WorkerStatus {
-    /// Creates the state for presses that are sent within `max_press_age`.
-    pub fn new(max_press_age: Duration) -> Self {
-        Self {
-            failure: OnceLock::new(),
-            stuck_keys: OnceLock::new(),
-            loop_calls: AtomicU64::new(0),
-            executed: AtomicU64::new(0),
-            tickets: PressTickets::new(max_press_age),
-            void_presses: AtomicU64::new(0),
-        }
-    }
-}
-
 /// The state of the thread: the pressed keys and the connection.
 pub struct Worker<'a, C> {
     injector: C,
     pressed: PressedKeys,
-    /// The characters of a text so far.
-    text: String,
+    /// The parts of a burst so far.
+    burst: Vec<Stroke>,
+    focus: FollowedFocus,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
     reporter: KeyReporter,
@@ -114,10 +88,12 @@ impl<'a, C: Injector> Worker<'a, C> {
         let file = watchdog.as_ref().and_then(|_| PressedKeyFile::create());
         let reporter = KeyReporter::new(watchdog.as_ref(), file);
         direct.open(|| injector.open_direct_connection(), &reporter);
+        injector.watch_focus();
         Self {
             injector,
             pressed: PressedKeys::default(),
-            text: String::new(),
+            burst: Vec::new(),
+            focus: FollowedFocus::default(),
             status,
             watchdog,
             reporter,
@@ -197,13 +173,22 @@ impl<'a, C: Injector> Worker<'a, C> {
         !self.pressed.is_empty() || now - self.liveness.last_request < ACTIVE_TIME
     }
 
-    /// Fails if the display is gone, which otherwise shows only at the next request.
+    /// Fails if the display is gone, which otherwise shows only at the next request, and follows the focus.
     fn check_connection(&mut self) {
-        if self.status.failure.get().is_none()
-            && let Err(reason) = self.injector.check_connection()
-        {
-            self.fail(&reason);
+        if self.status.failure.get().is_some() {
+            return;
         }
+        if let Err(reason) = self.injector.check_connection() {
+            return self.fail(&reason);
+        }
+        let is_other = self.focus.take_answer(self.injector.poll_focus());
+        self.status.next_field_if(is_other);
+    }
+
+    /// Takes notice of the window that has the focus now.
+    fn follow_focus(&mut self, window: Option<WindowId>) {
+        let is_other = self.focus.set(window);
+        self.status.next_field_if(is_other);
     }
 
     /// Sends a heartbeat every 50 ms, unless the loop hangs: then releases every key.
@@ -281,19 +266,20 @@ impl<'a, C: Injector> Worker<'a, C> {
                     self.refresh_direct_connection();
                 }
             }
-            WorkerRequest::Type {
-                character,
+            WorkerRequest::Stroke {
+                stroke,
                 is_last,
                 ticket,
+                field,
             } => {
-                self.text.push(character);
+                self.burst.push(stroke);
                 if is_last {
-                    self.type_text(ticket);
+                    self.type_burst(ticket, field);
                 }
             }
             #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
             WorkerRequest::Compose(composing, ticket) => self.compose(&composing, ticket),
-            WorkerRequest::Perform(action) => self.perform(action),
+            WorkerRequest::Perform(action, ticket) => self.perform(action, ticket),
         }
     }
 
@@ -312,6 +298,9 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
         let deadline = self.status.tickets.deadline(ticket);
         let is_executed = self.direct.wait(connection, deadline);
+        if is_executed {
+            self.follow_focus(self.direct.focus());
+        }
         if is_executed && !is_press {
             self.pressed.release(key);
             self.report_key(key, direction);
@@ -325,25 +314,56 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
-    /// Types the text if its ticket is valid, and counts its characters as dropped if it was not typed. It is not
-    /// repeated, as a text that failed may have arrived.
-    fn type_text(&mut self, ticket: PressTicket) {
-        let text = std::mem::take(&mut self.text);
-        let count = text.chars().count() as u64;
+    /// Executes the burst if its ticket is valid, and drops it if it was not executed. It is not repeated, as a burst that failed
+    /// may have arrived.
+    fn type_burst(&mut self, ticket: PressTicket, field: u32) {
+        let burst = std::mem::take(&mut self.burst);
+        let count = burst::count_presses(&burst) as u64;
         if !self.may_send(ticket, count) {
             return;
         }
-        match self.injector.type_text(&text, &mut self.reporter) {
-            Ok(true) => {}
-            Ok(false) => self.count_dropped(count),
+        let is_elsewhere = self.status.field.load(Ordering::Acquire) != field;
+        if is_elsewhere && burst::replaces(&burst) {
+            return self.drop_presses(ticket, count);
+        }
+        let executed = if self.report_presses(&burst) {
+            self.injector.type_burst(&burst, &mut self.reporter)
+        } else {
+            Ok(false)
+        };
+        match executed {
+            // Its keys may be down, and are released at the end.
             Err(reason) => self.fail(&reason),
+            Ok(is_executed) => {
+                self.report_releases(&burst);
+                if !is_executed {
+                    self.drop_presses(ticket, count);
+                }
+            }
         }
         // A change of the keymap is sent to every connection.
         self.refresh_direct_connection();
     }
 
-    /// Sends text to the focused field if its ticket is valid, and counts its characters as dropped if the field has none of it. It is
-    /// not repeated, as a text that failed may have arrived.
+    /// Reports the keys of a burst before it is executed. Returns `false` if the watchdog did not accept a report: it could not
+    /// release a key that it does not know.
+    fn report_presses(&mut self, burst: &[Stroke]) -> bool {
+        let mut keys = burst.iter().filter_map(Stroke::pressed_key);
+        // Added first: a burst that failed may have arrived.
+        keys.all(|key| !self.pressed.press(key) || self.report_key(key, KeyDirection::Press))
+    }
+
+    /// Reports that the reported keys of a burst are up.
+    fn report_releases(&mut self, burst: &[Stroke]) {
+        for key in burst.iter().filter_map(Stroke::pressed_key) {
+            if self.pressed.release(key) {
+                self.report_key(key, KeyDirection::Release);
+            }
+        }
+    }
+
+    /// Sends text to the focused field if its ticket is valid, and drops it if the field has none of it. It is not repeated, as a
+    /// text that failed may have arrived.
     #[cfg(all(feature = "ime", feature = "wayland", target_os = "linux"))]
     fn compose(&mut self, composing: &Composing, ticket: PressTicket) {
         let count = composing.characters() as u64;
@@ -352,14 +372,11 @@ impl<'a, C: Injector> Worker<'a, C> {
             return;
         }
         match self.injector.compose(composing) {
-            Ok(true) => {}
-            Ok(false) => self.count_dropped(count),
+            // A word that is shown is typed again later.
+            Ok(false) if count > 0 => self.drop_presses(ticket, count),
+            Ok(_) => {}
             Err(reason) => self.fail(&reason),
         }
-    }
-
-    fn count_dropped(&self, count: u64) {
-        self.status.void_presses.fetch_add(count, Ordering::Relaxed);
     }
 
     fn refresh_direct_connection(&mut self) {
@@ -369,11 +386,7 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Returns `true` if this number of presses or characters may be sent, and counts them as dropped otherwise.
     fn may_send(&mut self, ticket: PressTicket, count: u64) -> bool {
-        // A display that hangs executes a press when it continues, however late that is.
-        if self.status.tickets.is_valid(ticket)
-            && let Err(reason) = self.injector.wait_until_responsive()
-        {
-            self.fail(&reason);
+        if !self.wait_for_display(ticket) {
             return false;
         }
         let is_valid = self.wait_for_watchdog(ticket) && self.status.tickets.is_valid(ticket);
@@ -381,6 +394,22 @@ impl<'a, C: Injector> Worker<'a, C> {
             self.drop_presses(ticket, count);
         }
         is_valid
+    }
+
+    /// Waits until the display responds, unless the ticket is void: a display that hangs executes a press when it continues,
+    /// however late that is. Returns `false` if the connection has failed.
+    fn wait_for_display(&mut self, ticket: PressTicket) -> bool {
+        if !self.status.tickets.is_valid(ticket) {
+            return true;
+        }
+        match self.injector.wait_until_responsive() {
+            Ok(()) => self.follow_focus(self.injector.focus()),
+            Err(reason) => {
+                self.fail(&reason);
+                return false;
+            }
+        }
+        true
     }
 
     /// Waits until the watchdog has replied, unless it has a short time ago: it may be stopped, or have released keys. Returns
@@ -402,12 +431,17 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Counts dropped presses or characters. Those that follow are dropped too, until the loop has noticed.
     fn drop_presses(&self, ticket: PressTicket, count: u64) {
-        self.count_dropped(count);
+        self.status.void_presses.fetch_add(count, Ordering::Relaxed);
         self.status.tickets.void_with(ticket);
     }
 
-    /// Performs an action. It is not repeated, as one that failed may have arrived.
-    fn perform(&mut self, action: StatelessAction) {
+    /// Performs an action if its ticket is valid: motion may be lost. It is not repeated, as one that failed may have arrived.
+    fn perform(&mut self, action: StatelessAction, ticket: PressTicket) {
+        // Pointer motion that is late does nothing, and on a slow display a wait would make it later.
+        let is_click = matches!(action, StatelessAction::Scroll(..));
+        if (is_click && !self.wait_for_display(ticket)) || !self.status.tickets.is_valid(ticket) {
+            return;
+        }
         if let Err(reason) = self.injector.perform(action) {
             self.fail(&reason);
         }

@@ -1,12 +1,15 @@
 //! Requests to a display that records them.
 
+mod bursts;
 mod direct;
 #[cfg(target_os = "linux")]
 mod hung_loop;
 #[cfg(target_os = "linux")]
 mod reports;
 
+use super::burst::Stroke;
 use super::direct_keys::DirectConnection;
+use super::injector::WindowId;
 use super::key_reporter::KeyReporter;
 use super::pending_motion::StatelessAction;
 use super::*;
@@ -29,8 +32,12 @@ struct DisplayState {
     connections: usize,
     /// Number of times that a worker waited until the display responds.
     waits: usize,
+    /// Number of actions that a worker has handed over.
+    actions: usize,
     /// Calls of connections block.
     is_blocked: bool,
+    /// The window with the focus, if the display reports it.
+    focus: Option<WindowId>,
     direct: direct::DirectState,
 }
 
@@ -112,15 +119,17 @@ impl Injector for Connection {
     }
 
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        self.display.0.lock().unwrap().actions += 1;
         self.wait_for_gate();
         let mut state = self.display.0.lock().unwrap();
         state.lines.push(format!("{action:?}"));
         Ok(())
     }
 
-    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+    fn type_burst(&mut self, burst: &[Stroke], _: &mut KeyReporter) -> Result<bool, String> {
         let _ = self.gate.recv();
         let mut state = self.display.0.lock().unwrap();
+        let text = burst::text(burst);
         if text == "\0" {
             drop(state);
             panic!("meant to happen");
@@ -131,9 +140,19 @@ impl Injector for Connection {
         }
         let can_type = text.is_ascii();
         if can_type {
-            state.lines.push(format!("type {text}"));
+            state
+                .lines
+                .push(format!("type {}", bursts::describe(burst)));
         }
         Ok(can_type)
+    }
+
+    fn focus(&self) -> Option<WindowId> {
+        self.display.0.lock().unwrap().focus
+    }
+
+    fn poll_focus(&mut self) -> Option<WindowId> {
+        self.focus()
     }
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
@@ -198,22 +217,27 @@ fn a_full_queue_drops_presses_but_no_release() {
     assert_eq!(sink.dropped_presses(), QUEUE as u64);
 }
 
-/// Sends a press that waits in the queue behind a call that blocks.
+/// Sends a press, a character and a turn of the wheel that wait in the queue.
 fn queue_a_press(sink: &mut Desktop) {
-    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
-    sink.send(&[down(1, "A"), event(1, EventKind::Character('x'))])
-        .unwrap();
+    let others = [EventKind::Character('x'), EventKind::Scroll(0, 240)];
+    sink.send(&[down(1, "A")]).unwrap();
+    sink.send(&others.map(|kind| event(1, kind))).unwrap();
 }
 
 #[test]
 fn void_presses_and_their_releases_are_not_sent_and_later_presses_are() {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
+    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
+    while display.0.lock().unwrap().actions == 0 {
+        thread::yield_now();
+    }
     queue_a_press(&mut sink);
     sink.void_presses();
     sink.send(&[up(2, "A"), down(2, "B")]).unwrap();
     drop(gate);
     sink.close().unwrap();
+    // The display had received the motion before.
     assert_eq!(display.lines(), ["MoveBy(1, 0)", "+B", "-B"]);
     assert_eq!(sink.dropped_presses(), 2);
 }
@@ -226,7 +250,7 @@ fn a_press_that_has_waited_too_long_is_not_sent() {
     thread::sleep(Duration::from_millis(1));
     drop(gate);
     sink.close().unwrap();
-    assert_eq!(display.lines(), ["MoveBy(1, 0)"]);
+    assert_eq!(display.lines(), [""; 0]);
     assert_eq!(sink.dropped_presses(), 2);
 }
 
@@ -363,8 +387,6 @@ fn a_full_queue_coalesces_motion_and_drops_no_release() {
     }
     let coalesced = sink.coalesced_motions() as usize;
     assert!(coalesced > 0);
-    sink.send(&[event(0, EventKind::Character('x'))]).unwrap();
-    assert_eq!(sink.dropped_presses(), 1);
     for key in &keys {
         sink.send(&[event(0, EventKind::KeyUp(*key))]).unwrap();
     }
@@ -382,52 +404,35 @@ fn a_full_queue_coalesces_motion_and_drops_no_release() {
     assert_eq!(lines.last(), Some(&last));
 }
 
-fn characters(time: u64, text: &str) -> Vec<OutputEvent> {
-    let event = |character| event(time, EventKind::Character(character));
-    text.chars().map(event).collect()
-}
-
 #[test]
-fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
+fn the_wheel_does_not_turn_if_that_becomes_void_while_the_display_does_not_respond() {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
-    drop(gate);
-    let texts = [
-        characters(1, "abc"),
-        characters(2, "aéc"),
-        characters(3, "d"),
-    ];
-    sink.send(&texts.concat()).unwrap();
-    sink.close().unwrap();
-    assert_eq!(display.lines(), ["type abc", "type d"]);
-    assert_eq!(sink.dropped_presses(), 3);
-}
-
-#[test]
-fn a_text_without_room_in_the_queue_is_dropped_entirely() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    let text = "x".repeat(QUEUE / 8);
-    for time in 0..8 {
-        sink.send(&characters(time, &text)).unwrap();
+    sink.send(&[event(1, EventKind::Scroll(0, 240))]).unwrap();
+    while display.0.lock().unwrap().waits == 0 {
+        thread::yield_now();
     }
-    assert!(sink.dropped_presses() > 0);
+    sink.void_presses();
     drop(gate);
     sink.close().unwrap();
-    // Events that wait before a dropped text are void, too.
-    assert!(display.lines().is_empty());
-    assert_eq!(sink.dropped_presses() as usize, 8 * text.len());
+    assert_eq!(display.lines(), [""; 0]);
 }
 
 #[test]
-fn a_failed_character_is_not_repeated() {
+fn motion_without_room_in_the_queue_is_not_sent_after_a_pause() {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
-    display.0.lock().unwrap().failures = 1;
-    sink.send(&[event(1, EventKind::Character('a'))]).unwrap();
+    for _ in 0..2 * QUEUE {
+        sink.send(&[event(0, EventKind::MoveBy(1, 0))]).unwrap();
+    }
+    assert!(sink.coalesced_motions() > 0);
+    sink.void_presses();
     drop(gate);
-    sink.close().unwrap_err();
-    assert_eq!(display.lines(), [""; 0]);
+    direct::wait_until_idle(&sink);
+    let count = display.lines().len();
+    sink.send(&[event(1, EventKind::MoveBy(0, 5))]).unwrap();
+    sink.close().unwrap();
+    assert_eq!(display.lines()[count..], ["MoveBy(0, 5)"]);
 }
 
 #[test]

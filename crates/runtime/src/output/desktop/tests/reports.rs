@@ -1,15 +1,18 @@
-//! Reports of the keys that the loop writes to the display itself.
+//! Reports of the keys of bursts, and of keys that the loop writes to the display itself.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use tempfile::TempDir;
 
+use super::bursts::tap;
 use super::*;
 use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::tests::key;
+use crate::output::watchdog::WatchdogMessage;
 
 /// A display with a file of pressed keys.
 struct Reported {
@@ -70,4 +73,56 @@ fn the_loop_writes_no_key_if_its_report_may_wait_for_a_disk() {
         return println!("SKIPPED: this program is not on a disk");
     }
     assert!(reported.opened.try_recv().is_err());
+}
+
+#[test]
+fn the_keys_of_a_burst_are_reported_before_and_after_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("messages");
+    // Sends READY, skips the target, and returns every message.
+    let script = "printf . >&0; head -c 6 >/dev/null; exec tee \"$0\" >&0";
+    let settings = WatchdogSettings {
+        program: "sh".into(),
+        arguments: vec!["-c".into(), script.into(), log.clone().into()],
+        on_lost: Arc::new(|| ()),
+    };
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open_with(Some(&settings), Duration::MAX);
+    drop(gate);
+    let shift = [down(1, "ShiftLeft"), up(1, "ShiftLeft")];
+    let burst = [
+        &tap(1, "Backspace")[..],
+        &shift[..1],
+        &tap(1, "A"),
+        &tap(1, "A"),
+        &shift[1..],
+    ];
+    sink.send(&burst.concat()).unwrap();
+    let is_report = |message: &WatchdogMessage| {
+        matches!(
+            message,
+            WatchdogMessage::KeyDown(_) | WatchdogMessage::KeyUp(_)
+        )
+    };
+    let reports = || -> Vec<_> {
+        let bytes = fs::read(&log).unwrap();
+        bytes
+            .chunks_exact(WatchdogMessage::BYTES)
+            .filter_map(|bytes| WatchdogMessage::from_bytes(bytes.try_into().unwrap()))
+            .filter(is_report)
+            .collect()
+    };
+    let keys = ["Backspace", "ShiftLeft", "A"].map(key);
+    let expected = [
+        keys.map(WatchdogMessage::KeyDown),
+        keys.map(WatchdogMessage::KeyUp),
+    ]
+    .concat();
+    let start = Instant::now();
+    while reports().len() < expected.len() && start.elapsed() < hung_loop::TIMEOUT {
+        thread::yield_now();
+    }
+    assert_eq!(reports(), expected);
+    sink.close().unwrap();
+    assert_eq!(display.lines().len(), 1, "{:?}", display.lines());
 }

@@ -19,6 +19,7 @@ use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
+use crate::output::desktop::burst::Stroke;
 #[cfg(feature = "ime")]
 use crate::output::desktop::composing::Composing;
 use crate::output::desktop::injector::Injector;
@@ -191,17 +192,27 @@ impl Injector for WaylandInjector {
         self.connection.dispatch()
     }
 
-    fn type_text(&mut self, text: &str, _: &mut KeyReporter) -> Result<bool, String> {
+    fn type_burst(&mut self, burst: &[Stroke], _: &mut KeyReporter) -> Result<bool, String> {
         self.connection.dispatch()?;
-        let keymaps: Result<Vec<_>, _> = text.chars().map(Keymap::from_character).collect();
+        let keymaps: Result<Vec<_>, _> = burst
+            .iter()
+            .map(|stroke| stroke.character().map(Keymap::from_character).transpose())
+            .collect();
         let Ok(keymaps) = keymaps else {
             return Ok(false);
         };
-        for (character, keymap) in text.chars().zip(&keymaps) {
-            self.type_character(character, keymap);
-            // The connection holds a few file descriptors only.
-            self.connection.flush()?;
+        for (stroke, keymap) in burst.iter().zip(&keymaps) {
+            match (*stroke, keymap) {
+                (Stroke::Key(key, direction), _) => self.inject_key(key, direction),
+                (Stroke::Character(character), Some(keymap)) => {
+                    self.type_character(character, keymap);
+                    // The connection holds a few file descriptors only.
+                    self.connection.flush()?;
+                }
+                (Stroke::Character(_), None) => {}
+            }
         }
+        self.connection.flush()?;
         Ok(true)
     }
 

@@ -8,8 +8,6 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use x11rb::errors::ReplyError;
-use x11rb::protocol::xproto::{KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
-use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use super::keymap::{self, Keymap};
@@ -56,22 +54,20 @@ impl CharacterKeys {
         }
     }
 
-    /// Types a text and waits until the server has executed it. Returns `false` if it has typed nothing: the keymap has too
-    /// few unused keys, or a pressed modifier would make shortcuts of the characters.
-    ///
-    /// All presses and releases are in one write: if this process is killed, the server executes all or none.
-    pub fn type_text(
+    /// Returns the codes of the keys that type a text, after it has added those that the keymap lacks. Returns `None` if the text cannot be
+    /// typed: the keymap has too few unused keys, or a pressed modifier would make shortcuts of the characters.
+    pub fn prepare(
         &mut self,
         server: &RustConnection,
         root: u32,
         text: &str,
         reporter: &mut KeyReporter,
-    ) -> Result<bool, ReplyError> {
+    ) -> Result<Option<Vec<u8>>, ReplyError> {
         // Read each time, as the user may change the keymap.
         let keymap = Keymap::read(server, root)?;
         self.forget_changed(&keymap, reporter);
         let Some(plan) = self.plan(&keymap, text, Instant::now()) else {
-            return Ok(false);
+            return Ok(None);
         };
         for key in plan.new {
             reporter.report_character_key(key, KeymapChange::Added);
@@ -79,15 +75,18 @@ impl CharacterKeys {
             self.added.push(key);
             match keymap::assign(server, key) {
                 Ok(()) => {}
-                Err(ReplyError::X11Error(_)) => return Ok(false),
+                Err(ReplyError::X11Error(_)) => return Ok(None),
                 Err(error) => return Err(error),
             }
         }
-        click(server, root, &plan.codes)?;
-        for code in plan.codes {
-            self.last_uses[usize::from(code)] = Some(Instant::now());
+        Ok(Some(plan.codes))
+    }
+
+    /// Takes notice that these keys have been clicked.
+    pub fn note_use(&mut self, codes: &[u8]) {
+        for code in codes {
+            self.last_uses[usize::from(*code)] = Some(Instant::now());
         }
-        Ok(true)
     }
 
     /// Removes the added keys from the keymap, after receivers had time to look them up.
@@ -166,17 +165,6 @@ impl CharacterKeys {
         free.sort_by_key(last_use);
         free
     }
-}
-
-/// Presses and releases keys, all in one write, and waits until the server has done so.
-fn click(server: &RustConnection, root: u32, codes: &[u8]) -> Result<(), ReplyError> {
-    let mut events = Vec::with_capacity(2 * codes.len());
-    for code in codes {
-        for kind in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
-            events.push(server.xtest_fake_input(kind, *code, 0, root, 0, 0, 0)?);
-        }
-    }
-    events.into_iter().try_for_each(|event| event.check())
 }
 
 /// Returns the keysym that types a character (appendix A of the X11 protocol).

@@ -20,6 +20,7 @@ use x11rb::rust_connection::RustConnection;
 
 use super::{fake_input, ignore_grabs};
 use crate::output::desktop::direct_keys::{AnswerReader, DirectConnection, KeyWriter};
+use crate::output::desktop::injector::WindowId;
 use ademan_core::device::KeyCode;
 use ademan_core::device::pressed_keys::KeyDirection;
 
@@ -38,6 +39,9 @@ const DETAIL: usize = 5;
 /// Length of an error, of an event, and of the reply to `GetInputFocus`, in bytes.
 const PACKET: usize = 32;
 
+/// Position of the window in the reply to `GetInputFocus`.
+const FOCUS: usize = 8;
+
 /// Values of the first byte of a packet; others are events.
 const ERROR: u8 = 0;
 const REPLY: u8 = 1;
@@ -46,21 +50,15 @@ const REPLY: u8 = 1;
 pub fn open(name: Option<&str>) -> Option<DirectConnection> {
     let (server, screen) = x11rb::connect(name).ok()?;
     ignore_grabs(&server).ok()?;
-    let socket = server.stream().as_fd().try_clone_to_owned().ok()?;
-    if !closes_before_reading(server.setup(), &socket) {
+    let socket = Socket::of(&server)?;
+    if !closes_before_reading(server.setup(), &socket.0) {
         return None;
     }
-    let socket = Arc::new(Socket(socket));
     let writer = Writer {
         requests: requests(&server, screen)?,
         socket: Arc::clone(&socket),
     };
-    let reader = Reader {
-        socket,
-        incomplete: Vec::with_capacity(PACKET),
-        answers: 0,
-    };
-    Some((Box::new(writer), Box::new(reader)))
+    Some((Box::new(writer), Box::new(Reader::new(socket))))
 }
 
 /// Returns `true` if the server is at the other end of the socket, and closes it before it reads what waits in it. Closing a
@@ -91,9 +89,21 @@ fn requests(server: &RustConnection, screen: usize) -> Option<[u8; FAKE_INPUT + 
 }
 
 /// A socket that is shut down when either end is dropped.
-struct Socket(OwnedFd);
+pub struct Socket(OwnedFd);
 
 impl Socket {
+    /// Takes over the socket of a connection that is used for nothing else.
+    pub fn of(server: &RustConnection) -> Option<Arc<Self>> {
+        let socket = server.stream().as_fd().try_clone_to_owned();
+        socket.ok().map(|socket| Arc::new(Self(socket)))
+    }
+
+    /// Sends bytes without waiting. Returns the number of bytes that were sent.
+    pub fn send(&self, bytes: &[u8]) -> usize {
+        let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
+        send(&self.0, bytes, flags).unwrap_or(0)
+    }
+
     fn close(&self) {
         // The server may have closed it.
         let _ = shutdown(&self.0, Shutdown::Both);
@@ -112,17 +122,12 @@ impl KeyWriter for Writer {
         };
         self.requests[KIND] = kind;
         self.requests[DETAIL] = detail;
-        let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
-        match send(&self.socket.0, &self.requests, flags) {
-            Ok(0) | Err(_) => false,
-            Ok(length) => {
-                if length < self.requests.len() {
-                    // The rest would not fit. Without an answer the event counts as not executed.
-                    self.socket.close();
-                }
-                true
-            }
+        let length = self.socket.send(&self.requests);
+        if (1..self.requests.len()).contains(&length) {
+            // The rest would not fit. Without an answer the event counts as not executed.
+            self.socket.close();
         }
+        length > 0
     }
 }
 
@@ -132,17 +137,37 @@ impl Drop for Writer {
     }
 }
 
-struct Reader {
+/// The reader of answers to `GetInputFocus`.
+pub struct Reader {
     socket: Arc<Socket>,
     /// The bytes of an incomplete packet.
     incomplete: Vec<u8>,
     /// Number of answers that have arrived and were not waited for.
     answers: usize,
+    /// The window of the last answer.
+    focus: Option<WindowId>,
 }
 
 impl Reader {
+    /// Creates a reader that has received nothing.
+    pub fn new(socket: Arc<Socket>) -> Self {
+        Self {
+            socket,
+            incomplete: Vec::with_capacity(PACKET),
+            answers: 0,
+            focus: None,
+        }
+    }
+
+    /// Returns `true` once if an answer has arrived that was not waited for.
+    pub fn take_answer(&mut self) -> bool {
+        let has_answer = self.answers > 0;
+        self.answers -= usize::from(has_answer);
+        has_answer
+    }
+
     /// Reads what has arrived. Returns `false` if the connection is closed or the server has rejected an event.
-    fn receive(&mut self) -> bool {
+    pub fn receive(&mut self) -> bool {
         let mut bytes = [0; 64 * PACKET];
         loop {
             match recv(&self.socket.0, &mut bytes, RecvFlags::DONTWAIT) {
@@ -156,7 +181,11 @@ impl Reader {
             if packets.iter().any(|packet| packet[0] == ERROR) {
                 return false;
             }
-            self.answers += packets.iter().filter(|packet| packet[0] == REPLY).count();
+            for packet in packets.iter().filter(|packet| packet[0] == REPLY) {
+                self.answers += 1;
+                let window = packet[FOCUS..].first_chunk().copied();
+                self.focus = window.map(WindowId::from_ne_bytes);
+            }
             let complete = self.incomplete.len() - rest.len();
             self.incomplete.drain(..complete);
         }
@@ -179,14 +208,17 @@ impl AnswerReader for Reader {
     fn wait_for_answer(&mut self, deadline: Instant) -> bool {
         loop {
             let is_open = self.receive();
-            if self.answers > 0 {
-                self.answers -= 1;
+            if self.take_answer() {
                 return true;
             }
             if !is_open || !self.poll(deadline) {
                 return false;
             }
         }
+    }
+
+    fn focus(&self) -> Option<WindowId> {
+        self.focus
     }
 
     fn discard_events(&mut self) -> bool {

@@ -5,6 +5,7 @@
 
 mod characters;
 mod direct;
+mod focus_watch;
 mod keymap;
 
 use std::ops::RangeInclusive;
@@ -19,14 +20,16 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use crate::output::character_key::CharacterKey;
+use crate::output::desktop::burst::{self, Stroke};
 use crate::output::desktop::direct_keys::DirectConnection;
-use crate::output::desktop::injector::Injector;
+use crate::output::desktop::injector::{Injector, WindowId};
 use crate::output::desktop::key_reporter::KeyReporter;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::system;
 use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 use ademan_core::device::{KeyCode, KeyKind};
 use characters::CharacterKeys;
+use focus_watch::FocusWatch;
 
 /// The version of XTEST that has `XTestGrabControl`.
 const XTEST_VERSION: (u8, u16) = (2, 2);
@@ -50,6 +53,9 @@ pub struct X11Injector {
     server: RustConnection,
     root: u32,
     character_keys: CharacterKeys,
+    focus_watch: Option<FocusWatch>,
+    /// The window that had the focus at the last wait.
+    focus: Option<WindowId>,
 }
 
 /// Connects to the X server of this name, or to the server in `DISPLAY`.
@@ -66,6 +72,8 @@ pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
         name: name.map(str::to_owned),
         root: server.setup().roots[screen].root,
         character_keys: CharacterKeys::new(&server),
+        focus_watch: None,
+        focus: None,
         server,
     };
     Ok(Box::new(injector))
@@ -86,17 +94,38 @@ impl X11Injector {
         event.check()
     }
 
-    /// Clicks a button `count` times. All clicks are in one write, so that none is cut in half if this process is killed.
-    fn click(&self, button: u8, count: u32) -> Result<(), ReplyError> {
-        for _ in 0..count {
-            for kind in [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT] {
-                let event = self
-                    .server
-                    .xtest_fake_input(kind, button, 0, self.root, 0, 0, 0)?;
-                event.ignore_error();
-            }
+    /// Sends input events, all in one write, and waits until the server has executed them: if this process is killed, the
+    /// server executes all or none.
+    fn fake_all(&self, inputs: impl IntoIterator<Item = (u8, u8)>) -> Result<(), ReplyError> {
+        let mut events = Vec::new();
+        for (kind, detail) in inputs {
+            let event = self
+                .server
+                .xtest_fake_input(kind, detail, 0, self.root, 0, 0, 0)?;
+            events.push(event);
         }
-        self.wait()
+        events.into_iter().try_for_each(|event| event.check())
+    }
+
+    /// Clicks a button `count` times.
+    fn click(&self, button: u8, count: u32) -> Result<(), ReplyError> {
+        let click = [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT].map(|kind| (kind, button));
+        self.fake_all((0..count).flat_map(|_| click))
+    }
+
+    /// Returns the key codes of the characters of a burst, which it adds to the keymap where they are missing. Returns `None` if
+    /// the server cannot type all of them now.
+    fn character_codes(
+        &mut self,
+        burst: &[Stroke],
+        reporter: &mut KeyReporter,
+    ) -> Result<Option<Vec<u8>>, ReplyError> {
+        let text = burst::text(burst);
+        if text.is_empty() {
+            return Ok(Some(Vec::new()));
+        }
+        let keys = &mut self.character_keys;
+        keys.prepare(&self.server, self.root, &text, reporter)
     }
 
     fn move_pointer(&self, detail: u8, x: i16, y: i16) -> Result<(), ReplyError> {
@@ -122,9 +151,10 @@ impl X11Injector {
     }
 
     /// Waits until the server has executed all requests.
-    fn wait(&self) -> Result<(), ReplyError> {
+    fn wait(&mut self) -> Result<(), ReplyError> {
         self.discard_events()?;
-        self.server.get_input_focus()?.reply().map(drop)
+        self.focus = Some(self.server.get_input_focus()?.reply()?.focus);
+        Ok(())
     }
 
     /// Discards events: a server sends changes of the keymap to every client, and the library would collect them.
@@ -178,11 +208,17 @@ impl Injector for X11Injector {
         self.discard_events().map_err(message)
     }
 
-    fn type_text(&mut self, text: &str, reporter: &mut KeyReporter) -> Result<bool, String> {
-        let keys = &mut self.character_keys;
-        let is_typed = keys.type_text(&self.server, self.root, text, reporter);
-        self.discard_events().map_err(message)?;
-        is_typed.map_err(message)
+    fn type_burst(&mut self, burst: &[Stroke], reporter: &mut KeyReporter) -> Result<bool, String> {
+        let Some(codes) = self.character_codes(burst, reporter).map_err(message)? else {
+            return self.discard_events().map_err(message).map(|()| false);
+        };
+        let inputs = inputs(burst, &codes)?;
+        let executed = self.fake_all(inputs);
+        self.character_keys.note_use(&codes);
+        executed
+            .and_then(|()| self.discard_events())
+            .map_err(message)
+            .map(|()| true)
     }
 
     fn restore_keymap(&mut self, reporter: &mut KeyReporter) {
@@ -199,6 +235,18 @@ impl Injector for X11Injector {
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {
         self.wait().map_err(message)
+    }
+
+    fn watch_focus(&mut self) {
+        self.focus_watch = FocusWatch::open(self.name.as_deref());
+    }
+
+    fn focus(&self) -> Option<WindowId> {
+        self.focus
+    }
+
+    fn poll_focus(&mut self) -> Option<WindowId> {
+        self.focus_watch.as_mut()?.poll()
     }
 
     fn open_direct_connection(&mut self) -> Option<DirectConnection> {
@@ -242,6 +290,24 @@ fn fake_input(key: KeyCode, direction: KeyDirection) -> Result<(u8, u8), String>
         (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
         (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
     })
+}
+
+/// Returns the kinds and details of the events that execute a burst, whose characters have these key codes.
+fn inputs(burst: &[Stroke], codes: &[u8]) -> Result<Vec<(u8, u8)>, String> {
+    let mut inputs = Vec::with_capacity(2 * burst.len());
+    let mut codes = codes.iter();
+    for stroke in burst {
+        match *stroke {
+            Stroke::Key(key, direction) => inputs.push(fake_input(key, direction)?),
+            Stroke::Character(_) => {
+                let kinds = [KEY_PRESS_EVENT, KEY_RELEASE_EVENT];
+                if let Some(code) = codes.next() {
+                    inputs.extend(kinds.map(|kind| (kind, *code)));
+                }
+            }
+        }
+    }
+    Ok(inputs)
 }
 
 fn message(error: ReplyError) -> String {

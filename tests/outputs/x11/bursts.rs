@@ -1,0 +1,173 @@
+//! Texts and corrections that a display cannot type, or executes slowly: they arrive entirely or not at all, and so does what belongs
+//! to them.
+
+use std::thread;
+use std::time::Duration;
+
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
+use ademan::output::{Desktop, Sink};
+use ademan::time::Timestamp;
+
+use super::characters::KeymapClient;
+use super::slow_display::SlowDisplay;
+use crate::support::key_log::{Action, Input, KeyLog};
+use crate::support::x11::{InputWindow, XServer, wait_for};
+
+/// Codes of keys of a PC keyboard.
+const CONTROL: Input = Input::Key(37);
+const A: Input = Input::Key(38);
+
+/// Number of attempts on a busy machine.
+const ATTEMPTS: usize = 20;
+
+fn open(display: &str) -> Desktop {
+    Desktop::open(Some(display), &Capabilities::default()).expect("the server runs")
+}
+
+fn events(kinds: &[EventKind]) -> Vec<OutputEvent> {
+    let event = |&kind| OutputEvent {
+        time: Timestamp(0),
+        kind,
+    };
+    kinds.iter().map(event).collect()
+}
+
+fn tap(name: &str) -> Vec<OutputEvent> {
+    let key: KeyCode = name.parse().expect("the name of a key");
+    events(&[EventKind::KeyDown(key), EventKind::KeyUp(key)])
+}
+
+fn text(text: &str) -> Vec<OutputEvent> {
+    let characters: Vec<_> = text.chars().map(EventKind::Character).collect();
+    events(&characters)
+}
+
+/// Returns what was pressed, in order.
+fn pressed(log: &KeyLog) -> Vec<Input> {
+    let events = log.events().into_iter();
+    let presses = events.filter(|event| event.action == Action::Press);
+    presses.map(|event| event.input).collect()
+}
+
+#[test]
+fn no_enter_follows_a_text_that_a_held_control_would_make_a_shortcut() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let (mut sink, log) = (open(server.display()), KeyLog::start(&server));
+    sink.send(&tap("ControlLeft")[..1]).expect("it is open");
+    assert!(server.wait_for_keys(&[37]));
+    sink.send(&text("ok")).expect("it is open");
+    assert!(wait_for(|| sink.dropped_presses() == 2));
+    sink.send(&tap("Enter")).expect("it is open");
+    sink.close().expect("the server runs");
+    assert_eq!(pressed(&log), [CONTROL]);
+    assert_eq!(server.pressed_keys(), [0; 0]);
+}
+
+#[test]
+fn a_correction_that_the_keymap_cannot_type_deletes_nothing() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    KeymapClient::connect(&server).use_all_but(0);
+    let (mut sink, log) = (open(server.display()), KeyLog::start(&server));
+    let backspace = tap("Backspace");
+    let correction = [&backspace[..], &backspace, &tap("A"), &text("ñ")].concat();
+    sink.send(&correction).expect("it is open");
+    sink.close().expect("the server runs");
+    assert_eq!(sink.dropped_presses(), 4);
+    assert_eq!(pressed(&log), []);
+}
+
+#[test]
+fn a_correction_on_a_slow_display_arrives_entirely_or_not_at_all() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let log = KeyLog::start(&server);
+    // A key at a time, it would take longer than a press may wait.
+    let slow = SlowDisplay::start(&server, Duration::from_millis(10));
+    let mut sink = open(slow.display());
+    let correction = [tap("Backspace").repeat(12), tap("A").repeat(12)].concat();
+    let mut attempts = 0..ATTEMPTS;
+    let is_executed = attempts.any(|attempt| {
+        let (before, dropped) = (log.len(), sink.dropped_presses());
+        sink.send(&correction).expect("it is open");
+        let executed = || log.presses_after(before);
+        let dropped = || (sink.dropped_presses() - dropped) as usize;
+        assert!(
+            wait_for(|| executed() + dropped() >= 24),
+            "{} executed, {} dropped",
+            executed(),
+            dropped()
+        );
+        let counts = (executed(), dropped());
+        assert!(
+            [(24, 0), (0, 24)].contains(&counts),
+            "{attempt}: {counts:?}"
+        );
+        let is_executed = dropped() == 0;
+        sink.void_presses();
+        is_executed
+    });
+    assert!(is_executed, "on a machine that is not too busy");
+    sink.close().expect("the server runs");
+    assert_eq!(server.pressed_keys(), [0; 0]);
+}
+
+#[test]
+fn the_wheel_does_not_turn_after_a_pause_while_a_server_hangs() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let (mut sink, log) = (open(server.display()), KeyLog::start(&server));
+    server.freeze();
+    for _ in 0..100 {
+        sink.send(&events(&[EventKind::Scroll(0, 1200)]))
+            .expect("it is open");
+    }
+    sink.void_presses();
+    server.thaw();
+    sink.send(&tap("A")).expect("it is open");
+    sink.close().expect("the server runs");
+    assert!(log.wait_for_press(0), "the log has A");
+    assert_eq!(pressed(&log), [A]);
+}
+
+#[test]
+fn a_correction_does_not_reach_the_window_that_got_the_focus() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let _first = InputWindow::open(&server);
+    let (mut sink, log) = (open(server.display()), KeyLog::start(&server));
+    sink.send(&tap("A")).expect("it is open");
+    assert!(wait_for(|| log.len() == 2), "{:?}", log.events());
+    let generation = sink.text_field().generation;
+    // The thread reads the answer to the last key.
+    thread::sleep(Duration::from_millis(500));
+    let _second = InputWindow::open(&server);
+    let correction = [tap("Backspace"), tap("A")].concat();
+    sink.send(&correction).expect("it is open");
+    assert!(wait_for(|| sink.dropped_presses() == 2));
+    assert_eq!(pressed(&log), [A]);
+    assert_ne!(sink.text_field().generation, generation);
+    sink.close().expect("the server runs");
+}
+
+#[test]
+fn the_text_field_is_another_one_when_another_window_has_the_focus() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let sink = open(server.display());
+    let generation = sink.text_field().generation;
+    let mut windows = Vec::new();
+    let is_noticed = || {
+        windows.push(InputWindow::open(&server));
+        thread::sleep(Duration::from_millis(500));
+        sink.text_field().generation != generation
+    };
+    assert!(wait_for(is_noticed));
+}

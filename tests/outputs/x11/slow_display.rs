@@ -1,0 +1,80 @@
+//! A display that answers late, as over a network: a socket that passes every byte on after a delay.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::Shutdown;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::PathBuf;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::unbounded;
+
+use crate::support::x11::XServer;
+
+/// The folder of the sockets of displays.
+const FOLDER: &str = "/tmp/.X11-unix";
+
+/// A display whose requests and replies take a time each. Its threads end with their connections.
+pub struct SlowDisplay {
+    display: String,
+    path: PathBuf,
+}
+
+impl SlowDisplay {
+    /// Creates a display that passes everything on to a server.
+    pub fn start(server: &XServer, delay: Duration) -> Self {
+        let path_of = |number: &str| PathBuf::from(FOLDER).join(format!("X{number}"));
+        let number = server.display().trim_start_matches(':');
+        let (target, slow) = (path_of(number), format!("{}", 20_000 + std::process::id()));
+        let path = path_of(&slow);
+        let listener = UnixListener::bind(&path).expect("a socket beside the one of the server");
+        thread::spawn(move || {
+            for client in listener.incoming().map_while(Result::ok) {
+                let accepted = UnixStream::connect(&target).expect("the server accepts it");
+                let ends = [&client, &accepted].map(|end| end.try_clone().expect("a descriptor"));
+                let [to_client, to_server] = ends;
+                pass_on(client, to_server, delay);
+                pass_on(accepted, to_client, delay);
+            }
+        });
+        Self {
+            display: format!(":{slow}"),
+            path,
+        }
+    }
+
+    /// Returns the name of the display.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+}
+
+impl Drop for SlowDisplay {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Starts two threads that pass on what arrives, each part after the delay.
+fn pass_on(mut from: UnixStream, mut to: UnixStream, delay: Duration) {
+    let (sender, parts) = unbounded::<(Instant, Vec<u8>)>();
+    thread::spawn(move || {
+        let mut buffer = [0; 1 << 16];
+        while let Ok(length @ 1..) = from.read(&mut buffer) {
+            let part = (Instant::now() + delay, buffer[..length].to_vec());
+            if sender.send(part).is_err() {
+                return;
+            }
+        }
+    });
+    thread::spawn(move || {
+        for (time, part) in parts {
+            thread::sleep(time.saturating_duration_since(Instant::now()));
+            if to.write_all(&part).is_err() {
+                break;
+            }
+        }
+        let _ = to.shutdown(Shutdown::Both);
+    });
+}
