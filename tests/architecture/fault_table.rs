@@ -24,6 +24,7 @@ const FLOODS: &str = "tests/cli/share/floods.rs";
 const FORGED: &str = "tests/cli/faults/forged_messages.rs";
 const GATEKEEPER: &str = "crates/runtime/src/network/secure/gatekeeper/tests.rs";
 const NETWORK: &str = "tests/cli/network.rs";
+const BURSTS: &str = "crates/runtime/src/output/desktop/tests/bursts.rs";
 const STRANGERS: &str = "tests/cli/security/strangers.rs";
 
 const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
@@ -41,6 +42,7 @@ pub const COVERED: &[u8] = &[
     27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
     50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
     79, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 90, 91, 92, 93, 94, 95, 96, 97, 98, 99, 100, 101, 102, 103, 104, 105, 106,
+    107, 108, 109,
 ];
 
 /// The faults, in the order of their numbers.
@@ -407,6 +409,9 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/sink.rs", "a_press_that_a_server_has_not_read_in_time_is_revoked_while_it_hangs"),
         ("tests/outputs/x11/sink.rs", "a_press_that_becomes_void_while_a_server_hangs_is_revoked_at_once"),
         ("crates/runtime/src/output/desktop/tests/direct.rs", "what_was_written_together_with_a_revoked_press_is_revoked_too"),
+        ("tests/outputs/x11/bursts.rs", "the_wheel_does_not_turn_after_a_pause_while_a_server_hangs"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "the_wheel_does_not_turn_if_that_becomes_void_while_the_display_does_not_respond"),
+        ("crates/runtime/src/output/desktop/tests/mod.rs", "motion_without_room_in_the_queue_is_not_sent_after_a_pause"),
     ])),
     fault(69, "a system chord in any order, by any controls", Tests(&[
         ("crates/core/src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
@@ -585,7 +590,7 @@ pub const FAULTS: &[Fault] = &[
     fault(97, "a receiver that reads the keymap late; few spare keys", Tests(&[
         (CHARACTERS, "a_receiver_that_reads_the_keymap_late_reads_the_right_characters"),
         (CHARACTERS, "a_text_that_needs_more_keys_than_the_keymap_has_unused_is_dropped_entirely"),
-        ("crates/runtime/src/output/desktop/tests/mod.rs", "a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure"),
+        (BURSTS, "a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure"),
     ])),
     fault(98, "the output file exists", Tests(&[
         (STRANGERS, "no_command_writes_to_a_file_that_exists_or_through_a_link"),
@@ -625,5 +630,23 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/signals.rs", "a_run_that_is_continued_before_it_has_stopped_goes_on"),
         ("crates/runtime/src/files/tests.rs", "a_replaced_file_keeps_its_group_mode_attributes_and_access_list"),
         ("crates/runtime/src/output/socket/linux.rs", "a_socket_that_is_closed_or_refused_leaves_no_file_behind"),
+    ])),
+    fault(107, "a display cannot type a text to which a Backspace or an Enter belongs", Tests(&[
+        ("tests/outputs/x11/bursts.rs", "no_enter_follows_a_text_that_a_held_control_would_make_a_shortcut"),
+        ("tests/outputs/x11/bursts.rs", "a_correction_that_the_keymap_cannot_type_deletes_nothing"),
+        (BURSTS, "a_correction_is_executed_entirely_or_not_at_all"),
+        (BURSTS, "a_key_behind_a_text_that_cannot_be_typed_is_not_sent"),
+    ])),
+    fault(108, "a display is slow, or a pause comes, while a correction is typed", Tests(&[
+        ("tests/outputs/x11/bursts.rs", "a_correction_on_a_slow_display_arrives_entirely_or_not_at_all"),
+        (BURSTS, "a_correction_that_becomes_void_while_the_display_does_not_respond_deletes_nothing"),
+        (BURSTS, "the_keys_of_a_burst_that_failed_are_released_at_the_end"),
+        ("crates/runtime/src/output/desktop/tests/reports.rs", "the_keys_of_a_burst_are_reported_before_and_after_it"),
+    ])),
+    fault(109, "another window gets the focus before a correction", Tests(&[
+        ("tests/outputs/x11/bursts.rs", "a_correction_does_not_reach_the_window_that_got_the_focus"),
+        ("tests/outputs/x11/bursts.rs", "the_text_field_is_another_one_when_another_window_has_the_focus"),
+        (BURSTS, "a_correction_does_not_reach_another_window"),
+        (BURSTS, "an_idle_thread_notices_that_another_window_has_the_focus"),
     ])),
 ];
