@@ -179,7 +179,7 @@ impl Expansion<'_, '_> {
                 self.push(next);
             }
             self.opening_mark(partial);
-            self.joint(partial, -self.best(ROOT), Case::Lower);
+            self.joint(partial, self.best(ROOT), Case::Lower);
             return None;
         }
         let ended = self.ended(partial)?;
@@ -208,16 +208,16 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Uses the tap as the sign that it typed, behind a complete word or at the start of one. What is known of the word to come is
-    /// added to the score, and `known` is what it has of that already, as a negative number.
-    fn joint(&mut self, partial: &Partial, known: f32, case: Case) {
+    /// Uses the tap as the sign that it typed, behind a complete word of a case or at the start of one. `expected` is the part of the
+    /// score that stands for the word to come.
+    fn joint(&mut self, partial: &Partial, expected: f32, case: Case) {
         let (key, sign) = self.typed;
         if !self.is_sign || !joins_words(sign) {
             return;
         }
         let touch = self.touches.of_key(key, &partial.token.drift);
         let mut next = *partial;
-        next.token.score += touch + JOINT + self.best(ROOT) + known;
+        next.token.score += touch + JOINT + self.best(ROOT) - expected;
         next.token.place = Place::Word(ROOT);
         next.token.row = NO_ROW;
         next.emission = next.emission.with(sign, From::This, case);
@@ -231,15 +231,12 @@ impl Expansion<'_, '_> {
         let alone = contents.word()?;
         // Before the look-up of the pair: how likely it can be at most.
         let most = partial.token.score + self.language((alone + GAIN).min(0.0) - contents.best());
+        let missing = self.options.missing_space + self.best(ROOT);
+        let joint = if self.is_sign { JOINT } else { missing };
         let behind = self
             .touches
             .separator()
-            .max(self.options.missing_space + self.touches.likeliest() + self.best(ROOT))
-            .max(if self.is_sign {
-                JOINT + self.touches.likeliest()
-            } else {
-                f32::NEG_INFINITY
-            });
+            .max(missing.max(joint) + self.touches.likeliest());
         if most + behind + SLACK <= self.beam.limit() {
             return None;
         }
