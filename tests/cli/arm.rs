@@ -164,6 +164,14 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
 
     let again = run(["arm", "between", &start, &end, "--output", text(&movement)]);
     assert_eq!(again.code, Some(2), "an existing file is replaced");
+    #[cfg(unix)]
+    {
+        let large = folder.path().join("large.jsonl");
+        let made = ["arm", "between", &start, &end, "--output", text(&large)];
+        let full = super::lab::run_with_small_files(&made);
+        assert_eq!(full.code, Some(1), "{}", full.err);
+        assert!(full.err.contains("large.jsonl"), "{}", full.err);
+    }
 }
 
 #[test]

@@ -176,7 +176,7 @@ fn two_layouts_are_compared_with_the_same_people() {
     for words in [
         "qwerty-flat: 1 simulated person,",
         "  1 person, hands up to",
-        "One person tells no difference between qwerty-flat and qwerty-arc",
+        "One person cannot show a difference between qwerty-flat and qwerty-arc",
     ] {
         assert!(of_one.out.contains(words), "{words}: {}", of_one.out);
     }

@@ -146,6 +146,10 @@ fn an_improved_layout_is_kept_whatever_becomes_of_the_text_and_of_results() {
     let to = ["--steps", "30", "--output", text(&unread)];
     let (_, errors) = run_unread(&[&start[..], &to].concat());
     assert!(unread.exists(), "{errors}");
+    let (verified, result) = (path("verified.ron"), path("verified.json"));
+    let files = ["--output", text(&verified), "--json", text(&result)];
+    run([&start[..], &["--steps", "30"], &files].concat()).done();
+    run(["lab", "verify", text(&result)]).done();
     #[cfg(unix)]
     {
         let (kept, json) = (path("kept.ron"), path("result.json"));
@@ -167,12 +171,23 @@ fn an_improvement_that_cannot_be_kept_or_judged_is_refused_before_the_search() {
     let better = folder.path().join("better.ron");
     for (people, to, words) in [
         ("6", "/no/such/x.ron", "cannot write /no/such/x.ron"),
-        ("1", text(&better), "one person does not tell"),
+        ("1", text(&better), "one person cannot show"),
+        ("6", "-", "the layout needs a file"),
     ] {
         let ended = run([&improve(&pad, &phrases, people, "3")[..], &["--output", to]].concat());
         assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
         assert!(ended.err.contains(words), "{}", ended.err);
         assert!(!ended.err.contains("tried"), "{}", ended.err);
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let read_only = std::fs::Permissions::from_mode(0o444);
+        std::fs::set_permissions(&pad, read_only).expect("a mode");
+        let start = improve(&pad, &phrases, "6", "3");
+        let ended = run([&start[..], &["--overwrite"]].concat());
+        assert_eq!(ended.code, Some(2), "{}{}", ended.out, ended.err);
+        assert!(ended.err.contains("it is read-only"), "{}", ended.err);
     }
 }
 
@@ -184,7 +199,7 @@ fn an_interruption_of_the_judgement_keeps_the_layout() {
     let phrases = file(&folder, "phrases.txt", PHRASES);
     let better = folder.path().join("better.ron");
     let to = ["--steps", "8", "--output", text(&better)];
-    let mut command = super::ademan([&improve(&pad, &phrases, "6", "60")[..], &to].concat());
+    let mut command = super::ademan([&improve(&pad, &phrases, "200", "60")[..], &to].concat());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut program = command.spawn().expect("the program starts");
     let mut errors = BufReader::new(program.stderr.take().expect("a pipe"));

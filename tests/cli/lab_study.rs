@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::{Ended, ademan, run, text};
+use super::{Ended, ademan, file, run, text};
 
 fn new(folder: &Path, arguments: &[&str]) -> PathBuf {
     let study = folder.join("study");
@@ -320,6 +320,28 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
         "numpad",
     ];
     refused(run(twice), "numpad is named twice");
+    let board = |name: &str, keys: &str| {
+        let board = format!(
+            r#"Layout(name: "{name}", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: "{keys}")])])"#
+        );
+        file(&folder, &format!("{name}.ron"), &board)
+    };
+    let (first, second) = (board("first", "A B"), board("second", "C D"));
+    let letters = file(&folder, "letters.txt", "abcd\n");
+    let apart = ["lab", "study", "new", text(&nothing), &first, &second];
+    let words = [&apart[..], &["--text", &letters]].concat();
+    refused(run(words), "in common");
+    let apart = [
+        "lab",
+        "study",
+        "new",
+        text(&nothing),
+        "numpad",
+        "chords-bend",
+    ];
+    let letters = file(&folder, "letters.txt", "abc\n");
+    let words = [&apart[..], &["--text", &letters]].concat();
+    refused(run(words), "in common");
     let ended = run([
         "lab",
         "study",

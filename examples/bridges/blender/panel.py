@@ -32,8 +32,11 @@ class Link:
 
     def find_targets(self):
         """Loads the table again, because objects or bones have changed. It is dropped if none of its rows is left."""
+        was_baking = self.baking is not None
         self.baking = None
         self.load(self.path)
+        if was_baking and not self.message:
+            self.message = "an undo or an edit has interrupted the baking: bake again"
         if self.table and not (self.table.attach or self.table.bones):
             self.table = None
             self.message = "an object of the table has been removed: load the table again"

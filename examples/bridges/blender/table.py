@@ -56,7 +56,7 @@ class Attachment:
 
     @property
     def struct(self):
-        """What has the attribute."""
+        """The object or property group with the attribute."""
         owner = self.target.owner
         return owner.path_resolve(self.head) if self.head else owner
 

@@ -230,7 +230,7 @@ fn stop_and_continue(command: &Command) {
     screen.wait_for_text("│ Q ││ W │");
     // The parent of this process group is no shell that would be told of the stop.
     signal("TSTP", screen.program.0.id());
-    screen.wait_for("terminal of before", |screen| {
+    screen.wait_for("the restored terminal", |screen| {
         !screen.text().contains("│ Q │")
     });
     screen.assert_restored();

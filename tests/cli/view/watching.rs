@@ -64,7 +64,7 @@ fn ctrl_z_gives_the_terminal_back_until_the_watcher_continues() {
     let mut screen = watch(&socket, 80, 24);
     screen.wait_for_text("down: H");
     signal("TSTP", screen.program.0.id());
-    screen.wait_for("terminal of before", |screen| {
+    screen.wait_for("the restored terminal", |screen| {
         !screen.text().contains("down: H")
     });
     screen.assert_restored();

@@ -209,7 +209,7 @@ impl Comparison {
         let people: usize = self.groups.iter().map(|group| group.people).sum();
         if people < 2 {
             return format!(
-                "One person tells no difference between {} and {}: choose more people.",
+                "One person cannot show a difference between {} and {}: choose more people.",
                 self.first, self.second
             );
         }
@@ -329,7 +329,7 @@ mod tests {
         let one = compared(&[180.0]);
         assert_eq!(
             one.verdict(),
-            "One person tells no difference between a and b: choose more people."
+            "One person cannot show a difference between a and b: choose more people."
         );
         let two = compared(&[180.0, 190.0]).verdict();
         assert!(two.starts_with("b is 2.0 to 2.0 words/min faster"), "{two}");

@@ -224,7 +224,7 @@ fn one(
     let mut observed = Observed::default();
     if strokes.can_type() {
         for (number, phrase) in conditions.phrases_of(person).enumerate() {
-            // A person may type for longer than an interrupted program may go on.
+            // Typing of one person may take longer than an interrupted program may run.
             if cancel.load(Ordering::Relaxed) {
                 return Err(Cancelled.into());
             }

@@ -110,8 +110,8 @@ impl Played {
 }
 
 impl Station {
-    /// Does all tasks of the layout once. `has_pointed` leaves out movements that only show that a cursor moves. A failed try does not
-    /// count if a hand without errors fails, too, although it reaches the control: then the lab cannot try it.
+    /// Does all tasks of the layout once. `has_pointed` leaves out movements that only show that a cursor moves. A control does not count
+    /// if a hand without errors fails, although it reaches the control: then the lab cannot try it.
     ///
     /// # Errors
     /// If it is cancelled, between two tasks.
@@ -139,9 +139,10 @@ impl Station {
         let stops = tour(&self.layout).into_iter();
         for stop in stops.filter(|stop| !(has_pointed && stop.moves_cursor())) {
             check()?;
-            let result = self.touch(&stop, &self.play(&stop.actions, Some(next_seed())));
-            if result.is_done || self.can_try(&stop) {
-                tasks.results.push(result);
+            let seed = Some(next_seed());
+            if self.can_try(&stop) {
+                let play = self.play(&stop.actions, seed);
+                tasks.results.push(self.touch(&stop, &play));
             } else {
                 tasks.leave_out(&stop.name);
             }

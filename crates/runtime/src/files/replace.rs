@@ -25,12 +25,7 @@ pub fn replace_text_if(
     text: &str,
     is_as_expected: impl FnOnce() -> bool,
 ) -> Result<(), FileError> {
-    let path = own_target(path)?;
-    let metadata = fs::metadata(&path)?;
-    if metadata.permissions().readonly() {
-        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
-        return Err(error.into());
-    }
+    let (path, metadata) = writable_target(path)?;
     write_and_rename(
         (&path, create_private),
         text,
@@ -78,6 +73,23 @@ pub fn replace_text_and_keep(path: &Path, backup: &Path, text: &str) -> Result<(
         let _ = fs::remove_file(&temporary);
     }
     Ok(replaced?)
+}
+
+/// Checks that [`replace_text`] can replace a file, before work whose result it keeps.
+pub fn check_overwrite(path: &Path) -> Result<(), FileError> {
+    let (path, _) = writable_target(path)?;
+    check_destination(&path)
+}
+
+/// Returns the file of this user that a path leads to, unless it is read-only.
+fn writable_target(path: &Path) -> Result<(PathBuf, Metadata), FileError> {
+    let path = own_target(path)?;
+    let metadata = fs::metadata(&path)?;
+    if metadata.permissions().readonly() {
+        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
+        return Err(error.into());
+    }
+    Ok((path, metadata))
 }
 
 /// Checks that a file can be written at a path, before work whose result it keeps: its folder exists and is writable, and the

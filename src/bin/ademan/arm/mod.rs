@@ -55,9 +55,34 @@ impl OutputArgs {
     /// Opens the destination.
     pub fn open(&self) -> Result<Box<dyn Write>, Failure> {
         match &self.output {
-            Some(path) => Ok(Box::new(BufWriter::new(create(path)?))),
+            Some(path) => Ok(Box::new(BufWriter::new(NamedFile {
+                file: create(path)?,
+                path: path.clone(),
+            }))),
             None => Ok(Box::new(BufWriter::new(io::stdout().lock()))),
         }
+    }
+}
+
+/// A file whose errors name it.
+struct NamedFile {
+    file: File,
+    path: PathBuf,
+}
+
+impl NamedFile {
+    fn name(&self, error: &io::Error) -> io::Error {
+        io::Error::other(format!("cannot write {}: {error}", escape_path(&self.path)))
+    }
+}
+
+impl Write for NamedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes).map_err(|error| self.name(&error))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush().map_err(|error| self.name(&error))
     }
 }
 

@@ -124,7 +124,8 @@ fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
         }));
     }
     let time_us = time_us(&value)?;
-    let field = LANDMARK_FIELDS.iter().find_map(|name| value.get(name));
+    let fields = || LANDMARK_FIELDS.iter().filter_map(|name| value.get(name));
+    let field = fields().find(|field| !field.is_null()).or(fields().next());
     let Some(list) = landmarks(field.unwrap_or(&value))? else {
         return Ok(None);
     };
@@ -154,10 +155,8 @@ pub fn landmarks(field: &Value) -> Result<Option<&[Value]>, String> {
     })?;
     // The bridge emits one list for each person.
     let of_person = list.first().and_then(Value::as_array);
-    let is_nested = of_person.is_some_and(|person| {
-        let first = person.first();
-        first.is_some_and(|landmark| landmark.is_array() || landmark.is_object())
-    });
+    let is_landmark = |value: &Value| value.is_array() || value.is_object();
+    let is_nested = of_person.is_some_and(|person| person.iter().any(is_landmark));
     let list = of_person.filter(|_| is_nested).unwrap_or(list);
     Ok(Some(list.as_slice()).filter(|list| !list.is_empty()))
 }

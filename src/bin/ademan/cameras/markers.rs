@@ -204,9 +204,9 @@ fn common_rate(args: &Args) -> Result<f64, Failure> {
     Ok(first.map_or(RATE_HZ, |(_, rate)| rate))
 }
 
-/// Returns a rate with three decimals.
+/// Returns a rate with six decimals, which differ for films that are not in step.
 fn rounded(rate: f64) -> f64 {
-    (rate * 1000.0).round() / 1000.0
+    (rate * 1e6).round() / 1e6
 }
 
 fn open(args: &Args) -> Result<Vec<Reader>, Failure> {

@@ -164,7 +164,7 @@ fn play_on_line(
         ..session_options()?
     };
     let session = Session::start(setup, options)?;
-    handle_pauses(args, &session)?;
+    pause_signals::install_for(&session, &args.output)?;
     session.wait_until_started();
     let player = Player::start(hand, writers, line, session.commands().clone())?;
     *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(player.canceller()));
@@ -180,15 +180,6 @@ fn play_on_line(
     task.report(&mut io::stdout().lock(), &playback, is_printed)?;
     report(&playback, &summary, &line, hands as u64)?;
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
-}
-
-/// Makes Ctrl-Z give the terminal back. Without an effect outside this process nothing is paused, so that no part of the text is lost.
-fn handle_pauses(args: &Args, session: &SessionHandle) -> Result<(), Failure> {
-    if output::has_effect(&args.output) {
-        pause_signals::install(session.commands().clone())
-    } else {
-        pause_signals::install_without_session()
-    }
 }
 
 /// The result of the demo. An interruption is the way to end one that repeats.
@@ -226,7 +217,7 @@ fn play_bytes(
         ..session_options()?
     };
     let session = Session::start(setup, options)?;
-    handle_pauses(args, &session)?;
+    pause_signals::install_for(&session, &args.output)?;
     let commands = session.commands().clone();
     let stop = Box::new(move || _ = commands.send(Command::Stop));
     *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(stop);

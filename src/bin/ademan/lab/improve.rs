@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use ademan::document::{Document, FileKind};
-use ademan::files::{self, OpenDocument};
+use ademan::files::{self, FileError, OpenDocument};
 use ademan::improve::{Found, ImproveError, MoveKind, Objective, Progress, Reference, Task};
 use ademan::layout::Layout;
 use ademan::measures::{Comparison, Interval, LabResult, compare};
@@ -86,19 +86,25 @@ impl Destination {
     fn new(args: &Args) -> Result<Self, Failure> {
         if args.overwrite {
             let path = Path::new(&args.layout);
-            return if path.is_file() {
-                Ok(Self::Same(path.to_owned()))
-            } else {
-                Err(Failure::wrong_use(format!(
+            if !path.is_file() {
+                return Err(Failure::wrong_use(format!(
                     "{} is no file that can be overwritten; use --output FILE",
                     escape(&args.layout)
-                )))
-            };
+                )));
+            }
+            let checked = files::check_overwrite(path);
+            checked.map_err(|error| Failure::wrong_use(cannot_write(path, &error)))?;
+            return Ok(Self::Same(path.to_owned()));
         }
         let path = args.output.clone().unwrap_or_else(|| {
             let stem = Path::new(&args.layout).file_stem().unwrap_or_default();
             PathBuf::from(format!("{}-improved.ron", stem.to_string_lossy()))
         });
+        if path == Path::new("-") {
+            return Err(Failure::wrong_use(
+                "the figures go to the standard output, so the layout needs a file; use --output FILE",
+            ));
+        }
         let path = new_file::with_extension(&path, "ron");
         if path.exists() {
             return Err(Failure::wrong_use(format!(
@@ -122,16 +128,19 @@ impl Destination {
                 Ok(Written::New(path.clone()))
             }
             Self::Same(path) => {
-                let present = Document::open_kind(FileKind::Layout, &path.to_string_lossy());
-                if !present.is_ok_and(|present| present.text == document.text) {
-                    let copy = beside(path);
-                    create(&copy)?;
-                    return Ok(Written::Beside(copy));
+                let is_unchanged = || {
+                    let present = Document::open_kind(FileKind::Layout, &path.to_string_lossy());
+                    present.is_ok_and(|present| present.text == document.text)
+                };
+                match files::replace_text_if(path, text, is_unchanged) {
+                    Ok(()) => Ok(Written::Same(path.clone())),
+                    Err(FileError::Changed) => {
+                        let copy = beside(path);
+                        create(&copy)?;
+                        Ok(Written::Beside(copy))
+                    }
+                    Err(error) => Err(Failure::job(cannot_write(path, &error))),
                 }
-                files::replace_text(path, text).map_err(|error| {
-                    Failure::job(format!("cannot write {}: {error}", escape_path(path)))
-                })?;
-                Ok(Written::Same(path.clone()))
             }
         }
     }
@@ -161,6 +170,10 @@ impl Written {
         );
         new_file::announce(path, &origin, &next)
     }
+}
+
+fn cannot_write(path: &Path, error: &FileError) -> String {
+    format!("cannot write {}: {error}", escape_path(path))
 }
 
 /// Returns a name beside a layout that no other file has.
@@ -194,7 +207,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     if prepared.people() < 2 {
         return Err(Failure::wrong_use(
-            "one person does not tell which layout is better; use --people with 2 or more",
+            "one person cannot show which layout is better; use --people with 2 or more",
         ));
     }
     kinds::check(&prepared, std::slice::from_ref(&document))?;
@@ -213,7 +226,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     } else {
         judge(args, (&document, &found.text), &destination, &prepared)?
     };
-    let Some([before, after]) = judged else {
+    let Some([before, mut after]) = judged else {
         complain!(
             "interrupted: the best layout so far was not judged by held-out people; `ademan lab compare` does"
         );
@@ -221,6 +234,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return written.announce(&args.layout);
     };
     let judgement = Judgement::new(args, &before, &after)?;
+    after.comparison = Some(judgement.comparison.clone());
     // The files come first: a reader of the text that ends early must not cost them.
     let is_better = judgement.gain.low > 0.0;
     let layout_file = is_better
@@ -328,7 +342,7 @@ fn advice(found: &Found) -> &'static str {
     ""
 }
 
-/// What held-out people do on both layouts.
+/// The judgement of held-out people on both layouts.
 struct Judgement {
     people: usize,
     phrases: usize,

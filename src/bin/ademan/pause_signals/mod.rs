@@ -11,3 +11,18 @@ use unix as system;
 use unsupported as system;
 
 pub use system::{install, install_without_session};
+
+use ademan::output;
+use ademan::session::SessionHandle;
+
+use crate::failure::Failure;
+
+/// Makes Ctrl-Z give the terminal back while a simulated hand plays, or a person practices. Without an effect outside this process
+/// nothing is paused, so that no part of the text is lost.
+pub fn install_for(session: &SessionHandle, output: &str) -> Result<(), Failure> {
+    if output::has_effect(output) {
+        install(session.commands().clone())
+    } else {
+        install_without_session()
+    }
+}

@@ -274,7 +274,7 @@ fn run_task(
         options.speed = is_drawn.then_some(1.0);
     }
     let session = session::start(setup, options)?;
-    pause_signals::install(session.commands().clone())?;
+    pause_signals::install_for(&session, &args.output)?;
     follow(&session, task, is_drawn);
     session.join()?;
     Ok(())

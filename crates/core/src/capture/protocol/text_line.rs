@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_of_the_encoding_before_the_first_line_is_skipped() {
+    fn a_byte_order_mark_before_the_first_line_is_skipped() {
         let mut decoder = TextLineDecoder::new();
         let line = encode(&angles(&[45.0; VALUES]));
         let mark = "\u{feff}";

@@ -117,6 +117,12 @@ fn new(args: &NewArgs) -> Result<(), Failure> {
         texts.push(document.text);
     }
     let (phrases, left_out) = typable_by_all(&mut stations, &corpus);
+    let has_letters = |phrase: &String| phrase.contains(char::is_alphanumeric);
+    if !left_out.is_empty() && !phrases.phrases.iter().any(has_letters) {
+        return Err(Failure::wrong_use(
+            "the layouts have no letter and no digit of the phrases in common; study them one by one, or use --text with characters that all of them type",
+        ));
+    }
     for ((name, text), station) in args.layouts.iter().zip(&texts).zip(&mut stations) {
         study
             .add_layout(name, text, station, &phrases, counts)
