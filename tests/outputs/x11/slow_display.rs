@@ -26,7 +26,10 @@ impl SlowDisplay {
     pub fn start(server: &XServer, delay: Duration) -> Self {
         let path_of = |number: &str| PathBuf::from(FOLDER).join(format!("X{number}"));
         let number = server.display().trim_start_matches(':');
-        let (target, slow) = (path_of(number), format!("{}", 20_000 + std::process::id()));
+        let (target, slow) = (
+            path_of(number),
+            format!("{}", 20_000 + std::process::id() % 40_000),
+        );
         let path = path_of(&slow);
         let listener = UnixListener::bind(&path).expect("a socket beside the one of the server");
         thread::spawn(move || {

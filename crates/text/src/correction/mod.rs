@@ -157,7 +157,7 @@ impl<'m> Corrector<'m> {
     /// Takes over what another corrector has learned of the person.
     pub fn take_over(&mut self, before: &Self) {
         self.restored.clone_from(&before.restored);
-        self.decoder.set_touch(before.decoder.touch().clone());
+        self.decoder.take_over(&before.decoder);
     }
 
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a line.
@@ -308,7 +308,8 @@ impl<'m> Corrector<'m> {
                 if !self.is_partial {
                     self.restored.learn();
                 }
-                self.decoder.commit_behind(Some(&self.target));
+                let text = (!self.is_partial).then_some(self.target.as_str());
+                self.decoder.commit_behind(text);
             }
             return &self.edits;
         }

@@ -4,6 +4,7 @@ use super::Options;
 use super::expand::{ANY_CHARACTER, spelling_end};
 use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
 use super::touches::Touches;
+use crate::correction::ends_word;
 use crate::keyboard::Millimetres;
 use crate::model::bigrams::{NO_ROW, Row};
 use crate::model::lexicon::ROOT;
@@ -95,7 +96,12 @@ impl Literal {
             let found = other.next();
             found.and_then(lower) == lower(letter)
         });
-        is_tail && (self.followed > 0 || other.next().is_none())
+        let before = other.next();
+        is_tail
+            && before.is_none_or(|before| {
+                // No letter of the text that the other one gave joins what was typed.
+                self.followed > 0 && ends_word(before)
+            })
     }
 
     pub fn text(&self) -> &str {

@@ -191,12 +191,12 @@ impl<'m> Decoder<'m> {
         &self.touch
     }
 
-    /// Drops all taps, and goes on behind unknown text with what is known of a person.
-    pub(crate) fn set_touch(&mut self, mut touch: TouchModel) {
-        touch.sanitize();
-        touch.reserve(&self.keyboard);
-        self.touches.learn(&self.keyboard, &touch);
-        self.touch = touch;
+    /// Drops all taps, and goes on behind unknown text with what another decoder has learned of a person.
+    pub(crate) fn take_over(&mut self, before: &Decoder) {
+        self.touch = before.touch.clone();
+        self.touch.reserve(&self.keyboard);
+        self.words = before.words;
+        self.touches.learn(&self.keyboard, &self.touch);
         self.update_costs();
         self.start_anywhere();
     }

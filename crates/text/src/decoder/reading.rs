@@ -42,7 +42,8 @@ impl Decoder<'_> {
     }
 
     /// Returns the text to show: the most probable one if it is likelier by [`Options::margin`] than the most probable one that keeps
-    /// what was typed since the last correction, or else that one, with capitals where sentences start and names have them.
+    /// what was typed since the last correction, or else the text that keeps it, with capitals where sentences start and names have
+    /// them.
     pub fn reading(&mut self) -> &str {
         self.finish();
         let typed = self.typed_score();

@@ -52,7 +52,8 @@ impl Stroke {
 }
 
 /// Returns the number of events of the burst that `events` begin with: neighboring ones of one time, with two presses or a character
-/// at least. Each key of a burst goes down and comes up in it, none is `held` before, and none is down while a character is typed.
+/// at least. Each key of a burst goes down and comes up in it, but for a Shift, which may stay down; none is `held` before, and none is
+/// down while a character is typed.
 /// Returns 0 if they do not begin with a burst.
 pub fn length(events: &[OutputEvent], held: &PressedKeys) -> usize {
     let mut down = PressedKeys::default();
@@ -72,7 +73,8 @@ pub fn length(events: &[OutputEvent], held: &PressedKeys) -> usize {
         }
         has_character |= matches!(event.kind, EventKind::Character(_));
         presses += usize::from(!matches!(event.kind, EventKind::KeyUp(_)));
-        if down.is_empty() && (has_character || presses > 1) {
+        let is_complete = down.release_order().all(KeyCode::is_shift);
+        if is_complete && (has_character || presses > 1) {
             length = count;
         }
     }
@@ -89,10 +91,17 @@ pub fn text(burst: &[Stroke]) -> String {
     burst.iter().filter_map(Stroke::character).collect()
 }
 
-/// Returns `true` if a burst begins with a Backspace: it replaces text that was typed before.
+/// Returns `true` if a burst has a Backspace: it replaces text that was typed before.
 pub fn replaces(burst: &[Stroke]) -> bool {
-    let first = burst.first().and_then(Stroke::pressed_key);
-    first == Some(KeyCode::BACKSPACE)
+    let mut pressed = burst.iter().filter_map(Stroke::pressed_key);
+    pressed.any(|key| key == KeyCode::BACKSPACE)
+}
+
+/// Returns `true` if a burst that was executed leaves a key down.
+pub fn leaves_down(burst: &[Stroke], key: KeyCode) -> bool {
+    let of_key = |stroke: &&Stroke| matches!(stroke, Stroke::Key(own, _) if *own == key);
+    let last = burst.iter().rev().find(of_key);
+    last.is_some_and(Stroke::is_press)
 }
 
 #[cfg(test)]
@@ -136,6 +145,22 @@ mod tests {
     }
 
     #[test]
+    fn a_shift_that_the_person_holds_stays_down() {
+        // The next letter of a multitap key under a locked Shift.
+        let backspace = tap("Backspace");
+        let letter = [&[down(1, "ShiftLeft")][..], &tap("B")].concat();
+        let events = [&backspace[..], &letter].concat();
+        assert_eq!(length_of(&[&events]), 5);
+        let burst: Vec<Stroke> = events.iter().filter_map(Stroke::from_event).collect();
+        assert!(leaves_down(&burst, key("ShiftLeft")));
+        assert!(!leaves_down(&burst, key("B")) && !leaves_down(&burst, key("C")));
+        assert_eq!(
+            length_of(&[&backspace, &[down(1, "ControlLeft")], &tap("B")]),
+            0
+        );
+    }
+
+    #[test]
     fn one_tap_and_keys_that_are_held_are_no_burst() {
         assert_eq!(length_of(&[&tap("A")]), 0);
         assert_eq!(length_of(&[&tap("A"), &[down(1, "B")]]), 0);
@@ -147,14 +172,15 @@ mod tests {
     }
 
     #[test]
-    fn a_burst_that_begins_with_a_backspace_replaces_text() {
+    fn a_burst_with_a_backspace_replaces_text() {
         let strokes = |events: &[OutputEvent]| -> Vec<Stroke> {
             events.iter().filter_map(Stroke::from_event).collect()
         };
         let burst = strokes(&[&tap("Backspace")[..], &[character(1, 'é')]].concat());
         assert!(replaces(&burst));
         assert_eq!((count_presses(&burst), text(&burst)), (2, "é".to_owned()));
-        let chord = [&[down(1, "ControlLeft")][..], &tap("Backspace")].concat();
-        assert!(!replaces(&strokes(&chord)));
+        let behind_a_letter = [tap("A"), tap("Backspace")].concat();
+        assert!(replaces(&strokes(&behind_a_letter)));
+        assert!(!replaces(&strokes(&[tap("A"), tap("B")].concat())));
     }
 }

@@ -19,7 +19,7 @@ impl FollowedFocus {
 
     /// Sets the window of an answer, unless the display has reported one since the question. The next question follows the
     /// answer. Returns `true` if another window had the focus before.
-    pub fn take_answer(&mut self, answer: Option<WindowId>) -> bool {
+    pub fn update_from_answer(&mut self, answer: Option<WindowId>) -> bool {
         let is_late = answer.is_some() && std::mem::take(&mut self.is_newer_than_answer);
         !is_late && self.replace(answer)
     }
@@ -46,12 +46,15 @@ mod tests {
     #[test]
     fn an_answer_to_a_question_of_before_the_last_report_is_ignored() {
         let mut focus = FollowedFocus::default();
-        assert!(!focus.take_answer(Some(1)));
-        assert!(focus.take_answer(Some(2)));
+        assert!(!focus.update_from_answer(Some(1)));
+        assert!(focus.update_from_answer(Some(2)));
         assert!(focus.set(Some(3)));
-        assert!(!focus.take_answer(None), "no answer yet");
-        assert!(!focus.take_answer(Some(2)), "asked before the report");
-        assert!(!focus.take_answer(Some(3)));
-        assert!(focus.take_answer(Some(1)));
+        assert!(!focus.update_from_answer(None), "no answer yet");
+        assert!(
+            !focus.update_from_answer(Some(2)),
+            "asked before the report"
+        );
+        assert!(!focus.update_from_answer(Some(3)));
+        assert!(focus.update_from_answer(Some(1)));
     }
 }

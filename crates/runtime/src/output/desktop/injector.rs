@@ -11,7 +11,7 @@ use crate::output::watchdog::ReleaseTarget;
 use ademan_core::device::KeyCode;
 use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 
-/// The number by which a display knows a window.
+/// The identifier of a window on a display.
 pub type WindowId = u32;
 
 /// A connection to a display, which presses and releases keys and buttons.

@@ -90,8 +90,8 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 /// [`send`](Sink::send) must be called at least every 50 ms while a key is pressed: after some 200 ms without a call the sink
 /// releases all keys and has stalled. The release of a
 /// dropped press is ignored; no other release is. While the queue is three quarters full, motion is
-/// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Motion that waits for
-/// 250 ms, or that a [call](Sink::void_presses) made void, is lost. Pending motion
+/// [coalesced](Sink::coalesced_motions): the last position counts, relative motion and scrolls are summed. Scrolls that wait for
+/// 250 ms, and all motion that a [call](Sink::void_presses) made void, are lost. Pending motion
 /// is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
 pub struct Desktop {
@@ -240,6 +240,11 @@ impl Desktop {
         let current = self.status.field.load(Ordering::Acquire);
         let field = std::mem::replace(&mut self.field, current);
         for (stroke, count) in strokes().zip(1..) {
+            match stroke {
+                Stroke::Key(key, KeyDirection::Press) => _ = self.accepted.press(key),
+                Stroke::Key(key, KeyDirection::Release) => _ = self.accepted.release(key),
+                Stroke::Character(_) => {}
+            }
             self.request(WorkerRequest::Stroke {
                 stroke,
                 is_last: count == burst.len(),

@@ -78,8 +78,12 @@ impl PressTickets {
 
     /// Returns `true` if the press may still be sent.
     pub fn is_valid(&self, ticket: PressTicket) -> bool {
+        self.is_current(ticket) && ticket.queued_at.elapsed() <= self.max_age
+    }
+
+    /// Returns `true` if nothing has made the ticket void, however old it is.
+    pub fn is_current(&self, ticket: PressTicket) -> bool {
         ticket.generation == self.generation.load(Ordering::Acquire)
-            && ticket.queued_at.elapsed() <= self.max_age
     }
 }
 
@@ -99,7 +103,7 @@ mod tests {
         let expired = PressTickets::new(Duration::ZERO);
         let ticket = expired.issue(0);
         std::thread::sleep(Duration::from_millis(1));
-        assert!(!expired.is_valid(ticket));
+        assert!(!expired.is_valid(ticket) && expired.is_current(ticket));
     }
 
     #[test]

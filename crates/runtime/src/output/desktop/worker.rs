@@ -181,11 +181,11 @@ impl<'a, C: Injector> Worker<'a, C> {
         if let Err(reason) = self.injector.check_connection() {
             return self.fail(&reason);
         }
-        let is_other = self.focus.take_answer(self.injector.poll_focus());
+        let is_other = self.focus.update_from_answer(self.injector.poll_focus());
         self.status.next_field_if(is_other);
     }
 
-    /// Takes notice of the window that has the focus now.
+    /// Updates the window that has the focus, and the generation of the field.
     fn follow_focus(&mut self, window: Option<WindowId>) {
         let is_other = self.focus.set(window);
         self.status.next_field_if(is_other);
@@ -335,7 +335,7 @@ impl<'a, C: Injector> Worker<'a, C> {
             // Its keys may be down, and are released at the end.
             Err(reason) => self.fail(&reason),
             Ok(is_executed) => {
-                self.report_releases(&burst);
+                self.report_releases(&burst, is_executed);
                 if !is_executed {
                     self.drop_presses(ticket, count);
                 }
@@ -353,10 +353,11 @@ impl<'a, C: Injector> Worker<'a, C> {
         keys.all(|key| !self.pressed.press(key) || self.report_key(key, KeyDirection::Press))
     }
 
-    /// Reports that the reported keys of a burst are up.
-    fn report_releases(&mut self, burst: &[Stroke]) {
+    /// Reports that the reported keys of a burst are up, but for those that it leaves down, if it was executed.
+    fn report_releases(&mut self, burst: &[Stroke], is_executed: bool) {
         for key in burst.iter().filter_map(Stroke::pressed_key) {
-            if self.pressed.release(key) {
+            let is_down = is_executed && burst::leaves_down(burst, key);
+            if !is_down && self.pressed.release(key) {
                 self.report_key(key, KeyDirection::Release);
             }
         }
@@ -435,11 +436,16 @@ impl<'a, C: Injector> Worker<'a, C> {
         self.status.tickets.void_with(ticket);
     }
 
-    /// Performs an action if its ticket is valid: motion may be lost. It is not repeated, as one that failed may have arrived.
+    /// Performs an action if its ticket is valid. It is not repeated, as one that failed may have arrived. Late motion of the pointer
+    /// is performed, too: a click behind it may be in time, and relies on its position.
     fn perform(&mut self, action: StatelessAction, ticket: PressTicket) {
-        // Pointer motion that is late does nothing, and on a slow display a wait would make it later.
-        let is_click = matches!(action, StatelessAction::Scroll(..));
-        if (is_click && !self.wait_for_display(ticket)) || !self.status.tickets.is_valid(ticket) {
+        let is_wheel = matches!(action, StatelessAction::Scroll(..));
+        let is_valid = if is_wheel {
+            self.wait_for_display(ticket) && self.status.tickets.is_valid(ticket)
+        } else {
+            self.status.tickets.is_current(ticket)
+        };
+        if !is_valid {
             return;
         }
         if let Err(reason) = self.injector.perform(action) {

@@ -235,6 +235,8 @@ impl SessionLoop<'_> {
         self.follow_source(stats)?;
         for (reading, left) in readings.iter().zip((0..readings.len() as u64).rev()) {
             self.stats.source.readings = stats.readings - left;
+            // Readings that have waited may be for another field than the one before.
+            self.follow_text_field()?;
             if self.commands.is_stopped() || self.step(reading, received_at)? == Next::End {
                 self.stats.source.readings = stats.readings;
                 self.drop_readings(left);

@@ -82,7 +82,7 @@ impl CharacterKeys {
         Ok(Some(plan.codes))
     }
 
-    /// Takes notice that these keys have been clicked.
+    /// Stores the present time as the last use of these keys.
     pub fn note_use(&mut self, codes: &[u8]) {
         for code in codes {
             self.last_uses[usize::from(*code)] = Some(Instant::now());

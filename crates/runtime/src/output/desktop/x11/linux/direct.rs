@@ -50,7 +50,7 @@ const REPLY: u8 = 1;
 pub fn open(name: Option<&str>) -> Option<DirectConnection> {
     let (server, screen) = x11rb::connect(name).ok()?;
     ignore_grabs(&server).ok()?;
-    let socket = Socket::of(&server)?;
+    let socket = Socket::from_connection(&server)?;
     if !closes_before_reading(server.setup(), &socket.0) {
         return None;
     }
@@ -93,7 +93,7 @@ pub struct Socket(OwnedFd);
 
 impl Socket {
     /// Takes over the socket of a connection that is used for nothing else.
-    pub fn of(server: &RustConnection) -> Option<Arc<Self>> {
+    pub fn from_connection(server: &RustConnection) -> Option<Arc<Self>> {
         let socket = server.stream().as_fd().try_clone_to_owned();
         socket.ok().map(|socket| Arc::new(Self(socket)))
     }

@@ -20,7 +20,7 @@ impl FocusWatch {
     /// Opens a connection. Returns `None` if the server does not answer.
     pub fn open(name: Option<&str>) -> Option<Self> {
         let (server, _) = x11rb::connect(name).ok()?;
-        let socket = Socket::of(&server)?;
+        let socket = Socket::from_connection(&server)?;
         Some(Self {
             reader: Reader::new(Arc::clone(&socket)),
             socket,

@@ -107,10 +107,13 @@ impl X11Injector {
         events.into_iter().try_for_each(|event| event.check())
     }
 
-    /// Clicks a button `count` times.
+    /// Clicks a button `count` times, if the pointer of the server has it.
     fn click(&self, button: u8, count: u32) -> Result<(), ReplyError> {
         let click = [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT].map(|kind| (kind, button));
-        self.fake_all((0..count).flat_map(|_| click))
+        match self.fake_all((0..count).flat_map(|_| click)) {
+            Err(ReplyError::X11Error(_)) => Ok(()),
+            clicked => clicked,
+        }
     }
 
     /// Returns the key codes of the characters of a burst, which it adds to the keymap where they are missing. Returns `None` if
