@@ -167,8 +167,8 @@ fn a_movement_joins_its_postures_and_no_bone_shrinks_on_the_way() {
     #[cfg(unix)]
     {
         let large = folder.path().join("large.jsonl");
-        let made = ["arm", "between", &start, &end, "--output", text(&large)];
-        let full = super::lab::run_with_small_files(&made);
+        let too_large = ["arm", "between", &start, &end, "--output", text(&large)];
+        let full = super::lab::run_with_small_files(&too_large);
         assert_eq!(full.code, Some(1), "{}", full.err);
         assert!(full.err.contains("large.jsonl"), "{}", full.err);
     }

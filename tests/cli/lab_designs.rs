@@ -147,8 +147,8 @@ fn an_improved_layout_is_kept_whatever_becomes_of_the_text_and_of_results() {
     let (_, errors) = run_unread(&[&start[..], &to].concat());
     assert!(unread.exists(), "{errors}");
     let (verified, result) = (path("verified.ron"), path("verified.json"));
-    let files = ["--output", text(&verified), "--json", text(&result)];
-    run([&start[..], &["--steps", "30"], &files].concat()).done();
+    let both = ["--output", text(&verified), "--json", text(&result)];
+    run([&start[..], &["--steps", "30"], &both].concat()).done();
     run(["lab", "verify", text(&result)]).done();
     #[cfg(unix)]
     {

@@ -331,17 +331,6 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
     let apart = ["lab", "study", "new", text(&nothing), &first, &second];
     let words = [&apart[..], &["--text", &letters]].concat();
     refused(run(words), "in common");
-    let apart = [
-        "lab",
-        "study",
-        "new",
-        text(&nothing),
-        "numpad",
-        "chords-bend",
-    ];
-    let letters = file(&folder, "letters.txt", "abc\n");
-    let words = [&apart[..], &["--text", &letters]].concat();
-    refused(run(words), "in common");
     let ended = run([
         "lab",
         "study",

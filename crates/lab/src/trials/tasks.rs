@@ -139,9 +139,9 @@ impl Station {
         let stops = tour(&self.layout).into_iter();
         for stop in stops.filter(|stop| !(has_pointed && stop.moves_cursor())) {
             check()?;
-            let seed = Some(next_seed());
+            let own_seed = Some(next_seed());
             if self.can_try(&stop) {
-                let play = self.play(&stop.actions, seed);
+                let play = self.play(&stop.actions, own_seed);
                 tasks.results.push(self.touch(&stop, &play));
             } else {
                 tasks.leave_out(&stop.name);
