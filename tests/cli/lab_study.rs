@@ -321,8 +321,10 @@ fn names_folders_and_layouts_that_do_not_fit_are_refused() {
     ];
     refused(run(twice), "numpad is named twice");
     let board = |name: &str, keys: &str| {
+        let pose = "(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45)";
+        let row = format!(r#"(at_mm: (0, 0), keys: "{keys}")"#);
         let board = format!(
-            r#"Layout(name: "{name}", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: "{keys}")])])"#
+            r#"Layout(name: "{name}", boards: [(pose: {pose}, pitch_mm: 19, size_mm: Box(17, 17), rows: [{row}])])"#
         );
         file(&folder, &format!("{name}.ron"), &board)
     };
