@@ -296,7 +296,7 @@ pub fn body_of_landmarks(landmarks: &BodyLandmarks) -> BodyPoints {
     BodyPoints { positions }
 }
 
-/// Parses a pose. Points that are `null` are not numbers, as all points are if nobody was seen.
+/// Parses a pose. Points that are `null` are NaN, and without a person all of them.
 fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
     let value: Value = serde_json::from_str(text).map_err(|error| {
         format!(

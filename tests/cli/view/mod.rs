@@ -209,7 +209,7 @@ fn ctrl_s_stops_the_picture_only_and_the_end_restores_the_terminal() {
 
 #[test]
 fn ctrl_z_gives_the_terminal_back_until_the_run_continues() {
-    stop_and_continue(&run(&[]));
+    stop_and_continue(Screen::start(&run(&[]), 80, 24), KEYS);
 }
 
 #[test]
@@ -220,22 +220,24 @@ fn ctrl_z_gives_the_terminal_back_until_practice_or_a_demo_continues() {
     ] {
         let mut command = ademan(arguments);
         set_terminal(&mut command);
-        stop_and_continue(&command);
+        stop_and_continue(Screen::start(&command, 80, 24), KEYS);
     }
 }
 
-/// Stops a program that shows a keyboard as Ctrl-Z does, continues and ends it.
-fn stop_and_continue(command: &Command) {
-    let mut screen = Screen::start(command, 80, 24);
-    screen.wait_for_text("│ Q ││ W │");
+/// Two keys of a keyboard, and the first of them.
+const KEYS: [&str; 2] = ["│ Q ││ W │", "│ Q │"];
+
+/// Stops a program that shows a text as Ctrl-Z does until not even a part of it is shown, continues and ends it.
+fn stop_and_continue(mut screen: Screen, [shown, part]: [&str; 2]) {
+    screen.wait_for_text(shown);
     // The parent of this process group is no shell that would be told of the stop.
     signal("TSTP", screen.program.0.id());
     screen.wait_for("the restored terminal", |screen| {
-        !screen.text().contains("│ Q │")
+        !screen.text().contains(part)
     });
     screen.assert_restored();
     signal("CONT", screen.program.0.id());
-    screen.wait_for_text("│ Q ││ W │");
+    screen.wait_for_text(shown);
     signal("HUP", screen.program.0.id());
     assert_eq!(screen.wait().code(), Some(0));
     screen.assert_restored();

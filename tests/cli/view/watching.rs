@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::screen::Screen;
-use super::{is_lit, set_terminal};
+use super::{is_lit, set_terminal, stop_and_continue};
 use crate::ademan;
 use crate::support::process::{Process, signal};
 use crate::support::run::{Run, TIMEOUT};
@@ -61,18 +61,7 @@ fn a_watcher_sees_the_run_and_comes_and_goes_without_effect_on_it() {
 #[test]
 fn ctrl_z_gives_the_terminal_back_until_the_watcher_continues() {
     let (_run, socket) = held_run();
-    let mut screen = watch(&socket, 80, 24);
-    screen.wait_for_text("down: H");
-    signal("TSTP", screen.program.0.id());
-    screen.wait_for("the restored terminal", |screen| {
-        !screen.text().contains("down: H")
-    });
-    screen.assert_restored();
-    signal("CONT", screen.program.0.id());
-    screen.wait_for_text("down: H");
-    signal("HUP", screen.program.0.id());
-    assert_eq!(screen.wait().code(), Some(0));
-    screen.assert_restored();
+    stop_and_continue(watch(&socket, 80, 24), ["down: H"; 2]);
 }
 
 #[test]

@@ -39,8 +39,8 @@ use serde::Deserialize;
 /// The largest document that is read from a file, in bytes: 1 MiB.
 pub const MAX_DOCUMENT_BYTES: u64 = 1 << 20;
 
-/// Some editors write a byte order mark at the start of a UTF-8 file.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+/// The byte order mark, which some editors write at the start of a text in UTF-8.
+pub const BYTE_ORDER_MARK: &str = "\u{feff}";
 
 /// The text of a file and the name under which errors report it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Document {
     pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
         let mut text = text.into();
         if text.starts_with(BYTE_ORDER_MARK) {
-            text.drain(..BYTE_ORDER_MARK.len_utf8());
+            text.drain(..BYTE_ORDER_MARK.len());
         }
         Self {
             file: file.into(),

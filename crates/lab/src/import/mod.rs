@@ -8,6 +8,7 @@ mod dof;
 mod grid;
 mod write;
 
+use crate::document::BYTE_ORDER_MARK;
 use crate::layout::Layout;
 use crate::message::escape;
 use crate::names::named_enum;
@@ -91,7 +92,7 @@ pub enum ImportError {
 
 /// Imports a layout. `file` is the name of the file: its stem is the name of a layout without one.
 pub fn import(file: &str, text: &str, hands: ImportHands) -> Result<Imported, ImportError> {
-    let text = text.trim_start_matches('\u{feff}');
+    let text = text.trim_start_matches(BYTE_ORDER_MARK);
     let first = text.trim_start().chars().next();
     let stem = std::path::Path::new(file).file_stem();
     let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());

@@ -101,7 +101,7 @@ pub struct Comparison {
     pub median_hand_mm: f64,
     /// The differences of all people.
     pub differences: Vec<Difference>,
-    /// The differences of people with short and with long hands, without a group of nobody.
+    /// The differences of people with short and with long hands. An empty group is left out.
     pub groups: Vec<HandGroup>,
 }
 

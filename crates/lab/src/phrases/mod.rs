@@ -1,5 +1,6 @@
 //! Texts for simulated people: phrases that were written for this project (CC0), and texts of files.
 
+use crate::document::BYTE_ORDER_MARK;
 use crate::names::named_enum;
 
 named_enum! {
@@ -48,7 +49,7 @@ impl Corpus {
     /// Reads one phrase from each line that is not blank, without a byte order mark. Longer ones than [`MAX_PHRASE`] characters are cut
     /// between two words.
     pub fn from_text(name: &str, text: &str) -> Result<Self, NoPhrase> {
-        let text = text.trim_start_matches('\u{feff}');
+        let text = text.trim_start_matches(BYTE_ORDER_MARK);
         let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let phrases: Vec<String> = lines.flat_map(cut).collect();
         if phrases.is_empty() {

@@ -28,6 +28,7 @@ use crate::model::alphabet::{Alphabet, MAX_SYMBOLS};
 use crate::model::bytes::checksum;
 use crate::model::lexicon::{Case, MAX_NODES};
 use crate::model::{CHECKED_FROM, HEADER_BYTES, MAGIC, SECTIONS, VERSION};
+use ademan_core::document::BYTE_ORDER_MARK;
 use arpa::{Arpa, Other};
 use counts::Counts;
 
@@ -93,8 +94,7 @@ impl Builder {
     /// Fails at the first line whose weight is no finite number from 0; nothing of the list is added then.
     pub fn words(&mut self, list: &str) -> Result<(), LineError> {
         let mut words = Vec::new();
-        // Some editors write a byte order mark.
-        let list = list.trim_start_matches('\u{feff}');
+        let list = list.trim_start_matches(BYTE_ORDER_MARK);
         for (index, line) in list.lines().enumerate() {
             let mut fields = line.split_whitespace();
             let Some(word) = fields.next() else { continue };

@@ -41,9 +41,8 @@ impl Decoder<'_> {
         &self.candidates[..self.found]
     }
 
-    /// Returns the text to show: the most probable one if it is likelier by [`Options::margin`] than the most probable one that keeps
-    /// what was typed since the last correction, or else the text that keeps it, with capitals where sentences start and names have
-    /// them.
+    /// Returns the text to show. The most probable text that keeps what was typed since the last correction is shown unless another one is
+    /// likelier by [`Options::margin`](super::Options::margin). Sentences and names start with capitals.
     pub fn reading(&mut self) -> &str {
         self.finish();
         let typed = self.typed_score();

@@ -55,7 +55,7 @@ pub(super) struct TextFilter {
     backspace_since: Option<Timestamp>,
     /// The last key chose a candidate, which brought its space.
     is_spaced: bool,
-    /// What was typed past the decoder ends inside a word.
+    /// In the mode `literal`, the typed text ends inside a word.
     is_inside_word: bool,
     /// The text in the field, for the candidates.
     shown: String,
@@ -413,7 +413,7 @@ impl PressFilter for TextFilter {
     }
 
     fn set_mode(&mut self, mode: TextMode) {
-        let is_inside = PressFilter::is_inside_word(self);
+        let is_inside = self.is_inside_word();
         self.reset();
         self.tapped = PressedKeys::default();
         self.corrector.set_mode(decoder_mode(mode));
@@ -438,7 +438,7 @@ impl PressFilter for TextFilter {
         let Some(before) = before else { return };
         self.set_mode(before.state.mode);
         self.corrector.take_over(&before.corrector);
-        self.set_inside_word(PressFilter::is_inside_word(before).unwrap_or_default());
+        self.set_inside_word(before.is_inside_word().unwrap_or_default());
     }
 
     fn as_any(&self) -> Option<&dyn Any> {

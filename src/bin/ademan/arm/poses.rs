@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
+use ademan::document::BYTE_ORDER_MARK;
 use ademan::estimate::arm_attributes::{HALF_POSE_ROWS, HalfPose, ImageSize};
 use ademan::files;
 use ademan::message::{escape_line, escape_path};
@@ -19,9 +20,6 @@ const FIRST_ROW: usize = 11;
 
 /// The longest line, in bytes.
 const MAX_LINE_BYTES: u64 = 1 << 16;
-
-/// Bytes that some programs write at the start of a text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The fields that hold landmarks, in world coordinates or normalised.
 const LANDMARK_FIELDS: [&str; 3] = ["pose_world_landmarks", "body_landmarks", "pose_landmarks"];
@@ -82,7 +80,7 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     let start = reader
         .fill_buf()
         .map_err(|error| cannot_read(error.to_string()))?;
-    if start.starts_with(BYTE_ORDER_MARK) {
+    if start.starts_with(BYTE_ORDER_MARK.as_bytes()) {
         reader.consume(BYTE_ORDER_MARK.len());
     } else if start.starts_with(npy::MAGIC) {
         reader.consume(npy::MAGIC.len());
@@ -106,7 +104,7 @@ pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     Ok(found)
 }
 
-/// Parses one pose; `None` if nobody was seen. An error states what it could be and is not.
+/// Parses one pose; `None` if no person was seen. An error states what it could be and is not.
 fn parse(text: &str, image: Option<ImageSize>) -> Result<Option<Pose>, String> {
     let Ok(value) = serde_json::from_str::<Value>(text) else {
         let rows = csv_rows(text).ok_or(
@@ -142,7 +140,7 @@ pub fn time_us(line: &Value) -> Result<Option<u64>, String> {
     }
 }
 
-/// Returns the landmarks of the first person in a field; `None` if nobody was seen.
+/// Returns the landmarks of the first person in a field; `None` if it has none.
 pub fn landmarks(field: &Value) -> Result<Option<&[Value]>, String> {
     if field.is_null() {
         return Ok(None);

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use ademan::contact::TargetId;
+use ademan::document::BYTE_ORDER_MARK;
 use ademan::files;
 use ademan::hand::Finger;
 use ademan::layout::Layout;
@@ -181,7 +182,7 @@ fn read(path: &Path) -> Result<String, Failure> {
     let read = file.take(MAX_FILE_BYTES).read_to_string(&mut text);
     read.map_err(|error| cannot_read(error.to_string()))?;
     // Editors of Windows write a byte order mark.
-    Ok(first_line(text.trim_start_matches('\u{feff}')))
+    Ok(first_line(text.trim_start_matches(BYTE_ORDER_MARK)))
 }
 
 /// Returns the beginning of a text as one line, and says so if there is more.

@@ -6,6 +6,7 @@ use super::error::{BvhError, error, shown};
 use super::limits::{MAX_CHANNELS, MAX_DEPTH, MAX_FRAMES, MAX_NODES};
 use super::skeleton::{Node, Skeleton, channel_named, number};
 use super::tokens::Tokenizer;
+use crate::document::BYTE_ORDER_MARK;
 
 /// The part of a BVH text before its frames.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -160,7 +161,9 @@ impl Reader {
     fn header(&mut self, token: &[u8]) -> Result<Expected, String> {
         match self.expected {
             Expected::Hierarchy => {
-                let token = token.strip_prefix("\u{feff}".as_bytes()).unwrap_or(token);
+                let token = token
+                    .strip_prefix(BYTE_ORDER_MARK.as_bytes())
+                    .unwrap_or(token);
                 keyword(token, "HIERARCHY", Expected::Root)
             }
             Expected::Root => keyword(token, "ROOT", Expected::Name),

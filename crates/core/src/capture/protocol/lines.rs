@@ -3,9 +3,7 @@
 use super::{Decoder, InvalidPacket, Packet, PacketError};
 use crate::capture::SourceStats;
 use crate::capture::feedback::FeedbackFormat;
-
-/// Bytes that some programs write at the start of a text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+use crate::document::BYTE_ORDER_MARK;
 
 /// Parser of a line without its line end. The ends of the packets are filled in later.
 pub trait LineParser: Send {
@@ -63,7 +61,7 @@ impl<P: LineParser> LineDecoder<P> {
 
     /// Handles the line so far, which occupies `bytes` of the stream, line end included.
     fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
-        if self.line_start == 0 && self.line.starts_with(BYTE_ORDER_MARK) {
+        if self.line_start == 0 && self.line.starts_with(BYTE_ORDER_MARK.as_bytes()) {
             self.line.drain(..BYTE_ORDER_MARK.len());
         }
         self.line_start += bytes;

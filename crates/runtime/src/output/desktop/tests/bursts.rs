@@ -45,17 +45,8 @@ fn a_correction_is_executed_entirely_or_not_at_all() {
 
 #[test]
 fn a_correction_that_becomes_void_while_the_display_does_not_respond_deletes_nothing() {
-    let display = TestDisplay::default();
-    let (mut sink, gate) = display.open();
-    sink.send(&correction(1, "ok")).unwrap();
-    while display.0.lock().unwrap().waits == 0 {
-        thread::yield_now();
-    }
-    sink.void_presses();
-    drop(gate);
-    sink.close().unwrap();
-    assert_eq!(display.lines(), [""; 0]);
-    assert_eq!(sink.dropped_presses(), 4);
+    let dropped = void_while_the_display_does_not_respond(&correction(1, "ok"));
+    assert_eq!(dropped, 4);
 }
 
 #[test]
