@@ -263,9 +263,14 @@ impl TouchModel {
         }
     }
 
-    /// Forgets the person.
+    /// Forgets the person, and keeps the room for keys.
     pub fn reset(&mut self) {
-        *self = Self::new(self.prior);
+        let mut keys = std::mem::take(&mut self.keys);
+        keys.clear();
+        *self = Self {
+            keys,
+            ..Self::new(self.prior)
+        };
     }
 
     /// Repairs values that were read from a file: what is not finite is forgotten.

@@ -76,6 +76,44 @@ fn taps_corrections_and_commits_do_not_allocate() {
 }
 
 #[test]
+fn learning_and_forgetting_words_do_not_allocate() {
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let touch = TouchModel::new(Prior::default());
+    let decoder = Decoder::new(model, keyboard(), touch, Options::default());
+    let mut random = fastrand::Rng::with_seed(3);
+    let words: Vec<String> = (0..300)
+        .map(|_| (0..9).map(|_| random.lowercase()).collect())
+        .collect();
+    let mut restored = Restored::default();
+    words[..100].iter().for_each(|word| restored.add(word));
+    let mut corrector = Corrector::new(decoder, Mode::Auto, restored);
+    let keyboard = keyboard();
+    let taps: Vec<Tap> = words[100..]
+        .iter()
+        .flat_map(|word| format!("{word} ").repeat(3).chars().collect::<Vec<_>>())
+        .map(|typed| {
+            let key = keyboard.keys()[keyboard.index(typed).expect("a key")];
+            Tap {
+                position: key.center,
+                typed: Some(typed),
+            }
+        })
+        .collect();
+
+    let before = ALLOCATIONS.get();
+    for &tap in &taps {
+        corrector.press(tap);
+    }
+    let learned = corrector.restored().words().len();
+    corrector.forget();
+    let allocated = ALLOCATIONS.get() - before;
+
+    assert!(learned > 200, "{learned}");
+    assert_eq!(corrector.restored().words().len(), 0);
+    assert_eq!(allocated, 0);
+}
+
+#[test]
 fn decoding_does_not_allocate_at_all() {
     let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
     let mut decoder = Decoder::new(

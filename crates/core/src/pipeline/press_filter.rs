@@ -63,6 +63,9 @@ pub trait PressFilter: Send {
     /// Changes how much it changes, if it decodes text.
     fn set_mode(&mut self, _: TextMode) {}
 
+    /// Forgets what it has learned of the person, and what is pending.
+    fn forget(&mut self) {}
+
     /// Takes candidate `number`, from 1, in place of the word that is typed, in the next step that [may type](FilterInput::may_type).
     fn choose(&mut self, _number: u8) {}
 

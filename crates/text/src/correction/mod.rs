@@ -17,6 +17,7 @@
 //!
 //! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
 
+mod names;
 mod restored;
 mod swiped;
 mod tail;
@@ -25,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::decoder::{Candidate, Decoder, MAX_TAPS, same_letters};
 use crate::keyboard::Tap;
+use names::Names;
 pub use restored::Restored;
 use swiped::Swiped;
 pub(crate) use tail::ends_word;
@@ -75,6 +77,7 @@ pub struct Corrector<'m> {
     decoder: Decoder<'m>,
     mode: Mode,
     restored: Restored,
+    names: Names,
     /// The text in the field since the last commit of the decoder.
     shown: String,
     target: String,
@@ -87,13 +90,15 @@ pub struct Corrector<'m> {
 }
 
 impl<'m> Corrector<'m> {
-    /// Makes a corrector of a mode, with the words that the person restored before.
-    pub fn new(decoder: Decoder<'m>, mode: Mode, restored: Restored) -> Self {
+    /// Makes a corrector of a mode, with the words of the person.
+    pub fn new(mut decoder: Decoder<'m>, mode: Mode, restored: Restored) -> Self {
         let text = || String::with_capacity(8 * MAX_TAPS);
+        restored.words().for_each(|word| decoder.add_own_word(word));
         Self {
             decoder,
             mode,
             restored,
+            names: Names::default(),
             shown: text(),
             target: text(),
             undo: Undo {
@@ -111,7 +116,7 @@ impl<'m> Corrector<'m> {
         &self.decoder
     }
 
-    /// Returns the words that are never changed.
+    /// Returns the words of the person, which are never changed.
     pub fn restored(&self) -> &Restored {
         &self.restored
     }
@@ -156,8 +161,29 @@ impl<'m> Corrector<'m> {
 
     /// Takes over what another corrector has learned of the person.
     pub fn take_over(&mut self, before: &Self) {
-        self.restored.clone_from(&before.restored);
+        self.restored.take_over(&before.restored);
+        self.names.take_over(&before.names);
         self.decoder.take_over(&before.decoder);
+    }
+
+    /// Forgets what was learned of the person, and drops what is pending.
+    pub fn forget(&mut self) {
+        self.restored.clear();
+        self.names.clear();
+        self.decoder.forget();
+        self.reset();
+    }
+
+    /// Counts the words of the text in the field, which is final. One that the lexicon lacks becomes one of the person's words after
+    /// a few uses.
+    fn count_words(&mut self) {
+        let words = self.shown.split(ends_word).filter(|word| !word.is_empty());
+        for word in words {
+            if self.decoder.model().find(word).is_none() && self.names.count(word) {
+                self.restored.add(word);
+                self.decoder.add_own_word(word);
+            }
+        }
     }
 
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a line.
@@ -170,8 +196,11 @@ impl<'m> Corrector<'m> {
     pub fn start_word(&mut self) {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
         // A text that stays although another one is more probable is no evidence.
-        if is_known && same_letters(self.decoder.best(), &self.shown) {
-            self.decoder.commit();
+        if is_known {
+            self.count_words();
+            if same_letters(self.decoder.best(), &self.shown) {
+                self.decoder.commit();
+            }
         }
         self.reset();
         self.is_partial = false;
@@ -229,6 +258,7 @@ impl<'m> Corrector<'m> {
         let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
             // The shown text is final; the person is learned from the text that was most probably meant.
+            self.count_words();
             self.decoder.commit();
             self.shown.clear();
         }
@@ -245,6 +275,7 @@ impl<'m> Corrector<'m> {
             return;
         }
         // A word that stays as it was typed is no evidence for what follows.
+        self.count_words();
         self.decoder.commit_typed();
         self.shown.clear();
     }
@@ -306,7 +337,8 @@ impl<'m> Corrector<'m> {
                 self.decoder.start_behind(swiped.before);
             } else {
                 if !self.is_partial {
-                    self.restored.learn();
+                    let decoder = &mut self.decoder;
+                    self.restored.learn(|word| decoder.add_own_word(word));
                 }
                 let text = (!self.is_partial).then_some(self.target.as_str());
                 self.decoder.commit_behind(text);

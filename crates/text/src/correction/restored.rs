@@ -1,4 +1,4 @@
-//! Words that the person brought back, which are never changed again.
+//! The words of the person, which are never changed: brought back with a Backspace, used as names, or from a file.
 
 use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
@@ -8,11 +8,11 @@ use super::tail::ends_word;
 /// The most words; the oldest one goes first.
 const MAX_WORDS: usize = 512;
 /// The longest word in bytes.
-const MAX_BYTES: usize = 64;
+pub(super) const MAX_BYTES: usize = 64;
 /// Room for the words of one correction, in bytes.
 const PENDING_BYTES: usize = 1_024;
 
-/// Words that are never changed, in lower case. Learning one does not allocate.
+/// Words that are never changed, as they are written inside a sentence. Learning one does not allocate.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Vec<String>", into = "Vec<String>")]
 pub struct Restored {
@@ -66,33 +66,47 @@ fn changed<'a>(shown: &'a str, prefix: usize, target: &str) -> impl Iterator<Ite
         .filter(|word| !word.is_empty())
 }
 
+fn is_same(left: &str, right: &str) -> bool {
+    let [left, right] = [left, right].map(|word| word.chars().flat_map(char::to_lowercase));
+    left.eq(right)
+}
+
 impl Restored {
     /// Iterates over the words, the oldest first.
     pub fn words(&self) -> impl ExactSizeIterator<Item = &str> {
         self.words.iter().map(ArrayString::as_str)
     }
 
-    /// Adds a word, unless it is empty or too long.
+    /// Takes the words of another list, and keeps the room for more.
+    pub(super) fn take_over(&mut self, other: &Self) {
+        self.clear();
+        self.words.extend_from_slice(&other.words);
+    }
+
+    /// Forgets all words.
+    pub fn clear(&mut self) {
+        self.words.clear();
+        self.pending.clear();
+    }
+
+    /// Adds a word, unless it is empty or too long, or there already, whatever its case.
     pub fn add(&mut self, word: &str) {
-        let mut lower = ArrayString::new();
-        let mut letters = word.chars().flat_map(char::to_lowercase);
-        let fits = letters.all(|letter| lower.try_push(letter).is_ok());
-        if !fits || lower.is_empty() || self.words.contains(&lower) {
+        let Ok(kept) = ArrayString::from(word) else {
+            return;
+        };
+        if word.is_empty() || self.words.iter().any(|known| is_same(known, word)) {
             return;
         }
         if self.words.len() == MAX_WORDS {
             self.words.remove(0);
         }
-        self.words.push(lower);
+        self.words.push(kept);
     }
 
     /// Returns `true` if the change from a text to another one would change one of the words.
     pub(super) fn touches(&self, shown: &str, prefix: usize, target: &str) -> bool {
-        let same = |left: &str, right: &str| {
-            let left = left.chars().flat_map(char::to_lowercase);
-            left.eq(right.chars())
-        };
-        changed(shown, prefix, target).any(|word| self.words.iter().any(|known| same(word, known)))
+        let is_known = |word: &str| self.words.iter().any(|known| is_same(word, known));
+        changed(shown, prefix, target).any(is_known)
     }
 
     /// Notes the words that a change replaces, unless the new text has them too.
@@ -107,11 +121,12 @@ impl Restored {
         }
     }
 
-    /// Learns the noted words.
-    pub(super) fn learn(&mut self) {
+    /// Learns the noted words, and calls `learned` with each.
+    pub(super) fn learn(&mut self, mut learned: impl FnMut(&str)) {
         let pending = std::mem::take(&mut self.pending);
-        for word in pending.split(' ') {
+        for word in pending.split(' ').filter(|word| !word.is_empty()) {
             self.add(word);
+            learned(word);
         }
         self.pending = pending;
         self.pending.clear();
@@ -148,7 +163,7 @@ mod tests {
     fn stored_words_are_checked() {
         let text = format!("[\"Teh\", \"teh\", \"\", \"{}\"]", "x".repeat(100));
         let restored: Restored = serde_json::from_str(&text).expect("words");
-        assert!(restored.words().eq(["teh"]));
-        assert_eq!(serde_json::to_string(&restored).expect("text"), "[\"teh\"]");
+        assert!(restored.words().eq(["Teh"]));
+        assert_eq!(serde_json::to_string(&restored).expect("text"), "[\"Teh\"]");
     }
 }

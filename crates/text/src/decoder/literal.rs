@@ -7,7 +7,7 @@ use super::touches::Touches;
 use crate::correction::ends_word;
 use crate::keyboard::Millimetres;
 use crate::model::bigrams::{NO_ROW, Row};
-use crate::model::lexicon::ROOT;
+use crate::model::lexicon::Prefix;
 use crate::model::spelling::START;
 use crate::model::{Model, ends_sentence};
 
@@ -17,8 +17,8 @@ const CORRECTED_TRUST: f32 = 0.4;
 /// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Word {
-    /// The node of the lexicon, if the word can still become one of its words.
-    node: Option<u32>,
+    /// Its letters.
+    prefix: Prefix,
     state: u16,
     /// The log-probability of the spelling.
     spelled: f32,
@@ -27,7 +27,7 @@ struct Word {
 }
 
 const EMPTY: Word = Word {
-    node: Some(ROOT),
+    prefix: Prefix::EMPTY,
     state: START,
     spelled: 0.0,
     has_sign: false,
@@ -147,7 +147,7 @@ impl Literal {
         }
         let is_first = std::mem::take(&mut self.is_empty);
         let Some(symbol) = model.alphabet.symbol(character) else {
-            self.word.node = None;
+            self.word.prefix = Prefix::UNKNOWN;
             if !std::mem::replace(&mut self.word.has_sign, true) {
                 self.word.spelled += options.verbatim;
             }
@@ -157,8 +157,7 @@ impl Literal {
         if is_first {
             self.word.spelled += options.unknown;
         }
-        let next = |node| model.lexicon.child(node, symbol);
-        self.word.node = self.word.node.and_then(next);
+        self.word.prefix = self.word.prefix.with(symbol, &model.lexicon);
         if self.word.has_sign {
             self.word.spelled += ANY_CHARACTER;
         } else {
@@ -178,12 +177,9 @@ impl Literal {
         } else {
             self.word.spelled + spelling_end(model, options, self.word.state, true)
         };
-        let known = self.word.node.and_then(|node| {
-            let alone = model.lexicon.node(node).word()?;
-            Some((
-                options.language * model.bigrams.after(self.row, node, alone),
-                node,
-            ))
+        let known = model.lexicon.word(self.word.prefix).map(|(node, alone)| {
+            let after = model.bigrams.after(self.row, node, alone);
+            (options.language * after, node)
         });
         match known {
             Some((known, node)) if known > unknown => (known, Some(node)),

@@ -141,7 +141,7 @@ pub struct Decoder<'m> {
 impl<'m> Decoder<'m> {
     /// Makes a decoder at the start of a sentence.
     pub fn new(
-        model: Model<'m>,
+        mut model: Model<'m>,
         keyboard: Keyboard,
         mut touch: TouchModel,
         options: Options,
@@ -149,6 +149,7 @@ impl<'m> Decoder<'m> {
         touch.sanitize();
         touch.reserve(&keyboard);
         let options = options.sane();
+        model.own_mut().reserve();
         let touches = Touches::new(&keyboard, &model.alphabet, &touch, &options);
         let candidate = || Candidate {
             text: String::with_capacity(8 * MAX_TAPS),
@@ -191,8 +192,25 @@ impl<'m> Decoder<'m> {
         &self.touch
     }
 
+    /// Makes a word of the person one that taps may mean.
+    pub fn add_own_word(&mut self, word: &str) {
+        self.model.add_own_word(word);
+    }
+
+    /// Drops all taps, and forgets what was learned of the person. Does not allocate.
+    pub fn forget(&mut self) {
+        self.model.own_mut().clear();
+        self.words = WordRates::default();
+        self.touch.reset();
+        self.touch.reserve(&self.keyboard);
+        self.touches.forget(&self.keyboard, &self.touch);
+        self.update_costs();
+        self.start_anywhere();
+    }
+
     /// Drops all taps, and goes on behind unknown text with what another decoder has learned of a person.
     pub(crate) fn take_over(&mut self, before: &Decoder) {
+        self.model.own_mut().take_over(before.model.own());
         self.touch = before.touch.clone();
         self.touch.reserve(&self.keyboard);
         self.words = before.words;

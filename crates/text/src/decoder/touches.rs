@@ -150,6 +150,13 @@ impl Touches {
         }
     }
 
+    /// Forgets the person, of whom nothing is known.
+    pub fn forget(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
+        self.precision = Precision::new(&touch.prior);
+        self.lift();
+        self.learn(keyboard, touch);
+    }
+
     /// Forgets how well the drift is known, and where the last tap was.
     pub fn lift(&mut self) {
         self.carried.variance = [self.first_variance; 2];

@@ -2,11 +2,13 @@
 
 mod burst;
 mod keys;
+mod learned;
 mod step;
 mod stroke;
 mod text_filter;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use ademan_core::command::TextMode;
 use ademan_core::device::Capabilities;
@@ -18,9 +20,12 @@ use ademan_core::pipeline::PressFilter;
 use self::keys::TextKeys;
 use self::text_filter::TextFilter;
 use crate::correction::Restored;
-use crate::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel, languages};
+use crate::{Corrector, Decoder, Mode, Model, Options, languages};
 
 pub use self::keys::{has_text_commands, shows_other_keymap};
+pub use self::learned::{
+    Learned, LearnedErrors, LearnedKey, LearnedSummary, LearnedTaps, learned, learned_summary,
+};
 
 /// The languages that come with the crate.
 static LANGUAGES: [(&str, &[u8]); 2] = [("en", languages::ENGLISH), ("es", languages::SPANISH)];
@@ -28,9 +33,12 @@ static LANGUAGES: [(&str, &[u8]); 2] = [("en", languages::ENGLISH), ("es", langu
 /// The end of the name of the file of a language model.
 const FILE_ENDING: &str = ".adm";
 
-/// A language model that decoders of any thread use.
+/// A language model that decoders of any thread use, and what is known of a person.
 #[derive(Clone)]
-pub struct Language(Model<'static>);
+pub struct Language {
+    model: Model<'static>,
+    learned: Arc<Learned>,
+}
 
 impl std::fmt::Debug for Language {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -46,7 +54,7 @@ impl Language {
     ) -> Result<Self, String> {
         let shipped = LANGUAGES.iter().find(|(known, _)| *known == name);
         match shipped {
-            Some((_, bytes)) => Ok(Self(check(name, bytes)?)),
+            Some((_, bytes)) => Ok(Self::new(check(name, bytes)?)),
             None if name.ends_with(FILE_ENDING) => Self::from_bytes(name, read(Path::new(name))?),
             None => {
                 let names = LANGUAGES.iter().map(|(language, _)| *language);
@@ -63,12 +71,28 @@ impl Language {
         // It is checked before it is kept.
         check(name, &bytes)?;
         let kept: &'static [u8] = Box::leak(bytes.into_boxed_slice());
-        Ok(Self(check(name, kept)?))
+        Ok(Self::new(check(name, kept)?))
+    }
+
+    fn new(model: Model<'static>) -> Self {
+        Self {
+            model,
+            learned: Arc::default(),
+        }
+    }
+
+    /// Starts decoders with what was learned of a person.
+    #[must_use]
+    pub fn with_learned(self, learned: Learned) -> Self {
+        Self {
+            learned: Arc::new(learned),
+            ..self
+        }
     }
 
     /// Returns the words in lower case with the natural logarithms of their probabilities.
     pub fn words(&self) -> Vec<(String, f32)> {
-        self.0.word_list()
+        self.model.word_list()
     }
 
     /// Returns the text decoder for a layout; `None` if it has too few letters, or [shows another keymap](shows_other_keymap) than
@@ -82,11 +106,10 @@ impl Language {
         accents: bool,
     ) -> Option<Box<dyn PressFilter>> {
         let keys = TextKeys::new(layout, has_two_hands)?.with_text(accents);
-        let touch = TouchModel::new(Prior::default());
         let decoder = Decoder::new(
-            self.0.clone(),
+            self.model.clone(),
             keys.keyboard().clone(),
-            touch,
+            self.learned.touch(),
             Options::default(),
         );
         let decoder = if layout.boards.iter().any(|board| board.swipe) {
@@ -94,7 +117,8 @@ impl Language {
         } else {
             decoder
         };
-        let corrector = Corrector::new(decoder, decoder_mode(mode), Restored::default());
+        let words = Restored::from(self.learned.words.clone());
+        let corrector = Corrector::new(decoder, decoder_mode(mode), words);
         Some(Box::new(TextFilter::new(corrector, keys, mode)))
     }
 }

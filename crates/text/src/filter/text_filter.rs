@@ -88,6 +88,11 @@ impl TextFilter {
         }
     }
 
+    /// Returns the decoder, with what it has learned.
+    pub(super) fn corrector(&self) -> &Corrector<'static> {
+        &self.corrector
+    }
+
     fn remember_presses(&mut self, input: &FilterInput) {
         self.evidence
             .retain(|press| input.time.since(press.time) < EVIDENCE_TIME);
@@ -443,6 +448,13 @@ impl PressFilter for TextFilter {
 
     fn as_any(&self) -> Option<&dyn Any> {
         Some(self)
+    }
+
+    fn forget(&mut self) {
+        let is_inside = self.is_inside_word();
+        self.reset();
+        self.corrector.forget();
+        self.set_inside_word(is_inside.unwrap_or_default());
     }
 
     fn choose(&mut self, number: u8) {

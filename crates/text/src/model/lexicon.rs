@@ -3,10 +3,14 @@
 //! The children of a node lie side by side, followed by the children of the next node, so that a node holds only the index of
 //! its first child. Besides its letter, a node has the probability of the word that ends there and of the likeliest word below
 //! it, which bounds what a prefix may become.
+//!
+//! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow the ones of the lexicon as children
+//! of the root.
 
 use super::ModelError;
 use super::alphabet::Symbol;
 use super::bytes::u64_at;
+use super::own_words::OwnWords;
 use crate::logarithm::nats;
 
 /// The bytes of a node.
@@ -18,6 +22,9 @@ pub const PADDING: usize = 2;
 
 /// The node from which all words start.
 pub const ROOT: u32 = 0;
+
+/// The first node of the words of the person.
+pub const OWN: u32 = MAX_NODES as u32;
 
 /// The case of a word inside a sentence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -87,10 +94,11 @@ impl Node {
 }
 
 /// The words of a model.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Lexicon<'a> {
     nodes: &'a [u8],
     count: u32,
+    pub(super) own: OwnWords,
 }
 
 impl<'a> Lexicon<'a> {
@@ -103,6 +111,7 @@ impl<'a> Lexicon<'a> {
         let lexicon = Self {
             nodes,
             count: count as u32,
+            own: OwnWords::default(),
         };
         // Children lie behind their parent, so that no walk down the trie can turn in a circle.
         let mut first = 1;
@@ -120,12 +129,12 @@ impl<'a> Lexicon<'a> {
         Ok(lexicon)
     }
 
-    /// Returns the number of nodes.
+    /// Returns the number of nodes, without the ones of the person.
     pub fn nodes(&self) -> usize {
         self.count as usize
     }
 
-    /// Returns the number of words.
+    /// Returns the number of words, without the ones of the person.
     pub fn words(&self) -> usize {
         (0..self.count)
             .filter(|&index| self.node(index).word().is_some())
@@ -135,20 +144,72 @@ impl<'a> Lexicon<'a> {
     /// Returns a node. An index beyond the end gives a node without children.
     pub fn node(&self, index: u32) -> Node {
         if index >= self.count {
-            return Node(u64::from(self.count));
+            return self.behind(index);
         }
         Node(u64_at(self.nodes, index as usize * NODE_BYTES))
     }
 
+    #[cold]
+    fn behind(&self, index: u32) -> Node {
+        match index.checked_sub(OWN) {
+            Some(own) => self.own.node(own),
+            None => Node(u64::from(self.count)),
+        }
+    }
+
     /// Returns the indices of the children of a node.
-    pub fn children(&self, index: u32) -> std::ops::Range<u32> {
-        let first = self.node(index).first_child();
-        first..self.node(index + 1).first_child().min(self.count)
+    pub fn children(&self, index: u32) -> impl Iterator<Item = u32> + use<> {
+        let range = |node: u32| self.node(node).first_child()..self.node(node + 1).first_child();
+        if index >= OWN {
+            let own = range(index);
+            return (0..0).chain(OWN + own.start..OWN + own.end);
+        }
+        let own = if index == ROOT { range(OWN) } else { 0..0 };
+        let known = range(index);
+        (known.start..known.end.min(self.count)).chain(OWN + own.start..OWN + own.end)
     }
 
     /// Returns the child of a node by its letter.
     pub fn child(&self, index: u32, symbol: Symbol) -> Option<u32> {
         self.children(index)
             .find(|&child| self.node(child).symbol() == symbol)
+    }
+
+    /// Returns the node of the word that letters spell, and its log-probability.
+    pub fn word(&self, letters: Prefix) -> Option<(u32, f32)> {
+        let nodes = [letters.known, letters.own];
+        nodes.into_iter().flatten().find_map(|node| {
+            let log_probability = self.node(node).word()?;
+            Some((node, log_probability))
+        })
+    }
+}
+
+/// The nodes to which the letters of a word lead, in the lexicon and among the words of the person.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Prefix {
+    known: Option<u32>,
+    own: Option<u32>,
+}
+
+impl Prefix {
+    /// No letter.
+    pub const EMPTY: Self = Self {
+        known: Some(ROOT),
+        own: Some(OWN),
+    };
+    /// Letters with which no word begins.
+    pub const UNKNOWN: Self = Self {
+        known: None,
+        own: None,
+    };
+
+    /// Returns the nodes after one more letter.
+    pub fn with(self, symbol: Symbol, lexicon: &Lexicon) -> Self {
+        let next = |node| lexicon.child(node, symbol);
+        Self {
+            known: self.known.and_then(next),
+            own: self.own.and_then(next),
+        }
     }
 }

@@ -16,12 +16,14 @@ pub mod alphabet;
 pub mod bigrams;
 pub(crate) mod bytes;
 pub mod lexicon;
+mod own_words;
 pub mod spelling;
 
 use alphabet::Alphabet;
 use bigrams::{AFTER_COMMA, Bigrams, NO_ROW, Row};
 use bytes::{checksum, u32_at, u64_at};
-use lexicon::{Case, Lexicon, ROOT};
+use lexicon::{Case, Lexicon, Prefix, ROOT};
+use own_words::OwnWords;
 use spelling::Spelling;
 
 /// The first bytes of a model.
@@ -155,16 +157,33 @@ impl<'a> Model<'a> {
 
     /// Looks a word up, whatever its case.
     pub fn find(&self, word: &str) -> Option<Found> {
-        let mut node = ROOT;
+        let mut prefix = Prefix::EMPTY;
         for letter in word.chars().flat_map(char::to_lowercase) {
-            node = self.lexicon.child(node, self.alphabet.symbol(letter)?)?;
+            prefix = prefix.with(self.alphabet.symbol(letter)?, &self.lexicon);
         }
-        let found = self.lexicon.node(node);
+        let (node, log_probability) = self.lexicon.word(prefix)?;
         Some(Found {
             node,
-            log_probability: found.word()?,
-            case: found.case(),
+            log_probability,
+            case: self.lexicon.node(node).case(),
         })
+    }
+
+    /// Makes a word of the person one of the model, unless the lexicon has it or its alphabet lacks one of its letters.
+    pub fn add_own_word(&mut self, word: &str) {
+        if self.find(word).is_none() {
+            self.lexicon.own.add(word, &self.alphabet);
+        }
+    }
+
+    /// Returns the words of the person.
+    pub(crate) fn own(&self) -> &OwnWords {
+        &self.lexicon.own
+    }
+
+    /// Returns the words of the person.
+    pub(crate) fn own_mut(&mut self) -> &mut OwnWords {
+        &mut self.lexicon.own
     }
 
     /// Returns the row of the words that follow a word; the row of the root has the words that start a sentence.

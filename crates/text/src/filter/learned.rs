@@ -1,0 +1,452 @@
+//! What a text decoder has learned of a person, as a file keeps it.
+
+use std::fmt::Write;
+
+use ademan_core::document::{Document, DocumentError, Format, Structure, first_error, schema};
+use ademan_core::message::escape;
+use ademan_core::pipeline::PressFilter;
+use serde::{Deserialize, Serialize};
+
+use super::text_filter::TextFilter;
+use crate::Prior;
+use crate::correction::Restored;
+use crate::touch::{ErrorSums, KeySums, Sums, TouchModel};
+
+/// The most that learned taps count for, so that a sensor that sits elsewhere today is learned within a few sentences.
+const MAX_TAPS: f32 = 200.0;
+/// The most words and keys of a file, and the most bytes of a word.
+const MAX_WORDS: usize = 512;
+const MAX_KEYS: usize = 256;
+const MAX_BYTES: usize = 64;
+/// The fewest taps on a key that are kept.
+const MIN_KEY_TAPS: f32 = 0.5;
+
+schema! {
+    /// What the text decoder has learned of a person.
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(rename = "Learned", default, deny_unknown_fields)]
+    pub struct Learned {
+        /// Words that are never changed, and that taps may mean, as they are written inside a sentence.
+        pub words: Vec<String>,
+        /// The taps on all keys but the space bar.
+        pub person: LearnedTaps,
+        /// The taps on each key.
+        pub keys: Vec<LearnedKey>,
+        /// The errors of the person.
+        pub errors: LearnedErrors,
+    }
+}
+
+schema! {
+    /// Where keys are tapped, older taps counted less.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct LearnedTaps {
+        /// The number of taps.
+        pub taps: f32,
+        /// The mean distance from the center of the key, to the right and up.
+        pub offset_mm: (f32, f32),
+        /// The standard deviation in both directions.
+        pub scatter_mm: (f32, f32),
+        /// The correlation of both directions, -1 to 1.
+        pub correlation: f32,
+    }
+}
+
+schema! {
+    /// Where a key is tapped.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct LearnedKey {
+        /// The character of the key.
+        pub key: String,
+        /// The number of taps.
+        pub taps: f32,
+        /// The mean distance from the center of the key, to the right and up.
+        pub offset_mm: (f32, f32),
+        /// The standard deviation in both directions.
+        pub scatter_mm: (f32, f32),
+        /// The correlation of both directions, -1 to 1.
+        pub correlation: f32,
+    }
+}
+
+schema! {
+    /// The errors in a number of taps, older ones counted less.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct LearnedErrors {
+        /// The number of taps.
+        pub taps: f32,
+        /// Taps that meant nothing.
+        pub spurious: f32,
+        /// Characters that were meant and not tapped.
+        pub missed: f32,
+        /// Pairs of taps in the wrong order.
+        pub swapped: f32,
+    }
+}
+
+const FORMAT: Format = Format {
+    name: "Learned",
+    remedy: "; `ademan ctl save-learned` writes one",
+    reread: |text| first_error::<Learned>(text),
+    structures: || {
+        vec![
+            Structure::of::<Learned>("Learned"),
+            Structure::of::<LearnedTaps>("person"),
+            Structure::of::<LearnedKey>("keys"),
+            Structure::of::<LearnedErrors>("errors"),
+        ]
+    },
+};
+
+/// What has been learned of a person, in a few numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LearnedSummary {
+    /// The taps, with their mean distance from the centers of keys and their standard deviation.
+    pub taps: LearnedTaps,
+    /// The number of the person's words.
+    pub words: usize,
+}
+
+impl LearnedTaps {
+    fn new(sums: &Sums) -> Self {
+        if sums.taps <= 0.0 {
+            return Self::default();
+        }
+        let [x, y] = sums.residuals.map(|sum| sum / sums.taps);
+        let [xx, yy, xy] = sums.squares.map(|sum| sum / sums.taps);
+        let deviation = |square: f32, mean: f32| (square - mean * mean).max(0.0).sqrt();
+        let scatter = [deviation(xx, x), deviation(yy, y)];
+        let both = scatter[0] * scatter[1];
+        let correlation = if both > 0.0 { (xy - x * y) / both } else { 0.0 };
+        Self {
+            taps: sums.taps,
+            offset_mm: (x, y),
+            scatter_mm: scatter.into(),
+            correlation: correlation.clamp(-1.0, 1.0),
+        }
+    }
+
+    /// Returns the sums of the taps, each counted as a share of one.
+    fn sums(&self, share: f32) -> Sums {
+        let taps = self.taps * share;
+        let ((x, y), (sx, sy)) = (self.offset_mm, self.scatter_mm);
+        let squares = [
+            sx * sx + x * x,
+            sy * sy + y * y,
+            self.correlation * sx * sy + x * y,
+        ];
+        Sums {
+            taps,
+            residuals: [x * taps, y * taps],
+            squares: squares.map(|square| square * taps),
+        }
+    }
+
+    fn check(&self) -> Result<(), &'static str> {
+        let within = |values: &[f32], low: f32, high: f32| {
+            values.iter().all(|value| (low..=high).contains(value))
+        };
+        if !within(&[self.taps], 0.0, 1e4) {
+            return Err("`taps` is 0 to 10000");
+        }
+        if !within(&<[f32; 2]>::from(self.offset_mm), -100.0, 100.0) {
+            return Err("`offset_mm` is -100 to 100 mm in both directions");
+        }
+        if !within(&<[f32; 2]>::from(self.scatter_mm), 0.0, 100.0) {
+            return Err("`scatter_mm` is 0 to 100 mm in both directions");
+        }
+        if !within(&[self.correlation], -1.0, 1.0) {
+            return Err("`correlation` is -1 to 1");
+        }
+        Ok(())
+    }
+
+    /// Writes the fields, with as many digits as taps are precise.
+    fn write(&self, text: &mut String) {
+        let Self {
+            taps,
+            offset_mm: (x, y),
+            scatter_mm: (sx, sy),
+            correlation,
+        } = self;
+        // A negative zero has no meaning here.
+        let [x, y, correlation] = [x, y, correlation].map(|value| {
+            let rounded = (value * 1e3).round() / 1e3;
+            rounded + 0.0
+        });
+        let _ = write!(
+            text,
+            "taps: {taps:.1}, offset_mm: ({x:.3}, {y:.3}), scatter_mm: ({sx:.3}, {sy:.3}), correlation: {correlation:.3}"
+        );
+    }
+}
+
+impl LearnedKey {
+    fn new(key: &KeySums) -> Self {
+        let LearnedTaps {
+            taps,
+            offset_mm,
+            scatter_mm,
+            correlation,
+        } = LearnedTaps::new(&key.sums);
+        Self {
+            key: key.character.into(),
+            taps,
+            offset_mm,
+            scatter_mm,
+            correlation,
+        }
+    }
+
+    fn numbers(&self) -> LearnedTaps {
+        LearnedTaps {
+            taps: self.taps,
+            offset_mm: self.offset_mm,
+            scatter_mm: self.scatter_mm,
+            correlation: self.correlation,
+        }
+    }
+}
+
+impl LearnedErrors {
+    fn check(&self) -> Result<(), &'static str> {
+        let within = |value: f32| (0.0..=1e4).contains(&value);
+        let all = [self.taps, self.spurious, self.missed, self.swapped];
+        if all.into_iter().all(within) {
+            return Ok(());
+        }
+        Err("`taps`, `spurious`, `missed` and `swapped` of `errors` are 0 to 10000")
+    }
+}
+
+impl Learned {
+    /// Reads a file. Values that nobody taps with are refused.
+    pub fn parse(document: &Document) -> Result<Self, DocumentError> {
+        let learned: Self = document.parse_as(&FORMAT)?;
+        let error = |message: String| document.error_at(&document.text, message);
+        if learned.words.len() > MAX_WORDS || learned.keys.len() > MAX_KEYS {
+            return Err(error(format!(
+                "there are more than {MAX_WORDS} words or {MAX_KEYS} keys; remove some"
+            )));
+        }
+        let is_word = |word: &&String| {
+            !word.is_empty()
+                && word.len() <= MAX_BYTES
+                && !word.contains(|it: char| it.is_whitespace() || it.is_control())
+        };
+        if let Some(word) = learned.words.iter().find(|word| !is_word(word)) {
+            return Err(error(format!(
+                "the word `{}` is not used: a word has 1 to {MAX_BYTES} bytes and no space",
+                escape(word)
+            )));
+        }
+        learned
+            .person
+            .check()
+            .and_then(|()| learned.errors.check())
+            .map_err(|message| error(message.to_owned()))?;
+        for key in &learned.keys {
+            let name = escape(&key.key);
+            if key.key.chars().count() != 1 {
+                return Err(error(format!("the key `{name}` is not one character")));
+            }
+            let numbers = key.numbers().check();
+            numbers.map_err(|message| error(format!("the key `{name}`: {message}")))?;
+        }
+        Ok(learned)
+    }
+
+    /// Returns the text of a file.
+    pub fn to_ron(&self) -> String {
+        let mut text = String::from(
+            "// Learned of a person by the text decoder. `ademan ctl save-learned` writes it, `--learned FILE` reads it.\nLearned(\n    words: [",
+        );
+        for word in &self.words {
+            let _ = write!(text, "\n        {word:?},");
+        }
+        text.push_str(if self.words.is_empty() {
+            "],\n    person: ("
+        } else {
+            "\n    ],\n    person: ("
+        });
+        self.person.write(&mut text);
+        text.push_str("),\n    keys: [");
+        for key in &self.keys {
+            let _ = write!(text, "\n        (key: {:?}, ", key.key);
+            key.numbers().write(&mut text);
+            text.push_str("),");
+        }
+        text.push_str(if self.keys.is_empty() {
+            "],\n"
+        } else {
+            "\n    ],\n"
+        });
+        let LearnedErrors {
+            taps,
+            spurious,
+            missed,
+            swapped,
+        } = self.errors;
+        let _ = write!(
+            text,
+            "    errors: (taps: {taps:.1}, spurious: {spurious:.2}, missed: {missed:.2}, swapped: {swapped:.2}),\n)\n"
+        );
+        text
+    }
+
+    /// Returns what was learned of taps and words.
+    pub(super) fn new(touch: &TouchModel, words: &Restored) -> Self {
+        let keys = touch.keys.iter();
+        let ErrorSums {
+            taps,
+            spurious,
+            missed,
+            swapped,
+        } = touch.errors;
+        Self {
+            words: words.words().map(str::to_owned).collect(),
+            person: LearnedTaps::new(&touch.person),
+            keys: keys
+                .filter(|key| key.sums.taps >= MIN_KEY_TAPS)
+                .map(LearnedKey::new)
+                .collect(),
+            errors: LearnedErrors {
+                taps,
+                spurious,
+                missed,
+                swapped,
+            },
+        }
+    }
+
+    /// Returns the touch model to start with.
+    pub(super) fn touch(&self) -> TouchModel {
+        let share_of = |taps: f32| {
+            if taps > MAX_TAPS {
+                MAX_TAPS / taps
+            } else {
+                1.0
+            }
+        };
+        let share = share_of(self.person.taps);
+        let errors = share_of(self.errors.taps);
+        let key_sums = self.keys.iter().filter_map(|key| {
+            Some(KeySums {
+                character: key.key.chars().next()?,
+                sums: key.numbers().sums(share),
+            })
+        });
+        TouchModel {
+            person: self.person.sums(share),
+            keys: key_sums.collect(),
+            errors: ErrorSums {
+                taps: self.errors.taps * errors,
+                spurious: self.errors.spurious * errors,
+                missed: self.errors.missed * errors,
+                swapped: self.errors.swapped * errors,
+            },
+            ..TouchModel::new(Prior::default())
+        }
+    }
+}
+
+/// Returns what a text decoder has learned; `None` for another filter. Allocates.
+pub fn learned(filter: &dyn PressFilter) -> Option<Learned> {
+    let filter: &TextFilter = filter.as_any()?.downcast_ref()?;
+    let corrector = filter.corrector();
+    Some(Learned::new(
+        corrector.decoder().touch(),
+        corrector.restored(),
+    ))
+}
+
+/// Returns what a text decoder has learned, in a few numbers; `None` for another filter. Does not allocate.
+pub fn learned_summary(filter: &dyn PressFilter) -> Option<LearnedSummary> {
+    let filter: &TextFilter = filter.as_any()?.downcast_ref()?;
+    let corrector = filter.corrector();
+    Some(LearnedSummary {
+        taps: LearnedTaps::new(&corrector.decoder().touch().person),
+        words: corrector.restored().words().len(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person() -> Learned {
+        let mut touch = TouchModel::new(Prior::default());
+        let mut random = fastrand::Rng::with_seed(5);
+        touch.keys = vec![KeySums {
+            character: 'a',
+            sums: Sums::default(),
+        }];
+        for _ in 0..300 {
+            let noise = (random.f32() - 0.5) * 6.0;
+            touch.learn('a', [3.0 + noise, -2.0 + noise / 2.0]);
+        }
+        let words = Restored::from(vec!["Nuria".to_owned(), "h2\"o".to_owned()]);
+        Learned::new(&touch, &words)
+    }
+
+    fn parsed(text: &str) -> Result<Learned, String> {
+        Learned::parse(&Document::new("me.ron", text)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_file_keeps_what_was_learned() {
+        let learned = person();
+        assert!((learned.person.offset_mm.0 - 3.0).abs() < 0.3);
+        assert!((learned.person.scatter_mm.0 - 1.73).abs() < 0.2);
+        assert!(learned.person.correlation > 0.99);
+        let read = parsed(&learned.to_ron()).expect("a file");
+        assert_eq!(read.words, ["Nuria", "h2\"o"]);
+        assert!((read.keys[0].offset_mm.1 - learned.keys[0].offset_mm.1).abs() < 1e-3);
+        assert_eq!(read.to_ron(), learned.to_ron());
+        assert_eq!(parsed("Learned()").expect("nothing"), Learned::default());
+        assert_eq!(
+            parsed(&Learned::default().to_ron()).expect("nothing"),
+            Learned::default()
+        );
+    }
+
+    #[test]
+    fn learned_taps_count_for_a_few_sentences() {
+        let mut learned = person();
+        let touch = learned.touch();
+        assert!((touch.person.taps - MAX_TAPS).abs() < 0.1);
+        assert!((touch.person.residuals[0] / MAX_TAPS - learned.person.offset_mm.0).abs() < 1e-3);
+        assert!((touch.keys[0].sums.taps - MAX_TAPS).abs() < 0.1);
+        learned.person.taps = 50.0;
+        assert!((learned.touch().person.taps - 50.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn values_that_cannot_be_are_refused() {
+        for (text, message) in [
+            ("Learned(word: [])", "unknown field `word`"),
+            ("Learned(words: [\"a b\"])", "the word `a b` is not used"),
+            ("Learned(words: [\"\"])", "1 to 64 bytes"),
+            ("Learned(person: (taps: -1))", "`taps` is 0 to 10000"),
+            (
+                "Learned(person: (scatter_mm: (3, NaN)))",
+                "`scatter_mm` is 0 to 100 mm",
+            ),
+            ("Learned(errors: (missed: inf))", "are 0 to 10000"),
+            (
+                "Learned(keys: [(key: \"ab\", taps: 1, offset_mm: (0, 0), scatter_mm: (1, 1), correlation: 0)])",
+                "the key `ab` is not one character",
+            ),
+            (
+                "Learned(keys: [(key: \"a\", taps: 1, offset_mm: (0, 200), scatter_mm: (1, 1), correlation: 0)])",
+                "the key `a`: `offset_mm` is -100 to 100 mm",
+            ),
+        ] {
+            let error = parsed(text).expect_err(text);
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The words of the person: what is never changed, and what slips are corrected to.
+
+mod support;
+
+use ademan_text::correction::Restored;
+use ademan_text::{Mode, Options};
+use support::field::{Field, english};
+
+fn field<'m>(bytes: &'m [u8], words: &[&str]) -> Field<'m> {
+    let words: Vec<String> = words.iter().map(|&word| word.to_owned()).collect();
+    Field::with(bytes, Mode::Auto, Restored::from(words), Options::default())
+}
+
+/// Types a word whose last tap is hardly on the key beside the one that is meant.
+fn slip(field: &mut Field, start: &str, [typed, meant]: [char; 2]) {
+    field.types(start);
+    let [own, other] = [field.center(typed), field.center(meant)];
+    let position = std::array::from_fn(|axis| 0.52 * own[axis] + 0.48 * other[axis]);
+    field.tap(position, typed);
+    field.types(" ");
+}
+
+#[test]
+fn slips_become_words_of_the_person() {
+    let bytes = english();
+    for (typed, without, with) in [
+        ("hello nuris ", "hello nuris ", "hello Nuria "),
+        ("the rockey of ", "the rockey of ", "the rocket of "),
+        ("the rocet of ", "the rocet of ", "the rocket of "),
+        ("hello nurai ", "hello nurai ", "hello Nuria "),
+    ] {
+        let mut plain = field(&bytes, &[]);
+        plain.types(typed);
+        assert_eq!(plain.text, without);
+        let mut own = field(&bytes, &["Nuria", "rocket"]);
+        own.types(typed);
+        assert_eq!(own.text, with);
+    }
+}
+
+#[test]
+fn words_of_the_person_are_candidates_and_can_be_swiped() {
+    let bytes = english();
+    let mut typing = field(&bytes, &["nuria"]);
+    typing.types("the nuri");
+    let candidates = typing.corrector.candidates();
+    assert!(
+        candidates.iter().any(|one| one.text.ends_with("nuria")),
+        "{candidates:?}"
+    );
+    let mut swiping = field(&bytes, &["nuria"]);
+    swiping.types("the ");
+    swiping.swipes("nuria");
+    assert_eq!(swiping.text, "the nuria ");
+}
+
+#[test]
+fn a_word_that_is_brought_back_is_one_of_the_person() {
+    let bytes = english();
+    let mut field = field(&bytes, &[]);
+    field.types("the quic ");
+    assert_eq!(field.text, "the quick ");
+    field.backspace();
+    slip(&mut field, "of qui", ['v', 'c']);
+    assert_eq!(field.text, "the quic of quic ");
+}
+
+#[test]
+fn an_unknown_word_is_one_of_the_person_after_its_third_use() {
+    let bytes = english();
+    let mut field = field(&bytes, &[]);
+    let more = "the wisdom of the world and the cat sat. the wisdom of the world. ";
+    field.types("the rocket of rocket. ");
+    field.types(more);
+    assert_eq!(field.corrector.restored().words().len(), 0);
+    field.types("the rocket of ");
+    // It is final after some more text.
+    field.types(more);
+    assert!(field.corrector.restored().words().eq(["rocket"]));
+    field.text.clear();
+    slip(&mut field, "of rocke", ['y', 't']);
+    assert!(field.text.ends_with("f rocket "), "{}", field.text);
+}
+
+#[test]
+fn what_was_learned_is_forgotten() {
+    let bytes = english();
+    let mut field = field(&bytes, &["Nuria"]);
+    for _ in 0..30 {
+        field.types("the wisdom of the world ");
+    }
+    assert!(field.corrector.decoder().touch().person.taps > 100.0);
+    field.corrector.forget();
+    let touch = field.corrector.decoder().touch();
+    assert!(touch.person.taps == 0.0 && touch.errors.taps == 0.0);
+    assert!(touch.keys.iter().all(|key| key.sums.taps == 0.0));
+    field.text.clear();
+    field.types("hello nuris ");
+    assert_eq!(field.text, "hello nuris ");
+}
+
+#[test]
+fn another_layout_takes_the_words_over() {
+    let bytes = english();
+    let before = field(&bytes, &["nuria"]);
+    let mut after = field(&bytes, &["rocket"]);
+    after.corrector.take_over(&before.corrector);
+    after.types("hello nuris ");
+    assert_eq!(after.text, "hello nuria ");
+    assert!(after.corrector.restored().words().eq(["nuria"]));
+}
