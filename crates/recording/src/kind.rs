@@ -15,6 +15,9 @@ pub const OTHER_ARM: &str = "other-arm";
 /// The layout that is active at the start.
 pub const LAYOUT: &str = "layout";
 
+/// What the text decoder had learned of the person.
+pub const LEARNED: &str = "learned";
+
 /// Returns the kind of a further layout.
 pub fn profile(name: &str) -> String {
     format!("layout:{name}")

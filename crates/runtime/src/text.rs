@@ -6,7 +6,10 @@ use ademan_core::command::TextMode;
 use ademan_core::document::schema;
 use ademan_core::names::UnknownName;
 
-pub use ademan_text::filter::{Language, capabilities, has_text_commands, shows_other_keymap};
+pub use ademan_text::filter::{
+    Language, Learned, capabilities, has_text_commands, learned, learned_summary,
+    shows_other_keymap,
+};
 
 schema! {
     /// The text decoder of a setup.
@@ -19,6 +22,9 @@ schema! {
         pub language: String,
         /// Types letters that no key types, such as `ó`, if the output can write text.
         pub accents: bool,
+        /// The file of what the decoder has learned of the person: read at the start, written by `ademan ctl save-learned`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub learned: Option<String>,
     }
 }
 
@@ -63,6 +69,7 @@ impl Default for TextSetup {
             mode: TextModeSetup::Literal,
             language: "en".to_owned(),
             accents: true,
+            learned: None,
         }
     }
 }

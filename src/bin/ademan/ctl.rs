@@ -166,6 +166,23 @@ fn reply_text(command: &str, reply: &Value) -> String {
     }
 }
 
+/// Returns the line about what the text decoder has learned.
+fn typing_text(reply: &Value) -> String {
+    let Some(typing) = reply.get("typing") else {
+        return String::new();
+    };
+    let [offset, scatter] = ["offset_mm", "scatter_mm"].map(|field| &typing[field]);
+    format!(
+        "\ntyping     {} learned, {} mm right of and {} mm below the centers of keys, scatter {} and {} mm; {} of your own",
+        plural(&typing["taps"], "tap", "taps"),
+        offset[0],
+        offset[1],
+        scatter[0],
+        scatter[1],
+        plural(&typing["words"], "word", "words"),
+    )
+}
+
 fn state_text(reply: &Value) -> String {
     let stats = &reply["stats"];
     let mut state = plain_text(&reply["state"]).unwrap_or_default();
@@ -195,6 +212,7 @@ fn state_text(reply: &Value) -> String {
             ranges["percent"]
         );
     }
+    let typing = typing_text(reply);
     let mut profile = or_unknown(&reply["profile"]);
     if let Some(application) = plain_text(&reply["application"]) {
         profile += &format!(" (the rule for {application} holds)");
@@ -207,7 +225,7 @@ fn state_text(reply: &Value) -> String {
         .map(|file| format!("\nfiles      {file}"))
         .collect();
     format!(
-        "state      {state}\nprofile    {profile}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{headset}{learned}{incomplete}",
+        "state      {state}\nprofile    {profile}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {}\ndropped    {}{headset}{learned}{typing}{incomplete}",
         or_unknown(&reply["layout"]),
         reply["steps"],
         stats["stalls"],

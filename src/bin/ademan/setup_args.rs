@@ -45,6 +45,10 @@ pub struct SetupArgs {
     /// `auto:MODEL.adm`
     #[arg(long, value_name = "MODE[:LANGUAGE]")]
     decoder: Option<TextSetup>,
+    /// File of what the decoder has learned of you: where you tap, and your words. It is read at the start, if it is there, and
+    /// written by `ademan ctl save-learned`
+    #[arg(long, value_name = "FILE")]
+    learned: Option<String>,
     /// Widen the ranges of finger sensors that drift while the glove is worn, within limits; `ademan ctl undo-learning` undoes it
     #[arg(long)]
     learn_ranges: bool,
@@ -124,9 +128,19 @@ impl SetupArgs {
         if let Some(layout) = self.layout.clone() {
             setup.layout = link::trusted(layout, self.trust)?;
         }
-        setup.text = self.decoder.clone().or(setup.text);
+        self.override_text(&mut setup);
         self.override_permissions(&mut setup);
         Ok(setup)
+    }
+
+    /// Applies the flags of the text decoder. What was learned belongs to the person, whatever the decoder.
+    fn override_text(&self, setup: &mut Setup) {
+        let before = setup.text.take();
+        let learned = before.as_ref().and_then(|text| text.learned.clone());
+        setup.text = self.decoder.clone().or(before);
+        if let Some(learned) = self.learned.clone().or(learned) {
+            setup.text.get_or_insert_default().learned = Some(learned);
+        }
     }
 
     /// Applies the flags that name no file and no source.

@@ -87,6 +87,10 @@ pub enum Command {
         #[serde(deserialize_with = "whole_number")]
         number: u8,
     },
+    /// Forgets what the text decoder has learned of the person.
+    ForgetLearned,
+    /// Writes what the text decoder has learned of the person to its file.
+    SaveLearned,
     /// Lets all sources of the session press keys, also those on the network. A layout cannot issue it.
     AllowKeys,
     /// Lets the sources of the session only point.
@@ -178,6 +182,8 @@ impl Command {
             Self::UndoLearning => "undo-learning",
             Self::Text { .. } => "text",
             Self::Candidate { .. } => "candidate",
+            Self::ForgetLearned => "forget-learned",
+            Self::SaveLearned => "save-learned",
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
@@ -196,6 +202,7 @@ impl Command {
                 | Self::UndoLearning
                 | Self::Text { .. }
                 | Self::Candidate { .. }
+                | Self::ForgetLearned
                 | Self::Recenter
                 | Self::Nudge { .. }
                 | Self::Tilt { .. }
@@ -206,7 +213,10 @@ impl Command {
 
     /// Returns `true` if the command types, or changes what keys type: a source that may only point does not cause it.
     pub const fn is_typing(&self) -> bool {
-        matches!(self, Self::Text { .. } | Self::Candidate { .. })
+        matches!(
+            self,
+            Self::Text { .. } | Self::Candidate { .. } | Self::ForgetLearned
+        )
     }
 
     /// Name, fields and description.

@@ -162,6 +162,16 @@ pub const SPECS: &[CommandSpec] = &[
         }],
     },
     plain(
+        "forget-learned",
+        "Forget what the text decoder has learned of the person",
+        "Forget",
+    ),
+    plain(
+        "save-learned",
+        "Write what the text decoder has learned of the person to the file of --learned",
+        "Learned",
+    ),
+    plain(
         "allow-keys",
         "Let the sources press keys, also a headset or another source on the network; until the session ends or another sender follows",
         "Keys",

@@ -24,11 +24,13 @@ impl Pipeline {
             | Command::UndoLearning
             | Command::Text { .. }
             | Command::Candidate { .. }
+            | Command::ForgetLearned
             | Command::AllowKeys
             | Command::ForbidKeys => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
+            | Command::SaveLearned
             | Command::Reload
             | Command::Stop => false,
         }
@@ -66,6 +68,7 @@ impl Pipeline {
             Command::UndoLearning => self.undo_learning(events)?,
             Command::Text { mode } => self.text_filter()?.set_mode(mode),
             Command::Candidate { number } => self.text_filter()?.choose(number),
+            Command::ForgetLearned => self.text_filter()?.forget(),
             Command::AllowKeys | Command::ForbidKeys if origin == CommandOrigin::Layout => {
                 return Err(CommandError::Permission);
             }
@@ -74,6 +77,7 @@ impl Pipeline {
             Command::State
             | Command::Scale { .. }
             | Command::Save
+            | Command::SaveLearned
             | Command::Reload
             | Command::Stop => {}
         }

@@ -19,8 +19,8 @@ pub use config::{config_folder, in_config_folder, state_folder, transcript_folde
 pub use documents::{Load, OpenDocument};
 pub use lock::LockedFile;
 pub use replace::{
-    check_destination, check_overwrite, replace_private_text, replace_public_text, replace_text,
-    replace_text_and_keep, replace_text_if, write_new_text,
+    check_destination, check_overwrite, replace_private_text, replace_private_text_if,
+    replace_public_text, replace_text, replace_text_and_keep, replace_text_if, write_new_text,
 };
 pub use search::{own_gloves, own_layouts, own_persons};
 

@@ -37,8 +37,18 @@ pub fn replace_text_if(
 /// Writes a file that only its owner can access, atomically as [`replace_text`]. A file or a symbolic link of that name is replaced; a
 /// device, a pipe or a folder is refused.
 pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
+    replace_private_text_if(path, text, || true)
+}
+
+/// Writes a file as [`replace_private_text`] does, if `is_as_expected` returns `true` when the new text is on the disk. Otherwise it fails
+/// with [`FileError::Changed`].
+pub fn replace_private_text_if(
+    path: &Path,
+    text: &str,
+    is_as_expected: impl FnOnce() -> bool,
+) -> Result<(), FileError> {
     check_replaceable(path)?;
-    write_and_rename((path, create_private), text, None, || true)
+    write_and_rename((path, create_private), text, None, is_as_expected)
 }
 
 /// Writes a file with the usual permissions, as [`replace_private_text`] does.

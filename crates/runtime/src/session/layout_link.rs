@@ -16,6 +16,7 @@ use ademan_core::command::Command;
 use ademan_core::contact::board_pose::BoardPose;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::LayoutInstance;
+use ademan_text::filter::Learned;
 
 /// Requests that wait for a busy layout manager: one of each client of the control socket.
 const QUEUE_LENGTH: usize = 16;
@@ -29,14 +30,17 @@ pub(crate) enum LayoutOperation {
     Scale(f32),
     /// Writes the size of the boards and these poses, in the order of the layout, to the layout file.
     Save(Vec<BoardPose>),
+    /// Writes what the text decoder has learned to its file.
+    SaveLearned(Box<Learned>),
 }
 
 impl LayoutOperation {
-    /// Returns the operation that a command stands for. The loop fills in the board poses.
+    /// Returns the operation that a command stands for. The loop fills in the board poses, and what was learned.
     pub(super) fn from_command(command: &Command) -> Option<Self> {
         match command {
             Command::Scale { factor } => Some(Self::Scale(*factor)),
             Command::Save => Some(Self::Save(Vec::new())),
+            Command::SaveLearned => Some(Self::SaveLearned(Box::default())),
             Command::Reload => Some(Self::Reload),
             _ => None,
         }

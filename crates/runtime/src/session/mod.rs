@@ -460,6 +460,7 @@ fn start_layout_manager(
         watch: options.watch_layouts,
         is_recorded: options.record_to.is_some(),
     };
+    let learned = setup.learned_file();
     let hands = setup.layout_feed.clone();
     let (setup, has_sink) = (Arc::clone(setup), options.output.is_some());
     let required = setup.required_capabilities();
@@ -485,5 +486,5 @@ fn start_layout_manager(
         }
         notices.send(Notice::Layout(report));
     };
-    reload::start(layouts, link, policy, build, report)
+    reload::start(layouts, learned, link, policy, build, report)
 }

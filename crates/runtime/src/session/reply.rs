@@ -9,6 +9,8 @@ use ademan_core::message::escape_line;
 use ademan_core::pipeline::{CommandError, PipelineState};
 use ademan_core::snapshot::Stats;
 
+pub use ademan_text::filter::LearnedSummary as TypingSummary;
+
 /// Result of a command that succeeded.
 #[derive(Clone, Debug, PartialEq)]
 // A box would be an allocation in the session loop.
@@ -69,6 +71,8 @@ pub struct SessionStatus {
     pub cursor: Option<CursorPosition>,
     /// Ranges of sensors that were learned; `None` without any.
     pub learned: Option<LearnedSummary>,
+    /// What the text decoder has learned; `None` without one.
+    pub typing: Option<TypingSummary>,
 }
 
 /// Summary of the ranges of sensors that were learned.

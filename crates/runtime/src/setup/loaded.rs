@@ -1,9 +1,9 @@
 //! A setup with all files that it names.
 
-use super::{ArmSetup, DEFAULT_ARM, OtherHand, Setup, SetupError, kind};
+use super::{ArmSetup, DEFAULT_ARM, LearnedFile, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
 use crate::sim::LayoutFeed;
-use crate::text::{self, Language};
+use crate::text::{self, Language, Learned};
 use ademan_core::command::{ProfileName, TextMode};
 use ademan_core::device::Capabilities;
 use ademan_core::document::{Document, DocumentError};
@@ -46,6 +46,8 @@ pub struct LoadedSetup {
     pub(super) pipeline: PipelineSettings,
     /// The language of the text decoder; `None` without one.
     pub(super) language: Option<Language>,
+    /// What the text decoder has learned of the person.
+    pub(super) learned: Learned,
     /// The reason why there is no text decoder although the setup asks for one.
     pub text_error: Option<String>,
     /// The changes of the active layout, for the simulated hands of the setup.
@@ -154,6 +156,15 @@ impl Loader<'_> {
         Ok(GloveAndArm { glove, arm })
     }
 
+    /// Loads what the text decoder has learned of the person.
+    fn learned(&mut self, setup: &Setup) -> Result<Learned, DocumentError> {
+        let name = setup.text.as_ref().and_then(|text| text.learned.as_ref());
+        match name {
+            Some(name) => Learned::parse(&self.document(kind::LEARNED, name)?),
+            None => Ok(Learned::default()),
+        }
+    }
+
     fn profiles(&mut self, setup: &Setup, fit: Fit) -> Result<Vec<Profile>, SetupError> {
         let mut profiles: Vec<Profile> = Vec::new();
         for profile in &setup.profiles {
@@ -210,6 +221,7 @@ impl LoadedSetup {
             person,
             layout,
             profiles: loader.profiles(&setup, fit)?,
+            learned: loader.learned(&setup)?,
             documents: loader.documents,
             has_files: true,
             ignored_permissions: Vec::new(),
@@ -274,6 +286,13 @@ impl LoadedSetup {
         let (_, document) = documents.find(|(_, document)| document.file == layout.file)?;
         let is_file = self.has_files && document.path.is_some();
         is_file.then_some(layout.file.as_str())
+    }
+
+    /// Returns the file of what the text decoder has learned; `None` without one, and for a recording.
+    pub fn learned_file(&self) -> Option<LearnedFile> {
+        let mut documents = self.documents.iter().filter(|_| self.has_files);
+        let (_, document) = documents.find(|(kind, _)| kind == kind::LEARNED)?;
+        Some(LearnedFile::new(&document.file, &document.text))
     }
 
     /// Returns everything that the layouts can ever emit.

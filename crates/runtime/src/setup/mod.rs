@@ -3,6 +3,7 @@
 mod body_points;
 mod check;
 mod first;
+mod learned_file;
 mod loaded;
 mod outputs;
 mod person;
@@ -17,6 +18,7 @@ mod wearer;
 mod without_devices;
 
 pub use first::OWN_SETUP;
+pub use learned_file::LearnedFile;
 pub use loaded::{GloveAndArm, LoadedSetup, Profile};
 pub use outputs::continued_outputs;
 pub use reach::{HandReach, ReachReport, TargetOutOfReach};
@@ -332,6 +334,9 @@ impl Setup {
         for (kind, name) in setup.file_names() {
             *name = Document::resolve(folder, kind, name)?;
         }
+        if let Some(name) = setup.text.as_mut().and_then(|text| text.learned.as_mut()) {
+            *name = folder.join(&name).to_string_lossy().into_owned();
+        }
         setup.output = outputs::with_new_transcripts(&setup.output)
             .map_err(|error| error.at_field(&document))?;
         Ok(setup)
@@ -340,6 +345,9 @@ impl Setup {
     /// Loads all files that the setup names.
     pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
         let mut loaded = LoadedSetup::new(self, &|kind, name| {
+            if kind == kind::LEARNED {
+                return LearnedFile::read(name);
+            }
             Document::open_kind(recorded::file_kind(kind), name)
         })?;
         loaded.load_language(text::read_model);

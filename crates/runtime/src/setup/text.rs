@@ -34,7 +34,7 @@ impl LoadedSetup {
         // A recording says what the output of its session could do: a replay writes to another one.
         setup.accents &= writes_text;
         match Language::load(&setup.language, read) {
-            Ok(language) => self.language = Some(language),
+            Ok(language) => self.language = Some(language.with_learned(self.learned.clone())),
             Err(error) => self.text_error = Some(error),
         }
         let asks = setup.mode != TextSetup::default().mode;

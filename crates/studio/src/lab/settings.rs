@@ -52,6 +52,7 @@ impl LabDecoder {
             language: language.to_owned(),
             // As in the score.
             accents: false,
+            learned: None,
         })
     }
 

@@ -44,7 +44,7 @@ schema! {
     pub struct LearnedTaps {
         /// The number of taps.
         pub taps: f32,
-        /// The mean distance from the center of the key, to the right and up.
+        /// The mean distance from the center of the key, to the right and down.
         pub offset_mm: (f32, f32),
         /// The standard deviation in both directions.
         pub scatter_mm: (f32, f32),
@@ -62,7 +62,7 @@ schema! {
         pub key: String,
         /// The number of taps.
         pub taps: f32,
-        /// The mean distance from the center of the key, to the right and up.
+        /// The mean distance from the center of the key, to the right and down.
         pub offset_mm: (f32, f32),
         /// The standard deviation in both directions.
         pub scatter_mm: (f32, f32),

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ProfileInfo;
 use crate::capture::{HeadsetStatus, InvalidPackets};
-use crate::session::reply::{LearnedSummary, SessionStatus};
+use crate::session::reply::{LearnedSummary, SessionStatus, TypingSummary};
 use crate::session::view::{PoseNumbers, View, ViewState, pose_numbers};
 use crate::trace::{command_json, event_json};
 use ademan_core::command::CommandOrigin;
@@ -65,6 +65,7 @@ pub(super) fn state(status: &SessionStatus, context: SessionContext) -> JsonLine
         dropped_presses: status.stats.dropped_presses,
         pointer: status.cursor.as_ref().map(CursorJson::from),
         learned: status.learned.as_ref().map(LearnedJson::from),
+        typing: status.typing.as_ref().map(TypingJson::from),
         headset,
         incomplete,
     })
@@ -167,6 +168,8 @@ struct StateResponse<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     learned: Option<LearnedJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    typing: Option<TypingJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     headset: Option<HeadsetStatus>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     incomplete: &'a [String],
@@ -186,6 +189,28 @@ impl From<&LearnedSummary> for LearnedJson {
             channels: learned.channels,
             largest: learned.largest.dof,
             percent: (learned.largest.largest() * 100.0).round() as u8,
+        }
+    }
+}
+
+/// What the text decoder has learned: the taps, where they land beside the centers of keys, and the number of the person's words.
+#[derive(Serialize)]
+struct TypingJson {
+    taps: u32,
+    offset_mm: [f32; 2],
+    scatter_mm: [f32; 2],
+    words: usize,
+}
+
+impl From<&TypingSummary> for TypingJson {
+    fn from(typing: &TypingSummary) -> Self {
+        // A negative zero has no meaning here.
+        let rounded = |(x, y): (f32, f32)| [x, y].map(|value| (value * 10.0).round() / 10.0 + 0.0);
+        Self {
+            taps: typing.taps.taps.round() as u32,
+            offset_mm: rounded(typing.taps.offset_mm),
+            scatter_mm: rounded(typing.taps.scatter_mm),
+            words: typing.words,
         }
     }
 }
@@ -280,6 +305,7 @@ mod tests {
     use super::*;
     use crate::capture::Headset;
     use ademan_core::estimate::LearnedRange;
+    use ademan_text::filter::LearnedTaps;
     use serde_json::json;
 
     #[test]
@@ -300,6 +326,15 @@ mod tests {
             stats,
             cursor: None,
             learned: LearnedSummary::new([learned(3, 0.02), learned(5, 0.11)].into_iter()),
+            typing: Some(TypingSummary {
+                taps: LearnedTaps {
+                    taps: 411.6,
+                    offset_mm: (1.26, -0.04),
+                    scatter_mm: (3.0, 2.5),
+                    correlation: 0.1,
+                },
+                words: 2,
+            }),
         };
         let profiles = [ProfileInfo {
             name: "My board".into(),
@@ -324,6 +359,9 @@ mod tests {
         assert_eq!(line["dropped_presses"], 3);
         let expected = json!({"channels": 2, "largest": "index-mcp-flexion", "percent": 11});
         assert_eq!(line["learned"], expected);
+        let typing =
+            json!({"taps": 412, "offset_mm": [1.3, 0.0], "scatter_mm": [3.0, 2.5], "words": 2});
+        assert_eq!(line["typing"], typing);
         assert_eq!(line.get("headset"), None, "its source waits for none");
     }
 
@@ -336,6 +374,7 @@ mod tests {
             stats: Stats::default(),
             cursor: None,
             learned: None,
+            typing: None,
         };
         let headset = Headset::new("Quest 3", [192, 168, 1, 9].into());
         for (connected, expected) in [

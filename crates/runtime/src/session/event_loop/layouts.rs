@@ -10,7 +10,9 @@ use crate::session::SessionError;
 use crate::session::estimator_swap::EstimatorSwap;
 use crate::session::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
 use crate::session::reply::{ReplySender, RequestError};
+use crate::text;
 use ademan_core::command::Command;
+use ademan_core::pipeline::CommandError;
 
 /// Longest time that a replay waits for the layout manager to execute a command of the layout.
 const LAYOUT_TIMEOUT: Duration = Duration::from_secs(10);
@@ -77,6 +79,12 @@ impl SessionLoop<'_> {
         let operation = match operation {
             LayoutOperation::Save(_) => {
                 LayoutOperation::Save(self.pipeline.board_poses().collect())
+            }
+            LayoutOperation::SaveLearned(_) => {
+                let filter = self.pipeline.layout().filter();
+                let known = filter.and_then(text::learned);
+                let learned = known.ok_or(CommandError::NoTextDecoder)?;
+                LayoutOperation::SaveLearned(Box::new(learned))
             }
             operation => operation,
         };

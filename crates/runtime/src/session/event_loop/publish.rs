@@ -3,6 +3,7 @@
 use super::SessionLoop;
 use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::session::reply::{LearnedSummary, SessionStatus};
+use crate::text;
 use ademan_core::command::Command;
 use ademan_core::device::TimedCommand;
 use ademan_core::snapshot::StepView;
@@ -62,6 +63,11 @@ impl SessionLoop<'_> {
             stats: self.stats,
             cursor: self.pipeline.layout().cursor(),
             learned: LearnedSummary::new(self.pipeline.learned_ranges()),
+            typing: self
+                .pipeline
+                .layout()
+                .filter()
+                .and_then(text::learned_summary),
         }
     }
 

@@ -68,7 +68,15 @@ impl TestLoop {
         let build =
             move |built: &Layout| accept(built).map(|()| LayoutInstance::from_layout(built));
         let report = move |report| sender.send(report).unwrap();
-        start([source], commands.link_layouts(), policy, build, report).unwrap();
+        start(
+            [source],
+            None,
+            commands.link_layouts(),
+            policy,
+            build,
+            report,
+        )
+        .unwrap();
         Self {
             commands,
             file,

@@ -11,6 +11,7 @@ use super::file_watcher::FileWatcher;
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
 use crate::session::layout_trial::TrialRequest;
 use crate::session::reply::{Reply, RequestError};
+use crate::setup::LearnedFile;
 use ademan_core::document::DocumentError;
 use ademan_core::layout::Layout;
 use ademan_core::message::escape;
@@ -20,6 +21,9 @@ use ademan_core::time::NO_DEADLINE;
 /// Time between two checks of a file that is being saved, or that is on a file system without events. One check takes a
 /// few microseconds, and also detects a file that was replaced.
 const POLL_PERIOD: Duration = Duration::from_millis(50);
+
+/// The reason why nothing is saved without a file.
+const NO_LEARNED_FILE: &str = "not saved, as the run has no file for it: start it with `--learned FILE`, or set `learned` of `text` in the setup";
 
 /// The way in which changes of a layout file are detected.
 pub(super) enum ChangeDetection {
@@ -111,6 +115,8 @@ pub(super) struct Worker<B, R> {
     /// Layouts in the order of the profiles.
     pub layouts: Vec<ManagedLayout>,
     pub link: LayoutLink,
+    /// The file of what the text decoder has learned, if the setup names one.
+    pub learned: Option<LearnedFile>,
     pub is_recorded: bool,
     pub build: B,
     pub report: R,
@@ -265,6 +271,10 @@ where
                 layout.scale(factor, &self.build, &self.link)?
             }
             LayoutOperation::Save(poses) => self.layouts[profile].layout.save(&poses),
+            LayoutOperation::SaveLearned(learned) => match &mut self.learned {
+                Some(file) => file.save(&learned),
+                None => Err(NO_LEARNED_FILE.to_owned()),
+            },
         };
         match reply {
             None => (self.report)(LayoutReport::Command(outcome)),
@@ -330,6 +340,7 @@ mod tests {
                 detection: ChangeDetection::Polling,
             }],
             link: commands.link_layouts(),
+            learned: None,
             is_recorded: false,
             build: |layout: &Layout| Ok(LayoutInstance::from_layout(layout)),
             report: move |report| sender.send(report).unwrap(),
