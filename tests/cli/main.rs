@@ -46,6 +46,8 @@ mod lab_shards;
 mod lab_study;
 mod language_models;
 #[cfg(unix)]
+mod learned_words;
+#[cfg(unix)]
 mod learning;
 mod log_options;
 mod lucidgloves;

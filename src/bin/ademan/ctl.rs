@@ -171,9 +171,12 @@ fn typing_text(reply: &Value) -> String {
     let Some(typing) = reply.get("typing") else {
         return String::new();
     };
+    if typing["taps"] == 0 && typing["words"] == 0 {
+        return "\ntyping     nothing learned yet".to_owned();
+    }
     let [offset, scatter] = ["offset_mm", "scatter_mm"].map(|field| &typing[field]);
     format!(
-        "\ntyping     {} learned, {} mm right of and {} mm below the centers of keys, scatter {} and {} mm; {} of your own",
+        "\ntyping     {} learned: {} mm right of and {} mm below the centers of keys, scatter {} and {} mm; {} of your own",
         plural(&typing["taps"], "tap", "taps"),
         offset[0],
         offset[1],

@@ -8,9 +8,9 @@ use ademan_core::pipeline::PressFilter;
 use serde::{Deserialize, Serialize};
 
 use super::text_filter::TextFilter;
-use crate::Prior;
 use crate::correction::Restored;
 use crate::touch::{ErrorSums, KeySums, Sums, TouchModel};
+use crate::{Corrector, Prior};
 
 /// The most that learned taps count for, so that a sensor that sits elsewhere today is learned within a few sentences.
 const MAX_TAPS: f32 = 200.0;
@@ -297,8 +297,12 @@ impl Learned {
         text
     }
 
-    /// Returns what was learned of taps and words.
-    pub(super) fn new(touch: &TouchModel, words: &Restored) -> Self {
+    /// Returns what a corrector has learned.
+    pub fn of(corrector: &Corrector) -> Self {
+        Self::new(corrector.decoder().touch(), corrector.restored())
+    }
+
+    fn new(touch: &TouchModel, words: &Restored) -> Self {
         let keys = touch.keys.iter();
         let ErrorSums {
             taps,
@@ -322,8 +326,8 @@ impl Learned {
         }
     }
 
-    /// Returns the touch model to start with.
-    pub(super) fn touch(&self) -> TouchModel {
+    /// Returns the touch model to start with. What was learned counts for at most 200 taps.
+    pub fn touch(&self) -> TouchModel {
         let share_of = |taps: f32| {
             if taps > MAX_TAPS {
                 MAX_TAPS / taps
@@ -356,11 +360,7 @@ impl Learned {
 /// Returns what a text decoder has learned; `None` for another filter. Allocates.
 pub fn learned(filter: &dyn PressFilter) -> Option<Learned> {
     let filter: &TextFilter = filter.as_any()?.downcast_ref()?;
-    let corrector = filter.corrector();
-    Some(Learned::new(
-        corrector.decoder().touch(),
-        corrector.restored(),
-    ))
+    Some(Learned::of(filter.corrector()))
 }
 
 /// Returns what a text decoder has learned, in a few numbers; `None` for another filter. Does not allocate.

@@ -167,10 +167,16 @@ pub fn correct(
     let touch = TouchModel::new(tried(prior));
     let decoder = Decoder::new(model.clone(), keyboard.clone(), touch, options());
     let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
-    let mut field: Vec<char> = Vec::new();
+    type_into(&mut corrector, phrases)
+}
+
+/// Types phrases one after another, and returns the texts that stay in the text field, as [`correct`] does.
+pub fn type_into(corrector: &mut Corrector, phrases: &[Phrase]) -> Vec<String> {
+    let keyboard = corrector.decoder().keyboard();
     let space = keyboard
         .index(' ')
         .map(|space| keyboard.keys()[space].center);
+    let mut field: Vec<char> = Vec::new();
     let mut texts = Vec::new();
     for phrase in phrases {
         let mut start = field.len();
