@@ -42,7 +42,7 @@ pub const COVERED: &[u8] = &[
     27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
     50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
     79, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 90, 91, 92, 93, 94, 95, 96, 97, 98, 99, 100, 101, 102, 103, 104, 105, 106,
-    107, 108, 109,
+    107, 108, 109, 110,
 ];
 
 /// The faults, in the order of their numbers.
@@ -648,5 +648,12 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/bursts.rs", "the_text_field_is_another_one_when_another_window_has_the_focus"),
         (BURSTS, "a_correction_does_not_reach_another_window"),
         (BURSTS, "an_idle_thread_notices_that_another_window_has_the_focus"),
+    ])),
+    fault(110, "another keyboard or mouse is pressed before a correction", Tests(&[
+        ("tests/outputs/x11/other_devices.rs", "a_correction_deletes_nothing_that_another_keyboard_has_typed"),
+        ("tests/outputs/x11/other_devices.rs", "a_correction_deletes_nothing_behind_a_click_of_another_mouse"),
+        ("tests/outputs/x11/other_devices.rs", "a_modifier_of_another_keyboard_drops_a_correction"),
+        (BURSTS, "a_correction_deletes_nothing_behind_a_press_of_another_device"),
+        (BURSTS, "an_idle_thread_notices_a_press_of_another_device"),
     ])),
 ];

@@ -14,17 +14,17 @@ use crate::support::key_log::{Action, Input, KeyLog};
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
 /// Codes of keys of a PC keyboard.
-const CONTROL: Input = Input::Key(37);
-const A: Input = Input::Key(38);
+pub const CONTROL: Input = Input::Key(37);
+pub const A: Input = Input::Key(38);
 
 /// Number of attempts on a busy machine.
 const ATTEMPTS: usize = 20;
 
-fn open(display: &str) -> Desktop {
+pub fn open(display: &str) -> Desktop {
     Desktop::open(Some(display), &Capabilities::default()).expect("the server runs")
 }
 
-fn events(kinds: &[EventKind]) -> Vec<OutputEvent> {
+pub fn events(kinds: &[EventKind]) -> Vec<OutputEvent> {
     let event = |&kind| OutputEvent {
         time: Timestamp(0),
         kind,
@@ -32,7 +32,7 @@ fn events(kinds: &[EventKind]) -> Vec<OutputEvent> {
     kinds.iter().map(event).collect()
 }
 
-fn tap(name: &str) -> Vec<OutputEvent> {
+pub fn tap(name: &str) -> Vec<OutputEvent> {
     let key: KeyCode = name.parse().expect("the name of a key");
     events(&[EventKind::KeyDown(key), EventKind::KeyUp(key)])
 }
@@ -43,7 +43,7 @@ fn text(text: &str) -> Vec<OutputEvent> {
 }
 
 /// Returns what was pressed, in order.
-fn pressed(log: &KeyLog) -> Vec<Input> {
+pub fn pressed(log: &KeyLog) -> Vec<Input> {
     let events = log.events().into_iter();
     let presses = events.filter(|event| event.action == Action::Press);
     presses.map(|event| event.input).collect()

@@ -20,6 +20,8 @@ mod idle;
 #[cfg(target_os = "linux")]
 mod lost_watchdog;
 #[cfg(target_os = "linux")]
+mod other_devices;
+#[cfg(target_os = "linux")]
 pub mod output_stalls;
 #[cfg(target_os = "linux")]
 mod watchdog;

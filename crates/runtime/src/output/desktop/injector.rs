@@ -62,13 +62,19 @@ pub trait Injector {
         None
     }
 
-    /// Prepares to ask for the focus without waiting.
+    /// Prepares to ask for the focus, and for presses of other devices, without waiting.
     fn watch_focus(&mut self) {}
 
     /// Returns the window that had the focus at the last call that returned one, or at the first call, if the answer has arrived
     /// since. Does not wait.
     fn poll_focus(&mut self) -> Option<WindowId> {
         None
+    }
+
+    /// Returns `true` if a keyboard, mouse or touch screen other than this injector was pressed since the last call. The first call
+    /// starts the watch. Does not wait.
+    fn poll_foreign_press(&mut self) -> bool {
+        false
     }
 
     /// Returns the keys among `keys` that are pressed on the display, or `None` if it does not report them.
@@ -136,6 +142,10 @@ impl Injector for Box<dyn Injector> {
 
     fn poll_focus(&mut self) -> Option<WindowId> {
         (**self).poll_focus()
+    }
+
+    fn poll_foreign_press(&mut self) -> bool {
+        (**self).poll_foreign_press()
     }
 
     fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {

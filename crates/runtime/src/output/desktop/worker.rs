@@ -173,7 +173,7 @@ impl<'a, C: Injector> Worker<'a, C> {
         !self.pressed.is_empty() || now - self.liveness.last_request < ACTIVE_TIME
     }
 
-    /// Fails if the display is gone, which otherwise shows only at the next request, and follows the focus.
+    /// Fails if the display is gone, which otherwise shows only at the next request, and follows the field.
     fn check_connection(&mut self) {
         if self.status.failure.get().is_some() {
             return;
@@ -182,13 +182,13 @@ impl<'a, C: Injector> Worker<'a, C> {
             return self.fail(&reason);
         }
         let is_other = self.focus.update_from_answer(self.injector.poll_focus());
-        self.status.next_field_if(is_other);
+        self.status.update_field(is_other, &mut self.injector);
     }
 
     /// Updates the window that has the focus, and the generation of the field.
     fn follow_focus(&mut self, window: Option<WindowId>) {
         let is_other = self.focus.set(window);
-        self.status.next_field_if(is_other);
+        self.status.update_field(is_other, &mut self.injector);
     }
 
     /// Sends a heartbeat every 50 ms, unless the loop hangs: then releases every key.

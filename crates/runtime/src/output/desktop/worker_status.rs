@@ -1,9 +1,10 @@
 //! The state that the loop and the thread of an output share.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
+use super::injector::Injector;
 use super::press_ticket::PressTickets;
 
 /// The state, whose fields either side may change at any time.
@@ -19,10 +20,15 @@ pub struct WorkerStatus {
     /// The validity of queued presses.
     pub tickets: PressTickets,
     /// Number of presses and characters that were not sent because their tickets were void, the display cannot type the
-    /// text, or a burst would have deleted text in another window.
+    /// text, or a burst would have deleted text in another window or behind a press of another device.
     pub void_presses: AtomicU64,
-    /// The generation of the field that has the focus: another number for each window.
+    /// The generation of the field that has the focus: another number for each window, and after each press of another device.
     pub field: AtomicU32,
+    /// A text decoder follows the field.
+    is_field_followed: AtomicBool,
+    /// A key of the keyboard was pressed in a field that a text decoder follows. Another output may have the keys, and its device
+    /// is no stranger.
+    needs_device_watch: AtomicBool,
 }
 
 impl WorkerStatus {
@@ -36,12 +42,31 @@ impl WorkerStatus {
             tickets: PressTickets::new(max_press_age),
             void_presses: AtomicU64::new(0),
             field: AtomicU32::new(0),
+            is_field_followed: AtomicBool::new(false),
+            needs_device_watch: AtomicBool::new(false),
         }
     }
 
-    /// Begins another generation of the field if another window has the focus: its text is another one.
-    pub fn next_field_if(&self, is_other_window: bool) {
-        if is_other_window {
+    /// Returns the generation of the field to a text decoder, which follows the field from now on.
+    pub fn follow_field(&self) -> u32 {
+        self.is_field_followed.store(true, Ordering::Relaxed);
+        self.field.load(Ordering::Acquire)
+    }
+
+    /// Returns the generation of the field in which a key of the keyboard is pressed.
+    pub fn press_in_field(&self) -> u32 {
+        if self.is_field_followed.load(Ordering::Relaxed) {
+            self.needs_device_watch.store(true, Ordering::Relaxed);
+        }
+        self.field.load(Ordering::Acquire)
+    }
+
+    /// Begins another generation of the field if another window has the focus, as its text is another one, or if another device was
+    /// pressed, which may change the text or the place in it.
+    pub fn update_field(&self, is_other_window: bool, injector: &mut impl Injector) {
+        let is_watched = self.needs_device_watch.load(Ordering::Relaxed);
+        let is_changed = is_watched && injector.poll_foreign_press();
+        if is_other_window || is_changed {
             self.field.fetch_add(1, Ordering::Release);
         }
     }

@@ -43,10 +43,11 @@ impl FollowedField {
 impl SessionLoop<'_> {
     /// Makes the text decoder follow the field that has the focus: a recording contains this as commands.
     pub(super) fn follow_text_field(&mut self) -> Result<(), SessionError> {
-        let field = self.sink.0.text_field();
         let Some(mode) = self.pipeline.text_state().map(|state| state.mode) else {
             return Ok(());
         };
+        // Asked only for a decoder: a display watches other keyboards for it.
+        let field = self.sink.0.text_field();
         let profile = self.pipeline.active_profile();
         if let Some(mode) = self.text_field.follow(field, profile, mode) {
             let _ = self.execute_in_pipeline(Command::Text { mode }, CommandOrigin::Client)?;

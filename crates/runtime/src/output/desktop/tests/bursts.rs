@@ -124,6 +124,66 @@ fn an_idle_thread_notices_that_another_window_has_the_focus() {
     assert_eq!(sink.dropped_presses(), 3, "its text is in the first window");
 }
 
+/// Opens a sink that a decoder follows and that has typed a key, and presses another keyboard.
+fn press_another_keyboard() -> (TestDisplay, Desktop) {
+    let (display, mut sink) = open_in_a_window();
+    sink.send(&tap(2, "A")).unwrap();
+    direct::wait_until_idle(&sink);
+    assert_eq!(sink.text_field().generation, 0);
+    display.0.lock().unwrap().has_foreign_press = true;
+    (display, sink)
+}
+
+#[test]
+fn a_correction_deletes_nothing_behind_a_press_of_another_device() {
+    let (display, mut sink) = press_another_keyboard();
+    sink.send(&correction(3, "b")).unwrap();
+    direct::wait_until_idle(&sink);
+    assert_eq!(sink.text_field().generation, 1);
+    assert_eq!(sink.dropped_presses(), 3);
+    assert!(sink.has_stalled());
+    sink.void_presses();
+    sink.send(&tap(4, "C")).unwrap();
+    sink.send(&correction(5, "d")).unwrap();
+    sink.close().unwrap();
+    let corrected = "type +Backspace-Backspace+Backspace-Backspaced";
+    let lines = ["type a", "+A", "-A", "+C", "-C", corrected];
+    assert_eq!(display.lines(), lines);
+}
+
+#[test]
+fn an_idle_thread_notices_a_press_of_another_device() {
+    let (_display, mut sink) = press_another_keyboard();
+    while sink.text_field().generation == 0 {
+        thread::yield_now();
+    }
+    // Both follow the press.
+    sink.send(&correction(3, "b")).unwrap();
+    direct::wait_until_idle(&sink);
+    assert_eq!(sink.dropped_presses(), 3, "its text is before the press");
+}
+
+#[test]
+fn other_devices_are_watched_only_for_a_decoder_whose_keys_the_output_types() {
+    let is_watched = |is_followed: bool, typed: &[OutputEvent]| {
+        let display = TestDisplay::default();
+        let (mut sink, gate) = display.open();
+        drop(gate);
+        display.0.lock().unwrap().has_foreign_press = true;
+        if is_followed {
+            sink.text_field();
+        }
+        sink.send(typed).unwrap();
+        sink.send(&correction(2, "b")).unwrap();
+        sink.close().unwrap();
+        !display.0.lock().unwrap().has_foreign_press
+    };
+    assert!(is_watched(true, &tap(1, "A")));
+    assert!(!is_watched(false, &tap(1, "A")), "without a decoder");
+    let text = characters(1, "a");
+    assert!(!is_watched(true, &text), "another output has the keys");
+}
+
 #[test]
 fn a_text_is_typed_entirely_or_dropped_entirely_and_is_no_failure() {
     let display = TestDisplay::default();

@@ -38,6 +38,8 @@ struct DisplayState {
     is_blocked: bool,
     /// The window with the focus, if the display reports it.
     focus: Option<WindowId>,
+    /// Another keyboard or mouse was pressed, which the worker has not noticed.
+    has_foreign_press: bool,
     direct: direct::DirectState,
 }
 
@@ -153,6 +155,10 @@ impl Injector for Connection {
 
     fn poll_focus(&mut self) -> Option<WindowId> {
         self.focus()
+    }
+
+    fn poll_foreign_press(&mut self) -> bool {
+        std::mem::take(&mut self.display.0.lock().unwrap().has_foreign_press)
     }
 
     fn wait_until_responsive(&mut self) -> Result<(), String> {

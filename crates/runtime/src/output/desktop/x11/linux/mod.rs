@@ -4,6 +4,7 @@
 //! screenshot tool that grabs the server would otherwise delay a release, and the key would repeat until the grab ends.
 
 mod characters;
+mod device_watch;
 mod direct;
 mod focus_watch;
 mod keymap;
@@ -29,6 +30,7 @@ use crate::output::desktop::system;
 use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 use ademan_core::device::{KeyCode, KeyKind};
 use characters::CharacterKeys;
+use device_watch::DeviceWatch;
 use focus_watch::FocusWatch;
 
 /// The version of XTEST that has `XTestGrabControl`.
@@ -56,6 +58,7 @@ pub struct X11Injector {
     focus_watch: Option<FocusWatch>,
     /// The window that had the focus at the last wait.
     focus: Option<WindowId>,
+    device_watch: Option<DeviceWatch>,
 }
 
 /// Connects to the X server of this name, or to the server in `DISPLAY`.
@@ -74,6 +77,7 @@ pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
         character_keys: CharacterKeys::new(&server),
         focus_watch: None,
         focus: None,
+        device_watch: None,
         server,
     };
     Ok(Box::new(injector))
@@ -155,14 +159,19 @@ impl X11Injector {
 
     /// Waits until the server has executed all requests.
     fn wait(&mut self) -> Result<(), ReplyError> {
-        self.discard_events()?;
         self.focus = Some(self.server.get_input_focus()?.reply()?.focus);
-        Ok(())
+        // Those that the server has sent before its reply.
+        self.discard_events()
     }
 
-    /// Discards events: a server sends changes of the keymap to every client, and the library would collect them.
+    /// Discards events, but for the presses of other devices: a server sends changes of the keymap to every client, and the library
+    /// would collect them.
     fn discard_events(&self) -> Result<(), ReplyError> {
-        while self.server.poll_for_event()?.is_some() {}
+        while let Some(event) = self.server.poll_for_event()? {
+            if let Some(watch) = &self.device_watch {
+                watch.observe(&event);
+            }
+        }
         Ok(())
     }
 
@@ -242,6 +251,7 @@ impl Injector for X11Injector {
 
     fn watch_focus(&mut self) {
         self.focus_watch = FocusWatch::open(self.name.as_deref());
+        self.device_watch = Some(DeviceWatch::new(&self.server));
     }
 
     fn focus(&self) -> Option<WindowId> {
@@ -250,6 +260,18 @@ impl Injector for X11Injector {
 
     fn poll_focus(&mut self) -> Option<WindowId> {
         self.focus_watch.as_mut()?.poll()
+    }
+
+    fn poll_foreign_press(&mut self) -> bool {
+        let Some(watch) = &mut self.device_watch else {
+            return false;
+        };
+        // A connection that has failed shows at the next check.
+        let _ = watch.start(&self.server, self.root);
+        let _ = self.discard_events();
+        self.device_watch
+            .as_ref()
+            .is_some_and(DeviceWatch::take_press)
     }
 
     fn open_direct_connection(&mut self) -> Option<DirectConnection> {
