@@ -11,6 +11,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 use super::bursts::{A, CONTROL, events, open, pressed, tap};
+use super::slow_display::SlowDisplay;
 use crate::support::key_log::{Input, KeyLog};
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
@@ -177,6 +178,25 @@ fn the_keys_and_buttons_of_the_output_itself_drop_no_correction() {
     assert_eq!(own[6..], [BACKSPACE, A], "{own:?}");
     assert_eq!(scene.sink.dropped_presses(), 0);
     assert_eq!(scene.sink.text_field().generation, scene.generation);
+}
+
+#[test]
+fn without_the_extension_the_output_types_and_corrects_as_it_does_elsewhere() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let display = SlowDisplay::without_input_extension(&server);
+    let (mut sink, log) = (open(display.display()), KeyLog::start(&server));
+    let generation = sink.text_field().generation;
+    for key in [tap("B"), tap("A")] {
+        sink.send(&key).expect("it is open");
+    }
+    assert!(wait_for(|| pressed(&log).len() == 2));
+    OtherDevices::connect(&server).tap(B);
+    sink.send(&correction()).expect("it is open");
+    assert!(wait_for(|| pressed(&log).len() == 5));
+    assert_eq!(pressed(&log), [B, A, B, BACKSPACE, A]);
+    assert_eq!(sink.text_field().generation, generation);
 }
 
 #[test]

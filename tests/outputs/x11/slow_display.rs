@@ -1,10 +1,11 @@
-//! A display that answers late, as over a network: a socket that passes every byte on after a delay.
+//! A display that answers late, as over a network, or lacks an extension: a socket that passes every byte on after a delay.
 
 use std::fs;
 use std::io::{Read, Write};
 use std::net::Shutdown;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,9 @@ use crate::support::x11::XServer;
 /// The folder of the sockets of displays.
 const FOLDER: &str = "/tmp/.X11-unix";
 
+/// Number of displays that this process has created.
+static DISPLAYS: AtomicU32 = AtomicU32::new(0);
+
 /// A display whose requests and replies take a time each. Its threads end with their connections.
 pub struct SlowDisplay {
     display: String,
@@ -24,11 +28,28 @@ pub struct SlowDisplay {
 impl SlowDisplay {
     /// Creates a display that passes everything on to a server.
     pub fn start(server: &XServer, delay: Duration) -> Self {
+        Self::with_filter(server, delay, |_| {})
+    }
+
+    /// Creates a display that passes everything on to a server at once, and has no X Input extension.
+    pub fn without_input_extension(server: &XServer) -> Self {
+        Self::with_filter(server, Duration::ZERO, |part| {
+            let name = b"XInputExtension";
+            let mut starts = 0..part.len().saturating_sub(name.len() - 1);
+            if let Some(start) = starts.find(|&start| part[start..].starts_with(name)) {
+                part[start] = b'-';
+            }
+        })
+    }
+
+    /// Creates a display whose requests pass a filter.
+    fn with_filter(server: &XServer, delay: Duration, filter: fn(&mut [u8])) -> Self {
         let path_of = |number: &str| PathBuf::from(FOLDER).join(format!("X{number}"));
+        let created = DISPLAYS.fetch_add(1, Ordering::Relaxed);
         let number = server.display().trim_start_matches(':');
         let (target, slow) = (
             path_of(number),
-            format!("{}", 20_000 + std::process::id() % 40_000),
+            format!("{}", 20_000 + (std::process::id() + created) % 40_000),
         );
         let path = path_of(&slow);
         let listener = UnixListener::bind(&path).expect("a socket beside the one of the server");
@@ -37,8 +58,8 @@ impl SlowDisplay {
                 let accepted = UnixStream::connect(&target).expect("the server accepts it");
                 let ends = [&client, &accepted].map(|end| end.try_clone().expect("a descriptor"));
                 let [to_client, to_server] = ends;
-                pass_on(client, to_server, delay);
-                pass_on(accepted, to_client, delay);
+                pass_on(client, to_server, delay, filter);
+                pass_on(accepted, to_client, delay, |_| {});
             }
         });
         Self {
@@ -59,12 +80,13 @@ impl Drop for SlowDisplay {
     }
 }
 
-/// Starts two threads that pass on what arrives, each part after the delay.
-fn pass_on(mut from: UnixStream, mut to: UnixStream, delay: Duration) {
+/// Starts two threads that pass on what arrives and passes the filter, each part after the delay.
+fn pass_on(mut from: UnixStream, mut to: UnixStream, delay: Duration, filter: fn(&mut [u8])) {
     let (sender, parts) = unbounded::<(Instant, Vec<u8>)>();
     thread::spawn(move || {
         let mut buffer = [0; 1 << 16];
         while let Ok(length @ 1..) = from.read(&mut buffer) {
+            filter(&mut buffer[..length]);
             let part = (Instant::now() + delay, buffer[..length].to_vec());
             if sender.send(part).is_err() {
                 return;
