@@ -78,6 +78,8 @@ pub fn requests() -> Vec<Vec<u8>> {
         r#"{"command":"undo-learning"}"#,
         r#"{"command":"text","mode":"auto"}"#,
         r#"{"command":"candidate","number":2}"#,
+        r#"{"command":"forget-learned"}"#,
+        r#"{"command":"save-learned"}"#,
         r#"{"command":"save"}"#,
         r#"{"command":"subscribe"}"#,
         r#"{"command":"stop"}"#,

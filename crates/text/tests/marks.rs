@@ -73,6 +73,19 @@ fn a_correction_does_not_lower_the_margin_of_the_words_behind_it() {
         let alone = typed(ENGLISH, &format!("the old cat and {word} is "), false);
         let behind = typed(ENGLISH, &format!("teh old cat and {word} is "), false);
         assert_eq!(alone, behind);
+        // A Backspace inside the word changes nothing.
+        let mut field = Field::on(
+            ENGLISH,
+            full_keyboard(),
+            Options {
+                capitals: false,
+                ..Options::default()
+            },
+        );
+        field.types(&format!("teh old cat and {word}x"));
+        field.backspace();
+        field.types(" is ");
+        assert_eq!(field.text, alone);
     }
 }
 

@@ -122,6 +122,9 @@ pub struct Decoder<'m> {
     /// Taps that are decoded again.
     spare: Vec<Tap>,
     literal: Literal,
+    /// The text at the last correction, and the taps until then; 0 without one.
+    followed: String,
+    followed_taps: usize,
     row: Row,
     /// The taps since the last sentence ended, up to the last commit.
     sentence: u16,
@@ -173,6 +176,8 @@ impl<'m> Decoder<'m> {
             taps: Vec::with_capacity(MAX_TAPS),
             spare: Vec::with_capacity(MAX_TAPS),
             literal: Literal::new(MAX_TAPS),
+            followed: String::with_capacity(8 * MAX_TAPS),
+            followed_taps: 0,
             sentence: 0,
             starts_sentence: true,
             start: Start::Word,
@@ -274,6 +279,7 @@ impl<'m> Decoder<'m> {
         self.previous.clear();
         self.tokens.clear();
         self.literal.clear(self.row, self.sentence);
+        self.followed_taps = 0;
         let token = Token {
             score: self.options.language * self.model.lexicon.node(ROOT).best(),
             place: Place::Word(ROOT),
@@ -419,10 +425,17 @@ impl<'m> Decoder<'m> {
         }
         self.touches.restore(self.before);
         std::mem::swap(&mut self.taps, &mut self.spare);
+        let followed_taps = self.followed_taps;
         self.begin();
         for index in 0..self.spare.len() {
             let tap = self.spare[index];
             self.tap(tap);
+            if self.taps.len() == followed_taps {
+                let shown = std::mem::take(&mut self.followed);
+                self.finish();
+                self.follow_known(&shown);
+                (self.followed, self.followed_taps) = (shown, followed_taps);
+            }
         }
         self.spare.clear();
     }

@@ -54,6 +54,14 @@ impl Precision {
         (self.scale() / self.used - 1.0).abs() > NOTABLE
     }
 
+    /// Returns the precision of these taps for keys that were computed with another one.
+    pub fn for_keys_of(self, other: &Self) -> Self {
+        Self {
+            used: other.used,
+            ..self
+        }
+    }
+
     /// Returns the scale.
     pub fn take(&mut self) -> f32 {
         self.used = self.scale();

@@ -69,6 +69,14 @@ impl Decoder<'_> {
     /// Takes the text of a hypothesis, to which the field was corrected, for what was typed: the words behind it are compared with
     /// it.
     pub(crate) fn follow(&mut self, shown: &str) {
+        self.follow_known(shown);
+        self.followed.clear();
+        self.followed.push_str(shown);
+        self.followed_taps = self.taps.len();
+    }
+
+    /// Takes the text of a hypothesis for what was typed, if one has it.
+    pub(super) fn follow_known(&mut self, shown: &str) {
         for index in 0..self.finished.len() {
             let finished = self.finished[index];
             if self.render(&finished) == shown {

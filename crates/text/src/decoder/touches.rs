@@ -30,6 +30,7 @@ pub struct Carried {
     variance: [f32; 2],
     /// The last tap and the size of its key.
     last: Option<(Millimetres, Millimetres)>,
+    precision: Precision,
 }
 
 /// The keys on which a letter is typed: its own key, the key of its plain letter, or both.
@@ -69,7 +70,6 @@ pub struct Touches {
     likeliest: f32,
     /// The score of the tap if it means nothing, without its cost.
     stray: f32,
-    precision: Precision,
     /// The largest log-likelihood of a key that ends a word.
     separator: f32,
     /// For each letter, more than the log-likelihood of the tap for any hypothesis that counts.
@@ -117,9 +117,9 @@ impl Touches {
             carried: Carried {
                 variance: [touch.prior.first_drift.powi(2); 2],
                 last: None,
+                precision: Precision::new(&touch.prior),
             },
             stray: 0.0,
-            precision: Precision::new(&touch.prior),
             separator: 0.0,
             bounds: vec![0.0; alphabet.len()],
             area: keyboard.area(),
@@ -135,7 +135,7 @@ impl Touches {
     /// Takes over what was learned.
     pub fn learn(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
         self.keys.clear();
-        let spreads = touch.spreads_of(keyboard, self.precision.take());
+        let spreads = touch.spreads_of(keyboard, self.carried.precision.take());
         for (spread, key) in spreads.zip(keyboard.keys()) {
             self.keys.push(KeyTouch {
                 spread,
@@ -152,7 +152,7 @@ impl Touches {
 
     /// Forgets the person, of whom nothing is known.
     pub fn forget(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
-        self.precision = Precision::new(&touch.prior);
+        self.carried.precision = Precision::new(&touch.prior);
         self.lift();
         self.learn(keyboard, touch);
     }
@@ -165,7 +165,7 @@ impl Touches {
 
     /// Computes the keys again if the last taps show another precision than they have.
     pub fn refresh(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
-        if self.precision.has_changed() {
+        if self.carried.precision.has_changed() {
             self.learn(keyboard, touch);
         }
     }
@@ -175,7 +175,11 @@ impl Touches {
     }
 
     pub fn restore(&mut self, carried: Carried) {
-        self.carried = carried;
+        let precision = carried.precision.for_keys_of(&self.carried.precision);
+        self.carried = Carried {
+            precision,
+            ..carried
+        };
     }
 
     /// Starts a tap, seen from a hypothesis of the drift.
@@ -220,7 +224,7 @@ impl Touches {
         let meant = self.keys[likeliest];
         if !meant.wide {
             let shift = drift[meant.hand];
-            self.precision.add(std::array::from_fn(|axis| {
+            self.carried.precision.add(std::array::from_fn(|axis| {
                 tap[axis] - meant.spread.mean[axis] - shift[axis]
             }));
         }
