@@ -134,29 +134,36 @@ impl Expansion<'_, '_> {
     fn letters(&mut self, partial: &Partial) {
         let node = partial.node();
         let base = partial.token.score - self.best(node);
-        for child in self.model.lexicon.children(node) {
-            let contents = self.model.lexicon.node(child);
-            let score = base + self.language(contents.best());
-            if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
-                continue;
+        for children in self.model.lexicon.children(node) {
+            for child in children {
+                self.letter(partial, base, child);
             }
-            let Some((touch, key)) = self
-                .touches
-                .of_letter(contents.symbol(), &partial.token.drift)
-            else {
-                continue;
-            };
-            if score + touch <= self.beam.limit() {
-                continue;
-            }
-            let mut next = *partial;
-            next.token.score = score + touch;
-            next.token.place = Place::Word(child);
-            next.token.drift = self.drift(touch, key, &partial.token.drift);
-            let letter = self.model.alphabet.letter(contents.symbol());
-            next.emission = next.emission.with(letter, From::This, Case::Lower);
-            self.push(next);
         }
+    }
+
+    /// Uses the tap as the letter that leads to a node.
+    fn letter(&mut self, partial: &Partial, base: f32, child: u32) {
+        let contents = self.model.lexicon.node(child);
+        let score = base + self.language(contents.best());
+        if score + self.touches.bound(contents.symbol()) <= self.beam.limit() {
+            return;
+        }
+        let Some((touch, key)) = self
+            .touches
+            .of_letter(contents.symbol(), &partial.token.drift)
+        else {
+            return;
+        };
+        if score + touch <= self.beam.limit() {
+            return;
+        }
+        let mut next = *partial;
+        next.token.score = score + touch;
+        next.token.place = Place::Word(child);
+        next.token.drift = self.drift(touch, key, &partial.token.drift);
+        let letter = self.model.alphabet.letter(contents.symbol());
+        next.emission = next.emission.with(letter, From::This, Case::Lower);
+        self.push(next);
     }
 
     fn drift(&self, touch: f32, key: usize, drift: &[Millimetres; 2]) -> [Millimetres; 2] {
@@ -396,7 +403,7 @@ impl Expansion<'_, '_> {
             return;
         }
         let base = partial.token.score - self.best(node);
-        for child in self.model.lexicon.children(node) {
+        for child in self.model.lexicon.children(node).into_iter().flatten() {
             let contents = self.model.lexicon.node(child);
             let is_silent = Some(contents.symbol()) == silent;
             let cost = if is_silent {
@@ -442,7 +449,7 @@ impl Expansion<'_, '_> {
         }
         let base = token.score + self.options.transposition - self.best(node);
         let lexicon = &self.model.lexicon;
-        for first in lexicon.children(node) {
+        for first in lexicon.children(node).into_iter().flatten() {
             let first_symbol = lexicon.node(first).symbol();
             let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.drift) else {
                 continue;
@@ -451,7 +458,7 @@ impl Expansion<'_, '_> {
             if !self.is_open(score) {
                 continue;
             }
-            for second in lexicon.children(first) {
+            for second in lexicon.children(first).into_iter().flatten() {
                 let symbol = lexicon.node(second).symbol();
                 let second_touch = self.touches.letter_at(previous, symbol, &token.drift);
                 let Some((second_touch, _)) = second_touch else {

@@ -7,6 +7,8 @@
 //! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow the ones of the lexicon as children
 //! of the root.
 
+use std::ops::Range;
+
 use super::ModelError;
 use super::alphabet::Symbol;
 use super::bytes::u64_at;
@@ -157,22 +159,30 @@ impl<'a> Lexicon<'a> {
         }
     }
 
-    /// Returns the indices of the children of a node.
-    pub fn children(&self, index: u32) -> impl Iterator<Item = u32> + use<> {
-        let range = |node: u32| self.node(node).first_child()..self.node(node + 1).first_child();
-        if index >= OWN {
-            let own = range(index);
-            return (0..0).chain(OWN + own.start..OWN + own.end);
-        }
-        let own = if index == ROOT { range(OWN) } else { 0..0 };
-        let known = range(index);
-        (known.start..known.end.min(self.count)).chain(OWN + own.start..OWN + own.end)
+    /// Returns the indices of the children of a node: of the lexicon, and below the root also of the words of the person.
+    pub fn children(&self, index: u32) -> [Range<u32>; 2] {
+        let own = match index {
+            ROOT => self.own_children(OWN),
+            _ => 0..0,
+        };
+        let known = if index >= OWN {
+            self.own_children(index)
+        } else {
+            let first = self.node(index).first_child();
+            first..self.node(index + 1).first_child().min(self.count)
+        };
+        [known, own]
+    }
+
+    fn own_children(&self, index: u32) -> Range<u32> {
+        let first = |node: u32| OWN + self.behind(node).first_child();
+        first(index)..first(index + 1)
     }
 
     /// Returns the child of a node by its letter.
     pub fn child(&self, index: u32, symbol: Symbol) -> Option<u32> {
-        self.children(index)
-            .find(|&child| self.node(child).symbol() == symbol)
+        let mut children = self.children(index).into_iter().flatten();
+        children.find(|&child| self.node(child).symbol() == symbol)
     }
 
     /// Returns the node of the word that letters spell, and its log-probability.
