@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn short_words_signs_and_old_words_are_no_names() {
         let mut names = Names::default();
-        let count = |names: &mut Names, word: &str| (0..USES).any(|_| names.count(word));
+        let count = |counts: &mut Names, word: &str| (0..USES).any(|_| counts.count(word));
         assert!(!count(&mut names, "tj") && !count(&mut names, "h2o"));
         names.count("nuria");
         names.count("nuria");
