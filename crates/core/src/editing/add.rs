@@ -4,6 +4,7 @@ use super::bind::{Binding, free_code};
 use super::draft::{Draft, written};
 use super::error::EditError;
 use super::fields::field_row;
+use super::geometry::default_size;
 use super::names::{name_of, taken, unique};
 use super::part::{ControlKind, Part};
 use crate::document::quote;
@@ -62,8 +63,11 @@ pub enum NewPart {
     },
 }
 
-/// Distance between the options of a new radio group, in millimetres.
+/// Smallest distance between the centers of the options of a new radio group, in millimetres.
 const OPTION_PITCH_MM: f64 = 19.0;
+
+/// Smallest gap between the options of a new radio group, in millimetres.
+const OPTION_GAP_MM: f64 = 1.0;
 
 /// Distance of a new target in space from the one at its left, in millimetres.
 const TARGET_DISTANCE_MM: f64 = 120.0;
@@ -85,7 +89,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             at_mm,
             binding,
         } => {
-            let text = control(draft, *kind, *at_mm, binding.as_ref())?;
+            let text = control(draft, (*board, *kind), *at_mm, binding.as_ref())?;
             (Part::Board(*board), kind.list(), text)
         }
         NewPart::Row { board, at_mm, keys } => {
@@ -93,7 +97,7 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
             (Part::Board(*board), "rows", text)
         }
         NewPart::Board { right_mm } => {
-            let key = control(draft, ControlKind::Key, [0.0; 2], None)?;
+            let key = key(&mut taken(draft), [0.0; 2], None)?;
             let right = if *right_mm == 0.0 {
                 String::new()
             } else {
@@ -192,7 +196,7 @@ fn added(new: &NewPart, index: usize) -> Part {
 /// Returns a control that is valid as it is, unless it overlaps another one.
 fn control(
     draft: &Draft,
-    kind: ControlKind,
+    (board, kind): (usize, ControlKind),
     at_mm: [f64; 2],
     binding: Option<&Binding>,
 ) -> Result<String, EditError> {
@@ -201,7 +205,9 @@ fn control(
         return key(&mut names, at_mm, binding);
     }
     let mut text = with_unique_names(kind.spec().new, &mut names);
-    let second = [at_mm[0] + OPTION_PITCH_MM, at_mm[1]];
+    let [width, _] = default_size(draft, board)?;
+    let pitch = OPTION_PITCH_MM.max(width + OPTION_GAP_MM);
+    let second = [at_mm[0] + pitch, at_mm[1]];
     text = text.replace("AT_RIGHT", &point(&second));
     text = text.replace("AT", &point(&at_mm));
     if let Some(binding) = binding
@@ -256,4 +262,33 @@ fn target(name: &str, at_mm: &[f64; 3]) -> String {
 fn point(coordinates: &[f64]) -> String {
     let coordinates: Vec<String> = coordinates.iter().copied().map(written).collect();
     format!("({})", coordinates.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editing::{Edit, edit};
+    use crate::layout::Layout;
+
+    #[test]
+    fn the_options_of_a_new_radio_group_do_not_overlap() {
+        for size in [
+            "",
+            "size_mm: Box(22, 18),",
+            "size_mm: Disc(30),",
+            "size_mm: Box(4, 4),",
+        ] {
+            let text = format!(
+                "Layout(name: \"x\", boards: [(pose: (anchor: elbow), {size} keys: [(code: \"A\", at_mm: (0, 80))])])"
+            );
+            let add = Edit::Add(NewPart::Control {
+                board: 0,
+                kind: ControlKind::Radio,
+                at_mm: [0.0, 0.0],
+                binding: None,
+            });
+            let added = edit(&text, &add).unwrap().text;
+            Layout::parse(&added, "x").unwrap_or_else(|error| panic!("{size} {error}"));
+        }
+    }
 }

@@ -5,6 +5,7 @@ use super::error::EditError;
 use super::fields::{can_turn, field_row, table_of};
 use super::part::{ControlKind, Part};
 use super::rows::{SourceRow, take_out};
+use crate::document::Node;
 use crate::layout::quantity::Size;
 
 /// The outline of a part in row coordinates of its board, in millimetres.
@@ -363,7 +364,7 @@ fn size_fields(part: Part) -> Option<SizeFields> {
 }
 
 /// Returns the value with the outline: the part's own, or its board's.
-fn outline(draft: &Draft, part: Part) -> Option<&crate::document::Node> {
+fn outline(draft: &Draft, part: Part) -> Option<&Node> {
     let own = draft.field(part, "size_mm");
     own.or_else(|| draft.field(Part::Board(part.board()?), "size_mm"))
 }
@@ -381,33 +382,41 @@ fn is_round(draft: &Draft, part: Part) -> bool {
     }
 }
 
+/// Returns width and depth of the controls of a board that have no size of their own.
+pub(super) fn default_size(draft: &Draft, board: usize) -> Result<[f64; 2], EditError> {
+    match draft.field(Part::Board(board), "size_mm") {
+        Some(outline) => size_of(draft, outline, "size_mm"),
+        None => Ok([Size::default().get(); 2]),
+    }
+}
+
+/// Returns width and depth of an outline or a volume, as the value of a field.
+fn size_of(draft: &Draft, outline: &Node, field: &str) -> Result<[f64; 2], EditError> {
+    let items = outline.items().iter();
+    let numbers: Option<Vec<f64>> = items.map(|item| item.value.number(draft.text())).collect();
+    match numbers.as_deref() {
+        Some([diameter]) => Ok([*diameter; 2]),
+        Some([width, depth]) => Ok([*width, *depth]),
+        Some([width, _, depth]) => Ok([*width, *depth]),
+        _ => Err(EditError::Field(field.to_owned())),
+    }
+}
+
 /// Returns width and depth before the rotation.
 fn size(draft: &Draft, part: Part) -> Result<Option<[f64; 2]>, EditError> {
     let default = Size::default().get();
     let Some(fields) = size_fields(part) else {
         return Ok(None);
     };
-    let of_items = |node: &crate::document::Node, field: &str| {
-        let items = node.items().iter();
-        let numbers: Option<Vec<f64>> = items.map(|item| item.value.number(draft.text())).collect();
-        match numbers.as_deref() {
-            Some([diameter]) => Ok([*diameter; 2]),
-            Some([width, depth]) => Ok([*width, *depth]),
-            Some([width, _, depth]) => Ok([*width, *depth]),
-            _ => Err(EditError::Field(field.to_owned())),
-        }
-    };
     Ok(Some(match fields {
         SizeFields::Outline => match outline(draft, part) {
-            Some(outline) => of_items(outline, "size_mm")?,
+            Some(outline) => size_of(draft, outline, "size_mm")?,
             None => [default; 2],
         },
         SizeFields::Volume => {
             let shape = draft.field(part, "shape");
-            of_items(
-                shape.ok_or_else(|| EditError::Field("shape".into()))?,
-                "shape",
-            )?
+            let shape = shape.ok_or_else(|| EditError::Field("shape".into()))?;
+            size_of(draft, shape, "shape")?
         }
         SizeFields::Track => [
             draft.number(part, "length_mm", default)?,
