@@ -112,7 +112,12 @@ pub(super) fn shape(face: &Face, board: &Board, mm_per_metre: f32) -> ItemShape 
 
 #[cfg(test)]
 mod tests {
+    use super::super::draw::{CanvasScene, draw};
+    use super::super::gesture::Preview;
+    use super::super::selection::Selection;
+    use super::super::viewport::Viewport;
     use super::*;
+    use crate::scene::SceneColors;
     use ademan_runtime::files::Load;
 
     fn items(name: &str, scale: f32) -> BoardItems {
@@ -164,5 +169,36 @@ mod tests {
         let tip = items("qwerty-arc", 1.0).fingertip(above).unwrap();
         assert!((tip.position - face.row_position * 1000.0).length() < 0.1);
         assert!((tip.height_mm - 20.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_scroll_ring_is_drawn_within_its_outline() {
+        let board = items("scroll-rings", 1.0);
+        let rings = board.items.iter().filter(|item| item.shape.is_disc);
+        let rings: Vec<_> = rings.filter(|item| !item.marks.is_empty()).collect();
+        assert!(!rings.is_empty());
+        for ring in rings {
+            let scene = CanvasScene {
+                items: std::slice::from_ref(ring),
+                selected: &Selection::default(),
+                faulty: &[],
+                heats: &[],
+                pressed: &[],
+                fingertips: &[],
+                preview: &Preview::default(),
+                radius: None,
+                has_grid: false,
+            };
+            let viewport = Viewport::default();
+            let size = Vec2::new(8000.0, 8000.0);
+            let picture = draw(&scene, &viewport, size, &SceneColors::LIGHT);
+            let center = viewport.to_screen(ring.shape.center, size);
+            let layers = [&picture.below, &picture.above];
+            let corners = layers.iter().flat_map(|layer| &layer.vertices);
+            let farthest = corners.map(|(at, _)| (*at - center).length());
+            let farthest = farthest.fold(0.0, f32::max);
+            let radius = ring.shape.half.x * viewport.scale;
+            assert!((farthest - radius).abs() < 2.0, "{farthest} of {radius}");
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::{Bounds, Item, ItemShape, bend};
 use crate::marks::{FrontView, add_marks};
 use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
+use ademan_core::layout::{FrontMark, MarkRole};
 
 /// Height of a label as a fraction of the smaller side of its item.
 const LABEL_HEIGHT: f32 = 0.36;
@@ -232,14 +232,7 @@ impl Pen<'_> {
     fn add_marks(&mut self, item: &Item, shape: &ItemShape, look: Look) {
         let viewport = *self.viewport;
         let size = self.size;
-        let well = item.marks.iter().find_map(|mark| match mark.shape {
-            MarkShape::Box { half, .. } if mark.role == MarkRole::Well => Some(half),
-            MarkShape::Disc { radius, .. } if mark.role == MarkRole::Well => {
-                Some(Vec2::splat(radius))
-            }
-            _ => None,
-        });
-        let stretch = well.map_or(Vec2::ONE, |well| shape.half / well);
+        let stretch = shape.half / item.shape.half;
         let to_screen = |point: Vec2| {
             let on_board = shape.center + shape.rotated(point * stretch);
             Some(viewport.to_screen(on_board, size))
