@@ -14,13 +14,18 @@ use ademan_core::estimate::Smoothing;
 use ademan_core::hand::JointAngles;
 use ademan_core::message::escape_path;
 use ademan_core::snapshot::Snapshot;
-use ademan_runtime::capture::{Channels, Sample};
+use ademan_runtime::capture::{Channels, Sample, SourceUri};
 use ademan_runtime::files;
 use ademan_runtime::session::{RequestError, SensorLink};
 use ademan_runtime::setup::{HandReach, LoadedSetup};
 
 /// Time between two measurements of the lag, in pictures.
 const LAG_PICTURES: u32 = 30;
+
+/// Returns `true` if a source is a simulated hand.
+fn is_simulated(source: &SourceUri) -> bool {
+    matches!(source, SourceUri::Typist { .. } | SourceUri::Script { .. })
+}
 
 /// The changes of the sensors of a session.
 pub struct SensorControl {
@@ -80,7 +85,9 @@ impl SensorControl {
     /// Returns the channels of the glove with their present calibration.
     pub fn table(&self) -> SensorTable {
         let map = self.editor.as_ref().map(GloveEditor::map);
-        map.map(SensorTable::new).unwrap_or_default()
+        let table = map.map(SensorTable::new).unwrap_or_default();
+        let source = self.setup().setup.source.as_ref();
+        table.with_simulated(source.is_none_or(is_simulated))
     }
 
     /// Returns the hands of the session, to find targets out of their reach.

@@ -57,6 +57,8 @@ pub struct SensorTable {
     rows: Vec<SensorRow>,
     full_scale: u16,
     uses_full_range: bool,
+    /// The hand is simulated: its sensors cannot get stuck, and without noise a joint is perfectly still.
+    is_simulated: bool,
     time: Timestamp,
     is_seen: bool,
 }
@@ -83,6 +85,15 @@ impl SensorTable {
         }
         table.set_calibration(map);
         table
+    }
+
+    /// Sets whether the hand is simulated, whose still joints are no fault.
+    #[must_use]
+    pub fn with_simulated(self, is_simulated: bool) -> Self {
+        Self {
+            is_simulated,
+            ..self
+        }
     }
 
     /// Shows another calibration of the same glove.
@@ -146,13 +157,17 @@ impl SensorTable {
             Some(count) if count >= self.full_scale && !self.uses_full_range => {
                 ChannelState::AtHighEnd
             }
-            Some(_) if row.is_constant() && self.has_neighbour_moved(row) => ChannelState::Stuck,
+            Some(_) if self.is_stuck(row) => ChannelState::Stuck,
             _ => ChannelState::Good,
         }
     }
 
-    /// Returns whether another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests, and
-    /// a simulated one without a tremor, may hold an arm still.
+    fn is_stuck(&self, row: &SensorRow) -> bool {
+        !self.is_simulated && row.is_constant() && self.has_neighbour_moved(row)
+    }
+
+    /// Returns whether another sensor has bent the finger of this one far. A finger bends at all its joints; a hand that rests may
+    /// hold an arm still.
     fn has_neighbour_moved(&self, row: &SensorRow) -> bool {
         let Some(finger) = row.bent_finger() else {
             return false;
@@ -270,6 +285,8 @@ mod tests {
         let mut expected = [ChannelState::Good; 4];
         expected[2] = ChannelState::Stuck;
         assert_eq!(states(&table), expected);
+        let simulated = table.with_simulated(true);
+        assert_eq!(states(&simulated), [ChannelState::Good; 4]);
     }
 
     #[test]
