@@ -17,6 +17,8 @@ pub(super) struct EditedFile {
     /// The text of the file, or of the layout that an unsaved copy was made of.
     saved: String,
     stamp: Option<Stamp>,
+    /// The file is gone or cannot be read any more: the text in the editor is the only one.
+    is_lost: bool,
     conflict: Option<Conflict>,
 }
 
@@ -64,7 +66,7 @@ pub enum Change {
 pub enum FileState {
     /// The file has the text.
     Saved,
-    /// The text differs from the file.
+    /// The text differs from the file, or there is no such file any more.
     Modified,
     /// There is no file yet.
     Unsaved,
@@ -120,6 +122,7 @@ impl EditedFile {
             path: None,
             saved: String::new(),
             stamp: None,
+            is_lost: false,
             conflict: None,
         }
     }
@@ -150,7 +153,9 @@ impl EditedFile {
             return None;
         }
         self.stamp = stamp;
-        match Document::from_path(&self.name) {
+        let document = Document::from_path(&self.name);
+        self.is_lost = document.is_err();
+        match document {
             Ok(document) if document.text == self.saved => None,
             Ok(document) => Some(Ok(document.text)),
             Err(error) => Some(Err(error)),
@@ -161,6 +166,7 @@ impl EditedFile {
         self.name = path.to_string_lossy().into_owned();
         self.path = Some(path.to_owned());
         self.stamp = stamp(path);
+        self.is_lost = false;
         self.conflict = None;
         text.clone_into(&mut self.saved);
     }
@@ -171,9 +177,9 @@ fn stamp(path: &Path) -> Option<Stamp> {
 }
 
 impl LayoutEditor {
-    /// Returns `true` if the text differs from the text that was opened or saved last.
+    /// Returns `true` if the text differs from the text that was opened or saved last, or the file has been lost since.
     pub fn is_modified(&self) -> bool {
-        self.text != self.file.saved_text()
+        self.file.is_lost || self.text != self.file.saved_text()
     }
 
     /// The text that was opened or saved last.
@@ -197,7 +203,12 @@ impl LayoutEditor {
 
     /// Reads the file if another program has changed it. Costs one look at its properties if not.
     pub fn poll(&mut self) -> Option<Change> {
-        let theirs = match self.file.changed_text()? {
+        let was_lost = self.file.is_lost;
+        let changed = self.file.changed_text();
+        if self.file.is_lost != was_lost {
+            self.update_recovery();
+        }
+        let theirs = match changed? {
             Ok(theirs) => theirs,
             Err(error) => return Some(Change::Unreadable(error)),
         };

@@ -244,7 +244,7 @@ fn unsaved_work_is_offered_at_the_next_start_and_gone_after_a_save() {
     let work = work.unwrap();
     let name = path.to_str().unwrap().to_owned();
     assert_eq!((&work.name, &work.text), (&name, &text));
-    reopened.restore(&work);
+    reopened.restore_found_work();
     assert_eq!(reopened.text(), text);
     reopened.save().unwrap();
     drop(reopened);
@@ -282,4 +282,69 @@ fn two_editors_of_one_file_know_of_each_other_and_lose_nothing() {
     // Both saves may lie within one tick of the file system.
     write_later(&path, &text);
     assert_eq!(first.poll(), Some(Change::Reloaded));
+}
+
+/// Reopens a file, does something in the editor, and ends it. Returns the text of the work that was offered.
+fn visit(path: &Path, recovery: &Path, act: impl FnOnce(&mut LayoutEditor)) -> Option<String> {
+    let (mut editor, work) = reopen(path, recovery);
+    act(&mut editor);
+    work.map(|work| work.text)
+}
+
+#[test]
+fn unsaved_work_is_offered_until_it_is_answered() {
+    let (folder, path) = file();
+    let recovery = folder.path().join("editor");
+    let moved = |before: &str, after: &str| Some(TEXT.replace(before, after));
+    let first = moved("(0, 0)", "(0, 5)");
+    let second = moved("(40, 0)", "(40, 7)");
+    let visit = |act: &dyn Fn(&mut LayoutEditor)| visit(&path, &recovery, act);
+    assert_eq!(visit(&|editor| move_key(editor, 0, 5.0)), None);
+    // The offer is not answered, and other work is neither saved nor discarded.
+    assert_eq!(visit(&|editor| move_key(editor, 1, 7.0)), first);
+    // A save is no answer.
+    let save = |editor: &mut LayoutEditor| {
+        move_key(editor, 2, 9.0);
+        editor.save().unwrap();
+    };
+    assert_eq!(visit(&save), first);
+    let answer = |editor: &mut LayoutEditor| {
+        editor.restore_found_work();
+        assert_eq!(Some(editor.text()), first.as_deref());
+        let next = editor.found_work().map(|work| &work.text);
+        assert_eq!(next, second.as_ref());
+        editor.discard_found_work();
+        assert_eq!(editor.found_work(), None);
+    };
+    assert_eq!(visit(&answer), first);
+    // What was restored is unsaved. Of a close without saving nothing stays but what was offered.
+    let close = |editor: &mut LayoutEditor| editor.discard_unsaved_work();
+    assert_eq!(visit(&close), first);
+    let discard = |editor: &mut LayoutEditor| editor.discard_found_work();
+    assert_eq!(visit(&discard), first);
+    assert_eq!(visit(&|_| {}), None);
+}
+
+#[test]
+fn a_text_without_a_file_is_unsaved() {
+    let (folder, path) = file();
+    let recovery = folder.path().join("editor");
+    let lose = |editor: &mut LayoutEditor| {
+        fs::remove_file(&path).unwrap();
+        assert!(matches!(editor.poll(), Some(Change::Unreadable(_))));
+        assert_eq!(editor.file_state(), FileState::Modified);
+        assert_eq!(editor.poll(), None, "reported once");
+    };
+    assert_eq!(visit(&path, &recovery, lose), None);
+    fs::write(&path, TEXT.replace("(0, 0)", "(0, 9)")).unwrap();
+    let work = visit(&path, &recovery, |editor| {
+        lose(editor);
+        editor.save().unwrap();
+        assert_eq!(editor.file_state(), FileState::Saved);
+        lose(editor);
+        fs::write(&path, editor.text()).unwrap();
+        assert_eq!(editor.poll(), None);
+        assert_eq!(editor.file_state(), FileState::Saved);
+    });
+    assert_eq!(work.as_deref(), Some(TEXT));
 }

@@ -1,6 +1,8 @@
 //! Unsaved work, kept in a file of its own, and a lock that tells two editors of one layout apart.
 
+use std::collections::VecDeque;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -24,11 +26,13 @@ pub struct UnsavedWork {
     pub text: String,
 }
 
-/// Files with unsaved work, and their locks.
+/// Files with unsaved work, and their locks. Each run has a file of its own while work of earlier runs is not answered.
 #[derive(Debug)]
 pub(super) struct Recovery {
     /// Present while this editor holds the lock of its layout.
     lock: Option<LockedFile>,
+    /// Work of earlier runs that is neither restored nor discarded yet, with its files.
+    found: VecDeque<(PathBuf, UnsavedWork)>,
     jobs: Option<Sender<Job>>,
     /// The other end, to drop a job that is out of date.
     queued: Receiver<Job>,
@@ -36,21 +40,32 @@ pub(super) struct Recovery {
     writer: Option<JoinHandle<()>>,
 }
 
+/// The most files with work of earlier runs on a layout that are looked for.
+const MAX_FOUND: usize = 16;
+
+/// A change of the recovery file.
 #[derive(Debug)]
-enum Job {
-    Write(String),
-    Remove,
+struct Job {
+    /// The content; `None`: there is nothing unsaved.
+    content: Option<String>,
+    /// Files of earlier runs that are removed after it.
+    answered: Vec<PathBuf>,
 }
 
 impl LayoutEditor {
-    /// Keeps unsaved work in a folder from now on, and returns what is there of an earlier run. Ask whether to
-    /// [`restore`](Self::restore) it before the first edit, which replaces it.
+    /// Keeps unsaved work in a folder from now on, and returns what is there of an earlier run. It stays there until it is
+    /// [restored](Self::restore_found_work) or [discarded](Self::discard_found_work).
     ///
     /// The usual folder is `editor` in [`files::state_folder`]. Another thread writes.
     pub fn start_recovery(&mut self, folder: &Path) -> Result<Option<UnsavedWork>, FileError> {
-        let (recovery, found) = Recovery::start(folder, self.name())?;
-        self.recovery = Some(recovery);
-        Ok(found.filter(|work| work.text != self.text))
+        self.recovery = Some(Recovery::start(folder, self.name(), &self.text)?);
+        Ok(self.found_work().cloned())
+    }
+
+    /// Returns unsaved work of an earlier run that is neither restored nor discarded yet.
+    pub fn found_work(&self) -> Option<&UnsavedWork> {
+        let (_, work) = self.recovery.as_ref()?.found.front()?;
+        Some(work)
     }
 
     /// Returns `true` if another Studio edits the same layout. Either can save: the other one merges, or asks.
@@ -67,35 +82,56 @@ impl LayoutEditor {
         error.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Continues with unsaved work. Undo restores the text of the file.
-    pub fn restore(&mut self, work: &UnsavedWork) {
-        self.replace_text(&work.text);
+    /// Continues with the found work. Undo restores the text before.
+    pub fn restore_found_work(&mut self) {
+        if let Some((path, work)) = self.pop_found_work() {
+            self.replace_text(&work.text);
+            self.keep_work(vec![path]);
+        }
     }
 
-    /// Discards unsaved work of an earlier run.
+    /// Discards the found work.
+    pub fn discard_found_work(&mut self) {
+        if let Some((path, _)) = self.pop_found_work() {
+            self.keep_work(vec![path]);
+        }
+    }
+
+    fn pop_found_work(&mut self) -> Option<(PathBuf, UnsavedWork)> {
+        self.recovery.as_mut()?.found.pop_front()
+    }
+
+    /// Discards what is not saved of this run: the next one does not offer it.
     pub fn discard_unsaved_work(&mut self) {
-        self.update_recovery();
+        if let Some(recovery) = &self.recovery {
+            recovery.send(Job {
+                content: None,
+                answered: Vec::new(),
+            });
+        }
     }
 
     /// Keeps the present text, or removes the recovery file if it is saved.
     pub(super) fn update_recovery(&mut self) {
+        self.keep_work(Vec::new());
+    }
+
+    /// Keeps the present text, and then removes these files of earlier runs.
+    fn keep_work(&mut self, answered: Vec<PathBuf>) {
         let Some(recovery) = &self.recovery else {
             return;
         };
-        recovery.send(if self.is_modified() {
-            Job::Write(format!(
-                "{HEAD}{}\n{}",
-                self.name().escape_debug(),
-                self.text
-            ))
-        } else {
-            Job::Remove
-        });
+        let name = self.name().escape_debug();
+        let content = self
+            .is_modified()
+            .then(|| format!("{HEAD}{name}\n{}", self.text));
+        recovery.send(Job { content, answered });
     }
 }
 
 impl Recovery {
-    fn start(folder: &Path, name: &str) -> Result<(Self, Option<UnsavedWork>), FileError> {
+    /// Starts to keep work on the layout with a name, which has this text now.
+    fn start(folder: &Path, name: &str, text: &str) -> Result<Self, FileError> {
         if let Some(parent) = folder.parent() {
             fs::create_dir_all(parent)?;
         }
@@ -103,27 +139,40 @@ impl Recovery {
         let stem = stem(name);
         let lock = files::open_private(&folder.join(format!("{stem}.lock")))?;
         let lock = LockedFile::try_lock(lock).ok();
-        let own = if lock.is_some() {
-            String::new()
+        // A second editor of the layout neither offers the work of others nor touches it.
+        let (owner, limit) = if lock.is_some() {
+            (String::new(), MAX_FOUND)
         } else {
-            format!(".{}", std::process::id())
+            (format!(".{}", std::process::id()), 0)
         };
-        let path = folder.join(format!("{stem}{own}.ron"));
-        let found = read(&path);
+        let path_of = |number: usize| {
+            let ending = if number == 0 {
+                String::new()
+            } else {
+                format!(".{number}")
+            };
+            folder.join(format!("{stem}{owner}{ending}.ron"))
+        };
+        let paths = (0..limit).map(path_of);
+        let found = paths.filter_map(|path| read(&path).map(|work| (path, work)));
+        let found: VecDeque<_> = found.filter(|(_, work)| work.text != text).collect();
+        let is_free = |path: &PathBuf| found.iter().all(|(taken, _)| taken != path);
+        let path = (0..).map(path_of).find(is_free);
+        let path = path.unwrap_or_else(|| path_of(limit));
         let (jobs, queued) = bounded(1);
         let error = Arc::default();
         let writer = thread::Builder::new().name("recovery".into()).spawn({
             let (queued, error) = (queued.clone(), Arc::clone(&error));
             move || run(&queued, &path, &error)
         })?;
-        let recovery = Self {
+        Ok(Self {
             lock,
+            found,
             jobs: Some(jobs),
             queued,
             error,
             writer: Some(writer),
-        };
-        Ok((recovery, found))
+        })
     }
 
     /// Queues a job in place of one that has not begun.
@@ -132,8 +181,10 @@ impl Recovery {
             return;
         };
         while let Err(TrySendError::Full(returned)) = jobs.try_send(job) {
-            let _ = self.queued.try_recv();
             job = returned;
+            if let Ok(replaced) = self.queued.try_recv() {
+                job.answered.extend(replaced.answered);
+            }
         }
     }
 }
@@ -150,15 +201,11 @@ impl Drop for Recovery {
 /// Writes and removes the file until the editor ends.
 fn run(jobs: &Receiver<Job>, path: &Path, error: &Mutex<Option<String>>) {
     for job in jobs {
-        let outcome = match job {
-            Job::Write(text) => files::replace_private_text(path, &text),
-            Job::Remove => match fs::remove_file(path) {
-                Err(failure) if failure.kind() != std::io::ErrorKind::NotFound => {
-                    Err(failure.into())
-                }
-                _ => Ok(()),
-            },
+        let outcome = match &job.content {
+            Some(content) => files::replace_private_text(path, content),
+            None => remove(path),
         };
+        let outcome = outcome.and_then(|()| job.answered.iter().try_for_each(|it| remove(it)));
         let message = outcome.err().map(|failure| {
             format!(
                 "unsaved work is not kept: {failure}; save the layout soon: {}",
@@ -166,6 +213,14 @@ fn run(jobs: &Receiver<Job>, path: &Path, error: &Mutex<Option<String>>) {
             )
         });
         *error.lock().unwrap_or_else(PoisonError::into_inner) = message;
+    }
+}
+
+/// Removes a file, if there is one.
+fn remove(path: &Path) -> Result<(), FileError> {
+    match fs::remove_file(path) {
+        Err(failure) if failure.kind() != io::ErrorKind::NotFound => Err(failure.into()),
+        _ => Ok(()),
     }
 }
 

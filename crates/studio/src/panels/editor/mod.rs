@@ -33,8 +33,7 @@ use crate::canvas::selection::Selection;
 use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::canvas::{Bounds, Item};
 use crate::editor::{
-    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, UnsavedWork,
-    can_turn,
+    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, can_turn,
 };
 use crate::texts::text;
 use crate::typing::Typing;
@@ -95,8 +94,6 @@ pub struct EditorPanel {
     work: Option<PathBuf>,
     /// Name that is written to save a copy.
     save_as: Option<SaveAs>,
-    /// Unsaved work of an earlier run, to restore or discard.
-    found_work: Option<UnsavedWork>,
     /// The text in the running session; `None` before the first picture.
     trial: Option<EditorTrial>,
     reach: Option<ReachCheck>,
@@ -123,10 +120,8 @@ impl EditorPanel {
         let recovery = work.map(|folder| editor.start_recovery(folder));
         let mut panel = Self::new(editor);
         panel.work = work.map(Path::to_owned);
-        match recovery {
-            Some(Ok(found)) => panel.found_work = found,
-            Some(Err(error)) => panel.message = Some(Err(error.to_string())),
-            None => {}
+        if let Some(Err(error)) = recovery {
+            panel.message = Some(Err(error.to_string()));
         }
         Ok(panel)
     }
@@ -157,7 +152,6 @@ impl EditorPanel {
             open_question: None,
             work: None,
             save_as: None,
-            found_work: None,
             trial: None,
             reach: None,
             next_poll: 0.0,

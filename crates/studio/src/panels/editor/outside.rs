@@ -77,18 +77,16 @@ fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
 }
 
 fn show_recovery(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    let Some(work) = panel.found_work.clone() else {
+    if panel.editor.found_work().is_none() {
         return;
-    };
+    }
     ask(ui, |ui| {
         ui.colored_label(ui.visuals().warn_fg_color, text("editor-recovered"));
         if ui.button(text("editor-restore")).clicked() {
-            panel.editor.restore(&work);
-            panel.found_work = None;
+            panel.editor.restore_found_work();
         }
         if ui.button(text("editor-discard")).clicked() {
-            panel.editor.discard_unsaved_work();
-            panel.found_work = None;
+            panel.editor.discard_found_work();
         }
     });
 }
