@@ -25,10 +25,25 @@ const SNAP_REACH: f32 = 6.0;
 const BEND_REACH: f32 = 9.0;
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
+    let Some((area, viewport)) = operate(ui, panel) else {
+        return;
+    };
+    let over = Over {
+        heats: &[],
+        hint: text("editor-hint"),
+    };
+    paint(ui, panel, context, (area, &viewport), &over);
+}
+
+/// Does what mouse and keyboard ask for. Returns the area of the canvas and the part of the board in it; `None` without room.
+pub(super) fn operate(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+) -> Option<(egui::Rect, Viewport)> {
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let size = Vec2::new(area.width(), area.height());
     if size.min_element() < 1.0 {
-        return;
+        return None;
     }
     panel.canvas_size = Some(size);
     name_for_readers(panel, &response);
@@ -46,11 +61,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
         set_cursor(ui, panel, point, viewport.scale);
     }
     palette::show_menu(&response, panel);
-    let over = Over {
-        heats: &[],
-        hint: text("editor-hint"),
-    };
-    paint(ui, panel, context, (area, &viewport), &over);
+    Some((area, viewport))
 }
 
 /// The drawings over the items, and below the board.
@@ -117,6 +128,8 @@ fn handle_mouse(
     let modifiers = ui.input(|input| input.modifiers);
     let starts = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
     if starts && response.contains_pointer() {
+        leave_fields(panel, response);
+        panel.update_items();
         if bend_handle(panel).is_some_and(|at| (at - point).length() * scale <= BEND_REACH) {
             panel.dragged_radius = panel.items.radius;
             return;
@@ -124,7 +137,7 @@ fn handle_mouse(
         let items = &panel.items.items;
         let begun = gesture::begin(items, &mut panel.selected, point, scale, modifiers.shift);
         panel.gesture = Some(begun);
-        panel.message = None;
+        panel.preview = Preview::default();
         panel.select_items_in_editor();
     }
     let is_down = ui.input(|input| input.pointer.button_down(PointerButton::Primary));
@@ -155,6 +168,14 @@ fn handle_mouse(
         }
         finish(panel, &gesture, &preview);
     }
+}
+
+/// Ends the typing into fields, and forgets the last message unless a field has given it.
+pub(super) fn leave_fields(panel: &mut EditorPanel, response: &egui::Response) {
+    if panel.commit_drafts() {
+        panel.message = None;
+    }
+    response.request_focus();
 }
 
 /// Selects the item at a point, unless it is one of the selected ones.

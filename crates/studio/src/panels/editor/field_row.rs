@@ -1,5 +1,7 @@
 //! One field of the selected parts: its name, its value, and a button that restores the default.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, DragValue};
 
 use super::EditorPanel;
@@ -30,24 +32,21 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             let value = written.as_deref().and_then(|value| value.parse().ok());
             let default = field.default.parse().ok();
             let old: f64 = value.or(default).unwrap_or(min);
-            let mut number = old;
-            let drag = DragValue::new(&mut number).range(min..=max);
-            let drag = if is_mixed {
-                drag.custom_formatter(|_, _| text("editor-mixed").to_owned())
-            } else {
-                drag.suffix(field.unit)
+            let number = Number {
+                name: field.name,
+                label: label.id,
+                old,
+                is_mixed,
+                range: min..=max,
+                speed: ((max - min) / 500.0).clamp(0.005, 1.0),
+                decimals: DECIMALS,
+                unit: field.unit,
             };
-            let speed = ((max - min) / 500.0).clamp(0.005, 1.0);
-            let drag = ui
-                .add(drag.speed(speed).max_decimals(DECIMALS))
-                .labelled_by(label.id);
-            if drag.changed() && is_other_number(old, number, DECIMALS) {
-                let number = (number * 1000.0).round() / 1000.0;
-                set_while_dragged(panel, parts, field.name, &number.to_string());
-            }
-            if !drag.dragged() && panel.is_field_dragged(field.name) {
-                panel.form.dragged = None;
-            }
+            number_cell(ui, panel, parts, &number, |parts, number| Edit::SetField {
+                parts,
+                field: field.name.to_owned(),
+                value: Some(number.to_string()),
+            });
         }
         FieldType::Bool => {
             let mut is_on = written.as_deref() == Some("true");
@@ -129,42 +128,131 @@ fn show_text(
 ) {
     let name = field.name;
     let hint = Some(field.default).filter(|default| *default != "required");
-    let Some(content) = text_cell(ui, panel, name, value, hint.unwrap_or_default()) else {
-        return;
-    };
-    match (name, parts) {
-        ("name", [part]) if *part != Part::Layout => panel.apply(&Edit::Rename {
-            part: *part,
-            name: content,
-        }),
-        _ if content.is_empty() => set(panel, parts, name, None),
-        _ if is_quoted => set(panel, parts, name, Some(quoted(&content))),
-        _ => set(panel, parts, name, Some(content)),
-    }
+    text_cell(
+        ui,
+        panel,
+        name,
+        (value, hint.unwrap_or_default()),
+        |content| {
+            let written = match (name, parts) {
+                ("name", [part]) if *part != Part::Layout => {
+                    let part = *part;
+                    return Edit::Rename {
+                        part,
+                        name: content,
+                    };
+                }
+                _ if content.is_empty() => None,
+                _ if is_quoted => Some(quoted(&content)),
+                _ => Some(content),
+            };
+            Edit::SetField {
+                parts: parts.to_vec(),
+                field: name.to_owned(),
+                value: written,
+            }
+        },
+    );
 }
 
-/// Shows a text. Returns it when the field is left, if it was changed.
+/// Shows a text, and a hint while it is empty. When the field is left, the text becomes an edit if it was changed; a text that is
+/// refused stays.
 pub(super) fn text_cell(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
     name: &str,
-    value: &str,
-    hint: &str,
-) -> Option<String> {
+    (value, hint): (&str, &str),
+    edit: impl FnOnce(String) -> Edit,
+) {
     let id = ui.scope_id().with(name);
-    let written = panel.form.text.clone().filter(|(own, _)| *own == id);
-    let mut content = written.map_or_else(|| value.to_owned(), |(_, content)| content);
-    let edit = egui::TextEdit::singleline(&mut content).hint_text(hint);
-    // A grid gives a field the width that its column had before.
-    let edit = ui.add_sized([TEXT_WIDTH, ui.spacing().interact_size.y], edit);
-    edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
-    if edit.has_focus() {
-        panel.form.text = Some((id, content));
-    } else if edit.lost_focus() {
-        panel.form.text = None;
-        return Some(content).filter(|content| content != value);
+    let drafts = &panel.form.drafts;
+    let mut content = drafts.content(id).unwrap_or(value).to_owned();
+    let refusal = drafts.refusal(id).map(str::to_owned);
+    let mut field = egui::TextEdit::singleline(&mut content).hint_text(hint);
+    if refusal.is_some() {
+        field = field.text_color(ui.visuals().error_fg_color);
     }
-    None
+    // A grid gives a field the width that its column had before.
+    let mut field = ui.add_sized([TEXT_WIDTH, ui.spacing().interact_size.y], field);
+    field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+    if let Some(reason) = refusal {
+        field = field.on_hover_text(reason);
+    }
+    if !field.has_focus() && !field.lost_focus() {
+        return;
+    }
+    let edit = (content != value).then(|| edit(content.clone()));
+    panel.form.drafts.set_text(id, content, edit);
+    if field.lost_focus() {
+        panel.form.drafts.retry(id);
+        panel.commit_drafts();
+    }
+}
+
+/// A number of the form.
+pub(super) struct Number {
+    /// Its name for edits.
+    pub name: &'static str,
+    /// The label that names it.
+    pub label: egui::Id,
+    /// The value in the layout, of the first part if several differ.
+    pub old: f64,
+    /// The parts have different values.
+    pub is_mixed: bool,
+    /// The values that can be typed.
+    pub range: RangeInclusive<f64>,
+    /// Change of a drag by a point.
+    pub speed: f64,
+    /// Decimals that are shown.
+    pub decimals: usize,
+    /// The unit, which stands behind the number.
+    pub unit: &'static str,
+}
+
+impl Number {
+    fn drag_value<'a>(&self, shown: &'a mut f64) -> DragValue<'a> {
+        let drag = DragValue::new(shown).speed(self.speed);
+        // A value of the file beyond the range stays until it is changed.
+        let drag = drag
+            .range(self.range.clone())
+            .clamp_existing_to_range(false);
+        let drag = drag.max_decimals(self.decimals);
+        if self.is_mixed {
+            drag.custom_formatter(|_, _| text("editor-mixed").to_owned())
+        } else {
+            drag.suffix(self.unit)
+        }
+    }
+}
+
+/// Shows a number. What is typed becomes an edit when the field is left; a drag makes its edit at once, in one step of undo.
+pub(super) fn number_cell(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    number: &Number,
+    edit: impl Fn(Vec<Part>, f64) -> Edit,
+) {
+    let id = ui.scope_id().with(number.name);
+    let typed = panel.form.drafts.content(id);
+    let typed = typed.and_then(|content| content.parse().ok());
+    let mut shown = typed.unwrap_or(number.old);
+    let drag = ui.add(number.drag_value(&mut shown));
+    let drag = drag.labelled_by(number.label);
+    let is_changed = is_other_number(number.old, shown, number.decimals);
+    let new = (shown * 1000.0).round() / 1000.0;
+    if drag.has_focus() || typed.is_some() {
+        let edit = is_changed.then(|| edit(parts.to_vec(), new));
+        panel.form.drafts.set_number(id, shown, edit);
+        if !drag.has_focus() {
+            panel.commit_drafts();
+        }
+    } else if drag.changed() && is_changed {
+        edit_while_dragged(panel, parts, number.name, |parts| edit(parts, new));
+    }
+    if !drag.dragged() && panel.is_field_dragged(number.name) {
+        panel.form.dragged = None;
+    }
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {
@@ -177,7 +265,7 @@ fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<Strin
 
 impl EditorPanel {
     /// Returns `true` while a number of this name is dragged.
-    pub(super) fn is_field_dragged(&self, field: &str) -> bool {
+    fn is_field_dragged(&self, field: &str) -> bool {
         let dragged = self.form.dragged.as_ref();
         dragged.is_some_and(|(name, _)| *name == field)
     }
@@ -196,16 +284,8 @@ fn is_mixed(panel: &EditorPanel, parts: &[Part], field: &str) -> bool {
         .any(|pair| value(&pair[0]) != value(&pair[1]))
 }
 
-fn set_while_dragged(panel: &mut EditorPanel, parts: &[Part], field: &'static str, value: &str) {
-    edit_while_dragged(panel, parts, field, |parts| Edit::SetField {
-        parts,
-        field: field.to_owned(),
-        value: Some(value.to_owned()),
-    });
-}
-
 /// Makes the edit of a number; all values of one drag are one step of undo.
-pub(super) fn edit_while_dragged(
+fn edit_while_dragged(
     panel: &mut EditorPanel,
     parts: &[Part],
     field: &'static str,

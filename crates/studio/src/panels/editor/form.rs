@@ -1,7 +1,10 @@
 //! The form of the selection: geometry, fields, binding.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{self, DragValue};
 
+use super::drafts::{Drafts, GeometryDraft};
 use super::{EditorPanel, bar, binding, field_row, rounded, several, steps};
 use crate::canvas::ItemShape;
 use crate::editor::{ControlKind, Edit, FieldSpec, FieldType, Part, fields_of};
@@ -11,22 +14,27 @@ use crate::texts::{text, text_with};
 /// Decimals of a number that is shown.
 const DECIMALS: usize = 2;
 
+/// Range of a position on a board, in millimetres.
+pub(super) const POSITION_RANGE: RangeInclusive<f64> = -2000.0..=2000.0;
+
+/// Range of a size, in millimetres.
+pub(super) const SIZE_RANGE: RangeInclusive<f64> = 1.0..=500.0;
+
 /// Fields that the geometry above them shows.
 const GEOMETRY_FIELDS: [&str; 5] = ["at_mm", "size_mm", "length_mm", "width_mm", "diameter_mm"];
 
 /// The form between two pictures.
 #[derive(Default)]
 pub(super) struct FormState {
-    /// Geometry that is being changed, with the index of its item.
-    geometry: Option<(usize, ItemShape)>,
-    /// The text of a field that is being written.
-    pub text: Option<(egui::Id, String)>,
+    /// The values that are typed.
+    pub drafts: Drafts,
     /// A number that is being dragged, with the parts as they were before.
     pub dragged: Option<(&'static str, Vec<Part>)>,
 }
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(4.0);
+    panel.follow_selection();
     let parts = panel.editor.selection().to_vec();
     let Some(&first) = parts.first() else {
         ui.weak(text("editor-nothing-selected"));
@@ -90,19 +98,47 @@ fn words(part: Part) -> &'static str {
 /// Shows position, size and angle of the selected item; all are edited as the handles of the canvas do.
 fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let Some(index) = panel.selected.single() else {
-        panel.form.geometry = None;
         return;
     };
-    let Some(item) = panel.items.items.get(index) else {
+    let (Some(item), Some(part)) = (panel.items.items.get(index), panel.parts.get(index)) else {
         return;
     };
-    let (old, can_turn) = (item.shape, item.can_turn);
-    let draft = panel.form.geometry.filter(|(own, _)| *own == index);
+    let (old, can_turn, part) = (item.shape, item.can_turn, *part);
+    let draft = panel.form.drafts.geometry.as_ref();
+    let draft = draft.filter(|draft| draft.index == index);
+    let typed = draft.map(|draft| draft.shape);
     // While the item is dragged, the numbers are those under the mouse.
-    let dragged = panel.preview.shapes.iter();
-    let dragged = dragged.copied().find(|(own, _)| *own == index);
-    let mut shape = draft.or(dragged).map_or(old, |(_, shape)| shape);
-    let mut is_active = false;
+    let mut dragged = panel.preview.shapes.iter();
+    let dragged = dragged.find(|(own, _)| *own == index);
+    let mut shape = typed.or(dragged.map(|(_, shape)| *shape)).unwrap_or(old);
+    let usage = show_numbers(ui, &mut shape, can_turn);
+    if !usage.is_active && typed.is_none() {
+        return;
+    }
+    let edits = part.map_or_else(Vec::new, |part| geometry_edits(part, &old, &shape));
+    panel.form.drafts.geometry = Some(GeometryDraft {
+        index,
+        shape,
+        edits,
+    });
+    panel.preview.shapes = vec![(index, shape)];
+    if usage.is_left || !usage.is_active {
+        panel.commit_drafts();
+    }
+}
+
+/// The use of the numbers of an item in a picture.
+#[derive(Default)]
+struct NumberUse {
+    /// A number has the focus or is dragged.
+    is_active: bool,
+    /// The focus has left a number, or a drag has ended.
+    is_left: bool,
+}
+
+/// Shows the numbers of an item, and changes it as they are changed.
+fn show_numbers(ui: &mut egui::Ui, shape: &mut ItemShape, can_turn: bool) -> NumberUse {
+    let mut usage = NumberUse::default();
     egui::Grid::new("editor geometry")
         .num_columns(4)
         .show(ui, |ui| {
@@ -113,18 +149,21 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                     let drag = grid
                         .add(drag.range(range).suffix(suffix))
                         .labelled_by(label.id);
-                    is_active |= drag.dragged() || drag.has_focus();
+                    usage.is_active |= drag.dragged() || drag.has_focus();
+                    usage.is_left |= drag.lost_focus() || drag.drag_stopped();
                 };
-            number(ui, "X", &mut shape.center.x, -2000.0..=2000.0, " mm");
-            number(ui, "Y", &mut shape.center.y, -2000.0..=2000.0, " mm");
+            number(ui, "X", &mut shape.center.x, POSITION_RANGE, " mm");
+            number(ui, "Y", &mut shape.center.y, POSITION_RANGE, " mm");
             ui.end_row();
             let mut size = shape.half * 2.0;
             if shape.is_disc {
-                number(ui, text("editor-diameter"), &mut size.x, 1.0..=500.0, " mm");
+                let diameter = text("editor-diameter");
+                number(ui, diameter, &mut size.x, SIZE_RANGE, " mm");
                 size.y = size.x;
             } else {
-                number(ui, text("editor-width"), &mut size.x, 1.0..=500.0, " mm");
-                number(ui, text("editor-depth"), &mut size.y, 1.0..=500.0, " mm");
+                let (width, depth) = (text("editor-width"), text("editor-depth"));
+                number(ui, width, &mut size.x, SIZE_RANGE, " mm");
+                number(ui, depth, &mut size.y, SIZE_RANGE, " mm");
             }
             shape.half = size / 2.0;
             ui.end_row();
@@ -134,19 +173,11 @@ fn show_geometry(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                 ui.end_row();
             }
         });
-    if is_active {
-        panel.form.geometry = Some((index, shape));
-        panel.preview.shapes = vec![(index, shape)];
-    } else if let Some((changed_index, _)) = panel.form.geometry.take() {
-        panel.preview.shapes.clear();
-        apply_geometry(panel, changed_index, &old, &shape);
-    }
+    usage
 }
 
-fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &ItemShape) {
-    let Some(Some(part)) = panel.parts.get(index).copied() else {
-        return;
-    };
+/// Returns the edits that lead from a shape to another one: none, or one each of position, size and angle.
+fn geometry_edits(part: Part, old: &ItemShape, new: &ItemShape) -> Vec<Edit> {
     // A field that is left without a change rounds its number to what it shows.
     let changed = |before: f32, after: f32| {
         if is_other_number(before.into(), after.into(), DECIMALS) {
@@ -165,27 +196,27 @@ fn apply_geometry(panel: &mut EditorPanel, index: usize, old: &ItemShape, new: &
         changed(old_size.y, new_size.y),
     ];
     let turned = changed(old.rotation_deg, new.rotation_deg);
-    // One field changes at a time, so that one edit is made.
-    let edit = if by != [0.0; 2] {
-        Edit::Move {
+    let mut edits = Vec::new();
+    if by != [0.0; 2] {
+        edits.push(Edit::Move {
             parts: vec![part],
             by_mm: [by[0], by[1], 0.0],
-        }
-    } else if wider != [0.0; 2] {
-        Edit::Resize {
+        });
+    }
+    if wider != [0.0; 2] {
+        edits.push(Edit::Resize {
             parts: vec![part],
             by_mm: wider,
             fixed: [0.0, 0.0],
-        }
-    } else if turned != 0.0 {
-        Edit::Turn {
+        });
+    }
+    if turned != 0.0 {
+        edits.push(Edit::Turn {
             parts: vec![part],
             degrees: turned,
-        }
-    } else {
-        return;
-    };
-    panel.apply(&edit);
+        });
+    }
+    edits
 }
 
 /// Shows the fields that all selected parts have: those that are written, then the others folded.

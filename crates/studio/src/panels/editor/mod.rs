@@ -3,6 +3,7 @@
 mod bar;
 mod binding;
 mod canvas;
+mod drafts;
 mod field_row;
 mod form;
 mod heat;
@@ -18,6 +19,8 @@ mod problems;
 mod several;
 mod shortcuts;
 mod steps;
+#[cfg(test)]
+mod tests;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -103,6 +106,8 @@ pub struct EditorPanel {
     pictures: Option<PictureFormats>,
     /// Result of the last operation, or the reason why it failed.
     message: Option<Result<&'static str, String>>,
+    /// A text was typed into a field in the last picture.
+    is_typing: bool,
     /// Title of the window.
     title: String,
     /// A position in the text that is shown.
@@ -157,6 +162,7 @@ impl EditorPanel {
             next_poll: 0.0,
             pictures: None,
             message: None,
+            is_typing: false,
             title: String::new(),
             shown_line: None,
             is_close_asked: false,
@@ -181,6 +187,7 @@ impl EditorPanel {
     }
 
     fn apply(&mut self, edit: &Edit) {
+        self.commit_drafts();
         let applied = self.editor.apply(edit);
         self.report(applied);
     }
@@ -244,12 +251,14 @@ impl EditorPanel {
 
     /// Undoes the last edit, and forgets the message about it.
     fn undo(&mut self) {
+        self.commit_drafts();
         self.editor.undo();
         self.message = None;
     }
 
     /// Makes the last undone edit again.
     fn redo(&mut self) {
+        self.commit_drafts();
         self.editor.redo();
         self.message = None;
     }
@@ -392,6 +401,11 @@ pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut 
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));
     reach.advance(&panel.editor);
+    handle_keys(ui, panel);
+}
+
+/// Does what keys and commands ask for.
+fn handle_keys(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     panel.update_items();
     shortcuts::handle(ui, panel);
     palette::show(ui, panel);

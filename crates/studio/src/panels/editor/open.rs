@@ -30,6 +30,7 @@ impl EditorPanel {
 
     /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again.
     fn open_other(&mut self, name: &str) {
+        self.commit_drafts();
         match Self::open(name, self.editor.fit(), self.work.as_deref()) {
             Ok(opened) => {
                 *self = Self {

@@ -41,9 +41,11 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             ui.colored_label(ui.visuals().warn_fg_color, text("editor-changed-outside"));
             if ui.button(text("editor-keep-mine")).clicked() {
                 panel.editor.resolve(Resolution::KeepMine);
+                panel.message = None;
             }
             if ui.button(text("editor-take-theirs")).clicked() {
                 panel.editor.resolve(Resolution::TakeTheirs);
+                panel.message = None;
             }
         });
     }
@@ -83,6 +85,7 @@ fn show_recovery(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ask(ui, |ui| {
         ui.colored_label(ui.visuals().warn_fg_color, text("editor-recovered"));
         if ui.button(text("editor-restore")).clicked() {
+            panel.commit_drafts();
             panel.editor.restore_found_work();
         }
         if ui.button(text("editor-discard")).clicked() {
@@ -115,6 +118,10 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         return;
     }
     if !is_saved {
+        panel.save_as = Some(save_as);
+        return;
+    }
+    if !panel.commit_drafts() {
         panel.save_as = Some(save_as);
         return;
     }
@@ -174,6 +181,12 @@ fn close(ui: &egui::Ui) {
 /// Asks before the window closes with unsaved work.
 pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let is_requested = ui.input(|input| input.viewport().close_requested());
+    if is_requested {
+        panel.commit_drafts();
+        // In other tabs it is not looked at.
+        panel.next_poll = 0.0;
+        poll(ui, panel);
+    }
     if is_requested && panel.is_unsaved() && !panel.may_close {
         ui.ctx()
             .send_viewport_cmd(egui::ViewportCommand::CancelClose);
@@ -214,6 +227,9 @@ impl EditorPanel {
     /// Writes the file, or asks for one, or whether a layout that cannot be used is saved. Returns `false` if the text is not saved
     /// yet.
     pub(super) fn save(&mut self) -> bool {
+        if !self.commit_drafts() {
+            return false;
+        }
         if !self.editor.is_valid() && self.editor.path().is_some() {
             self.save_question = Some(SaveQuestion::default());
             return false;
@@ -266,8 +282,12 @@ impl EditorPanel {
         self.may_close = true;
     }
 
-    /// Returns `true` if closing the window would lose work. An untouched copy of a shipped layout is none.
+    /// Returns `true` if closing the window would lose work, such as a value that is typed. An untouched copy of a shipped layout is
+    /// none.
     pub fn is_unsaved(&self) -> bool {
+        if self.form.drafts.has_changes() {
+            return true;
+        }
         match self.editor.file_state() {
             FileState::Saved => false,
             FileState::Modified => true,

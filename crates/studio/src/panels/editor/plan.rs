@@ -244,6 +244,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &PanelCo
     panel.plan.viewport().move_to(viewport);
     if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
         let point = viewport.to_board(to_local(at), size);
+        if response.contains_pointer() && ui.input(|input| input.pointer.primary_pressed()) {
+            canvas::leave_fields(panel, &response);
+            panel.update_plan(context);
+        }
         handle_mouse(ui, panel, &response, (point, viewport.scale));
         set_cursor(ui, panel, (point, viewport.scale));
         // The same picture shows the changes of a drag.
@@ -284,7 +288,6 @@ fn handle_mouse(
         let plan = &panel.plan.plan;
         let gesture = gesture::begin(plan, &mut selected, view, (point, scale), modifiers.shift);
         panel.editor.select(selected);
-        panel.message = None;
         panel.plan.drag = Some(PlanDrag {
             gesture,
             edit: None,

@@ -1,9 +1,12 @@
 //! Positions and sizes of several selected controls: a number that all have, or one that all get.
 
-use eframe::egui::{self, DragValue};
+use std::ops::RangeInclusive;
+
+use eframe::egui;
 
 use super::EditorPanel;
-use super::field_row::edit_while_dragged;
+use super::field_row::{self, number_cell};
+use super::form::{POSITION_RANGE, SIZE_RANGE};
 use crate::canvas::ItemShape;
 use crate::editor::{Edit, Part, PlaceTo};
 use crate::texts::text;
@@ -11,10 +14,11 @@ use crate::texts::text;
 /// The largest number of controls that are compared for each picture.
 const MAX_COMPARED: usize = 1000;
 
-/// A number of a control: its name for edits, its words, its value, and the edit that sets it.
+/// A number of a control: its name for edits, its words, its range, its value, and the edit that sets it.
 struct Number {
     id: &'static str,
     words: &'static str,
+    range: RangeInclusive<f64>,
     value: fn(&ItemShape) -> f32,
     place: fn(f64) -> PlaceTo,
 }
@@ -25,6 +29,7 @@ fn numbers() -> [Number; 4] {
         Number {
             id: "several-x",
             words: "X",
+            range: POSITION_RANGE,
             value: |shape| shape.center.x,
             place: |x| PlaceTo {
                 center_mm: [Some(x), None],
@@ -34,6 +39,7 @@ fn numbers() -> [Number; 4] {
         Number {
             id: "several-y",
             words: "Y",
+            range: POSITION_RANGE,
             value: |shape| shape.center.y,
             place: |y| PlaceTo {
                 center_mm: [None, Some(y)],
@@ -43,6 +49,7 @@ fn numbers() -> [Number; 4] {
         Number {
             id: "several-width",
             words: text("editor-width"),
+            range: SIZE_RANGE,
             value: |shape| shape.half.x * 2.0,
             place: |width| PlaceTo {
                 size_mm: [Some(width), None],
@@ -52,6 +59,7 @@ fn numbers() -> [Number; 4] {
         Number {
             id: "several-depth",
             words: text("editor-depth"),
+            range: SIZE_RANGE,
             value: |shape| shape.half.y * 2.0,
             place: |depth| PlaceTo {
                 size_mm: [None, Some(depth)],
@@ -96,25 +104,22 @@ fn show_number(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], numbe
         .collect();
     let shared = common(values.iter().copied());
     let first = values.first().copied().unwrap_or_default();
-    let mut value = f64::from((shared.unwrap_or(first) * 100.0).round()) / 100.0;
-    let before = value;
     let label = ui.label(number.words);
-    let mut drag = DragValue::new(&mut value).speed(0.1).max_decimals(2);
-    drag = match shared {
-        Some(_) => drag.suffix(" mm"),
-        None => drag.custom_formatter(|_, _| text("editor-mixed").to_owned()),
+    let cell = field_row::Number {
+        name: number.id,
+        label: label.id,
+        old: f64::from((shared.unwrap_or(first) * 100.0).round()) / 100.0,
+        is_mixed: shared.is_none(),
+        range: number.range.clone(),
+        speed: 0.1,
+        decimals: 2,
+        unit: " mm",
     };
-    let drag = ui.add(drag).labelled_by(label.id);
-    if drag.changed() && value != before {
-        let place = (number.place)(value);
-        edit_while_dragged(panel, parts, number.id, |parts| Edit::Place {
-            parts,
-            place,
-        });
-    }
-    if !drag.dragged() && panel.is_field_dragged(number.id) {
-        panel.form.dragged = None;
-    }
+    let place = number.place;
+    number_cell(ui, panel, parts, &cell, |parts, typed| Edit::Place {
+        parts,
+        place: place(typed),
+    });
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The keys of the layout editor.
 
+use std::mem;
+
 use eframe::egui::{self, Event, Key, Modifiers};
 use parry3d::math::Vec2;
 
@@ -8,8 +10,15 @@ use super::EditorPanel;
 /// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
 const FINE_STEP_MM: f32 = 0.1;
 
-/// Handles the keys pressed since the last picture, unless they are typed into a field.
+/// Handles the keys pressed since the last picture, unless they are typed into a field. Escape in a field
+/// discards what is typed.
 pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let was_typing = mem::replace(&mut panel.is_typing, ui.ctx().text_edit_focused());
+    // The focus has left the field by now.
+    let ends_typing = was_typing || panel.form.drafts.is_typing();
+    if ends_typing && ui.input(|input| input.key_pressed(Key::Escape)) {
+        panel.discard_drafts();
+    }
     let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
     if pressed(Modifiers::COMMAND, Key::S) {
         panel.save();
@@ -21,7 +30,7 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         return;
     }
     // The palette takes its own Escape.
-    let can_escape = panel.can_escape() && !panel.palette.is_open();
+    let can_escape = panel.can_escape() && !panel.palette.is_open() && !ends_typing;
     if can_escape && pressed(Modifiers::NONE, Key::Escape) {
         panel.escape();
     }

@@ -21,9 +21,10 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part) {
     let name = panel.editor.part_name(part).unwrap_or_default();
     ui.horizontal(|ui| {
         ui.label(text("editor-name"));
-        if let Some(name) = field_row::text_cell(ui, panel, "name", &name, "") {
-            panel.apply(&Edit::Rename { part, name });
-        }
+        field_row::text_cell(ui, panel, "name", (&name, ""), |name| Edit::Rename {
+            part,
+            name,
+        });
     });
     let mut steps = 0;
     while panel.editor.value(part, &steps.to_string()).is_some() {
@@ -61,13 +62,13 @@ fn show_step(
         return;
     };
     let content = field_row::unquoted(&argument);
-    if let Some(new) = field_row::text_cell(ui, panel, kind.name, &content, "") {
+    field_row::text_cell(ui, panel, kind.name, (&content, ""), |new| {
         let new = match kind.field_type {
             FieldType::Number { .. } => new,
             _ => quoted(&new),
         };
-        set(panel, part, index, Some(format!("{}({new})", kind.name)));
-    }
+        step_edit(part, index, Some(format!("{}({new})", kind.name)))
+    });
     ui.label(kind.unit.trim()).on_hover_text(kind.help);
     if index > 0 && small_button(ui, "▲", text("editor-step-earlier")) {
         move_earlier(panel, part, index);
@@ -92,13 +93,17 @@ fn new_step(kind: &FieldSpec) -> String {
     format!("{}({value})", kind.name)
 }
 
-/// Replaces a step, adds one after the last, or removes one.
 fn set(panel: &mut EditorPanel, part: Part, index: usize, value: Option<String>) {
-    panel.apply(&Edit::SetField {
+    panel.apply(&step_edit(part, index, value));
+}
+
+/// Returns the edit that replaces a step, adds one after the last, or removes one.
+fn step_edit(part: Part, index: usize, value: Option<String>) -> Edit {
+    Edit::SetField {
         parts: vec![part],
         field: index.to_string(),
         value,
-    });
+    }
 }
 
 /// Exchanges a step with the one before it.
