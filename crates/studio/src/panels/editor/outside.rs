@@ -151,7 +151,7 @@ fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let errors = problems.filter(|problem| problem.severity == Severity::Error);
     let errors: Vec<String> = errors.map(|problem| problem.message.clone()).collect();
     let modal = egui::Modal::new(egui::Id::unique("save-question"));
-    modal.show(ui.ctx(), |ui| {
+    let shown = modal.show(ui.ctx(), |ui| {
         ui.strong(text("editor-cannot-run"));
         for error in errors.iter().take(MAX_LISTED) {
             ui.label(error);
@@ -172,6 +172,9 @@ fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             }
         });
     });
+    if shown.should_close() {
+        panel.save_question = None;
+    }
 }
 
 fn close(ui: &egui::Ui) {
@@ -196,7 +199,7 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
         return;
     }
     let modal = egui::Modal::new(egui::Id::unique("close-question"));
-    modal.show(ui.ctx(), |ui| {
+    let shown = modal.show(ui.ctx(), |ui| {
         ui.strong(text("editor-close-question"));
         ui.add_space(8.0);
         ui.horizontal(|ui| {
@@ -221,6 +224,9 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
             }
         });
     });
+    if shown.should_close() {
+        panel.is_close_asked = false;
+    }
 }
 
 impl EditorPanel {

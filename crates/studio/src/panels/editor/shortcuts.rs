@@ -10,10 +10,13 @@ use super::EditorPanel;
 /// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
 const FINE_STEP_MM: f32 = 0.1;
 
-/// Handles the keys pressed since the last picture, unless they are typed into a field. Escape in a field
+/// Handles the keys pressed since the last picture, unless they are typed into a field or answer a question. Escape in a field
 /// discards what is typed.
 pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let was_typing = mem::replace(&mut panel.is_typing, ui.ctx().text_edit_focused());
+    if is_asked(ui) {
+        return;
+    }
     // The focus has left the field by now.
     let ends_typing = was_typing || panel.form.drafts.is_typing();
     if ends_typing && ui.input(|input| input.key_pressed(Key::Escape)) {
@@ -88,6 +91,11 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if way != Vec2::ZERO {
         panel.move_selected(way);
     }
+}
+
+/// Returns `true` if a question waits for an answer, which gets all keys.
+pub(super) fn is_asked(ui: &egui::Ui) -> bool {
+    ui.ctx().memory(|memory| memory.top_modal_layer().is_some())
 }
 
 /// Copies, cuts and pastes controls as text, which another window or an editor of text takes, too.

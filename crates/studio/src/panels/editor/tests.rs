@@ -285,6 +285,30 @@ fn a_value_belongs_to_the_part_for_which_it_was_typed() {
 }
 
 #[test]
+fn keys_do_not_act_behind_a_question_and_escape_closes_it() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.press(Modifiers::NONE, Key::ArrowUp);
+    let moved = window.text();
+    window.close();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.press(Modifiers::NONE, Key::Delete);
+    assert_eq!(window.text(), moved);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.panel().is_close_asked);
+    assert_eq!(window.panel().selected.single(), Some(0));
+    for _ in 0..30 {
+        window.press(Modifiers::NONE, Key::ArrowRight);
+    }
+    window.save();
+    assert!(window.panel().save_question.is_some());
+    window.press(Modifiers::NONE, Key::Delete);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(window.panel().save_question.is_none());
+    assert!(window.text().contains("(30, 1)"));
+}
+
+#[test]
 fn tab_goes_to_the_next_number_and_keeps_both() {
     let mut window = Window::open();
     window.click_board(0.0, 0.0);
