@@ -275,7 +275,8 @@ fn is_other_number(old: f64, new: f64, decimals: usize) -> bool {
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     if let Some(Ok(editor)) = &mut state.editor {
-        editor::capture_key(ui, editor);
+        let is_shown = state.workspace == Workspace::Layout;
+        editor::capture_key(ui, editor, is_shown);
         editor::guard_close(ui, editor);
         editor::advance_trial(ui, editor, context);
     }

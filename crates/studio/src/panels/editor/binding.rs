@@ -2,7 +2,7 @@
 
 use eframe::egui;
 
-use super::{EditorPanel, key_press};
+use super::{EditorPanel, key_press, shortcuts};
 use crate::canvas::choices::matching_keys;
 use crate::editor::{Binding, ControlKind, Edit, FieldType, Part, Slot, fields_of};
 use crate::texts::text;
@@ -17,14 +17,14 @@ pub(in super::super) struct BindingState {
     /// Index of the action of the part.
     slot: usize,
     query: String,
-    /// The next key of the keyboard binds.
-    pub is_capturing: bool,
+    /// The part that the next key of the keyboard binds.
+    captured: Option<Part>,
 }
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part) {
     let slots = slots(panel, part);
     if slots.is_empty() {
-        panel.binding.is_capturing = false;
+        panel.binding.captured = None;
         return;
     }
     panel.binding.slot = panel.binding.slot.min(slots.len() - 1);
@@ -43,7 +43,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part) {
     }
     let slot = &slots[panel.binding.slot];
     ui.horizontal(|ui| {
-        let is_capturing = panel.binding.is_capturing;
+        let is_capturing = panel.binding.captured == Some(part);
         let words = if is_capturing {
             text("editor-pressing")
         } else {
@@ -51,7 +51,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part) {
         };
         let press = ui.selectable_label(is_capturing, words);
         if press.on_hover_text(text("editor-press-key-hint")).clicked() {
-            panel.binding.is_capturing = !is_capturing;
+            panel.binding.captured = (!is_capturing).then_some(part);
         }
         if ui.button(text("editor-unbind")).clicked() {
             bind(panel, part, slot, None);
@@ -82,18 +82,21 @@ fn show_search(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part, slot: &Sl
     }
 }
 
-/// Binds the selected part to the key that is pressed, while the editor waits for one.
-pub(in super::super) fn capture(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    if !panel.binding.is_capturing {
+/// Binds the selected part to the key that is pressed, while the editor waits for one. It waits no longer once the tab of the
+/// editor is left, another part is selected, a field has the focus or a question is asked.
+pub(in super::super) fn capture(ui: &mut egui::Ui, panel: &mut EditorPanel, is_shown: bool) {
+    let Some(part) = panel.binding.captured else {
+        return;
+    };
+    let is_selected = panel.editor.selection() == [part];
+    if !is_shown || !is_selected || ui.ctx().text_edit_focused() || shortcuts::is_asked(ui) {
+        panel.binding.captured = None;
         return;
     }
     let Some(code) = ui.input_mut(key_press::take_key) else {
         return;
     };
-    panel.binding.is_capturing = false;
-    let Some(&part) = panel.editor.selection().first() else {
-        return;
-    };
+    panel.binding.captured = None;
     let slots = slots(panel, part);
     if let Some(slot) = slots.get(panel.binding.slot) {
         bind(

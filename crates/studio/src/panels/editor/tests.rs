@@ -38,7 +38,7 @@ struct Window {
 
 /// Draws the editor as the window does, without the picture of the board.
 fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    capture_key(ui, panel);
+    capture_key(ui, panel, true);
     guard_close(ui, panel);
     handle_keys(ui, panel);
     egui::Panel::top("bar").show(ui, |inner| {
@@ -151,6 +151,11 @@ impl Window {
             self.harness.run_steps(1);
         }
         self.harness.run_steps(1);
+    }
+
+    fn awaits_key(&self) -> bool {
+        let mut found = self.harness.query_all_by_label(text("editor-pressing"));
+        found.next().is_some()
     }
 
     fn field(&self, name: &str) -> Option<String> {
@@ -306,6 +311,28 @@ fn keys_do_not_act_behind_a_question_and_escape_closes_it() {
     window.press(Modifiers::NONE, Key::Escape);
     assert!(window.panel().save_question.is_none());
     assert!(window.text().contains("(30, 1)"));
+}
+
+#[test]
+fn a_key_is_awaited_for_the_selected_part_in_the_tab_of_the_editor_only() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.click_button(text("editor-press-key"));
+    assert!(window.awaits_key());
+    window.click_board(40.0, 0.0);
+    assert!(!window.awaits_key());
+    window.press(Modifiers::NONE, Key::Z);
+    assert_eq!(window.text(), TWO_KEYS);
+    window.click_button(text("editor-press-key"));
+    let context = window.harness.ctx.clone();
+    let _ = context.run_ui(egui::RawInput::default(), |ui| {
+        capture_key(ui, window.panel(), false);
+    });
+    window.press(Modifiers::NONE, Key::Z);
+    assert_eq!(window.text(), TWO_KEYS);
+    window.click_button(text("editor-press-key"));
+    window.press(Modifiers::NONE, Key::Z);
+    assert_eq!(window.text(), TWO_KEYS.replace("\"B\"", "\"Z\""));
 }
 
 #[test]
