@@ -385,6 +385,7 @@ editor-save-hint = Write the file (Ctrl-S)
 editor-save-as = Save as…
 editor-save-as-hint = Write a copy under another name, and go on with it
 editor-save-path = File
+editor-save-needs-name = Write the name of a file, not of a folder
 editor-cancel = Cancel
 editor-saved = Saved
 editor-undo = Undo

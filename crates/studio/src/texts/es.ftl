@@ -385,6 +385,7 @@ editor-save-hint = Escribir el archivo (Ctrl-S)
 editor-save-as = Guardar como…
 editor-save-as-hint = Escribir una copia con otro nombre y seguir con ella
 editor-save-path = Archivo
+editor-save-needs-name = Escriba el nombre de un archivo, no de una carpeta
 editor-cancel = Cancelar
 editor-saved = Guardado
 editor-undo = Deshacer

@@ -1,5 +1,6 @@
 //! Saving, the questions before something is lost, and changes by other programs.
 
+use std::mem;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -20,6 +21,8 @@ pub(super) struct SaveAs {
     may_replace: bool,
     /// The window closes after the copy is saved.
     then_close: bool,
+    /// The field has had the focus, which it gets at first.
+    is_begun: bool,
 }
 
 /// A save of a layout with errors, until it is answered.
@@ -104,7 +107,16 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if field.changed() {
         save_as.may_replace = false;
     }
-    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if !mem::replace(&mut save_as.is_begun, true) {
+        field.request_focus();
+    }
+    let is_left_by = |key| field.lost_focus() && ui.input(|input| input.key_pressed(key));
+    if is_left_by(Key::Escape) {
+        return;
+    }
+    let path = PathBuf::from(save_as.path.trim());
+    let is_file = path.file_name().is_some() && !path.is_dir();
+    let is_entered = is_left_by(Key::Enter) && is_file;
     let words = match (save_as.may_replace, panel.editor.is_valid()) {
         (true, _) => text("editor-replace"),
         (false, true) => text("editor-save"),
@@ -113,7 +125,9 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if !panel.editor.is_valid() {
         ui.colored_label(ui.visuals().warn_fg_color, text("editor-cannot-run"));
     }
-    let is_saved = ui.button(words).clicked() || is_entered;
+    let button = ui.add_enabled(is_file, egui::Button::new(words));
+    let button = button.on_disabled_hover_text(text("editor-save-needs-name"));
+    let is_saved = button.clicked() || is_entered;
     if ui.button(text("editor-cancel")).clicked() {
         return;
     }
@@ -125,7 +139,6 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         panel.save_as = Some(save_as);
         return;
     }
-    let path = PathBuf::from(save_as.path.trim());
     match panel.editor.save_as(&path, save_as.may_replace) {
         Ok(()) => {
             panel.message = Some(Ok(panel.saved_message()));

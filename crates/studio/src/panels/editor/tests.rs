@@ -371,3 +371,30 @@ fn a_refused_text_stays_in_its_field_until_it_is_corrected_or_discarded() {
     let named = TWO_KEYS.replace("(0, 0))", "(0, 0), name: \"B2\")");
     assert_eq!(window.text(), named);
 }
+
+#[test]
+fn the_name_of_a_copy_is_typed_at_once_and_escape_cancels_it() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.click_button(text("editor-save-as"));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(window.panel().save_as.is_none());
+    assert_eq!(window.panel().selected.single(), Some(0));
+    window.click_button(text("editor-save-as"));
+    window.press(Modifiers::COMMAND, Key::A);
+    window.press(Modifiers::NONE, Key::Delete);
+    assert_eq!(window.text(), TWO_KEYS);
+    let folder = window.folder.path().to_str().unwrap().to_owned();
+    for name in ["", &folder] {
+        window.write(name);
+        window.press(Modifiers::NONE, Key::Enter);
+        assert!(window.panel().save_as.is_some());
+        assert_eq!(window.panel().message, None, "{name}");
+        window.click_field(Role::TextInput, text("editor-save-path"));
+    }
+    window.press(Modifiers::NONE, Key::End);
+    window.write("/copy.ron");
+    window.press(Modifiers::NONE, Key::Enter);
+    assert!(window.panel().save_as.is_none());
+    assert!(window.folder.path().join("copy.ron").exists());
+}
