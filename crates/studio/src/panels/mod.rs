@@ -165,6 +165,8 @@ pub struct PanelState {
     shows_keys: bool,
     /// The window with the link for a headset.
     headset: Option<HeadsetWindow>,
+    /// Title of the window in the last picture.
+    title: String,
     /// The panels in the order of F6, and the index of the last one that it reached.
     panel_ids: Vec<egui::Id>,
     focused_panel: Option<usize>,
@@ -300,7 +302,21 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     {
         state.settings.recent_layouts.push(path);
     }
+    show_title(ui, state);
     state.remember(ui, &context.session.view.layout.name);
+}
+
+/// Shows the name of the edited layout in the title of the window.
+fn show_title(ui: &egui::Ui, state: &mut PanelState) {
+    let title = match &state.editor {
+        Some(Ok(editor)) => editor.title(),
+        Some(Err(_)) | None => text("window-title").to_owned(),
+    };
+    if title != state.title {
+        let command = egui::ViewportCommand::Title(title.clone());
+        ui.ctx().send_viewport_cmd(command);
+        state.title = title;
+    }
 }
 
 /// Opens the layout of the session in the editor at the first time, and prepares the editor while it is shown.

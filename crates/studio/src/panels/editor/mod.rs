@@ -108,8 +108,6 @@ pub struct EditorPanel {
     message: Option<Result<&'static str, String>>,
     /// A text was typed into a field in the last picture.
     is_typing: bool,
-    /// Title of the window.
-    title: String,
     /// A position in the text that is shown.
     shown_line: Option<usize>,
     /// The window asks before it closes.
@@ -163,7 +161,6 @@ impl EditorPanel {
             pictures: None,
             message: None,
             is_typing: false,
-            title: String::new(),
             shown_line: None,
             is_close_asked: false,
             may_close: false,
@@ -176,14 +173,9 @@ impl EditorPanel {
         format!("{mark}{}", self.editor.name())
     }
 
-    /// Shows the name and the mark in the title of the window.
-    fn show_title(&mut self, ui: &egui::Ui) {
-        let title = format!("{} – {}", self.marked_name(), text("window-title"));
-        if title != self.title {
-            let command = egui::ViewportCommand::Title(title.clone());
-            ui.ctx().send_viewport_cmd(command);
-            self.title = title;
-        }
+    /// Returns the title of the window: the name and the mark.
+    pub(super) fn title(&self) -> String {
+        format!("{} – {}", self.marked_name(), text("window-title"))
     }
 
     fn apply(&mut self, edit: &Edit) {
@@ -397,7 +389,6 @@ fn rounded(value: f32) -> f64 {
 /// Brings the editor to the present, and does what keys ask for.
 pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
     panel.pictures = context.pictures;
-    panel.show_title(ui);
     let reach = &mut panel.reach;
     let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));
     reach.advance(&panel.editor);
