@@ -77,6 +77,48 @@ fn chromium_shows_the_hand_over_lit_keys_and_connects_again() {
     browser.save_picture("page-phone.png");
 }
 
+#[test]
+fn the_text_of_the_page_has_shifted_characters_and_ends_with_its_session() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let text = "Ab? (C) 5% Z ";
+    let (typist, address) = typist(&text.repeat(8), "web");
+    browser.call(
+        "Page.navigate",
+        json!({"url": format!("http://{address}/")}),
+    );
+    browser.wait_for(LOOK, "shifted characters are typed", |look| {
+        look["text"].as_str().is_some_and(|it| it.contains(text))
+    });
+    drop(typist);
+    browser.wait_for(LOOK, "the program has ended", |look| {
+        look["state"] == "not connected"
+    });
+    let (_typist, _) = share(&"hola ".repeat(40), &format!("web:{address}"));
+    browser.wait_for(LOOK, "the text of the second session", |look| {
+        let shown = look["text"].as_str();
+        shown.is_some_and(|it| it.starts_with("hola") || it.contains("a hola"))
+    });
+    let shown = browser.evaluate(LOOK)["text"].to_string();
+    assert!(!shown.contains(['?', 'Z']), "{shown}");
+    // Two sessions on one connection.
+    let texts = browser.evaluate(
+        r#"(async () => {
+            const { receive, session } = await import("/session.js");
+            const scene = (time_us) => receive({ kind: "scene", time_us, state: "running", boards: [], pressed: [], keys: [] });
+            const type = (key) => receive({ kind: "events", event: "key-down", key });
+            session.text = "";
+            scene(9e6), type("A");
+            scene(8.9e6), type("B");
+            const first = session.text;
+            scene(1e6), type("C");
+            return [first, session.text];
+        })()"#,
+    );
+    assert_eq!(texts, json!(["ab", "c"]));
+}
+
 /// Serves a page of another origin. A page without one, such as a `data:` URL, is refused by the browser itself.
 fn serve_elsewhere() -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");

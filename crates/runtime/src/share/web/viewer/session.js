@@ -2,6 +2,21 @@
 
 export const session = { layout: null, boards: [], state: "connecting", hands: {}, pressed: new Map(), keys: [], text: "" };
 
+/** Readings of two hands may be late by less: a scene that is earlier belongs to another session. */
+const MAX_LATE_US = 1e6;
+
+/** The time of the last scene. */
+let timeUs = 0;
+/** The keys that are down, also those of events after the last scene. */
+let held = new Set();
+
+/** Forgets the hands, the keys and the text of a session before another one. */
+export function restart() {
+  Object.assign(session, { hands: {}, keys: [], text: "" });
+  session.pressed.clear();
+  held.clear();
+}
+
 const receivers = {
   layout(message) {
     session.layout = message;
@@ -9,6 +24,8 @@ const receivers = {
     session.pressed.clear();
   },
   scene(message) {
+    if (message.time_us < timeUs - MAX_LATE_US) restart();
+    timeUs = message.time_us;
     session.state = message.state;
     message.boards.forEach((pose, index) => {
       if (pose) session.boards[index] = pose;
@@ -20,14 +37,19 @@ const receivers = {
     }
     for (const id of pressed) session.pressed.set(id, { releasedAt: null });
     session.keys = message.keys;
+    held = new Set(message.keys);
     if (message.state !== "running" && message.state !== "paused") session.hands = {};
   },
   pose(message) {
     session.hands[message.side] = message.positions;
   },
-  events(message) {
-    if (message.event === "character") session.text += message.character;
-    if (message.event === "key-down") session.text = after(session.text, message.key);
+  events({ event, key, character }) {
+    if (event === "character") session.text += character;
+    if (event === "key-down") {
+      session.text = after(session.text, key);
+      held.add(key);
+    }
+    if (event === "key-up") held.delete(key);
     session.text = [...session.text].slice(-48).join("");
   },
 };
@@ -42,11 +64,11 @@ const SHIFTED = "!@#$%^&*()<>_+?:\"|~{}";
 
 /** Returns the text after a key, on a US keymap. Shortcuts change nothing. */
 function after(text, key) {
-  const isHeld = (name) => session.keys.some((it) => it.startsWith(name));
+  const isHeld = (name) => [...held].some((it) => it.startsWith(name));
   if (["Control", "Alt", "Meta"].some(isHeld)) return text;
   if (key === "Backspace") return [...text].slice(0, -1).join("");
   const sign = SIGNS[key] ?? SIGNS_OF_PUNCTUATION[key] ?? (key.length === 1 ? key.toLowerCase() : "");
-  if (!isHeld("Shift")) return text + sign;
+  if (!sign || !isHeld("Shift")) return text + sign;
   return text + (SHIFTED[PLAIN.indexOf(sign)] ?? sign.toUpperCase());
 }
 

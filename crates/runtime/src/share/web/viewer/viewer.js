@@ -1,6 +1,6 @@
 // Shows the hands of a session over its boards.
 
-import { session } from "./session.js";
+import { restart, session } from "./session.js";
 import { redraw, show, view } from "./view.js";
 
 // ---- The connection, which is opened again whenever it is lost.
@@ -13,6 +13,7 @@ function connect() {
   socket.onopen = () => {
     retryMs = 500;
     socket.send(JSON.stringify({ kinds: KINDS, rate_hz: 60 }));
+    restart();
     session.state = "connected";
     redraw();
   };
