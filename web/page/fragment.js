@@ -16,7 +16,7 @@ export async function linkTo(text) {
 
 /** Returns the layout in a fragment; null if there is none. Throws an error about one that is wrong. */
 export async function layoutIn(fragment) {
-  const encoded = /^#layout=([\w-]*)$/.exec(fragment)?.[1];
+  const encoded = /^#layout=(.*)/.exec(fragment)?.[1];
   if (encoded === undefined) return null;
   const binary = atob(encoded.replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(binary, (char) => char.charCodeAt(0));
@@ -29,7 +29,7 @@ export async function layoutIn(fragment) {
     size += value.length;
     if (size > MAX_BYTES) {
       reader.cancel();
-      throw new Error("the layout in the link is larger than 1 MiB");
+      throw new Error("too large");
     }
     parts.push(value);
   }

@@ -25,6 +25,8 @@ let sides = [];
 let faultsShown = [];
 /** The text of the last layout without faults. */
 let valid = "";
+/** The text that was opened or kept last. */
+let kept = "";
 
 /** Uses a layout if it has no faults; otherwise the last valid one stays. */
 function useLayout(text) {
@@ -34,9 +36,17 @@ function useLayout(text) {
 }
 
 function openLayout(text) {
+  replaceLayout(text);
+  keep();
+}
+
+/** Shows a change of the layout, which is not kept yet. */
+function replaceLayout(text) {
   editor.setText(text);
   useLayout(text);
 }
+
+const keep = () => (kept = editor.text());
 
 function openShipped(name) {
   element("gallery-list").value = name;
@@ -47,13 +57,16 @@ function openShipped(name) {
 async function openFragment() {
   try {
     const text = await layoutIn(location.hash);
-    if (text === null) return false;
+    if (text === null) {
+      notify("");
+      return false;
+    }
     element("gallery-list").value = "";
     openLayout(text);
     notify("this layout comes from the link");
     return true;
-  } catch (error) {
-    notify(`the layout in the link cannot be read: ${error.message}; ask for the link again`);
+  } catch {
+    notify("the layout in the link is damaged, or larger than 1 MiB; ask for the link again");
     return false;
   }
 }
@@ -69,7 +82,7 @@ onChange((targets, edit) => {
     notify(edited.error);
     return false;
   }
-  openLayout(edited.text);
+  replaceLayout(edited.text);
   return true;
 });
 
@@ -259,6 +272,7 @@ view.onDraw = () => {
 element("share").addEventListener("click", async () => {
   const link = await linkTo(editor.text());
   history.replaceState(null, "", link);
+  keep();
   try {
     await navigator.clipboard.writeText(link);
     notify(`the link is copied (${link.length} characters); the layout is in it, nothing is stored elsewhere`);
@@ -267,6 +281,7 @@ element("share").addEventListener("click", async () => {
   }
 });
 element("save").addEventListener("click", () => {
+  keep();
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([editor.text()], { type: "text/plain" }));
   link.download = `${(session.layout?.name ?? "layout").toLowerCase().replaceAll(/[^a-z0-9]+/g, "-")}.ron`;
@@ -307,6 +322,7 @@ function card(name) {
 }
 
 addEventListener("hashchange", openFragment);
+addEventListener("beforeunload", (event) => editor.text() !== kept && event.preventDefault());
 if (!(await openFragment())) openShipped(FIRST_LAYOUT);
 if (session.layout === null) openShipped(FIRST_LAYOUT);
 requestAnimationFrame(frame);

@@ -222,14 +222,64 @@ fn a_link_of_the_page_and_one_of_the_program_carry_a_layout() {
     let same = |text: &str| text.lines().skip(4).collect::<Vec<_>>().join("\n");
     assert_eq!(same(look["text"].as_str().expect("a text")), same(&numpad));
 
-    browser.evaluate("location.hash = '#layout=AAAA'");
-    browser.wait_for(LOOK, "a damaged link", |seen| {
-        seen["notice"]
-            .as_str()
-            .is_some_and(|it| it.contains("cannot be read"))
-    });
+    let good = browser.evaluate("location.hash");
+    let good = good.as_str().expect("a text");
+    let cut = format!("{good}.");
+    let escaped = format!("{good}%3D");
+    for damaged in ["#layout=AAAA", "#layout=!!!!", &cut, &escaped] {
+        for (fragment, notice) in [(damaged, "is damaged"), (good, "comes from the link")] {
+            browser.evaluate(&format!("location.hash = {}", json!(fragment)));
+            browser.wait_for(LOOK, fragment, |seen| {
+                seen["notice"]
+                    .as_str()
+                    .is_some_and(|it| it.contains(notice))
+            });
+        }
+    }
+    browser.evaluate("location.hash = ''");
+    browser.wait_for(LOOK, "no link", |seen| seen["notice"] == "");
     let kept = browser.evaluate(LOOK);
     assert_eq!(kept["text"], look["text"]);
+}
+
+/// Returns `true` if the browser would ask the person before it closes the page.
+fn asks_before_it_closes(browser: &mut Browser) -> bool {
+    let leave = "!dispatchEvent(new Event('beforeunload', { cancelable: true }))";
+    browser.evaluate(leave) == true
+}
+
+#[test]
+fn the_page_asks_before_it_drops_a_changed_layout() {
+    let Some(folder) = folder() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let (_server, address) = serve(&folder);
+    open(&mut browser, &address);
+    assert!(
+        !asks_before_it_closes(&mut browser),
+        "it is as it was opened"
+    );
+    let add_line = "it.value + '// mine\\n'";
+    edit(&mut browser, add_line);
+    assert!(asks_before_it_closes(&mut browser), "a change of the text");
+    browser.evaluate("document.getElementById('save').click()");
+    assert!(!asks_before_it_closes(&mut browser), "it is saved");
+    let up = json!({"type": "keyDown", "key": "ArrowUp", "code": "ArrowUp"});
+    let before = browser.evaluate(LOOK);
+    browser.evaluate("document.querySelector('#plan [data-name=\"G\"]').focus()");
+    browser.call("Input.dispatchKeyEvent", up);
+    browser.wait_for(LOOK, "a key is moved", |look| {
+        look["text"] != before["text"]
+    });
+    assert!(asks_before_it_closes(&mut browser), "a change of the plan");
+    browser.evaluate("document.getElementById('share').click()");
+    browser.wait_for("({hash: location.hash})", "a link", |look| {
+        look["hash"]
+            .as_str()
+            .is_some_and(|hash| hash.starts_with("#layout="))
+    });
+    assert!(!asks_before_it_closes(&mut browser), "it is in the link");
 }
 
 #[test]
