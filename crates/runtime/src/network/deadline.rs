@@ -53,7 +53,12 @@ impl Read for DeadlineStream {
             self.stream.set_read_timeout(Some(left))?;
         }
         if !self.is_nonblocking.load(Ordering::Relaxed) {
-            return (&*self.stream).read(buffer);
+            let read = (&*self.stream).read(buffer);
+            return read.map_err(|error| match error.kind() {
+                // The error of Unix for a timeout.
+                ErrorKind::WouldBlock if self.deadline.is_some() => ErrorKind::TimedOut.into(),
+                _ => error,
+            });
         }
         if self.burst_bytes >= MAX_BURST_BYTES {
             self.burst_bytes = 0;
@@ -94,6 +99,17 @@ mod tests {
     use std::thread;
 
     use super::*;
+
+    #[test]
+    fn a_read_from_a_silent_peer_times_out() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let silent = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let server = Arc::new(listener.accept().unwrap().0);
+        let mut stream = DeadlineStream::new(server, Duration::from_millis(10)).unwrap();
+        let error = stream.read(&mut [0]).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::TimedOut);
+        drop(silent);
+    }
 
     #[test]
     fn reads_of_a_flood_are_interrupted_if_the_server_does_not_wait() {

@@ -1,6 +1,6 @@
 //! The client of a server with TLS and tokens.
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::net::TcpStream;
 use std::path::Path;
 use std::sync::Arc;
@@ -50,6 +50,28 @@ fn greeting_error(error: io::Error, token_file: &Path) -> SecureError {
         Some(inner) if *inner == OTHER_CERTIFICATE => SecureError::OtherCertificate {
             token_file: token_file.into(),
         },
+        _ if error.kind() == ErrorKind::TimedOut => {
+            let seconds = HANDSHAKE_TIMEOUT.as_secs();
+            SecureError::Connection(io::Error::new(
+                ErrorKind::TimedOut,
+                format!("no answer within {seconds} s"),
+            ))
+        }
         _ => SecureError::Connection(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_silent_server_is_named_with_the_time_that_it_had() {
+        let error = greeting_error(ErrorKind::TimedOut.into(), Path::new("desk.token"));
+        let text = error.to_string();
+        assert!(
+            text.contains("the secure connection failed: no answer within 5 s; check"),
+            "{text}"
+        );
     }
 }
