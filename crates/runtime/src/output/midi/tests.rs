@@ -232,4 +232,15 @@ fn what_is_no_device_is_refused_with_the_remedy() {
         file_error.contains("neither a device nor a pipe"),
         "{file_error}"
     );
+    #[cfg(target_os = "linux")]
+    {
+        let pipe = folder.path().join("pipe");
+        let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+        rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, mode).unwrap();
+        let pipe_error = refused(&format!("midi:{}", pipe.display()));
+        assert!(
+            pipe_error.ends_with("no program reads this pipe yet; start it first"),
+            "{pipe_error}"
+        );
+    }
 }

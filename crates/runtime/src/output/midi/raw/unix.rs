@@ -2,11 +2,13 @@
 
 use std::io;
 use std::os::fd::OwnedFd;
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
 use rustix::fs::{FileType, Mode, OFlags};
+use rustix::io::Errno;
 
 use crate::output::midi::thread::Writer;
 use ademan_core::message::escape_path;
@@ -24,8 +26,14 @@ pub fn open(path: &Path) -> Result<Writer, String> {
     };
     // A pipe without a reader would keep the program waiting.
     let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
-    let device = rustix::fs::open(path, flags, Mode::empty())
-        .map_err(|error| cannot(&io::Error::from(error)))?;
+    let device = rustix::fs::open(path, flags, Mode::empty()).map_err(|error| {
+        if error == Errno::NXIO && is_pipe(path) {
+            let path = escape_path(path);
+            format!("cannot open {path}: no program reads this pipe yet; start it first")
+        } else {
+            cannot(&io::Error::from(error))
+        }
+    })?;
     let stat = rustix::fs::fstat(&device).map_err(|error| cannot(&io::Error::from(error)))?;
     match FileType::from_raw_mode(stat.st_mode) {
         FileType::CharacterDevice | FileType::Fifo => {}
@@ -34,12 +42,16 @@ pub fn open(path: &Path) -> Result<Writer, String> {
     Ok(Box::new(move |message| write_all(&device, message)))
 }
 
+fn is_pipe(path: &Path) -> bool {
+    path.metadata().is_ok_and(|it| it.file_type().is_fifo())
+}
+
 fn write_all(device: &OwnedFd, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         match rustix::io::write(device, bytes) {
             Ok(written) => bytes = &bytes[written..],
-            Err(rustix::io::Errno::AGAIN) => thread::sleep(RETRY_DELAY),
-            Err(rustix::io::Errno::INTR) => {}
+            Err(Errno::AGAIN) => thread::sleep(RETRY_DELAY),
+            Err(Errno::INTR) => {}
             Err(error) => return Err(error.into()),
         }
     }
