@@ -63,7 +63,8 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
     assert_eq!(suppressed["rate_limited"], 0, "{suppressed}");
     assert_eq!(
         message_with(&run, "suppressed"),
-        "1 key suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type"
+        "1 key suppressed, as the source is only a pointer; `ademan ctl allow-keys`, `--role both` or `role: Both` \
+         next to it in the setup lets it type"
     );
     let ctl = ademan(["ctl", "--socket", "c.sock", "state"])
         .current_dir(run.folder.path())

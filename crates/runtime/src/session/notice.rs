@@ -160,7 +160,7 @@ impl fmt::Display for Notice {
             Self::AwaitingHand => f.write_str(AWAITING_HAND),
             Self::Unreached(side, nearest) => write_unreached(f, *side, nearest.as_ref()),
             Self::Armed { has_effect: true } => {
-                f.write_str("armed: touches are typed into other programs, Ctrl-C ends")
+                f.write_str("armed: touches are sent to other programs, Ctrl-C ends")
             }
             Self::Armed { has_effect: false } => {
                 f.write_str("armed: nothing is typed into other programs, Ctrl-C ends")
@@ -190,7 +190,7 @@ impl fmt::Display for Notice {
             ),
             Self::KeysSuppressed(count) => write!(
                 f,
-                "{} suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type",
+                "{} suppressed, as the source is only a pointer; `ademan ctl allow-keys`, `--role both` or `role: Both` next to it in the setup lets it type",
                 counted(*count, "key")
             ),
             Self::PointingSuppressed(count) => write!(

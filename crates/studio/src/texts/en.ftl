@@ -189,7 +189,7 @@ headset-forbid-hint = Releases everything; then all sources of the session only 
 ## Notices of the session
 
 notice-disarmed = Paused: hold the hand clear of all keys for a moment to arm
-notice-armed = Armed: touches are typed into other programs
+notice-armed = Armed: touches are sent to other programs
 notice-armed-nowhere = Armed: nothing is typed into other programs
 notice-stalled = No readings: everything is released
 notice-paused = Paused: everything is released

@@ -189,7 +189,7 @@ headset-forbid-hint = Lo suelta todo; después todas las fuentes de la sesión s
 ## Avisos de la sesión
 
 notice-disarmed = En pausa: mantenga la mano un momento lejos de todas las teclas para activar
-notice-armed = Activado: los toques se escriben en otros programas
+notice-armed = Activado: los toques se envían a otros programas
 notice-armed-nowhere = Activado: no se escribe nada en otros programas
 notice-stalled = Sin lecturas: se ha soltado todo
 notice-paused = En pausa: se ha soltado todo
