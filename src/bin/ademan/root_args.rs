@@ -9,7 +9,7 @@ use crate::failure::Failure;
 pub struct RootArgs {
     /// Run as root with an output that types
     #[arg(long)]
-    allow_root: bool,
+    pub allow_root: bool,
 }
 
 impl RootArgs {

@@ -12,7 +12,8 @@ use clap::{Command, FromArgMatches};
 
 use super::SessionArgs;
 use crate::failure::Failure;
-use crate::{ctl, headset_link, run};
+use crate::root_args::RootArgs;
+use crate::{ctl, headset_link, link, run};
 
 /// The port without `--port`.
 const PORT: u16 = 8443;
@@ -27,9 +28,13 @@ pub fn run(
     folder: &Path,
     session: &SessionArgs,
 ) -> Result<(), Failure> {
+    let allow_root = session.allow_root;
+    // Before there is a token, and its link is shown.
+    RootArgs { allow_root }.check(true)?;
     let address = listen_address(address, port.unwrap_or(PORT))?;
+    let layout = link::trusted(session.layout.clone(), session.trust)?;
     let folder = folder.to_string_lossy();
-    for name in [&*folder, session.layout.as_str()] {
+    for name in [&*folder, layout.as_str()] {
         if name.contains(['&', '?']) {
             return Err(Failure::wrong_use(format!(
                 "`{}` has an `&` or `?` in its name, which separate the options of a source; rename it",
@@ -37,15 +42,15 @@ pub fn run(
             )));
         }
     }
-    let source = format!("headset:{address}?page={folder}&layout={}", session.layout);
+    let source = format!("headset:{address}?page={folder}&layout={layout}");
     show(&headset_link::link(&address.to_string())?);
     ask_for_consent(session.control.clone());
-    run::run(run_args(&source, session)?)
+    run::run(run_args(&source, &layout, session)?)
 }
 
 /// Returns the arguments of `ademan run`.
-fn run_args(source: &str, session: &SessionArgs) -> Result<run::Args, Failure> {
-    let mut list: Vec<String> = ["run", "--source", source, "--layout", &session.layout]
+fn run_args(source: &str, layout: &str, session: &SessionArgs) -> Result<run::Args, Failure> {
+    let mut list: Vec<String> = ["run", "--source", source, "--layout", layout]
         .map(str::to_owned)
         .to_vec();
     list.extend(["--output", &session.output, "--view", &session.view].map(str::to_owned));

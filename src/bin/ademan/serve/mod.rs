@@ -56,9 +56,12 @@ pub struct Args {
 #[derive(clap::Args)]
 #[cfg_attr(not(feature = "tls"), allow(dead_code, reason = "there is no session"))]
 struct SessionArgs {
-    /// Layout of the session, which the page shows, too: a name or a file
+    /// Layout of the session, which the page shows, too: a name or a file, or a link with --trust
     #[arg(long, requires = "lan", default_value = "qwerty-flat")]
     layout: String,
+    /// Use the layout of a link, which somebody else made
+    #[arg(long, requires = "lan")]
+    trust: bool,
     /// Outputs, separated by commas, as of `ademan run`
     #[arg(
         long,
