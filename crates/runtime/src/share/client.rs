@@ -154,7 +154,6 @@ impl Client {
             match self.conversation.receive(&mut input) {
                 Received::Nothing => return Ok(None),
                 Received::Reply(bytes) => {
-                    let bytes = bytes.into();
                     self.outbox.push(Chunk { bytes, lines: 0 });
                 }
                 Received::Request(request) => match Subscription::parse(&request) {

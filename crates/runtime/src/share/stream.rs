@@ -1,6 +1,7 @@
 //! Reading from the stream of a client.
 
 use std::io::{self, ErrorKind, Read};
+use std::sync::Arc;
 
 /// The client has to be disconnected.
 #[derive(Debug)]
@@ -13,7 +14,7 @@ pub(super) enum Received {
     /// A request.
     Request(Vec<u8>),
     /// Bytes to send to the client.
-    Reply(Vec<u8>),
+    Reply(Arc<[u8]>),
     /// The client may not go on, for this reason.
     Refused(String),
     /// The client has gone, or there is no way to tell it what is wrong.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::pages;
 use crate::files::{FileError, open_regular};
@@ -60,7 +61,7 @@ pub enum PageFolderError {
 #[derive(Debug)]
 pub struct PageFolder {
     /// By path in a request, such as `/page.css`.
-    answers: BTreeMap<String, Vec<u8>>,
+    answers: BTreeMap<String, Arc<[u8]>>,
 }
 
 impl PageFolder {
@@ -88,14 +89,14 @@ impl PageFolder {
                 Some(left) if answers.len() < MAX_FILES => left,
                 _ => return Err(PageFolderError::TooLarge(folder.into())),
             };
-            answers.insert(name, pages::answer_of_folder(kind, &body));
+            answers.insert(name, pages::answer_of_folder(kind, &body).into());
         }
         Ok(Self { answers })
     }
 
-    /// Returns the answer with the file of a path; `None` if there is no such file.
-    pub fn answer(&self, path: &str) -> Option<&[u8]> {
-        self.answers.get(path).map(Vec::as_slice)
+    /// Returns the answer with the file of a path, which all clients share; `None` if there is no such file.
+    pub fn answer(&self, path: &str) -> Option<&Arc<[u8]>> {
+        self.answers.get(path)
     }
 }
 

@@ -42,7 +42,7 @@ pub(in crate::share) enum Pages {
 /// The answer to a request.
 pub(in crate::share) struct Answer {
     /// Its bytes.
-    pub bytes: Vec<u8>,
+    pub bytes: Arc<[u8]>,
     /// The WebSocket that it opens. Without one, the connection is closed.
     pub socket: Option<SocketReader>,
 }
@@ -93,16 +93,16 @@ impl Head {
         }
         let path = request.uri().path();
         let page = match &self.pages {
-            Pages::Viewer if path != SOCKET_PATH => Some(pages::file(path)),
-            Pages::Folder(folder) => Some(folder.answer(path).map(<[u8]>::to_vec)),
+            Pages::Viewer if path != SOCKET_PATH => Some(pages::file(path).map(Arc::from)),
+            Pages::Folder(folder) => Some(folder.answer(path).cloned()),
             Pages::None | Pages::Viewer => None,
         };
         if let Some(page) = page {
-            return Answer::page(page.unwrap_or_else(no_such_page));
+            return Answer::page(page.unwrap_or_else(|| no_such_page().into()));
         }
         match upgrade(request) {
             Ok(bytes) => Answer {
-                bytes,
+                bytes: bytes.into(),
                 socket: Some(SocketReader::new(self.bytes[length..].to_vec())),
             },
             Err(bytes) => Answer::page(bytes),
@@ -112,10 +112,29 @@ impl Head {
 
 impl Answer {
     /// Creates an answer that ends the connection.
-    fn page(bytes: Vec<u8>) -> Self {
+    fn page(bytes: impl Into<Arc<[u8]>>) -> Self {
         Self {
-            bytes,
+            bytes: bytes.into(),
             socket: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn clients_share_the_bytes_of_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("index.html"), "<p>page").unwrap();
+        let folder = Arc::new(PageFolder::read(folder.path()).unwrap());
+        let address = SocketAddr::from(([127, 0, 0, 1], 8081));
+        let mut head = Head::new(address, Pages::Folder(Arc::clone(&folder)));
+        let mut request = &b"GET / HTTP/1.1\r\nHost: 127.0.0.1:8081\r\n\r\n"[..];
+        let answer = head.receive(&mut request).ok().flatten().unwrap();
+        assert!(Arc::ptr_eq(&answer.bytes, folder.answer("/").unwrap()));
     }
 }

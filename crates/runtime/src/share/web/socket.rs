@@ -50,7 +50,7 @@ impl SocketReader {
         match message {
             Ok(Message::Text(text)) => Received::Request(text.as_bytes().to_vec()),
             Ok(Message::Binary(_)) => Received::Refused("a request is a text message".into()),
-            Ok(_) => Received::Reply(replies),
+            Ok(_) => Received::Reply(replies.into()),
             Err(tungstenite::Error::Io(error)) if is_temporary(error.kind()) => Received::Nothing,
             Err(_) => Received::Gone,
         }

@@ -160,9 +160,10 @@ impl Shared {
         }
         let path = request.uri().path();
         if path != SOCKET_PATH {
-            let page = self.folder.answer(path);
-            let page = page.map_or_else(no_such_page, <[u8]>::to_vec);
-            return finish(stream, &page);
+            return match self.folder.answer(path) {
+                Some(page) => finish(stream, page),
+                None => finish(stream, &no_such_page()),
+            };
         }
         let answer = match upgrade(&request) {
             Ok(answer) => answer,
