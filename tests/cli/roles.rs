@@ -80,7 +80,8 @@ fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow
 
 #[test]
 fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
-    let run = Run::with_setup(NO_ROLE, &["--control", "c.sock"]);
+    let arguments = ["--control", "c.sock", "--record", "hand.mcap"];
+    let run = Run::with_setup(NO_ROLE, &arguments);
     run.wait_for_message(ARMED);
     let reply = |command: &str| request(&run, &format!(r#"{{"command":"{command}"}}"#));
     assert_eq!(reply("allow-keys")["ok"], true);
@@ -100,6 +101,25 @@ fn a_source_on_the_network_types_between_allow_keys_and_forbid_keys() {
     let state = request(&run, r#"{"command":"state"}"#);
     assert_eq!(state["stats"]["suppressed"]["keys_by_role"], 1, "{state}");
     assert!(run.events.is_empty(), "no key was pressed");
+
+    assert_eq!(reply("stop")["ok"], true);
+    message_with(&run, "suppressed: 1 by `role`");
+    std::fs::write(run.folder.path().join("own.ron"), "Setup(role: Pointer)").expect("a file");
+    let replay = |more: &[&str]| {
+        let mut replay = ademan(["replay", "hand.mcap"]);
+        let output = replay.args(more).current_dir(run.folder.path()).output();
+        String::from_utf8(output.expect("it starts").stdout).expect("UTF-8")
+    };
+    let words = |transcript: &str, word: &str| transcript.matches(word).count();
+    let repeated = replay(&[]);
+    let counts = ["down H", "up   H"].map(|word| words(&repeated, word));
+    assert_eq!(
+        counts,
+        [1, 1],
+        "it has the permissions of the run: {repeated}"
+    );
+    let own = replay(&["--setup", "own.ron"]);
+    assert_eq!(words(&own, "down H"), 0, "it has others: {own}");
 }
 
 #[test]

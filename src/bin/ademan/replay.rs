@@ -50,6 +50,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
     if has_effect {
         replay = replay.without_packet_period();
     }
+    if args.setup.is_some() {
+        replay = replay.without_permissions();
+    }
     let setup = load_setup(&args, &replay, has_effect)?;
     session::prepare()?;
     let options = SessionOptions {

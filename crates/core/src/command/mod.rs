@@ -211,6 +211,11 @@ impl Command {
         )
     }
 
+    /// Returns `true` if the command changes whether sources may press keys.
+    pub const fn is_permission(&self) -> bool {
+        matches!(self, Self::AllowKeys | Self::ForbidKeys)
+    }
+
     /// Returns `true` if the command types, or changes what keys type: a source that may only point does not cause it.
     pub const fn is_typing(&self) -> bool {
         matches!(

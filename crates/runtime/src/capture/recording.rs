@@ -16,6 +16,8 @@ pub struct Replay<R = File> {
     name: String,
     recording: Recording<R>,
     readings: u64,
+    /// Commands that let sources press keys, or only point, are left out.
+    lacks_permissions: bool,
     truncation: SharedTruncation,
 }
 
@@ -45,6 +47,7 @@ impl<R: Read + Send> Replay<R> {
             name,
             recording,
             readings: 0,
+            lacks_permissions: false,
             truncation: SharedTruncation::default(),
         };
         replay.report_truncation();
@@ -61,6 +64,13 @@ impl<R: Read + Send> Replay<R> {
     #[must_use]
     pub fn without_packet_period(mut self) -> Self {
         self.recording.remove_packet_period();
+        self
+    }
+
+    /// Leaves out the commands that let sources press keys, or only point: for sessions with the permissions of the person.
+    #[must_use]
+    pub fn without_permissions(mut self) -> Self {
+        self.lacks_permissions = true;
         self
     }
 
@@ -110,6 +120,11 @@ impl<R: Read + Send> Source for Replay<R> {
             Some(RecordedEvent::Reading(reading)) => {
                 self.readings += 1;
                 SourceEvent::Reading(reading)
+            }
+            Some(RecordedEvent::Command(command))
+                if self.lacks_permissions && command.is_permission() =>
+            {
+                SourceEvent::Idle
             }
             Some(RecordedEvent::Command(command)) => SourceEvent::Command(command),
             None => {

@@ -293,7 +293,8 @@ impl LoadedSetup {
         let format = Hc11Format::default();
         Ok(match source {
             SourceUri::Recording { path } => {
-                let replay = Replay::open(path)?;
+                // The setup has the permissions.
+                let replay = Replay::open(path)?.without_permissions();
                 Box::new(match period {
                     PacketPeriod::Recorded => replay,
                     PacketPeriod::Unknown => replay.without_packet_period(),

@@ -3,6 +3,7 @@
 use super::SessionLoop;
 use crate::capture::SourceStats;
 use crate::session::SessionError;
+use ademan_core::command::Command;
 
 impl SessionLoop<'_> {
     /// Sets the statistics of the source. If another sender has followed the one that keys were allowed for, releases
@@ -16,7 +17,8 @@ impl SessionLoop<'_> {
                 "another sender has followed the one that keys were allowed for: the roles of the setup apply again; `ademan ctl allow-keys` allows keys"
             );
             self.send_events()?;
-            self.publish(None, false, None);
+            // A replay has no senders.
+            self.publish_command(Command::ForbidKeys, true);
         }
         Ok(())
     }
@@ -27,23 +29,45 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
+    use crate::output::{self, Sink};
     use crate::session::command_channel::CommandReceiver;
     use crate::session::event_loop::capture::Capture;
     use crate::session::event_loop::layouts::tests::{CountingSink, EmptyRecording};
     use crate::setup::Setup;
-    use ademan_core::command::{Command, CommandOrigin};
-    use ademan_core::device::Events;
+    use ademan_core::command::CommandOrigin;
+    use ademan_core::device::{Capabilities, Events};
     use ademan_core::pipeline::Pipeline;
     use ademan_core::snapshot::StepView;
 
-    #[test]
-    fn keys_are_allowed_for_the_present_sender_and_not_for_the_next_one() {
+    /// Returns the pipeline of a source that only points.
+    fn pointing_pipeline() -> Pipeline {
         let setup = Setup {
             source: Some("udp:127.0.0.1:9000?protocol=text-line".parse().unwrap()),
             ..Setup::default()
         };
+        setup.load_files().unwrap().pipeline()
+    }
+
+    #[test]
+    fn a_recording_allows_keys_only_if_no_other_program_receives_them() {
+        let is_allowed = |sink: &mut dyn Sink| {
+            let commands = CommandReceiver::disconnected();
+            let mut pipeline = pointing_pipeline();
+            let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
+            let capture = Capture::start(EmptyRecording).unwrap();
+            let mut session = SessionLoop::new(capture, &commands, &mut pipeline, sink, observer);
+            session.replay_command(Command::AllowKeys).unwrap();
+            session.pipeline.withdraw_allowed_keys(&mut Events::new())
+        };
+        let mut none = output::open("none", &Capabilities::default()).unwrap();
+        assert!(is_allowed(&mut *none));
+        assert!(!is_allowed(&mut CountingSink::default()));
+    }
+
+    #[test]
+    fn keys_are_allowed_for_the_present_sender_and_not_for_the_next_one() {
         let commands = CommandReceiver::disconnected();
-        let mut pipeline = setup.load_files().unwrap().pipeline();
+        let mut pipeline = pointing_pipeline();
         let mut sink = CountingSink::default();
         let observer = &mut |_: &StepView, _: Instant, _: &Pipeline| {};
         let capture = Capture::start(EmptyRecording).unwrap();

@@ -342,11 +342,16 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Repeats a command of a recording.
+    /// Repeats a command of a recording. One that lets sources press keys is repeated only if no other program receives them.
     fn replay_command(&mut self, command: Command) -> Result<(), SessionError> {
         self.events.clear();
+        let (origin, events) = (CommandOrigin::Client, &mut self.events);
         // A command that cannot be executed has no effect: another layout or glove may replace the recorded one.
-        let result = self.pipeline.replay(&command, &mut self.events);
+        let result = if command.is_permission() && !self.sink.0.has_effect() {
+            self.pipeline.execute(&command, origin, events)
+        } else {
+            self.pipeline.replay(&command, events)
+        };
         self.send_events()?;
         self.publish_command(command, result.is_ok());
         Ok(())
