@@ -60,6 +60,45 @@ fn a_run_releases_all_keys_on_a_signal_and_succeeds() {
     }
 }
 
+/// Returns a server that accepts no connection, as its queue is full, and what fills the queue.
+#[cfg(target_os = "linux")]
+fn server_without_answers() -> (std::os::fd::OwnedFd, Vec<std::os::fd::OwnedFd>, String) {
+    use rustix::net::{self, AddressFamily, SocketType};
+    let socket = || {
+        net::socket_with(
+            AddressFamily::INET,
+            SocketType::STREAM,
+            net::SocketFlags::NONBLOCK | net::SocketFlags::CLOEXEC,
+            None,
+        )
+    };
+    let listener = socket().unwrap();
+    let address = free_address();
+    net::bind(&listener, &address).unwrap();
+    net::listen(&listener, 0).unwrap();
+    let clients: Vec<_> = (0..3).map(|_| socket().unwrap()).collect();
+    for client in &clients {
+        // It is in progress.
+        let _ = net::connect(client, &address);
+    }
+    (listener, clients, address.to_string())
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_whose_server_does_not_answer_ends_on_a_signal() {
+    let (_server, _clients, address) = server_without_answers();
+    let source = format!("tcp:{address}?protocol=text-line");
+    let mut run = Running::start(&["run", "--source", &source]);
+    let mut err = BufReader::new(run.0.stderr.take().unwrap());
+    while !line(&mut err).contains("only a pointer") {}
+    run.signal("INT");
+    let mut rest = String::new();
+    err.read_to_string(&mut rest).unwrap();
+    assert!(!rest.contains("timed out"), "{rest}");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0), "{rest}");
+}
+
 #[test]
 fn a_demo_that_is_interrupted_fails() {
     let mut demo = Running::start(&["demo"]);

@@ -1,9 +1,18 @@
 //! The source of a session: opened, paced, or awaited.
 
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::{RecvTimeoutError, bounded};
+
 use super::Session;
 use super::notice::Notice;
 use crate::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri};
 use crate::setup::SetupError;
+
+/// Longest time after which a session that waits for a server notices that it was stopped.
+const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Session {
     /// Opens the source. Returns `None` if the session was stopped before the device appeared.
@@ -17,16 +26,42 @@ impl Session {
         let source = if self.options.wait_for_source {
             self.wait_for(&uri)?
         } else {
-            Some(self.open_uri(&uri)?)
+            self.open_unless_stopped(&uri)?
         };
         Ok(source.map(|source| self.paced(source)))
     }
 
-    /// Opens a source of the setup. Outputs do not hold a key for longer than the setup permits.
-    fn open_uri(&self, uri: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        match &self.options.output {
-            Some(output) if !output.has_effect() => self.setup.open_source(uri),
-            _ => self.setup.open_source_for_outputs(uri),
+    /// Opens a source of the setup. Outputs do not hold a key for longer than the setup permits. Returns `None` if the session was
+    /// stopped while a server did not answer.
+    fn open_unless_stopped(&self, uri: &SourceUri) -> Result<Option<Box<dyn Source>>, SetupError> {
+        let has_effect = (self.options.output.as_ref()).is_none_or(|output| output.has_effect());
+        let (setup, opened_uri) = (Arc::clone(&self.setup), uri.clone());
+        let open = move || {
+            if has_effect {
+                setup.open_source_for_outputs(&opened_uri)
+            } else {
+                setup.open_source(&opened_uri)
+            }
+        };
+        let mut uris = self.setup.named_sources().filter_map(|named| named.uri);
+        if !uris.any(SourceUri::is_remote) {
+            return open().map(Some);
+        }
+        let (sender, opened) = bounded(1);
+        let opening = open.clone();
+        let thread = thread::Builder::new().name("open".into());
+        let spawned = thread.spawn(move || _ = sender.send(opening()));
+        if spawned.is_err() {
+            return open().map(Some);
+        }
+        loop {
+            match opened.recv_timeout(STOP_INTERVAL) {
+                Ok(source) => return source.map(Some),
+                Err(RecvTimeoutError::Timeout) if self.commands.is_stopped() => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => {}
+                // The thread has panicked.
+                Err(RecvTimeoutError::Disconnected) => return open().map(Some),
+            }
         }
     }
 
@@ -44,15 +79,15 @@ impl Session {
         let mut reported = String::new();
         let mut back_off = BackOff::default();
         loop {
-            let reason = match self.open_uri(uri) {
+            let reason = match self.open_unless_stopped(uri) {
                 Err(SetupError::Capture(error @ CaptureError::Open { .. })) if uri.is_device() => {
                     error.to_string()
                 }
                 opened => {
-                    if !reported.is_empty() && opened.is_ok() {
+                    if !reported.is_empty() && matches!(opened, Ok(Some(_))) {
                         notices.send(Notice::SourceFound(uri.clone()));
                     }
-                    return opened.map(Some);
+                    return opened;
                 }
             };
             if reason != reported {
