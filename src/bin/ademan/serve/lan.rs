@@ -28,10 +28,10 @@ pub fn run(
     folder: &Path,
     session: &SessionArgs,
 ) -> Result<(), Failure> {
+    let address = listen_address(address, port.unwrap_or(PORT))?;
     let allow_root = session.allow_root;
     // Before there is a token, and its link is shown.
     RootArgs { allow_root }.check(true)?;
-    let address = listen_address(address, port.unwrap_or(PORT))?;
     let layout = link::trusted(session.layout.clone(), session.trust)?;
     let folder = folder.to_string_lossy();
     for name in [&*folder, layout.as_str()] {
