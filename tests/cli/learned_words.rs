@@ -26,7 +26,11 @@ impl Typing {
     fn start(folder: TempDir, arguments: &[&str]) -> Self {
         let mut command = ademan(["run", "--layout", "qwerty-flat", "--decoder", "auto"]);
         command
-            .args(["--source", "typist:the cat sat on the mat and the dog ran"])
+            // Longer than the test takes. The person is learned once 60 taps are final.
+            .args([
+                "--source",
+                &format!("typist:{}", "the cat and the dog ran ".repeat(10)),
+            ])
             .args(["--control", "c.sock"])
             .args(arguments)
             .current_dir(folder.path())

@@ -90,6 +90,11 @@ impl SetupArgs {
         self.layout.is_some()
     }
 
+    /// Returns `true` if the events that a source may cause are named.
+    pub fn names_role(&self) -> bool {
+        self.role.is_some() || self.arm_role.is_some()
+    }
+
     /// Sets a source on standard input, and a layout, if none is named.
     pub fn default_to(&mut self, source: &str, layout: Option<&str>) -> Result<(), Failure> {
         match &self.source {

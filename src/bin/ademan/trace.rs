@@ -107,9 +107,12 @@ impl<'a> TracedSetup<'a> {
     fn open(args: &'a Args) -> Result<Self, Failure> {
         match (args.flags.recording(), &args.setup) {
             (Some(path), None) => {
-                let replay = Box::new(Replay::open(path)?);
+                let mut replay = Replay::open(path)?;
+                if args.flags.names_role() {
+                    replay = replay.without_permissions();
+                }
                 say!("using the setup in {}", escape_path(path));
-                Ok(Self::Recorded(replay, &args.flags))
+                Ok(Self::Recorded(Box::new(replay), &args.flags))
             }
             (_, file) => Ok(Self::Own(Box::new(args.flags.read_setup(file.as_deref())?))),
         }

@@ -68,7 +68,7 @@ impl Pipeline {
             Command::UndoLearning => self.undo_learning(events)?,
             Command::Text { mode } => self.text_filter()?.set_mode(mode),
             Command::Candidate { number } => self.text_filter()?.choose(number),
-            Command::ForgetLearned => self.text_filter()?.forget(),
+            Command::ForgetLearned => self.forget_learned()?,
             Command::AllowKeys | Command::ForbidKeys if origin == CommandOrigin::Layout => {
                 return Err(CommandError::Permission);
             }

@@ -71,7 +71,7 @@ pub struct SessionStatus {
     pub cursor: Option<CursorPosition>,
     /// Ranges of sensors that were learned; `None` without any.
     pub learned: Option<LearnedSummary>,
-    /// What the text decoder has learned; `None` without one.
+    /// Knowledge of the text decoder about the person; `None` without a decoder.
     pub typing: Option<TypingSummary>,
 }
 

@@ -9,7 +9,7 @@ use ademan_core::document::{Document, DocumentError};
 use ademan_core::message::escape_path;
 use ademan_text::filter::Learned;
 
-/// The text of a file that is not there.
+/// The text of a file that is not there. One that was moved away or has nothing in it is written again.
 const NOTHING: &str = "Learned()";
 
 /// A file, and the text that was read from it or written to it last.
@@ -47,10 +47,10 @@ impl LearnedFile {
         let text = learned.to_ron();
         let is_unchanged = |path: &Path| {
             let found = Self::read(&path.to_string_lossy());
-            found.is_ok_and(|document| document.text == self.text)
+            found.is_ok_and(|document| document.text == self.text || document.text == NOTHING)
         };
         let changed = format!(
-            "{name}: not saved, as another program has changed the file since it was read; start the run again to use it, or move it away"
+            "{name}: not saved, as another program has changed the file since it was read; move it away and save again, or start the run again to use it"
         );
         if !is_unchanged(&target) {
             return Err(changed);
@@ -115,6 +115,9 @@ mod tests {
             fs::read_to_string(&path).unwrap(),
             "Learned(words: [\"Ana\"])"
         );
+        // As the message says.
+        fs::remove_file(&path).unwrap();
+        file.save(&learned(&["Nuria"])).unwrap();
         // A folder that is not there.
         let mut lost = LearnedFile::new(folder.path().join("a/me.ron").to_str().unwrap(), NOTHING);
         let error = lost.save(&learned(&[])).unwrap_err();

@@ -46,7 +46,7 @@ pub struct LoadedSetup {
     pub(super) pipeline: PipelineSettings,
     /// The language of the text decoder; `None` without one.
     pub(super) language: Option<Language>,
-    /// What the text decoder has learned of the person.
+    /// Knowledge of the text decoder about the person.
     pub(super) learned: Learned,
     /// The reason why there is no text decoder although the setup asks for one.
     pub text_error: Option<String>,

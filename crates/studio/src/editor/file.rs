@@ -162,6 +162,13 @@ impl EditedFile {
         }
     }
 
+    /// Returns `true` if another program has written or removed the file since it was read or written.
+    fn has_changed(&self) -> bool {
+        self.path
+            .as_deref()
+            .is_some_and(|path| stamp(path) != self.stamp)
+    }
+
     fn note_saved(&mut self, path: &Path, text: &str) {
         self.name = path.to_string_lossy().into_owned();
         self.path = Some(path.to_owned());
@@ -177,6 +184,11 @@ fn stamp(path: &Path) -> Option<Stamp> {
 }
 
 impl LayoutEditor {
+    /// Returns `true` if [`poll`](Self::poll) will read the file again.
+    pub fn has_changed_outside(&self) -> bool {
+        self.file.has_changed()
+    }
+
     /// Returns `true` if the text differs from the text that was opened or saved last, or the file has been lost since.
     pub fn is_modified(&self) -> bool {
         self.file.is_lost || self.text != self.file.saved_text()

@@ -174,14 +174,18 @@ impl<'m> Corrector<'m> {
         self.reset();
     }
 
-    /// Counts the words of the text in the field, which is final. One that the lexicon lacks becomes one of the person's words after
-    /// a few uses.
+    /// Counts the whole words of the text in the field, which is final. One that the lexicon lacks becomes one of the person's words
+    /// after a few uses. The decoder has no hypotheses then: a new word moves the others.
     fn count_words(&mut self) {
-        let words = self.shown.split(ends_word).filter(|word| !word.is_empty());
-        for word in words {
-            if self.decoder.model().find(word).is_none() && self.names.count(word) {
-                self.restored.add(word);
-                self.decoder.add_own_word(word);
+        let whole = self.shown.rfind(ends_word).unwrap_or(0);
+        let words = self.shown[..whole].split(ends_word);
+        for word in words.filter(|word| !word.is_empty()) {
+            if self.decoder.model().find(word).is_some() {
+                continue;
+            }
+            if let Some(name) = self.names.count(word) {
+                self.restored.add(&name);
+                self.decoder.add_own_word(&name);
             }
         }
     }
@@ -196,11 +200,12 @@ impl<'m> Corrector<'m> {
     pub fn start_word(&mut self) {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
         // A text that stays although another one is more probable is no evidence.
+        if is_known && same_letters(self.decoder.best(), &self.shown) {
+            self.decoder.commit();
+        }
+        self.decoder.start_anywhere();
         if is_known {
             self.count_words();
-            if same_letters(self.decoder.best(), &self.shown) {
-                self.decoder.commit();
-            }
         }
         self.reset();
         self.is_partial = false;
@@ -258,8 +263,8 @@ impl<'m> Corrector<'m> {
         let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
             // The shown text is final; the person is learned from the text that was most probably meant.
-            self.count_words();
             self.decoder.commit();
+            self.count_words();
             self.shown.clear();
         }
     }
@@ -275,8 +280,8 @@ impl<'m> Corrector<'m> {
             return;
         }
         // A word that stays as it was typed is no evidence for what follows.
-        self.count_words();
         self.decoder.commit_typed();
+        self.count_words();
         self.shown.clear();
     }
 

@@ -8,20 +8,25 @@ use super::restored::MAX_BYTES;
 const USES: u8 = 3;
 /// The fewest letters: shorter ones are mostly slips and abbreviations.
 const MIN_LETTERS: usize = 3;
-/// The words that are counted; the one that was used longest ago makes room.
+/// The most words that are counted; the least recently used one is removed for another.
 const MAX_COUNTED: usize = 64;
+
+/// A word.
+pub type Name = ArrayString<MAX_BYTES>;
 
 /// A word in lower case and its uses.
 #[derive(Clone, Copy, Debug)]
 struct Counted {
-    word: ArrayString<MAX_BYTES>,
+    word: Name,
     uses: u8,
+    /// Each use had a capital: one at the start of a sentence says nothing.
+    is_capital: bool,
 }
 
 /// Counts words that the lexicon lacks. Does not allocate after its creation.
 #[derive(Clone, Debug)]
 pub struct Names {
-    /// The one that was used last comes last.
+    /// In the order of their last use.
     counted: Vec<Counted>,
 }
 
@@ -39,30 +44,42 @@ impl Names {
         self.counted.clear();
     }
 
-    /// Takes the words of another list, and keeps the room for more.
+    /// Copies the words of another list, and keeps the room for more.
     pub fn take_over(&mut self, other: &Self) {
         self.clear();
         self.counted.extend_from_slice(&other.counted);
     }
 
-    /// Counts a use. Returns `true` if the word is a name from now on.
-    pub fn count(&mut self, word: &str) -> bool {
-        let mut lower = ArrayString::new();
+    /// Counts a use. Returns the word, as it is written inside a sentence, if it is a name from now on.
+    pub fn count(&mut self, word: &str) -> Option<Name> {
+        let mut lower = Name::new();
         let mut letters = word.chars().flat_map(char::to_lowercase);
         let fits = letters.all(|letter| letter.is_alphabetic() && lower.try_push(letter).is_ok());
         if !fits || word.chars().count() < MIN_LETTERS {
-            return false;
+            return None;
         }
         let place = self.counted.iter().position(|known| known.word == lower);
-        let uses = place.map_or(0, |place| self.counted.remove(place).uses) + 1;
+        let before = place.map(|place| self.counted.remove(place));
+        let uses = before.map_or(0, |before| before.uses) + 1;
+        let is_capital =
+            word.starts_with(char::is_uppercase) && before.is_none_or(|before| before.is_capital);
         if uses >= USES {
-            return true;
+            let written = if is_capital {
+                Name::from(word)
+            } else {
+                Ok(lower)
+            };
+            return written.ok();
         }
         if self.counted.len() == MAX_COUNTED {
             self.counted.remove(0);
         }
-        self.counted.push(Counted { word: lower, uses });
-        false
+        self.counted.push(Counted {
+            word: lower,
+            uses,
+            is_capital,
+        });
+        None
     }
 }
 
@@ -73,14 +90,28 @@ mod tests {
     #[test]
     fn a_word_is_a_name_with_its_third_use() {
         let mut names = Names::default();
-        let counts = ["nuria", "Nuria", "kubectl", "NURIA", "nuria"].map(|word| names.count(word));
-        assert_eq!(counts, [false, false, false, true, false]);
+        let words = ["nuria", "Nuria", "kubectl", "NURIA", "nuria"];
+        let counts = words.map(|word| names.count(word).map(|name| name.to_string()));
+        assert_eq!(counts, [None, None, None, Some("nuria".to_owned()), None]);
+    }
+
+    #[test]
+    fn a_name_that_always_has_a_capital_keeps_it() {
+        let mut names = Names::default();
+        let mut last = |words: [&str; 3]| words.map(|word| names.count(word))[2];
+        assert_eq!(last(["Nuria"; 3]).as_deref(), Some("Nuria"));
+        assert_eq!(
+            last(["kubectl", "kubectl", "Kubectl"]).as_deref(),
+            Some("kubectl")
+        );
+        assert_eq!(last(["NAVO"; 3]).as_deref(), Some("NAVO"));
     }
 
     #[test]
     fn short_words_signs_and_old_words_are_no_names() {
         let mut names = Names::default();
-        let count = |counts: &mut Names, word: &str| (0..USES).any(|_| counts.count(word));
+        let count =
+            |counts: &mut Names, word: &str| (0..USES).any(|_| counts.count(word).is_some());
         assert!(!count(&mut names, "tj") && !count(&mut names, "h2o"));
         names.count("nuria");
         names.count("nuria");
@@ -88,6 +119,6 @@ mod tests {
             let letter = |digit: usize| char::from(b'a' + digit as u8);
             names.count(&format!("w{}{}", letter(number / 26), letter(number % 26)));
         }
-        assert!(!names.count("nuria"));
+        assert_eq!(names.count("nuria"), None);
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::tail::ends_word;
 
-/// The most words; the oldest one goes first.
+/// The most words.
 const MAX_WORDS: usize = 512;
 /// The longest word in bytes.
 pub(super) const MAX_BYTES: usize = 64;
@@ -77,7 +77,7 @@ impl Restored {
         self.words.iter().map(ArrayString::as_str)
     }
 
-    /// Takes the words of another list, and keeps the room for more.
+    /// Copies the words of another list, and keeps the room for more.
     pub(super) fn take_over(&mut self, other: &Self) {
         self.clear();
         self.words.extend_from_slice(&other.words);
@@ -89,7 +89,7 @@ impl Restored {
         self.pending.clear();
     }
 
-    /// Adds a word, unless it is empty or too long, or there already, whatever its case.
+    /// Adds a word, unless it is empty, too long or there already, whatever its case, or there is no room.
     pub fn add(&mut self, word: &str) {
         let Ok(kept) = ArrayString::from(word) else {
             return;
@@ -97,10 +97,9 @@ impl Restored {
         if word.is_empty() || self.words.iter().any(|known| is_same(known, word)) {
             return;
         }
-        if self.words.len() == MAX_WORDS {
-            self.words.remove(0);
+        if self.words.len() < MAX_WORDS {
+            self.words.push(kept);
         }
-        self.words.push(kept);
     }
 
     /// Returns `true` if the change from a text to another one would change one of the words.
@@ -150,13 +149,13 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_word_makes_room() {
+    fn a_full_list_keeps_its_words() {
         let mut restored = Restored::default();
         for number in 0..=MAX_WORDS {
             restored.add(&format!("w{number}"));
         }
         assert_eq!(restored.words().len(), MAX_WORDS);
-        assert_eq!(restored.words().next(), Some("w1"));
+        assert_eq!(restored.words().next(), Some("w0"));
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl Decoder<'_> {
         self.followed_taps = self.taps.len();
     }
 
-    /// Takes the text of a hypothesis for what was typed, if one has it.
+    /// Uses the text of a hypothesis as what was typed, if one has it.
     pub(super) fn follow_known(&mut self, shown: &str) {
         for index in 0..self.finished.len() {
             let finished = self.finished[index];

@@ -1,4 +1,4 @@
-//! What a text decoder has learned of a person, as a file keeps it.
+//! Knowledge of a text decoder about a person, as a file keeps it.
 
 use std::fmt::Write;
 
@@ -22,7 +22,7 @@ const MAX_BYTES: usize = 64;
 const MIN_KEY_TAPS: f32 = 0.5;
 
 schema! {
-    /// What the text decoder has learned of a person.
+    /// Knowledge of the text decoder about a person.
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(rename = "Learned", default, deny_unknown_fields)]
     pub struct Learned {
@@ -38,7 +38,7 @@ schema! {
 }
 
 schema! {
-    /// Where keys are tapped, older taps counted less.
+    /// Distribution of taps around the centers of keys, older taps counted less.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(default, deny_unknown_fields)]
     pub struct LearnedTaps {
@@ -54,7 +54,7 @@ schema! {
 }
 
 schema! {
-    /// Where a key is tapped.
+    /// Distribution of the taps on a key.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
     pub struct LearnedKey {
@@ -101,7 +101,7 @@ const FORMAT: Format = Format {
     },
 };
 
-/// What has been learned of a person, in a few numbers.
+/// Knowledge about a person in a few numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LearnedSummary {
     /// The taps, with their mean distance from the centers of keys and their standard deviation.
@@ -129,9 +129,9 @@ impl LearnedTaps {
         }
     }
 
-    /// Returns the sums of the taps, each counted as a share of one.
-    fn sums(&self, share: f32) -> Sums {
-        let taps = self.taps * share;
+    /// Returns the sums of the taps, each counted as a fraction of one.
+    fn sums(&self, fraction: f32) -> Sums {
+        let taps = self.taps * fraction;
         let ((x, y), (sx, sy)) = (self.offset_mm, self.scatter_mm);
         let squares = [
             sx * sx + x * x,
@@ -223,7 +223,7 @@ impl LearnedErrors {
 }
 
 impl Learned {
-    /// Reads a file. Values that nobody taps with are refused.
+    /// Reads a file. Fails for values outside their ranges.
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
         let learned: Self = document.parse_as(&FORMAT)?;
         let error = |message: String| document.error_at(&document.text, message);
@@ -257,6 +257,13 @@ impl Learned {
             numbers.map_err(|message| error(format!("the key `{name}`: {message}")))?;
         }
         Ok(learned)
+    }
+
+    /// Adds the words of another layout of the same person, as long as there is room.
+    pub fn add_words(&mut self, other: Self) {
+        let mut words = Restored::from(std::mem::take(&mut self.words));
+        other.words.iter().for_each(|word| words.add(word));
+        self.words = words.into();
     }
 
     /// Returns the text of a file.
@@ -328,23 +335,23 @@ impl Learned {
 
     /// Returns the touch model to start with. What was learned counts for at most 200 taps.
     pub fn touch(&self) -> TouchModel {
-        let share_of = |taps: f32| {
+        let fraction_of = |taps: f32| {
             if taps > MAX_TAPS {
                 MAX_TAPS / taps
             } else {
                 1.0
             }
         };
-        let share = share_of(self.person.taps);
-        let errors = share_of(self.errors.taps);
+        let fraction = fraction_of(self.person.taps);
+        let errors = fraction_of(self.errors.taps);
         let key_sums = self.keys.iter().filter_map(|key| {
             Some(KeySums {
                 character: key.key.chars().next()?,
-                sums: key.numbers().sums(share),
+                sums: key.numbers().sums(fraction),
             })
         });
         TouchModel {
-            person: self.person.sums(share),
+            person: self.person.sums(fraction),
             keys: key_sums.collect(),
             errors: ErrorSums {
                 taps: self.errors.taps * errors,

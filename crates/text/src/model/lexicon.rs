@@ -4,8 +4,8 @@
 //! its first child. Besides its letter, a node has the probability of the word that ends there and of the likeliest word below
 //! it, which bounds what a prefix may become.
 //!
-//! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow the ones of the lexicon as children
-//! of the root.
+//! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow those of the lexicon as children of
+//! the root.
 
 use std::ops::Range;
 
@@ -131,12 +131,12 @@ impl<'a> Lexicon<'a> {
         Ok(lexicon)
     }
 
-    /// Returns the number of nodes, without the ones of the person.
+    /// Returns the number of nodes, without the person's.
     pub fn nodes(&self) -> usize {
         self.count as usize
     }
 
-    /// Returns the number of words, without the ones of the person.
+    /// Returns the number of words, without the person's.
     pub fn words(&self) -> usize {
         (0..self.count)
             .filter(|&index| self.node(index).word().is_some())

@@ -1,4 +1,4 @@
-//! The words of the person, beside the lexicon: a trie like the one of the [lexicon](super::lexicon), made again with each word.
+//! The words of the person, beside the lexicon: a trie of the same kind as the [lexicon](super::lexicon), made again with each word.
 
 use arrayvec::ArrayVec;
 
@@ -49,7 +49,7 @@ impl OwnWords {
         self.queue.reserve_exact(MAX_NODES + 1);
     }
 
-    /// Takes the words of another list, and keeps the room for more.
+    /// Copies the words of another list, and keeps the room for more.
     pub fn take_over(&mut self, other: &Self) {
         self.clear();
         self.words.extend_from_slice(&other.words);

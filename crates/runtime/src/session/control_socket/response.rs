@@ -193,7 +193,7 @@ impl From<&LearnedSummary> for LearnedJson {
     }
 }
 
-/// What the text decoder has learned: the taps, where they land beside the centers of keys, and the number of the person's words.
+/// Knowledge of the text decoder: the taps, their distance from the centers of keys, and the number of the person's words.
 #[derive(Serialize)]
 struct TypingJson {
     taps: u32,

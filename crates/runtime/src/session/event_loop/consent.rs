@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_allows_keys_only_if_no_other_program_receives_them() {
+    fn a_recording_allows_keys_only_if_no_output_has_an_effect() {
         let is_allowed = |sink: &mut dyn Sink| {
             let commands = CommandReceiver::disconnected();
             let mut pipeline = pointing_pipeline();

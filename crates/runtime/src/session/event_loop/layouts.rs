@@ -83,7 +83,11 @@ impl SessionLoop<'_> {
             LayoutOperation::SaveLearned(_) => {
                 let filter = self.pipeline.layout().filter();
                 let known = filter.and_then(text::learned);
-                let learned = known.ok_or(CommandError::NoTextDecoder)?;
+                let mut learned = known.ok_or(CommandError::NoTextDecoder)?;
+                let others = self.pipeline.other_text_filters();
+                others
+                    .filter_map(text::learned)
+                    .for_each(|other| learned.add_words(other));
                 LayoutOperation::SaveLearned(Box::new(learned))
             }
             operation => operation,

@@ -342,7 +342,7 @@ impl SessionLoop<'_> {
         }
     }
 
-    /// Repeats a command of a recording. One that lets sources press keys is repeated only if no other program receives them.
+    /// Repeats a command of a recording. One that lets sources press keys is repeated only if no output has an effect.
     fn replay_command(&mut self, command: Command) -> Result<(), SessionError> {
         self.events.clear();
         let (origin, events) = (CommandOrigin::Client, &mut self.events);

@@ -239,7 +239,9 @@ pub(super) fn number_cell(
     let mut shown = typed.unwrap_or(number.old);
     let drag = ui.add(number.drag_value(&mut shown));
     let drag = drag.labelled_by(number.label);
-    let is_changed = is_other_number(number.old, shown, number.decimals);
+    // A number that the first of several parts has may be new to the others.
+    let is_changed = is_other_number(number.old, shown, number.decimals)
+        || number.is_mixed && drag.lost_focus() && typed.is_some();
     let new = (shown * 1000.0).round() / 1000.0;
     if drag.has_focus() || typed.is_some() {
         let edit = is_changed.then(|| edit(parts.to_vec(), new));

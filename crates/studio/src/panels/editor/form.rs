@@ -146,9 +146,9 @@ fn show_numbers(ui: &mut egui::Ui, shape: &mut ItemShape, can_turn: bool) -> Num
                 |grid: &mut egui::Ui, name: &str, value: &mut f32, range, suffix: &str| {
                     let label = grid.label(name);
                     let drag = DragValue::new(value).speed(0.1).max_decimals(DECIMALS);
-                    let drag = grid
-                        .add(drag.range(range).suffix(suffix))
-                        .labelled_by(label.id);
+                    // A value of the file beyond the range stays until it is changed.
+                    let drag = drag.range(range).clamp_existing_to_range(false);
+                    let drag = grid.add(drag.suffix(suffix)).labelled_by(label.id);
                     usage.is_active |= drag.dragged() || drag.has_focus();
                     usage.is_left |= drag.lost_focus() || drag.drag_stopped();
                 };

@@ -30,7 +30,9 @@ impl EditorPanel {
 
     /// Opens a layout in place of this one, whose unsaved work is kept and offered when it is opened again.
     fn open_other(&mut self, name: &str) {
-        self.commit_drafts();
+        if !self.commit_drafts() {
+            return;
+        }
         match Self::open(name, self.editor.fit(), self.work.as_deref()) {
             Ok(opened) => {
                 *self = Self {

@@ -70,6 +70,10 @@ fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
         return;
     }
     panel.next_poll = now + POLL_PERIOD.as_secs_f64();
+    if panel.editor.has_changed_outside() {
+        // The change may give the part that is typed for another place.
+        panel.commit_drafts();
+    }
     match panel.editor.poll() {
         Some(Change::Reloaded) => panel.message = Some(Ok(text("editor-reloaded"))),
         Some(Change::Merged) => panel.message = Some(Ok(text("editor-merged"))),
@@ -143,7 +147,7 @@ fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         Ok(()) => {
             panel.message = Some(Ok(panel.saved_message()));
             if save_as.then_close {
-                close(ui);
+                close(ui, panel);
             }
         }
         Err(error) => {
@@ -177,7 +181,7 @@ fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             if ui.button(text("editor-save-anyway")).clicked() {
                 panel.save_question = None;
                 if panel.save_as_it_is() && then_close {
-                    close(ui);
+                    close(ui, panel);
                 }
             }
             if ui.button(text("editor-close-cancel")).clicked() {
@@ -190,7 +194,9 @@ fn show_save_question(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
-fn close(ui: &egui::Ui) {
+/// Closes the window. A text that was refused stays in its field, and asks no second time.
+fn close(ui: &egui::Ui, panel: &mut EditorPanel) {
+    panel.permit_close();
     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
 }
 
@@ -219,7 +225,7 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
             if ui.button(text("editor-close-save")).clicked() {
                 panel.is_close_asked = false;
                 if panel.save() {
-                    close(ui);
+                    close(ui, panel);
                 } else if let Some(question) = &mut panel.save_question {
                     question.then_close = true;
                 } else if let Some(save_as) = &mut panel.save_as {
@@ -229,8 +235,7 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
             if ui.button(text("editor-close-discard")).clicked() {
                 panel.editor.discard_unsaved_work();
                 panel.is_close_asked = false;
-                panel.may_close = true;
-                close(ui);
+                close(ui, panel);
             }
             if ui.button(text("editor-close-cancel")).clicked() {
                 panel.is_close_asked = false;

@@ -373,6 +373,39 @@ fn a_refused_text_stays_in_its_field_until_it_is_corrected_or_discarded() {
 }
 
 #[test]
+fn a_window_with_a_refused_text_closes_after_a_save() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.click_field(Role::TextInput, "name");
+    window.write("B");
+    window.press(Modifiers::NONE, Key::Enter);
+    assert!(window.panel().is_unsaved(), "the name is taken");
+    window.close();
+    assert!(window.panel().is_close_asked);
+    window.click_button(text("editor-close-save"));
+    window.close();
+    assert!(!window.panel().is_close_asked);
+}
+
+#[test]
+fn a_change_of_the_file_leaves_a_typed_value_with_its_key() {
+    let mut window = Window::open();
+    window.click_board(40.0, 0.0);
+    window.click_field(Role::TextInput, "name");
+    window.write("Foo");
+    let first = "(code: \"A\", at_mm: (0, 0)),";
+    let more = format!("{first}\n                (code: \"C\", at_mm: (0, 40)),");
+    fs::write(&window.path, TWO_KEYS.replace(first, &more)).unwrap();
+    window.panel().next_poll = 0.0;
+    window.harness.run_steps(3);
+    window.press(Modifiers::NONE, Key::Enter);
+    let text = window.text();
+    let named = text.lines().find(|line| line.contains("Foo"));
+    assert!(named.is_some_and(|line| line.contains("\"B\"")), "{text}");
+    assert!(text.contains("\"C\""), "{text}");
+}
+
+#[test]
 fn the_name_of_a_copy_is_typed_at_once_and_escape_cancels_it() {
     let mut window = Window::open();
     window.click_board(0.0, 0.0);

@@ -21,7 +21,7 @@ const XTEST_DEVICES: [&[u8]; 2] = [
     b"Virtual core XTEST pointer",
 ];
 
-/// A notice of presses of other devices than those of XTEST.
+/// A notice of presses of devices other than the XTEST devices.
 pub struct DeviceWatch {
     /// The devices of XTEST, or `None` if the server lacks the extension.
     xtest_devices: Option<Vec<DeviceId>>,
