@@ -395,17 +395,19 @@ impl<C: Connector> StreamSource<C> {
                 tracing::warn!(source = self.name, "out of file descriptors; trying again");
                 self.state = State::Reconnecting(self.start_reconnect());
             }
-            ReconnectEvent::Connected(connection) => {
-                let (name, endpoint) = (&self.name, &connection.endpoint);
-                tracing::info!(source = name, "reconnected to {name} at {endpoint}");
-                self.last_received = Instant::now();
-                if let Some(device) = self.feedback.device() {
-                    device.connect(connection.bytes.writer());
-                }
-                self.state = State::Connected(connection);
-            }
+            ReconnectEvent::Connected(connection) => self.use_connection(connection),
         }
         SourceEvent::Idle
+    }
+
+    fn use_connection(&mut self, connection: Connection) {
+        let (name, endpoint) = (&self.name, &connection.endpoint);
+        tracing::info!(source = name, "reconnected to {name} at {endpoint}");
+        self.last_received = Instant::now();
+        if let Some(device) = self.feedback.device() {
+            device.connect(connection.bytes.writer());
+        }
+        self.state = State::Connected(connection);
     }
 }
 

@@ -393,7 +393,7 @@ fn a_change_of_the_file_leaves_a_typed_value_with_its_key() {
     window.click_board(40.0, 0.0);
     window.click_field(Role::TextInput, "name");
     window.write("Foo");
-    let first = "(code: \"A\", at_mm: (0, 0)),";
+    let first = "keys: [";
     let more = format!("{first}\n                (code: \"C\", at_mm: (0, 40)),");
     fs::write(&window.path, TWO_KEYS.replace(first, &more)).unwrap();
     window.panel().next_poll = 0.0;
