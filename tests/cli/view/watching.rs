@@ -1,7 +1,7 @@
 //! `ademan watch`.
 
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fs, thread};
 
 use serde_json::Value;
 
@@ -64,6 +64,21 @@ fn ctrl_z_gives_the_terminal_back_until_the_watcher_continues() {
     stop_and_continue(watch(&socket, 80, 24), ["down: H"; 2]);
 }
 
+/// Waits until a process has a handler for SIGTERM: on a busy machine, the program may have started just now.
+fn wait_until_it_handles_signals(process: u32) {
+    let handles = || {
+        let status = fs::read_to_string(format!("/proc/{process}/status")).expect("it runs");
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let mask = u64::from_str_radix(caught.expect("a mask").trim(), 16).expect("a number");
+        mask & 1 << (15 - 1) != 0
+    };
+    let start = Instant::now();
+    while !handles() {
+        assert!(start.elapsed() < TIMEOUT, "it handles no signal");
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
 #[test]
 fn watchers_that_show_nothing_do_not_slow_the_run() {
     let (run, socket) = held_run();
@@ -79,6 +94,7 @@ fn watchers_that_show_nothing_do_not_slow_the_run() {
         run.press();
         assert_eq!(run.next_event(), "down H");
     }
+    wait_until_it_handles_signals(unread.program.0.id());
     signal("TERM", unread.program.0.id());
     assert_eq!(unread.wait().code(), Some(0));
     signal("CONT", stopped.program.0.id());
