@@ -15,7 +15,7 @@ pub const OTHER_ARM: &str = "other-arm";
 /// The layout that is active at the start.
 pub const LAYOUT: &str = "layout";
 
-/// What the text decoder had learned of the person.
+/// The knowledge of the text decoder about the person.
 pub const LEARNED: &str = "learned";
 
 /// Returns the kind of a further layout.

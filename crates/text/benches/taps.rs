@@ -48,7 +48,7 @@ fn flat_words(model: &Model) -> Vec<Vec<usize>> {
         if model.lexicon.node(node).word().is_some() {
             words.push(letters.clone());
         }
-        for child in model.lexicon.children(node).into_iter().flatten() {
+        for child in model.lexicon.children(node) {
             let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
             if let Some(key) = keyboard.index(letter) {
                 let mut longer = letters.clone();

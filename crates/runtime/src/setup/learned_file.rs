@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::files::{self, FileError, OpenDocument};
 use ademan_core::document::{Document, DocumentError};
@@ -45,19 +45,15 @@ impl LearnedFile {
             Err(error) => return Err(format!("{name}: not saved: {error}")),
         };
         let text = learned.to_ron();
-        let is_unchanged = |path: &Path| {
-            let found = Self::read(&path.to_string_lossy());
+        let is_unchanged = || {
+            let found = Self::read(&target.to_string_lossy());
             found.is_ok_and(|document| document.text == self.text || document.text == NOTHING)
         };
-        let changed = format!(
-            "{name}: not saved, as another program has changed the file since it was read; move it away and save again, or start the run again to use it"
-        );
-        if !is_unchanged(&target) {
-            return Err(changed);
-        }
-        let saved = files::replace_private_text_if(&target, &text, || is_unchanged(&target));
+        let saved = files::replace_private_text_if(&target, &text, is_unchanged);
         saved.map_err(|error| match error {
-            FileError::Changed => changed,
+            FileError::Changed => format!(
+                "{name}: not saved, as another program has changed the file since it was read; move it away and save again, or start the run again to use it"
+            ),
             other => format!("{name}: not saved: {other}"),
         })?;
         self.text = text;

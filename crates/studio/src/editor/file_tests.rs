@@ -317,7 +317,7 @@ fn unsaved_work_is_offered_until_it_is_answered() {
         assert_eq!(editor.found_work(), None);
     };
     assert_eq!(visit(&answer), first);
-    // What was restored is unsaved. Of a close without saving nothing stays but what was offered.
+    // The restored work is not saved, so it is offered again. A close without saving discards it, and leaves the other work.
     let close = |editor: &mut LayoutEditor| editor.discard_unsaved_work();
     assert_eq!(visit(&close), first);
     let discard = |editor: &mut LayoutEditor| editor.discard_found_work();

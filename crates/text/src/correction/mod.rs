@@ -203,8 +203,8 @@ impl<'m> Corrector<'m> {
         if is_known && same_letters(self.decoder.best(), &self.shown) {
             self.decoder.commit();
         }
-        self.decoder.start_anywhere();
         if is_known {
+            self.decoder.start_anywhere();
             self.count_words();
         }
         self.reset();

@@ -4,6 +4,7 @@ use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 
 use super::tail::ends_word;
+use crate::decoder::same_letters;
 
 /// The most words.
 const MAX_WORDS: usize = 512;
@@ -66,11 +67,6 @@ fn changed<'a>(shown: &'a str, prefix: usize, target: &str) -> impl Iterator<Ite
         .filter(|word| !word.is_empty())
 }
 
-fn is_same(left: &str, right: &str) -> bool {
-    let [left, right] = [left, right].map(|word| word.chars().flat_map(char::to_lowercase));
-    left.eq(right)
-}
-
 impl Restored {
     /// Iterates over the words, the oldest first.
     pub fn words(&self) -> impl ExactSizeIterator<Item = &str> {
@@ -94,7 +90,7 @@ impl Restored {
         let Ok(kept) = ArrayString::from(word) else {
             return;
         };
-        if word.is_empty() || self.words.iter().any(|known| is_same(known, word)) {
+        if word.is_empty() || self.words.iter().any(|known| same_letters(known, word)) {
             return;
         }
         if self.words.len() < MAX_WORDS {
@@ -104,7 +100,7 @@ impl Restored {
 
     /// Returns `true` if the change from a text to another one would change one of the words.
     pub(super) fn touches(&self, shown: &str, prefix: usize, target: &str) -> bool {
-        let is_known = |word: &str| self.words.iter().any(|known| is_same(word, known));
+        let is_known = |word: &str| self.words.iter().any(|known| same_letters(word, known));
         changed(shown, prefix, target).any(is_known)
     }
 

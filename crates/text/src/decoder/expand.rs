@@ -134,7 +134,7 @@ impl Expansion<'_, '_> {
     fn letters(&mut self, partial: &Partial) {
         let node = partial.node();
         let base = partial.token.score - self.best(node);
-        for children in self.model.lexicon.children(node) {
+        for children in self.model.lexicon.child_ranges(node) {
             for child in children {
                 self.letter(partial, base, child);
             }
@@ -403,7 +403,7 @@ impl Expansion<'_, '_> {
             return;
         }
         let base = partial.token.score - self.best(node);
-        for child in self.model.lexicon.children(node).into_iter().flatten() {
+        for child in self.model.lexicon.children(node) {
             let contents = self.model.lexicon.node(child);
             let is_silent = Some(contents.symbol()) == silent;
             let cost = if is_silent {
@@ -449,7 +449,7 @@ impl Expansion<'_, '_> {
         }
         let base = token.score + self.options.transposition - self.best(node);
         let lexicon = &self.model.lexicon;
-        for first in lexicon.children(node).into_iter().flatten() {
+        for first in lexicon.children(node) {
             let first_symbol = lexicon.node(first).symbol();
             let Some((touch, _)) = self.touches.of_letter(first_symbol, &token.drift) else {
                 continue;
@@ -458,7 +458,7 @@ impl Expansion<'_, '_> {
             if !self.is_open(score) {
                 continue;
             }
-            for second in lexicon.children(first).into_iter().flatten() {
+            for second in lexicon.children(first) {
                 let symbol = lexicon.node(second).symbol();
                 let second_touch = self.touches.letter_at(previous, symbol, &token.drift);
                 let Some((second_touch, _)) = second_touch else {

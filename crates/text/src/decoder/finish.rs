@@ -87,7 +87,7 @@ pub fn finish(
     if score + options.omission < worst {
         return;
     }
-    for child in model.lexicon.children(node).into_iter().flatten() {
+    for child in model.lexicon.children(node) {
         let letter = model.alphabet.letter(model.lexicon.node(child).symbol());
         word(child, options.omission, Some(letter));
     }

@@ -147,7 +147,7 @@ impl<'a> Model<'a> {
             if let Some(log_probability) = self.lexicon.node(node).word() {
                 words.push((word.clone(), log_probability));
             }
-            for child in self.lexicon.children(node).into_iter().flatten() {
+            for child in self.lexicon.children(node) {
                 let letter = self.alphabet.letter(self.lexicon.node(child).symbol());
                 open.push((child, format!("{word}{letter}")));
             }

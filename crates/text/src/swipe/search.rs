@@ -190,7 +190,7 @@ impl Swipes {
 
     fn search(&mut self, context: &Context) {
         let lexicon = &context.model.lexicon;
-        for node in lexicon.children(ROOT).into_iter().flatten() {
+        for node in lexicon.children(ROOT) {
             let contents = lexicon.node(node);
             let Some(key) = self.key(contents.symbol()) else {
                 continue;
@@ -262,13 +262,7 @@ impl Swipes {
         if let Some(alone) = contents.word().filter(|_| place.depth > 1) {
             self.add(context, &place, alone);
         }
-        for node in context
-            .model
-            .lexicon
-            .children(place.node)
-            .into_iter()
-            .flatten()
-        {
+        for node in context.model.lexicon.children(place.node) {
             let child = context.model.lexicon.node(node);
             if place.floor - context.language * child.best() > self.limit
                 || self.row_count >= MAX_ROWS

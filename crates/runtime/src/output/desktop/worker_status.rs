@@ -26,8 +26,8 @@ pub struct WorkerStatus {
     pub field: AtomicU32,
     /// A text decoder follows the field.
     is_field_followed: AtomicBool,
-    /// A key of the keyboard was pressed in a field that a text decoder follows. Another output may have the keys, and its device
-    /// is no stranger.
+    /// A key of the keyboard was pressed in a field that a text decoder follows. Another output may have the keys, and presses
+    /// of its device are no presses of the person.
     needs_device_watch: AtomicBool,
 }
 

@@ -160,7 +160,7 @@ impl X11Injector {
     /// Waits until the server has executed all requests.
     fn wait(&mut self) -> Result<(), ReplyError> {
         self.focus = Some(self.server.get_input_focus()?.reply()?.focus);
-        // Those that the server has sent before its reply.
+        // The server has sent all events of the time before its reply.
         self.discard_events()
     }
 
