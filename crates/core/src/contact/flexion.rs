@@ -14,8 +14,11 @@ const MEMORY: f32 = 0.08;
 const LEAST_WAY: f32 = 0.004;
 
 /// The part of the way of another finger below which a finger follows it. Neighbors follow a pressing finger by up to 0.45
-/// of its bend (Zatsiorsky, Li & Latash 1998), and 10 to 25 ms later.
+/// of its bend (Zatsiorsky, Li & Latash 1998).
 const FOLLOWS: f32 = 0.5;
+
+/// The longest time by which a finger follows another one. Neighbors follow 10 to 25 ms later.
+const LAG: Duration = Duration::from_millis(25);
 
 /// The ways of the fingertips of one hand out of the plane of its palm, with a memory that fades. Movements of the whole hand do
 /// not count.
@@ -26,6 +29,10 @@ pub(super) struct Flexion {
     heights: [f32; Finger::COUNT],
     /// The sums of their changes, positive for a bend.
     ways: [f32; Finger::COUNT],
+    /// The largest sums in the present lag and in the lag before it, so that a finger is compared with what it follows.
+    largest: [[f32; Finger::COUNT]; 2],
+    /// The time since the newer ones of `largest` began.
+    since: Duration,
 }
 
 impl Flexion {
@@ -51,13 +58,37 @@ impl Flexion {
             self.heights[index] = now;
             self.known = self.known.with(finger);
         }
+        if pose.jumped {
+            self.largest = Default::default();
+        }
+        self.remember(gap);
+    }
+
+    /// Keeps the largest ways of one to two lags. A finger that is not known has none.
+    fn remember(&mut self, gap: Duration) {
+        self.since += gap;
+        if self.since >= LAG {
+            let is_old = self.since >= 2 * LAG;
+            self.largest[1] = if is_old { self.ways } else { self.largest[0] };
+            self.largest[0] = self.ways;
+            self.since = Duration::ZERO;
+        }
+        for &finger in Finger::ALL {
+            let index = finger.index();
+            let [newer, older] = &mut self.largest;
+            newer[index] = newer[index].max(self.ways[index]);
+            if !self.known.contains(finger) {
+                (newer[index], older[index]) = (0.0, 0.0);
+            }
+        }
     }
 
     /// Returns whether a finger follows another one, which bends at least twice as far.
     pub fn follows(&self, finger: Finger) -> bool {
         let own = self.ways[finger.index()];
         let others = Finger::ALL.iter().filter(|other| **other != finger);
-        let furthest = others.map(|other| self.ways[other.index()]);
+        let [newer, older] = &self.largest;
+        let furthest = others.map(|other| newer[other.index()].max(older[other.index()]));
         let furthest = furthest.fold(0.0, f32::max);
         self.known.contains(finger) && furthest > LEAST_WAY && own < FOLLOWS * furthest
     }
@@ -134,6 +165,23 @@ mod tests {
                 assert_eq!(followers, [Finger::Thumb, Finger::Middle, Finger::Little]);
             }
         }
+    }
+
+    #[test]
+    fn a_neighbor_that_is_late_follows_while_the_other_finger_goes_back() {
+        let mut flexion = Flexion::default();
+        // 40 ms down by 15 mm and 40 ms up, and the middle finger by 0.45 of it 25 ms later.
+        let way = |ms: u64| 15.0 * (1.0 - (ms.min(80) as f32 / 40.0 - 1.0).abs());
+        for ms in (0..=65_u64).step_by(5) {
+            let middle = 0.45 * way(ms.saturating_sub(25));
+            let pose = pose(Side::Right, [0.0, way(ms), middle, 0.0, 0.0], 0.0);
+            flexion.push(&pose, Duration::from_millis(5));
+        }
+        assert!(flexion.follows(Finger::Middle));
+        // Another finger that bends as far as the first one does not.
+        let pose = pose(Side::Right, [0.0, 0.0, 6.0, 15.0, 0.0], 0.0);
+        flexion.push(&pose, Duration::from_millis(5));
+        assert!(!flexion.follows(Finger::Ring));
     }
 
     #[test]

@@ -152,7 +152,7 @@ fn decide(
     step: &StepContext,
 ) -> Decision {
     let at = sweep.to;
-    let has_turned = is_over || stroke.has_turned(at, step.end);
+    let has_turned = is_over || stroke.has_turned(finger, at, step.end);
     if !stroke.is_fast() {
         return Decision::Wait;
     }
@@ -163,7 +163,7 @@ fn decide(
             Decision::Wait
         };
     }
-    if has_turned && stroke.is_pass() {
+    if has_turned && stroke.is_pass(finger) {
         return Decision::Never;
     }
     if has_turned {
@@ -181,7 +181,15 @@ fn decide(
         .first_waiting
         .is_none_or(|first| stroke.passed <= Some(first));
     let is_clear = |point: Vec3| stroke::is_clear_of_edge(below, point.truncate());
-    if is_first && !stroke.is_pass() && location == end_location && is_clear(now) && is_clear(end) {
+    // The bow of a thumb leads to another key than its way so far.
+    let is_straight = finger != Finger::Thumb;
+    if is_straight
+        && is_first
+        && !stroke.is_pass(finger)
+        && location == end_location
+        && is_clear(now)
+        && is_clear(end)
+    {
         Decision::Press(location, now)
     } else {
         Decision::Wait

@@ -1,8 +1,8 @@
 //! Taps as strokes: a fingertip that has gone through the front of a key, until it is known which key it means.
 //!
 //! A person means the lowest point of a stroke, not the point at which the fingertip passes the plane of the keys. A stroke presses
-//! at the press depth if the way so far leads to one key, clear of its edge; else as soon as the fingertip turns. A finger that
-//! follows another one, and one that sinks slowly, presses nothing.
+//! at the press depth if the way so far leads to one key, clear of its edge; else, and always with a thumb, as soon as the fingertip
+//! turns. A finger that follows another one, and one that sinks slowly, presses nothing.
 
 use std::time::Duration;
 
@@ -10,6 +10,7 @@ use parry3d::math::{Vec2, Vec3};
 
 use super::target::Target;
 use super::tracker::TargetLocation;
+use crate::hand::Finger;
 use crate::time::Timestamp;
 
 /// The longest time for which a stroke waits for its turn after it has passed the press depth: a finger turns within 40 to
@@ -27,6 +28,12 @@ const RISE: f32 = 0.0005;
 
 /// The way along the board, in metres, of a hand that passes by: half the pitch of a keyboard. A fingertip slips by up to 4 mm.
 const PASS: f32 = 0.0095;
+
+/// The same way of a thumb, which comes down in a bow towards the palm.
+const THUMB_PASS: f32 = 0.019;
+
+/// The speed along the board, in metres per second, below which a thumb has come to its turn: in its bow it goes down again.
+const THUMB_AT_TURN: f32 = 0.1;
 
 /// The speed along the board, in metres per second, of a hand that passes by; a slip has 0.2.
 const PASSING_SPEED: f32 = 0.8;
@@ -55,6 +62,8 @@ pub(super) struct Stroke {
     fastest: f32,
     /// The speed inwards in the last step.
     speed: f32,
+    /// The speed along the board in the last step.
+    along: f32,
     /// The speeds inwards and along the board in the step to the deepest point.
     deepening: [f32; 2],
     /// The time at which it passed the press depth.
@@ -75,6 +84,7 @@ impl Stroke {
             after: None,
             fastest: 0.0,
             speed: 0.0,
+            along: 0.0,
             deepening: [0.0; 2],
             passed: None,
             is_spent: false,
@@ -83,19 +93,12 @@ impl Stroke {
 
     /// Appends a step of a duration in seconds.
     pub fn push(&mut self, [from, to]: [Vec3; 2], seconds: f32) {
-        self.speed = if seconds > 0.0 {
-            (from.z - to.z) / seconds
-        } else {
-            0.0
-        };
+        let rate = |way: f32| if seconds > 0.0 { way / seconds } else { 0.0 };
+        self.speed = rate(from.z - to.z);
+        self.along = rate((to - from).truncate().length());
         self.fastest = self.fastest.max(self.speed);
         if to.z < self.deepest.z {
-            let along = (to - from).truncate().length();
-            self.deepening = if seconds > 0.0 {
-                [self.speed, along / seconds]
-            } else {
-                [0.0; 2]
-            };
+            self.deepening = [self.speed, self.along];
             self.before = from;
             self.deepest = to;
             self.after = None;
@@ -115,18 +118,25 @@ impl Stroke {
     }
 
     /// Returns whether the fingertip has turned, comes to rest, or has gone on for so long that its present point counts.
-    pub fn has_turned(&self, at: Vec3, now: Timestamp) -> bool {
+    pub fn has_turned(&self, finger: Finger, at: Vec3, now: Timestamp) -> bool {
         let is_late = self
             .passed
             .is_some_and(|passed| now.since(passed) >= MAX_WAIT);
-        is_late || at.z > self.deepest.z + RISE || self.speed < AT_TURN * self.fastest
+        let is_slow = self.speed < AT_TURN * self.fastest
+            && (finger != Finger::Thumb || self.along < THUMB_AT_TURN);
+        is_late || at.z > self.deepest.z + RISE || is_slow
     }
 
     /// Returns whether the fingertip has passed below the plane of the keys on its way along the board, instead of going down.
-    pub fn is_pass(&self) -> bool {
+    pub fn is_pass(&self, finger: Finger) -> bool {
         let [inward, along] = self.deepening;
         let way = (self.deepest - self.entry).truncate().length();
-        way > PASS || along > PASSING_SPEED.max(inward)
+        let longest = if finger == Finger::Thumb {
+            THUMB_PASS
+        } else {
+            PASS
+        };
+        way > longest || along > PASSING_SPEED.max(inward)
     }
 
     /// Returns the lowest point of a parabola through the deepest pad and its neighbors in time.
