@@ -8,7 +8,7 @@ use super::{run, text};
 use crate::support::python::python;
 
 /// The formats, and where their files are.
-const FORMATS: [(&str, &[&str]); 5] = [
+const FORMATS: [(&str, &[&str]); 6] = [
     (
         "layout",
         &[
@@ -22,6 +22,7 @@ const FORMATS: [(&str, &[&str]); 5] = [
     ("arm", &["layouts/arms"]),
     ("person", &["layouts/persons"]),
     ("setup", &["examples/setup.ron"]),
+    ("learned", &["tests/support/learned.ron"]),
 ];
 
 /// Writes the schema of a format and its files in their JSON form. Returns the number of files.
@@ -99,4 +100,47 @@ fn a_schema_has_units_ranges_and_defaults() {
     let fields = &setup["$defs"]["Setup"]["properties"];
     assert_eq!(fields["stall_timeout_ms"]["default"], 200);
     assert_eq!(fields["layout"]["default"], "qwerty-flat");
+}
+
+#[test]
+fn the_schema_of_what_was_learned_has_the_units_and_ranges_of_its_fields() {
+    let schema: serde_json::Value =
+        serde_json::from_str(&run(["schema", "learned"]).done().out).unwrap();
+    assert_eq!(schema["title"], "Learned");
+    let described = |table: &str, field: &str| {
+        let description = &schema["$defs"][table]["properties"][field]["description"];
+        description.as_str().expect("a description").to_owned()
+    };
+    for (table, field, words) in [
+        ("Learned", "words", "at most 512, each of 1 to 64 bytes"),
+        ("Learned", "keys", "at most 256"),
+        ("LearnedTaps", "taps", "0 to 10000"),
+        (
+            "LearnedTaps",
+            "offset_mm",
+            "in millimetres, each -100 to 100",
+        ),
+        ("LearnedKey", "scatter_mm", "in millimetres, each 0 to 100"),
+        ("LearnedKey", "correlation", "-1 to 1"),
+        ("LearnedErrors", "missed", "0 to 10000"),
+    ] {
+        let description = described(table, field);
+        assert!(
+            description.contains(words),
+            "{table}.{field}: {description}"
+        );
+    }
+    let required = &schema["$defs"]["LearnedKey"]["required"];
+    assert!(
+        required.as_array().is_some_and(|it| it.len() == 5),
+        "{required}"
+    );
+}
+
+#[test]
+fn a_file_of_what_was_learned_is_no_layout_and_the_error_names_it() {
+    let ended = run(["layout", "check", "tests/support/learned.ron"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    let message = "expected `Layout(…)`, found `Learned`";
+    assert!(ended.err.contains(message), "{}", ended.err);
 }

@@ -7,6 +7,7 @@ use ademan::files::OpenDocument;
 use ademan::layout::{arm_field_tables, field_tables, glove_field_tables, person_field_tables};
 use ademan::message::escape_json;
 use ademan::setup::{setup_field_tables, setup_json_schema};
+use ademan::text::learned_field_tables;
 use serde_json::Value;
 
 use crate::failure::Failure;
@@ -36,6 +37,8 @@ enum FileFormat {
     Setup,
     /// The size of the hands, and the movements of the simulated person
     Person,
+    /// What the text decoder has learned of a person, as `ademan ctl save-learned` writes it
+    Learned,
 }
 
 impl FileFormat {
@@ -46,6 +49,7 @@ impl FileFormat {
             Self::Arm => arm_field_tables(),
             Self::Setup => setup_field_tables(),
             Self::Person => person_field_tables(),
+            Self::Learned => learned_field_tables(),
         }
     }
 
@@ -56,13 +60,16 @@ impl FileFormat {
             Self::Arm => FileKind::Arm,
             Self::Setup => FileKind::Setup,
             Self::Person => FileKind::Person,
+            Self::Learned => FileKind::Learned,
         }
     }
 
     fn schema(self) -> Value {
         match self {
             Self::Setup => setup_json_schema(),
-            Self::Layout | Self::Glove | Self::Arm | Self::Person => json_schema(&self.tables()),
+            Self::Layout | Self::Glove | Self::Arm | Self::Person | Self::Learned => {
+                json_schema(&self.tables())
+            }
         }
     }
 }

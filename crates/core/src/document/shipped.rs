@@ -21,6 +21,8 @@ pub enum FileKind {
     Person,
     /// A setup; none is shipped.
     Setup,
+    /// What the text decoder has learned of a person; none is shipped.
+    Learned,
 }
 
 impl FileKind {

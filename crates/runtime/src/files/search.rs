@@ -147,7 +147,7 @@ fn folders(kind: Option<FileKind>) -> &'static [&'static str] {
         Some(FileKind::Glove) => &["gloves"],
         Some(FileKind::Arm) => &["arms"],
         Some(FileKind::Person) => &["persons"],
-        Some(FileKind::Setup) => &[],
+        Some(FileKind::Setup | FileKind::Learned) => &[],
     }
 }
 

@@ -88,6 +88,7 @@ pub(super) fn file_kind(kind: &str) -> FileKind {
         kind::GLOVE | kind::OTHER_GLOVE => FileKind::Glove,
         kind::ARM | kind::OTHER_ARM => FileKind::Arm,
         kind::PERSON => FileKind::Person,
+        kind::LEARNED => FileKind::Learned,
         _ => FileKind::Layout,
     }
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use ademan_core::document::{Document, DocumentError, Format, Structure, first_error, schema};
+use ademan_core::document::{
+    Document, DocumentError, Format, Structure, Table, first_error, schema, tables_of,
+};
 use ademan_core::message::escape;
 use ademan_core::pipeline::PressFilter;
 use serde::{Deserialize, Serialize};
@@ -26,11 +28,12 @@ schema! {
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(rename = "Learned", default, deny_unknown_fields)]
     pub struct Learned {
-        /// Words that are never changed, and that taps may mean, as they are written inside a sentence.
+        /// Words that are never changed, and that taps may mean, as they are written inside a sentence: at most 512, each of 1 to 64
+        /// bytes without a space.
         pub words: Vec<String>,
-        /// The taps on all keys but the space bar.
+        /// The taps on all keys but the space bar. They count for at most 200 taps.
         pub person: LearnedTaps,
-        /// The taps on each key.
+        /// The taps on each key, at most 256 keys.
         pub keys: Vec<LearnedKey>,
         /// The errors of the person.
         pub errors: LearnedErrors,
@@ -42,11 +45,11 @@ schema! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(default, deny_unknown_fields)]
     pub struct LearnedTaps {
-        /// The number of taps.
+        /// The number of taps, 0 to 10000.
         pub taps: f32,
-        /// The mean distance from the center of the key, to the right and down.
+        /// The mean distance from the center of the key, to the right and down, in millimetres, each -100 to 100.
         pub offset_mm: (f32, f32),
-        /// The standard deviation in both directions.
+        /// The standard deviation in both directions, in millimetres, each 0 to 100.
         pub scatter_mm: (f32, f32),
         /// The correlation of both directions, -1 to 1.
         pub correlation: f32,
@@ -58,13 +61,13 @@ schema! {
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
     pub struct LearnedKey {
-        /// The character of the key.
+        /// The character of the key, exactly one.
         pub key: String,
-        /// The number of taps.
+        /// The number of taps, 0 to 10000.
         pub taps: f32,
-        /// The mean distance from the center of the key, to the right and down.
+        /// The mean distance from the center of the key, to the right and down, in millimetres, each -100 to 100.
         pub offset_mm: (f32, f32),
-        /// The standard deviation in both directions.
+        /// The standard deviation in both directions, in millimetres, each 0 to 100.
         pub scatter_mm: (f32, f32),
         /// The correlation of both directions, -1 to 1.
         pub correlation: f32,
@@ -76,13 +79,13 @@ schema! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     #[serde(default, deny_unknown_fields)]
     pub struct LearnedErrors {
-        /// The number of taps.
+        /// The number of taps, 0 to 10000.
         pub taps: f32,
-        /// Taps that meant nothing.
+        /// Taps that meant nothing, 0 to 10000.
         pub spurious: f32,
-        /// Characters that were meant and not tapped.
+        /// Characters that were meant and not tapped, 0 to 10000.
         pub missed: f32,
-        /// Pairs of taps in the wrong order.
+        /// Pairs of taps in the wrong order, 0 to 10000.
         pub swapped: f32,
     }
 }
@@ -362,6 +365,11 @@ impl Learned {
             ..TouchModel::new(Prior::default())
         }
     }
+}
+
+/// Returns the tables of the fields of a file.
+pub fn learned_field_tables() -> Vec<Table> {
+    tables_of::<Learned>()
 }
 
 /// Returns what a text decoder has learned; `None` for another filter. Allocates.

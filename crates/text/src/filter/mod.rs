@@ -24,7 +24,8 @@ use crate::{Corrector, Decoder, Mode, Model, Options, languages};
 
 pub use self::keys::{has_text_commands, shows_other_keymap};
 pub use self::learned::{
-    Learned, LearnedErrors, LearnedKey, LearnedSummary, LearnedTaps, learned, learned_summary,
+    Learned, LearnedErrors, LearnedKey, LearnedSummary, LearnedTaps, learned, learned_field_tables,
+    learned_summary,
 };
 
 /// The languages that come with the crate.
