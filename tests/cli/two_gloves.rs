@@ -112,3 +112,23 @@ fn two_gloves_with_the_same_channels_on_one_source_are_refused() {
     assert!(ended.err.contains(reason), "{}", ended.err);
     assert_eq!(ended.out, "");
 }
+
+#[test]
+fn two_simulated_persons_move_one_hand_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "Setup(source: \"typist:jump\", other_hand: (source: \"typist:sad\"), layout: \"qwerty-two-flat\", output: \"transcript\")";
+    let setup = file(&folder, "setup.ron", text);
+    let ended = ademan(["run", &setup, "--control", "off", "--armed"]).output();
+    let ended = crate::Ended::from(ended.expect("it starts")).done();
+    let keys = |word: &str| -> Vec<String> {
+        let downs = ended
+            .out
+            .lines()
+            .filter_map(|line| line.split_once(" down "));
+        let own = downs.map(|(_, key)| key.trim().to_owned());
+        own.filter(|key| word.contains(key.as_str())).collect()
+    };
+    assert_eq!(keys("JUMP").concat(), "JUMP", "{}", ended.out);
+    assert_eq!(keys("SAD").concat(), "SAD", "{}", ended.out);
+    assert!(!ended.err.contains("out-of-order"), "{}", ended.err);
+}

@@ -1,7 +1,7 @@
 """A desktop that shows notifications and the icons of a tray, through the D-Bus library of GLib.
 
 Prints a line of JSON for each notification, registration, state of the icon and menu. A line of standard input is the
-label of an entry of the menu, which is clicked.
+label of an entry of the menu, which is clicked, or closes the notification.
 """
 
 import json
@@ -10,6 +10,7 @@ import sys
 from gi.repository import Gio, GLib
 
 ITEM = "org.kde.StatusNotifierItem"
+CLOSE = "close the notification"
 MENU = "com.canonical.dbusmenu"
 INTERFACES = Gio.DBusNodeInfo.new_for_xml("""<node>
   <interface name="org.kde.StatusNotifierWatcher">
@@ -92,7 +93,13 @@ def announced(_bus, _sender, _path, _interface, _signal, arguments):
 
 def clicked(*_):
     label = sys.stdin.readline().strip()
-    if label:
+    if label == CLOSE:
+        closed = GLib.Variant("(uu)", (7, 1))
+        bus.emit_signal(None, "/org/freedesktop/Notifications", "org.freedesktop.Notifications", "NotificationClosed", closed)
+        # The program reads it before a later message.
+        bus.flush_sync()
+        report(closed=7)
+    elif label:
         data = GLib.Variant("(isvu)", (entries[label], "clicked", GLib.Variant("s", ""), 0))
         call("/MenuBar", MENU, "Event", data)
     return bool(label)

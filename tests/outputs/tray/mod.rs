@@ -187,7 +187,7 @@ fn a_pause_a_loss_and_their_ends_are_shown_in_one_notification() {
     let Some(bus) = Bus::start() else {
         return;
     };
-    let Some(desktop) = Desktop::start(&bus) else {
+    let Some(mut desktop) = Desktop::start(&bus) else {
         return;
     };
     let run = Run::start(&bus.address());
@@ -210,6 +210,12 @@ fn a_pause_a_loss_and_their_ends_are_shown_in_one_notification() {
         shown[0]["body"],
         "Everything is released. Paused by a command."
     );
+    // KDE Plasma shows nothing in place of a notification that was closed.
+    desktop.click("close the notification");
+    desktop.wait_for("closed", |_| true);
+    request(&run.prepared.control, r#"{"command":"pause"}"#);
+    assert!(wait_for(|| desktop.lines("summary").len() == 4));
+    assert_eq!(desktop.lines("summary")[3]["replaces"], 0);
     let urgencies: Vec<_> = shown.iter().map(|line| line["urgency"].clone()).collect();
     assert_eq!(urgencies, [json!(1), json!(0), json!(1)]);
     run.end();

@@ -300,21 +300,22 @@ impl LoadedSetup {
                     PacketPeriod::Unknown => replay.without_packet_period(),
                 })
             }
+            // The simulated person has all hands of the setup, also where another source measures one of them.
             SourceUri::Typist { text, format: None } => {
-                Box::new(self.typist(text, &format, 0.0, 0)?)
+                let stream = Box::new(self.typist(text, &format, 0.0, 0)?);
+                Box::new(SidedSource::new(stream, sides))
             }
             SourceUri::Typist {
                 text,
                 format: Some(given),
             } => {
                 let stream = Box::new(self.encoded_typist(text, given, 0.0, 0)?);
-                if given.protocol.has_both_hands {
-                    Box::new(SidedSource::new(stream, sides))
-                } else {
-                    stream
-                }
+                Box::new(SidedSource::new(stream, sides))
             }
-            SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
+            SourceUri::Script { script } => {
+                let stream = Box::new(self.scripted(script, &format, 0.0, 0)?);
+                Box::new(SidedSource::new(stream, sides))
+            }
             _ => {
                 let mut opened = capture::open(source)?;
                 opened.set_max_age(self.pipeline.stall_timeout);

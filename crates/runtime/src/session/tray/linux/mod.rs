@@ -13,7 +13,7 @@ use zbus::blocking::connection::Builder;
 use zbus::blocking::{Connection, MessageIterator};
 
 use self::icon::Icon;
-use self::notification::Notifications;
+use self::notification::{Notifications, ShownId};
 use super::{TraySettings, TrayState};
 use crate::session::command_channel::CommandSender;
 
@@ -29,7 +29,7 @@ const WATCHER: &str = "org.kde.StatusNotifierWatcher";
 const WATCHER_PATH: &str = "/StatusNotifierWatcher";
 
 const NO_TRAY: &str = "no icon in the tray: no program of this desktop shows icons (`org.kde.StatusNotifierWatcher`); on GNOME the extension \
-                       AppIndicator does";
+                       AppIndicator does; the icon appears once such a program starts";
 
 /// Starts the thread.
 pub fn start(
@@ -60,7 +60,8 @@ fn run(
         .and_then(|builder| builder.method_timeout(TIMEOUT).build())
         .map_err(|error| format!("neither tray nor notifications: the session bus of the desktop cannot be reached: {error}"))?;
     let failed = |error: zbus::Error| format!("no icon in the tray: {error}");
-    let watchers = watcher_changes(&connection).map_err(failed)?;
+    let notification = ShownId::default();
+    let watchers = watcher_changes(&connection, notification.clone()).map_err(failed)?;
     let mut icon = None;
     if settings.has_icon {
         let shown = Icon::publish(&connection, settings.profiles, commands).map_err(failed)?;
@@ -69,7 +70,9 @@ fn run(
         }
         icon = Some(shown);
     }
-    let mut notifications = settings.notifies.then(|| Notifications::new(&connection));
+    let mut notifications = settings
+        .notifies
+        .then(|| Notifications::new(&connection, notification));
     loop {
         let due = notifications.as_ref().and_then(Notifications::due);
         let due = due.map_or(never(), crossbeam_channel::at);
@@ -103,14 +106,22 @@ fn run(
     }
 }
 
-/// Returns a channel with a message for each program that begins to show the icons of trays; disconnected when the bus ends.
-fn watcher_changes(connection: &Connection) -> zbus::Result<Receiver<()>> {
+/// Returns a channel with a message for each program that begins to show the icons of trays; disconnected when the bus ends. A
+/// notification that is closed is forgotten.
+fn watcher_changes(connection: &Connection, notification: ShownId) -> zbus::Result<Receiver<()>> {
     // Messages of all kinds pass by: an iterator with a rule of its own warns when it cannot remove the rule from a bus that has ended.
     let messages = MessageIterator::from(connection);
-    let rule = format!("type='signal',sender='{BUS}',member='NameOwnerChanged',arg0='{WATCHER}'");
-    connection.call_method(Some(BUS), BUS_PATH, Some(BUS), "AddMatch", &(rule,))?;
+    let owner =
+        |name| format!("type='signal',sender='{BUS}',member='NameOwnerChanged',arg0='{name}'");
+    let service = notification::SERVICE;
+    let closed = format!(
+        "type='signal',sender='{service}',interface='{service}',member='NotificationClosed'"
+    );
+    for rule in [owner(WATCHER), owner(service), closed] {
+        connection.call_method(Some(BUS), BUS_PATH, Some(BUS), "AddMatch", &(rule,))?;
+    }
     let (changes, received) = bounded(1);
-    let read = move || read(messages, &changes);
+    let read = move || read(messages, &changes, &notification);
     thread::Builder::new()
         .name("tray in".into())
         .spawn(read)
@@ -118,24 +129,29 @@ fn watcher_changes(connection: &Connection) -> zbus::Result<Receiver<()>> {
     Ok(received)
 }
 
-fn read(messages: MessageIterator, changes: &Sender<()>) {
+fn read(messages: MessageIterator, changes: &Sender<()>, notification: &ShownId) {
     for message in messages {
         let Ok(message) = message else { return };
         let header = message.header();
-        let is_change = header
-            .member()
-            .is_some_and(|member| member == "NameOwnerChanged");
-        let owners = message.body();
-        let is_new = || {
-            let owners = owners.deserialize::<(&str, &str, &str)>();
-            owners.is_ok_and(|(name, _, new)| name == WATCHER && !new.is_empty())
-        };
-        // One that waits says the same. A full channel must not delay the replies to other calls.
-        if is_change
-            && is_new()
-            && matches!(changes.try_send(()), Err(TrySendError::Disconnected(_)))
-        {
-            return;
+        let body = message.body();
+        match header.member().map(|member| member.as_str()) {
+            Some("NotificationClosed") => {
+                if let Ok((id, _)) = body.deserialize::<(u32, u32)>() {
+                    notification.close(id);
+                }
+            }
+            Some("NameOwnerChanged") => match body.deserialize::<(&str, &str, &str)>() {
+                Ok((notification::SERVICE, _, _)) => notification.forget(),
+                // One that waits says the same. A full channel must not delay the replies to other calls.
+                Ok((WATCHER, _, new))
+                    if !new.is_empty()
+                        && matches!(changes.try_send(()), Err(TrySendError::Disconnected(_))) =>
+                {
+                    return;
+                }
+                _ => {}
+            },
+            _ => {}
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Notifications of pauses, losses and their ends (`org.freedesktop.Notifications`), each in place of the one before.
 
 use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use zbus::blocking::Connection;
@@ -9,7 +11,7 @@ use zbus::zvariant::Value;
 use super::super::TrayState;
 use super::words::{Condition, condition, heading, sentence};
 
-const SERVICE: &str = "org.freedesktop.Notifications";
+pub const SERVICE: &str = "org.freedesktop.Notifications";
 const PATH: &str = "/org/freedesktop/Notifications";
 
 /// The shortest time between two notifications. Only the last state in that time is shown.
@@ -22,20 +24,37 @@ const NORMAL: u8 = 1;
 /// The time after which the desktop hides a notification; −1 for its own default.
 const DEFAULT_TIMEOUT: i32 = -1;
 
+/// The id of the notification on the screen, 0 for none. KDE Plasma shows nothing in place of one that was closed.
+#[derive(Clone, Debug, Default)]
+pub struct ShownId(Arc<AtomicU32>);
+
+impl ShownId {
+    /// Notes that a notification was closed.
+    pub fn close(&self, id: u32) {
+        let _ = self
+            .0
+            .compare_exchange(id, 0, Ordering::Relaxed, Ordering::Relaxed);
+    }
+
+    /// Forgets the notification: another program shows them now, and counts by itself.
+    pub fn forget(&self) {
+        self.0.store(0, Ordering::Relaxed);
+    }
+}
+
 pub struct Notifications {
     connection: Connection,
     pace: Pace,
-    /// The id of the notification on the screen, 0 for none.
-    id: u32,
+    shown: ShownId,
     has_failed: bool,
 }
 
 impl Notifications {
-    pub fn new(connection: &Connection) -> Self {
+    pub fn new(connection: &Connection, shown: ShownId) -> Self {
         Self {
             connection: connection.clone(),
             pace: Pace::default(),
-            id: 0,
+            shown,
             has_failed: false,
         }
     }
@@ -57,7 +76,7 @@ impl Notifications {
         };
         match self.notify(&state) {
             Ok(id) => {
-                self.id = id;
+                self.shown.0.store(id, Ordering::Relaxed);
                 Ok(())
             }
             Err(_) if std::mem::replace(&mut self.has_failed, true) => Ok(()),
@@ -77,7 +96,7 @@ impl Notifications {
         let actions: Vec<&str> = Vec::new();
         let body = (
             "Ademán",
-            self.id,
+            self.shown.0.load(Ordering::Relaxed),
             super::icon::name(state),
             heading(state),
             sentence(state),
