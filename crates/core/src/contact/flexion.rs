@@ -83,12 +83,19 @@ impl Flexion {
         }
     }
 
-    /// Returns whether a finger follows another one, which bends at least twice as far.
-    pub fn follows(&self, finger: Finger) -> bool {
+    /// Returns whether a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
+    pub fn follows(&self, finger: Finger, touching: FingerSet) -> bool {
         let own = self.ways[finger.index()];
         let others = Finger::ALL.iter().filter(|other| **other != finger);
-        let [newer, older] = &self.largest;
-        let furthest = others.map(|other| newer[other.index()].max(older[other.index()]));
+        let furthest = others.map(|&other| {
+            let index = other.index();
+            if touching.contains(other) {
+                let [newer, older] = &self.largest;
+                newer[index].max(older[index])
+            } else {
+                self.ways[index]
+            }
+        });
         let furthest = furthest.fold(0.0, f32::max);
         self.known.contains(finger) && furthest > LEAST_WAY && own < FOLLOWS * furthest
     }
@@ -160,7 +167,9 @@ mod tests {
         for side in [Side::Right, Side::Left] {
             for turn in [0.0, 0.3] {
                 let flexion = after(side, [0.0, 15.0, 6.0, 12.0, -2.0], turn);
-                let followers = Finger::ALL.iter().filter(|it| flexion.follows(**it));
+                let followers = Finger::ALL
+                    .iter()
+                    .filter(|it| flexion.follows(**it, FingerSet::ALL));
                 let followers: Vec<Finger> = followers.copied().collect();
                 assert_eq!(followers, [Finger::Thumb, Finger::Middle, Finger::Little]);
             }
@@ -177,30 +186,36 @@ mod tests {
             let pose = pose(Side::Right, [0.0, way(ms), middle, 0.0, 0.0], 0.0);
             flexion.push(&pose, Duration::from_millis(5));
         }
-        assert!(flexion.follows(Finger::Middle));
+        let index = FingerSet::NONE.with(Finger::Index);
+        assert!(flexion.follows(Finger::Middle, index));
+        assert!(!flexion.follows(Finger::Middle, FingerSet::NONE));
         // Another finger that bends as far as the first one does not.
         let pose = pose(Side::Right, [0.0, 0.0, 6.0, 15.0, 0.0], 0.0);
         flexion.push(&pose, Duration::from_millis(5));
-        assert!(!flexion.follows(Finger::Ring));
+        assert!(!flexion.follows(Finger::Ring, FingerSet::ALL));
     }
 
     #[test]
     fn fingers_of_a_hand_that_goes_down_as_a_whole_do_not_follow() {
         let flexion = after(Side::Right, [0.0, 1.0, 0.5, 0.0, 3.0], 0.4);
-        assert!(!Finger::ALL.iter().any(|it| flexion.follows(*it)));
+        assert!(
+            !Finger::ALL
+                .iter()
+                .any(|it| flexion.follows(*it, FingerSet::ALL))
+        );
     }
 
     #[test]
     fn a_way_fades_and_a_jump_forgets_it() {
         let ways = [0.0, 15.0, 0.0, 0.0, 0.0];
         let mut flexion = after(Side::Right, ways, 0.0);
-        assert!(flexion.follows(Finger::Middle));
+        assert!(flexion.follows(Finger::Middle, FingerSet::ALL));
         let mut pose = pose(Side::Right, ways, 0.0);
         let mut later = flexion;
         later.push(&pose, Duration::from_millis(300));
-        assert!(!later.follows(Finger::Middle));
+        assert!(!later.follows(Finger::Middle, FingerSet::ALL));
         pose.jumped = true;
         flexion.push(&pose, Duration::from_millis(5));
-        assert!(!flexion.follows(Finger::Middle));
+        assert!(!flexion.follows(Finger::Middle, FingerSet::ALL));
     }
 }

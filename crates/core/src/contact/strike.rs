@@ -156,7 +156,7 @@ fn decide(
     if !stroke.is_fast() {
         return Decision::Wait;
     }
-    if step.flexion.follows(finger) {
+    if step.flexion.follows(finger, step.touching) {
         return if has_turned {
             Decision::Never
         } else {

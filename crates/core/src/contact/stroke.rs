@@ -30,7 +30,7 @@ const RISE: f32 = 0.0005;
 const PASS: f32 = 0.0095;
 
 /// The same way of a thumb, which comes down in a bow towards the palm.
-const THUMB_PASS: f32 = 0.019;
+const THUMB_PASS: f32 = 0.014;
 
 /// The speed along the board, in metres per second, below which a thumb has come to its turn: in its bow it goes down again.
 const THUMB_AT_TURN: f32 = 0.1;

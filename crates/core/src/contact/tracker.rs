@@ -10,7 +10,7 @@ use super::stroke::Stroke;
 use super::surface::{Scene, Shape, Surface, Target};
 use super::sweep::{self, Sweep};
 use super::{Phase, TargetId, Touch, Touches};
-use crate::hand::{Finger, Side};
+use crate::hand::{Finger, FingerSet, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
@@ -137,6 +137,14 @@ impl ContactTracker {
         state.contact.is_none() && state.slid_off.is_none() && state.stroke.is_none()
     }
 
+    /// Returns the fingers that touch a target, or have entered one by a stroke.
+    fn touching(&self) -> FingerSet {
+        let fingers = self.fingers.iter().zip(Finger::ALL);
+        let touching =
+            fingers.filter(|(state, _)| state.contact.is_some() || state.stroke.is_some());
+        touching.fold(FingerSet::NONE, |set, (_, &finger)| set.with(finger))
+    }
+
     /// Begins a step: returns the fingers, to be moved to their present positions, and what they share.
     fn begin_step<'a>(
         &'a mut self,
@@ -155,6 +163,7 @@ impl ContactTracker {
             start,
             end,
             flexion: &self.flexion,
+            touching: self.touching(),
             first_waiting: self
                 .fingers
                 .iter()
@@ -276,6 +285,8 @@ pub(super) struct StepContext<'a> {
     pub(super) start: Timestamp,
     pub(super) end: Timestamp,
     pub(super) flexion: &'a Flexion,
+    /// The fingers that touch a target, or have entered one by a stroke, at the beginning of the step.
+    pub(super) touching: FingerSet,
     /// The time at which the first of the strokes that wait for their turn passed the press depth.
     pub(super) first_waiting: Option<Timestamp>,
     touches: &'a mut Touches,
