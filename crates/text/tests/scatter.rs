@@ -191,3 +191,29 @@ fn what_stays_in_a_text_field_is_about_what_is_read_from_whole_phrases() {
         assert!(field.cer() <= 1.3 * read.cer() + 1.0, "{read:?} {field:?}");
     }
 }
+
+#[test]
+fn a_hand_that_drifts_off_the_space_bar_is_corrected_word_by_word() {
+    let Some(mut phrases) = phrases(false) else {
+        return;
+    };
+    phrases.truncate(20);
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    let keyboard = keyboard();
+    let mut person = Person::new(TIERS[0], 1_011);
+    let mut typed: Vec<Phrase> = phrases.iter().map(|phrase| person.types(phrase)).collect();
+    let taps = typed
+        .iter_mut()
+        .flat_map(|phrase| phrase.taps.iter_mut().chain(&mut phrase.space));
+    // One and a half rows up, where the taps of spaces hit letters.
+    for (count, tap) in taps.enumerate() {
+        tap.position[1] -= (0.2 * count as f32).min(28.0);
+    }
+    let fields = correct(&model, &keyboard, Prior::default(), &typed);
+    let mut errors = Errors::default();
+    for (phrase, text) in typed.iter().zip(&fields) {
+        errors.add(&phrase.meant, text);
+    }
+    println!("in the text field {:.2} %", errors.cer());
+    assert!(errors.cer() <= 1.0, "{errors:?}");
+}

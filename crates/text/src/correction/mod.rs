@@ -6,7 +6,7 @@
 //! | state | event | becomes | edits |
 //! |---|---|---|---|
 //! | any | character | typing | the character |
-//! | typing | character that ends a word, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
+//! | typing | character that ends a word, or a tap that most probably means one beside its key, and another text is likelier by the margin | corrected | the character, Backspaces, the new tail |
 //! | corrected | Backspace | restored | Backspaces, the tail that was typed; its words are learned |
 //! | a candidate was taken inside a word | Backspace | partial | Backspaces, the tail that was typed |
 //! | other | Backspace | typing | Backspace |
@@ -245,7 +245,9 @@ impl<'m> Corrector<'m> {
             typed: Some(character),
             ..tap
         });
-        if ends_word(character) {
+        // Where a hand lies beside the keys, hardly a typed character ends a word, and text would grow beyond what a step corrects.
+        let is_auto = self.mode == Mode::Auto;
+        if ends_word(character) || is_auto && self.decoder.ends_word_beside_its_key() {
             self.end_word();
         }
         &self.edits

@@ -4,6 +4,7 @@ use super::candidate::Candidate;
 use super::finish::{Finished, finish};
 use super::render::SentenceStart;
 use super::{CANDIDATES, Decoder, FINISHED, Start};
+use crate::correction::ends_word;
 
 impl Decoder<'_> {
     /// Returns the most probable text since the last commit.
@@ -64,6 +65,26 @@ impl Decoder<'_> {
             return self.literal.text();
         }
         self.render(&best)
+    }
+
+    /// Returns `true` if the last tap ends a word in the most probable text, and is likelier a tap of the key that ends it than of
+    /// the typed one: the hand lies beside the keys.
+    pub(crate) fn ends_word_beside_its_key(&self) -> bool {
+        let (Some(best), Some(last)) = (self.tokens.first(), self.taps.last()) else {
+            return false;
+        };
+        let Some(meant) = self.history.get(best.end) else {
+            return false;
+        };
+        if meant.tap as usize + 1 != self.taps.len() || !ends_word(meant.character) {
+            return false;
+        }
+        let keys = (self.keyboard.index(meant.character), self.typed_key(last));
+        let (Some(meant_key), Some((typed_key, _))) = keys else {
+            return false;
+        };
+        let likelihood = |key: usize| self.touches.of_key(key, &best.drift);
+        likelihood(meant_key) > likelihood(typed_key)
     }
 
     /// Takes the text of a hypothesis, to which the field was corrected, for what was typed: the words behind it are compared with
