@@ -56,7 +56,11 @@ fn ctrl_z_gives_the_terminal_back_and_the_calibration_continues() {
     screen.type_keys("n\r");
     assert!(screen.wait().success());
     assert!(screen.text().contains("mine.ron is unchanged"));
-    assert_unchanged(&folder);
+    let text = fs::read_to_string(folder.path().join("mine.ron"));
+    assert_eq!(text.expect("a file"), PRECIOUS);
+    // Minutes of poses are not thrown away with the answer.
+    assert!(screen.text().contains("kept the readings: mine.mcap"));
+    assert!(folder.path().join("mine.mcap").is_file());
 }
 
 #[test]

@@ -68,6 +68,15 @@ fn the_simulated_hand_types_the_text_and_the_result_is_printed_and_kept() {
 }
 
 #[test]
+fn a_simulated_source_is_no_practice_of_the_person() {
+    let state = tempfile::tempdir().unwrap();
+    let report = json(state.path(), &["--text", "hola", "--source", "typist:hola"]);
+    assert_eq!(report["is_simulated"], true, "{report}");
+    let kept = lines(&history_file(&state));
+    assert!(kept[0].contains("\"is_simulated\":true"), "{kept:?}");
+}
+
+#[test]
 fn a_noisy_hand_makes_errors_that_add_up_to_the_typed_text() {
     let state = tempfile::tempdir().unwrap();
     let mut wrong = 0;

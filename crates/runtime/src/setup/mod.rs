@@ -386,7 +386,7 @@ impl Setup {
     }
 
     /// Returns `true` if the source is a simulated person.
-    fn has_simulated_hands(&self) -> bool {
+    pub fn has_simulated_hands(&self) -> bool {
         let is_simulated =
             |uri: &SourceUri| matches!(uri, SourceUri::Typist { .. } | SourceUri::Script { .. });
         self.source.as_ref().is_some_and(is_simulated)

@@ -198,11 +198,10 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
         return report_no_file();
     }
     let finished = start.finish(session.procedure.observations(), &destination);
-    let is_kept = !matches!(finished, Ok(false)) && !session.procedure.marks().is_empty();
-    let kept = if is_kept {
-        keep_recording(&session, &start.document, &destination)
-    } else {
+    let kept = if session.procedure.marks().is_empty() {
         Ok(())
+    } else {
+        keep_recording(&session, &start.document, &destination)
     };
     if finished? {
         print_setup_fields(&escape_path(destination.path()), lengths)?;

@@ -230,6 +230,8 @@ fn practice(
     } else {
         None
     };
+    // A simulated person of the setup practises, too.
+    let is_of_person = !is_simulated && !setup.setup.has_simulated_hands();
     let mut line = PracticeLine::new(&lesson.text).with_chords(lesson.chords.clone());
     run_task(args, setup, hand, &mut line)?;
     let is_complete = line.is_complete() || is_simulated && !signals::is_stop_requested();
@@ -238,7 +240,7 @@ fn practice(
         layout,
         &line,
         is_complete,
-        is_simulated,
+        !is_of_person,
     ))
 }
 

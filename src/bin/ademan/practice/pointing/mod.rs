@@ -40,6 +40,8 @@ pub fn run(
             escape(&layout.name)
         )));
     }
+    // A simulated person of the setup practises, too.
+    let is_of_person = !is_simulated && !setup.setup.has_simulated_hands();
     let hand = if is_simulated {
         let script = script(&layout)?;
         Some(setup.scripted(&script, &Hc11Format::default(), args.noise, args.seed)?)
@@ -49,7 +51,7 @@ pub fn run(
     let mut task = PointingTask::new();
     run_task(args, setup, hand, &mut task)?;
     let is_complete = task.is_complete();
-    let session = session(&layout, is_simulated, &task);
+    let session = session(&layout, !is_of_person, &task);
     let is_kept = is_complete && !args.no_history;
     let progress = if is_kept {
         history.add(session.clone())
