@@ -48,6 +48,9 @@ fn arguments_of_a_wrong_kind_are_named_and_what_exists_is_listed() {
         "ctl nudge a b c",
         &["invalid value 'a' for '<x_mm>'", number],
     );
+    for text in ["NaN", "inf", "1e400"] {
+        refused(&format!("ctl scale {text}"), &[number]);
+    }
     let all =
         "`serial:`, `tcp:`, `tcp+tls:`, `udp:`, `ws:`, `headset:`, `zenoh:`, `openxr:`, `file:`";
     refused("run --source typst", &[all, "did you mean `typist:…`?"]);

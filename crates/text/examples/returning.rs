@@ -40,6 +40,7 @@ fn main() {
     };
     bench.returning();
     bench.own_words();
+    bench.pauses();
 }
 
 impl<'m> Bench<'m> {
@@ -132,6 +133,34 @@ impl<'m> Bench<'m> {
                 tier.name, own[0], own[1], other[0], other[1]
             );
         }
+    }
+
+    /// Prints the errors of people who pause behind each phrase, so that nothing before it is pending, and of those who do not.
+    fn pauses(&self) {
+        println!("| tier | without pauses | with a pause behind each phrase |");
+        println!("|---|---|---|");
+        for tier in &TIERS {
+            let mut errors = [Errors::default(); 2];
+            for seed in self.seeds.clone() {
+                let mut person = Person::new(*tier, seed + 7_000);
+                let phrases = self.phrases(BEFORE * seed as usize, BEFORE);
+                let typed: Vec<Phrase> = phrases.map(|phrase| person.types(phrase)).collect();
+                let [going_on, pausing] = &mut errors;
+                let texts = type_into(&mut self.corrector(&Learned::default()), &typed);
+                for (phrase, text) in typed.iter().zip(&texts) {
+                    going_on.add(&phrase.meant, text);
+                }
+                let mut corrector = self.corrector(&Learned::default());
+                for phrase in &typed {
+                    let text = type_into(&mut corrector, std::slice::from_ref(phrase));
+                    pausing.add(&phrase.meant, &text[0]);
+                    corrector.reset();
+                }
+            }
+            let [going_on, pausing] = errors.map(|sum| sum.cer());
+            println!("| {} | {going_on:.2} | {pausing:.2} |", tier.name);
+        }
+        println!();
     }
 
     /// Returns words of letters that the lexicon lacks.

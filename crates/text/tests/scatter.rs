@@ -2,10 +2,11 @@
 
 mod support;
 
-use ademan_text::{Model, Prior};
+use ademan_text::correction::Restored;
+use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel};
 use support::baselines::{Flat, Spelling};
 use support::phrases::{abbreviations, phrases, unknown_phrases};
-use support::session::{Errors, Phrase, correct, decode, nearest};
+use support::session::{Errors, Phrase, correct, decode, nearest, type_into};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 
 /// The errors of the four ways to read the same taps.
@@ -213,6 +214,32 @@ fn a_hand_that_drifts_off_the_space_bar_is_corrected_word_by_word() {
     let mut errors = Errors::default();
     for (phrase, text) in typed.iter().zip(&fields) {
         errors.add(&phrase.meant, text);
+    }
+    println!("in the text field {:.2} %", errors.cer());
+    assert!(errors.cer() <= 1.0, "{errors:?}");
+}
+
+#[test]
+fn a_person_who_pauses_behind_each_phrase_is_learned_all_the_same() {
+    let Some(mut phrases) = phrases(false) else {
+        return;
+    };
+    phrases.truncate(40);
+    let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
+    // A hand that drifts.
+    let mut person = Person::new(TIERS[5], 7_000);
+    let decoder = Decoder::new(
+        model,
+        keyboard(),
+        TouchModel::new(Prior::default()),
+        Options::default(),
+    );
+    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let mut errors = Errors::default();
+    for phrase in phrases.iter().map(|phrase| person.types(phrase)) {
+        let text = type_into(&mut corrector, std::slice::from_ref(&phrase));
+        errors.add(&phrase.meant, &text[0]);
+        corrector.reset();
     }
     println!("in the text field {:.2} %", errors.cer());
     assert!(errors.cer() <= 1.0, "{errors:?}");

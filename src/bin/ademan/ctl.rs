@@ -118,8 +118,8 @@ fn subcommand(spec: &CommandSpec) -> Command {
 }
 
 fn number(text: &str) -> Result<f64, String> {
-    let number = text.parse();
-    number.map_err(|_| "this is not a number; write one such as 2.5 or -5".into())
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| "this is not a number; write one such as 2.5 or -5".into())
 }
 
 impl FromArgMatches for Request {

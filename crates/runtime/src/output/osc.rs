@@ -80,6 +80,10 @@ impl Osc {
         let addresses = receiver.to_socket_addrs()?;
         let mut refused = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
         for address in addresses.map(canonical) {
+            if address.port() == 0 {
+                let reason = "no program receives on port 0";
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+            }
             match connect(address) {
                 Ok(socket) => {
                     if !address.ip().is_loopback() {
@@ -301,6 +305,12 @@ mod tests {
             (TargetId(2), signal(None, (0.0, 1.0))),
         ]));
         (sink, receiver)
+    }
+
+    #[test]
+    fn port_0_is_no_receiver() {
+        let error = Osc::open("127.0.0.1:0").err().expect("a refusal");
+        assert_eq!(error.to_string(), "no program receives on port 0");
     }
 
     fn received(receiver: &UdpSocket) -> Vec<(String, f32)> {

@@ -12,7 +12,7 @@
 //! | other | Backspace | typing | Backspace |
 //! | typing | a swipe that began with the last letter | swiped | Backspace if its word starts otherwise, the word, a space |
 //! | swiped | Backspace | typing, or partial behind a word without a space | Backspaces for the word and its space |
-//! | any | pause, loss, stall, another key | partial, if inside a word | none; nothing is pending any more |
+//! | any | pause, loss, stall, another key | partial, if inside a word | none; the person is learned, and nothing is pending any more |
 //! | partial | character that ends a word | typing | the character |
 //!
 //! In [`Mode::Literal`] every press is passed on as it is, and the decoder does not see it.
@@ -132,8 +132,22 @@ impl<'m> Corrector<'m> {
         self.mode = mode;
     }
 
-    /// Drops what is pending: after a pause, a loss, a stall, and a key that moves the cursor.
+    /// Drops what is pending, and learns the person from it: after a pause, a loss, a stall, and a key that moves the cursor.
     pub fn reset(&mut self) {
+        self.learn();
+        self.drop_pending();
+    }
+
+    /// Learns where the person taps from the text in the field, which is final. The decoder has no hypotheses then.
+    fn learn(&mut self) {
+        let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
+        // A text that stays although another one is more probable is no evidence.
+        if is_known && same_letters(self.decoder.best(), &self.shown) {
+            self.decoder.commit();
+        }
+    }
+
+    fn drop_pending(&mut self) {
         self.is_partial |= !self.shown.is_empty() && !self.shown.ends_with(ends_word);
         self.shown.clear();
         self.undo.is_possible = false;
@@ -171,7 +185,7 @@ impl<'m> Corrector<'m> {
         self.restored.clear();
         self.names.clear();
         self.decoder.forget();
-        self.reset();
+        self.drop_pending();
     }
 
     /// Counts the whole words of the text in the field, which is final. One that the lexicon lacks becomes one of the person's words
@@ -199,15 +213,12 @@ impl<'m> Corrector<'m> {
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word behind text that is not known.
     pub fn start_word(&mut self) {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
-        // A text that stays although another one is more probable is no evidence.
-        if is_known && same_letters(self.decoder.best(), &self.shown) {
-            self.decoder.commit();
-        }
+        self.learn();
         if is_known {
             self.decoder.start_anywhere();
             self.count_words();
         }
-        self.reset();
+        self.drop_pending();
         self.is_partial = false;
     }
 
