@@ -202,6 +202,33 @@ fn neighbors_that_follow_press_nothing_and_a_chord_presses_two() {
 }
 
 #[test]
+fn a_chord_is_pressed_at_the_rates_of_cameras() {
+    // Near the edges of their keys, so that both wait for their turn.
+    let ends = |depth: f32| {
+        [
+            (Finger::Index, at(1, -8.0, depth)),
+            (Finger::Middle, at(3, 8.0, depth)),
+        ]
+    };
+    for period in [33_333, 16_667] {
+        for late in (0..30_000).step_by(3_000) {
+            let mut row = Row::new(true);
+            for step in 0..12 {
+                let ms = (step * period + late) as f32 * 1e-3 - 60.0;
+                // 50 ms down by 12 mm, and 50 ms up.
+                let part = (1.0 - (ms - 50.0).abs() / 50.0).clamp(0.0, 1.0);
+                let part = part * part * part * (10.0 - 15.0 * part + 6.0 * part * part);
+                row.time = step * period;
+                row.show(&ends(4.0 - 12.0 * part), 0.0);
+            }
+            let mut keys: Vec<u32> = row.pressed().into_iter().map(|(_, key)| key).collect();
+            keys.sort_unstable();
+            assert_eq!(keys, [1, 3], "{period} µs, {late} µs late");
+        }
+    }
+}
+
+#[test]
 fn a_resting_finger_presses_nothing() {
     let mut row = Row::new(true);
     let (start, deep) = (at(1, 0.0, 2.0), at(1, 0.0, -3.0));

@@ -37,7 +37,7 @@ enum FileFormat {
     Setup,
     /// The size of the hands, and the movements of the simulated person
     Person,
-    /// What the text decoder has learned of a person, as `ademan ctl save-learned` writes it
+    /// The taps and words of a person that the text decoder has learned, as `ademan ctl save-learned` writes it
     Learned,
 }
 

@@ -17,8 +17,8 @@ const LEAST_WAY: f32 = 0.004;
 /// of its bend (Zatsiorsky, Li & Latash 1998).
 const FOLLOWS: f32 = 0.5;
 
-/// The longest time by which a finger follows another one. Neighbors follow 10 to 25 ms later.
-const LAG: Duration = Duration::from_millis(25);
+/// The shortest time for which the largest ways are kept. Neighbors follow 10 to 25 ms later, and are slow to turn.
+const LAG: Duration = Duration::from_millis(40);
 
 /// The ways of the fingertips of one hand out of the plane of its palm, with a memory that fades. Movements of the whole hand do
 /// not count.
@@ -29,7 +29,7 @@ pub(super) struct Flexion {
     heights: [f32; Finger::COUNT],
     /// The sums of their changes, positive for a bend.
     ways: [f32; Finger::COUNT],
-    /// The largest sums in the present lag and in the lag before it, so that a finger is compared with what it follows.
+    /// The largest sums in the present lag and in the lag before it: a finger that follows is late.
     largest: [[f32; Finger::COUNT]; 2],
     /// The time since the newer ones of `largest` began.
     since: Duration,
@@ -85,19 +85,25 @@ impl Flexion {
 
     /// Returns whether a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
     pub fn follows(&self, finger: Finger, touching: FingerSet) -> bool {
-        let own = self.ways[finger.index()];
-        let others = Finger::ALL.iter().filter(|other| **other != finger);
-        let furthest = others.map(|&other| {
-            let index = other.index();
-            if touching.contains(other) {
-                let [newer, older] = &self.largest;
-                newer[index].max(older[index])
-            } else {
-                self.ways[index]
-            }
-        });
-        let furthest = furthest.fold(0.0, f32::max);
-        self.known.contains(finger) && furthest > LEAST_WAY && own < FOLLOWS * furthest
+        let own = finger.index();
+        let is_less = |[own, other]: [f32; 2]| other > LEAST_WAY && own < FOLLOWS * other;
+        let mut others = Finger::ALL.iter().filter(|other| **other != finger);
+        self.known.contains(finger)
+            && others.any(|&other| {
+                let index = other.index();
+                // Both may be on their way back.
+                is_less(if touching.contains(other) {
+                    [self.largest(own), self.largest(index)]
+                } else {
+                    [self.ways[own], self.ways[index]]
+                })
+            })
+    }
+
+    /// Returns the largest way of the last one to two lags.
+    fn largest(&self, index: usize) -> f32 {
+        let [newer, older] = &self.largest;
+        newer[index].max(older[index])
     }
 }
 

@@ -115,6 +115,9 @@ impl ContactTracker {
         let (fingers, mut step) = self.begin_step(scene, &hand, touches);
         for (state, &finger) in fingers.iter_mut().zip(Finger::ALL) {
             state.update(finger, &mut step);
+            // A stroke that has begun to wait in this step comes before one that is decided in it.
+            let waiting = [step.first_waiting, state.waits_since()];
+            step.first_waiting = waiting.into_iter().flatten().min();
         }
     }
 

@@ -21,7 +21,7 @@ pub enum FileKind {
     Person,
     /// A setup; none is shipped.
     Setup,
-    /// What the text decoder has learned of a person; none is shipped.
+    /// The taps and words of a person as the text decoder has learned them; none is shipped.
     Learned,
 }
 

@@ -158,7 +158,8 @@ impl<'m> Corrector<'m> {
     /// Drops what is pending after a key that may have moved the cursor into a word, such as an arrow: what is typed next may be the
     /// rest of that word.
     pub fn leave(&mut self) {
-        self.reset();
+        // The key may have deleted the text.
+        self.drop_pending();
         self.is_partial = true;
     }
 
@@ -257,8 +258,8 @@ impl<'m> Corrector<'m> {
             ..tap
         });
         // Where a hand lies beside the keys, hardly a typed character ends a word, and text would grow beyond what a step corrects.
-        let is_auto = self.mode == Mode::Auto;
-        if ends_word(character) || is_auto && self.decoder.ends_word_beside_its_key() {
+        let reads_ahead = self.mode == Mode::Auto && !self.is_partial;
+        if ends_word(character) || reads_ahead && self.decoder.ends_word_beside_its_key() {
             self.end_word();
         }
         &self.edits
@@ -269,11 +270,8 @@ impl<'m> Corrector<'m> {
             self.shown.clear();
             return self.decoder.commit_typed();
         }
-        if self.mode == Mode::Auto {
-            self.correct();
-        }
+        let is_clear = self.mode != Mode::Auto || self.correct();
         let taps = self.decoder.taps();
-        let is_clear = self.mode != Mode::Auto || self.target.ends_with(ends_word);
         if taps >= SETTLED_TAPS && is_clear || taps >= 2 * SETTLED_TAPS {
             // The shown text is final; the person is learned from the text that was most probably meant.
             self.decoder.commit();
@@ -282,20 +280,19 @@ impl<'m> Corrector<'m> {
         }
     }
 
-    fn correct(&mut self) {
+    /// Replaces what differs from the most probable text. Returns `true` if that ends a word.
+    fn correct(&mut self) -> bool {
         self.target.clear();
         self.target.push_str(self.decoder.reading());
         // A space that may mean nothing, or a letter, is kept until it is clear where the word ends.
-        if !self.target.ends_with(ends_word) {
-            return;
+        let is_clear = self.target.ends_with(ends_word);
+        if is_clear && !self.replace() {
+            // A word that stays as it was typed is no evidence for what follows.
+            self.decoder.commit_typed();
+            self.count_words();
+            self.shown.clear();
         }
-        if self.replace() {
-            return;
-        }
-        // A word that stays as it was typed is no evidence for what follows.
-        self.decoder.commit_typed();
-        self.count_words();
-        self.shown.clear();
+        is_clear
     }
 
     /// Replaces the tail that differs from the target. Returns `false` if a word is in the way that the person restored.

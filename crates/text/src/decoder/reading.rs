@@ -70,13 +70,21 @@ impl Decoder<'_> {
     /// Returns `true` if the last tap ends a word in the most probable text, and is likelier a tap of the key that ends it than of
     /// the typed one: the hand lies beside the keys.
     pub(crate) fn ends_word_beside_its_key(&self) -> bool {
+        // The tap may be the beginning of a swipe.
+        if self.swipes.is_some() {
+            return false;
+        }
         let (Some(best), Some(last)) = (self.tokens.first(), self.taps.last()) else {
             return false;
         };
         let Some(meant) = self.history.get(best.end) else {
             return false;
         };
-        if meant.tap as usize + 1 != self.taps.len() || !ends_word(meant.character) {
+        // A lone space says nothing about a letter.
+        let before = self.history.get(meant.previous);
+        let is_behind_word = before.is_some_and(|before| !ends_word(before.character));
+        let is_last = meant.tap as usize + 1 == self.taps.len();
+        if !is_last || !ends_word(meant.character) || !is_behind_word {
             return false;
         }
         let keys = (self.keyboard.index(meant.character), self.typed_key(last));
