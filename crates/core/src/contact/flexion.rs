@@ -86,7 +86,7 @@ impl Flexion {
     /// Returns whether a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
     pub fn follows(&self, finger: Finger, touching: FingerSet) -> bool {
         let own = finger.index();
-        let is_less = |[own, other]: [f32; 2]| other > LEAST_WAY && own < FOLLOWS * other;
+        let is_less = |[way, furthest]: [f32; 2]| furthest > LEAST_WAY && way < FOLLOWS * furthest;
         let mut others = Finger::ALL.iter().filter(|other| **other != finger);
         self.known.contains(finger)
             && others.any(|&other| {
