@@ -90,7 +90,7 @@ impl Row {
         let steps = milliseconds * 1_000 / STEP;
         for step in 1..=steps {
             let t = step as f32 / steps as f32;
-            let part = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+            let part = minimum_jerk(t);
             let at = |&(finger, from, to): &(Finger, Vec3, Vec3)| (finger, from.lerp(to, part));
             self.show(&ways.iter().map(at).collect::<Vec<_>>(), 0.0);
         }
@@ -119,6 +119,11 @@ impl Row {
         let phases = self.touches.iter().map(|touch| touch.phase);
         phases.filter(|phase| *phase != Phase::Moved).collect()
     }
+}
+
+/// Returns the part of a movement of minimum jerk that is done at a part of its time.
+fn minimum_jerk(t: f32) -> f32 {
+    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
 }
 
 /// Returns a point above or behind a key, in millimetres from its center.
@@ -158,15 +163,15 @@ fn a_stroke_that_means_one_key_presses_at_the_press_depth() {
 }
 
 #[test]
-fn a_thumb_presses_the_key_at_the_end_of_its_bow() {
+fn a_thumb_presses_the_key_at_the_end_of_its_arc() {
     // It goes down above key 1, and is drawn towards key 2 the more, the deeper it is.
     for (finger, key) in [(Finger::Thumb, 2), (Finger::Index, 1)] {
         let mut row = Row::new(true);
         for step in 0..=32 {
             let t = 1.0 - (step as f32 / 16.0 - 1.0).abs();
-            let part = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
-            let bow = at(1, -4.0 + 16.0 * part * part * part, 15.0 - 27.0 * part);
-            row.show(&[(finger, bow)], 0.0);
+            let part = minimum_jerk(t);
+            let arc = at(1, -4.0 + 16.0 * part * part * part, 15.0 - 27.0 * part);
+            row.show(&[(finger, arc)], 0.0);
         }
         assert_eq!(row.pressed(), [(finger, key)]);
     }
@@ -216,8 +221,7 @@ fn a_chord_is_pressed_at_the_rates_of_cameras() {
             for step in 0..12 {
                 let ms = (step * period + late) as f32 * 1e-3 - 60.0;
                 // 50 ms down by 12 mm, and 50 ms up.
-                let part = (1.0 - (ms - 50.0).abs() / 50.0).clamp(0.0, 1.0);
-                let part = part * part * part * (10.0 - 15.0 * part + 6.0 * part * part);
+                let part = minimum_jerk((1.0 - (ms - 50.0).abs() / 50.0).clamp(0.0, 1.0));
                 row.time = step * period;
                 row.show(&ends(4.0 - 12.0 * part), 0.0);
             }
@@ -330,10 +334,7 @@ fn detection(is_struck: bool, scale: f32, noise: f32) -> (f32, f32) {
         let depth = 5.0 + 5.0 * random.f32();
         // 40 ms up by 5 mm, 60 ms down, 30 ms there, 60 ms up to where it rests.
         let height = |ms: f32| {
-            let part = |from: f32, time: f32| {
-                let t = ((ms - from) / time).clamp(0.0, 1.0);
-                t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
-            };
+            let part = |from: f32, time: f32| minimum_jerk(((ms - from) / time).clamp(0.0, 1.0));
             5.0 * part(0.0, 40.0) - (6.0 + depth) * part(40.0, 60.0)
                 + (1.0 + depth) * part(130.0, 60.0)
         };

@@ -2,11 +2,10 @@
 
 mod support;
 
-use ademan_text::correction::Restored;
-use ademan_text::{Corrector, Decoder, Mode, Model, Options, Prior, TouchModel};
+use ademan_text::{Model, Prior};
 use support::baselines::{Flat, Spelling};
 use support::phrases::{abbreviations, phrases, unknown_phrases};
-use support::session::{Errors, Phrase, correct, decode, nearest, type_into};
+use support::session::{Errors, Phrase, correct, corrector, decode, nearest, type_into};
 use support::simulated::{Person, TIERS, Tier, keyboard};
 
 /// The errors of the four ways to read the same taps.
@@ -228,13 +227,7 @@ fn a_person_who_pauses_behind_each_phrase_is_learned_all_the_same() {
     let model = Model::from_bytes(ademan_text::languages::ENGLISH).expect("the model");
     // A hand that drifts.
     let mut person = Person::new(TIERS[5], 7_000);
-    let decoder = Decoder::new(
-        model,
-        keyboard(),
-        TouchModel::new(Prior::default()),
-        Options::default(),
-    );
-    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
+    let mut corrector = corrector(&model, &keyboard(), Prior::default());
     let mut errors = Errors::default();
     for phrase in phrases.iter().map(|phrase| person.types(phrase)) {
         let text = type_into(&mut corrector, std::slice::from_ref(&phrase));

@@ -181,7 +181,7 @@ fn decide(
         .first_waiting
         .is_none_or(|first| stroke.passed <= Some(first));
     let is_clear = |point: Vec3| stroke::is_clear_of_edge(below, point.truncate());
-    // The bow of a thumb leads to another key than its way so far.
+    // The arc of a thumb ends on another key than a straight line does.
     let is_straight = finger != Finger::Thumb;
     if is_straight
         && is_first

@@ -29,10 +29,10 @@ const RISE: f32 = 0.0005;
 /// The way along the board, in metres, of a hand that passes by: half the pitch of a keyboard. A fingertip slips by up to 4 mm.
 const PASS: f32 = 0.0095;
 
-/// The same way of a thumb, which comes down in a bow towards the palm.
+/// The same distance for a thumb, which comes down in an arc toward the palm.
 const THUMB_PASS: f32 = 0.014;
 
-/// The speed along the board, in metres per second, below which a thumb has come to its turn: in its bow it goes down again.
+/// The speed along the board, in metres per second, below which a thumb has come to its turn: on its arc it goes down again.
 const THUMB_AT_TURN: f32 = 0.1;
 
 /// The speed along the board, in metres per second, of a hand that passes by; a slip has 0.2.

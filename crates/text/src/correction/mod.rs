@@ -138,13 +138,14 @@ impl<'m> Corrector<'m> {
         self.drop_pending();
     }
 
-    /// Learns where the person taps from the text in the field, which is final. The decoder has no hypotheses then.
-    fn learn(&mut self) {
+    /// Learns where the person taps from the text in the field, which is final. Returns `true` if the decoder knows that text.
+    fn learn(&mut self) -> bool {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
         // A text that stays although another one is more probable is no evidence.
         if is_known && same_letters(self.decoder.best(), &self.shown) {
             self.decoder.commit();
         }
+        is_known
     }
 
     fn drop_pending(&mut self) {
@@ -213,9 +214,7 @@ impl<'m> Corrector<'m> {
 
     /// Leaves the text as it is, learns the person from it, and starts at the beginning of a word behind text that is not known.
     pub fn start_word(&mut self) {
-        let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
-        self.learn();
-        if is_known {
+        if self.learn() {
             self.decoder.start_anywhere();
             self.count_words();
         }

@@ -164,10 +164,14 @@ pub fn correct(
     prior: Prior,
     phrases: &[Phrase],
 ) -> Vec<String> {
+    type_into(&mut corrector(model, keyboard, prior), phrases)
+}
+
+/// Creates a corrector in the mode `auto`, of a person who is not known.
+pub fn corrector<'m>(model: &Model<'m>, keyboard: &Keyboard, prior: Prior) -> Corrector<'m> {
     let touch = TouchModel::new(tried(prior));
     let decoder = Decoder::new(model.clone(), keyboard.clone(), touch, options());
-    let mut corrector = Corrector::new(decoder, Mode::Auto, Restored::default());
-    type_into(&mut corrector, phrases)
+    Corrector::new(decoder, Mode::Auto, Restored::default())
 }
 
 /// Types phrases one after another, and returns the texts that stay in the text field, as [`correct`] does.

@@ -230,8 +230,7 @@ fn practice(
     } else {
         None
     };
-    // A simulated person of the setup practises, too.
-    let is_of_person = !is_simulated && !setup.setup.has_simulated_hands();
+    let is_by_simulation = is_by_simulation(&setup, is_simulated);
     let mut line = PracticeLine::new(&lesson.text).with_chords(lesson.chords.clone());
     run_task(args, setup, hand, &mut line)?;
     let is_complete = line.is_complete() || is_simulated && !signals::is_stop_requested();
@@ -240,8 +239,13 @@ fn practice(
         layout,
         &line,
         is_complete,
-        !is_of_person,
+        is_by_simulation,
     ))
+}
+
+/// Returns `true` if a simulated hand does the task: its own, without a source, or one that the setup names as the source.
+fn is_by_simulation(setup: &LoadedSetup, has_no_source: bool) -> bool {
+    has_no_source || setup.setup.has_simulated_hands()
 }
 
 /// Returns whether the live view is drawn.

@@ -16,7 +16,7 @@ pub use self::hand::script;
 pub use self::task::PointingTask;
 use super::history::{History, Progress, SessionResult, rounded};
 use super::report::now;
-use super::{Args, PracticeTask, is_drawn, run_task};
+use super::{Args, PracticeTask, is_by_simulation, is_drawn, run_task};
 use crate::failure::Failure;
 use crate::signals;
 
@@ -40,8 +40,7 @@ pub fn run(
             escape(&layout.name)
         )));
     }
-    // A simulated person of the setup practises, too.
-    let is_of_person = !is_simulated && !setup.setup.has_simulated_hands();
+    let is_by_simulation = is_by_simulation(&setup, is_simulated);
     let hand = if is_simulated {
         let script = script(&layout)?;
         Some(setup.scripted(&script, &Hc11Format::default(), args.noise, args.seed)?)
@@ -51,7 +50,7 @@ pub fn run(
     let mut task = PointingTask::new();
     run_task(args, setup, hand, &mut task)?;
     let is_complete = task.is_complete();
-    let session = session(&layout, !is_of_person, &task);
+    let session = session(&layout, is_by_simulation, &task);
     let is_kept = is_complete && !args.no_history;
     let progress = if is_kept {
         history.add(session.clone())
