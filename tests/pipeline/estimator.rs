@@ -165,9 +165,16 @@ fn an_implausible_position_is_accepted_at_the_third_consistent_reading() {
 #[test]
 fn implausible_positions_that_contradict_each_other_are_never_accepted() {
     let mut hand = GloveHand::unsmoothed();
-    hand.next().expect("a resting hand");
-    for count in [160, 230].into_iter().cycle().take(50) {
-        assert_eq!(hand.set(ELBOW, count), Err(Rejection::TooFast));
+    let rest = hand.next().expect("a resting hand").angles;
+    for (number, count) in [160, 230].into_iter().cycle().take(50).enumerate() {
+        match hand.set(ELBOW, count) {
+            Err(reason) => assert_eq!(reason, Rejection::TooFast),
+            Ok(estimate) => {
+                assert!(number >= 3, "a jump of one reading");
+                assert!(!estimate.is_placed, "the sensor is unreliable");
+                assert_eq!(estimate.angles, rest);
+            }
+        }
     }
 }
 
@@ -211,11 +218,14 @@ fn a_broken_wrist_sensor_makes_all_fingers_untrusted() {
     let mut untrusted = FingerSet::NONE;
     for _ in 0..110 {
         match hand.next() {
-            Ok(estimate) => untrusted = estimate.untrusted,
+            Ok(estimate) => {
+                assert!(!estimate.is_placed, "the place follows from the wrist");
+                untrusted = estimate.untrusted;
+            }
             Err(_) => rejected += 1,
         }
     }
-    assert!(rejected >= 100, "an impossible wrist angle at first");
+    assert!((3..30).contains(&rejected), "{rejected}");
     assert_eq!(untrusted, FingerSet::ALL);
 }
 

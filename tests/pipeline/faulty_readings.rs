@@ -4,10 +4,10 @@ use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
 };
-use ademan::hand::{Dof, Finger, FingerSet};
+use ademan::hand::{Dof, Finger, FingerSet, Side};
 use ademan::setup::LoadedSetup;
 
-use crate::support::press::{Posture, Press, glove_format};
+use crate::support::press::{Posture, Press, glove_format, typing};
 use crate::support::wearer::{GloveWearer, default_setup, packets, pipeline_with};
 
 /// A channel of the shipped glove.
@@ -120,7 +120,7 @@ fn a_railed_sensor_releases_the_key_of_its_finger_and_the_others_keep_typing() {
             "down 8, up 8",
             "channel {channel} at {end}"
         );
-        wearer.play(&[h.clear(); 60]);
+        wearer.play(&[h.clear(); 300]);
         wearer.play(&h.approach);
         wearer.play(&h.lift);
         assert_eq!(
@@ -260,4 +260,89 @@ fn a_million_readings_a_second_stay_within_the_press_rate_limit() {
         assert_eq!(presses, typed.matches("up").count());
         assert!(interval < 1_000 || presses > 0);
     }
+}
+
+/// Returns postures, one of whose channels is a loose wire.
+fn loose(postures: &[Posture], channel: usize, random: &mut fastrand::Rng) -> Vec<Posture> {
+    let loose = |posture| with(posture, channel, random.u8(..));
+    postures.iter().map(loose).collect()
+}
+
+#[test]
+fn a_loose_wire_types_nothing_and_the_other_fingers_type() {
+    let h = Press::for_text("h");
+    let loaded = default_setup();
+    let map = &loaded.glove.as_ref().expect("a glove").map;
+    let text = typing("hola mundo");
+    let (mut of_index, mut of_others) = (0, 0);
+    for channel in map.rows().iter().map(|row| row.channel) {
+        let mut random = fastrand::Rng::with_seed(channel as u64);
+        let mut wearer = GloveWearer::new(&loaded);
+        wearer.play(&[h.clear(); 60]);
+        wearer.play(&loose(&[h.clear(); 30 * 175], channel, &mut random));
+        assert_eq!(wearer.take_events(), "", "channel {channel}, at rest");
+        let right = wearer.pipeline.implausible()[Side::Right.index()];
+        assert!(right.angles.iter().all(|dof| {
+            map.rows()
+                .iter()
+                .any(|row| row.dof == dof && row.channel == channel)
+        }));
+        assert!(!right.angles.is_empty(), "channel {channel}");
+        wearer.play(&loose(&text, channel, &mut random));
+        let typed = wearer.take_events();
+        if map.fingers_affected_by(channel).contains(Finger::Index) {
+            assert_eq!(typed, "", "channel {channel}");
+            of_index += 1;
+        } else {
+            assert_eq!(
+                typed.matches("down").count(),
+                10,
+                "channel {channel}: {typed}"
+            );
+            of_others += 1;
+        }
+        wearer.play(&[h.clear(); 300]);
+        wearer.play(&h.approach);
+        wearer.play(&h.lift);
+        assert_eq!(
+            wearer.take_events(),
+            "down H, up H",
+            "repaired: channel {channel}"
+        );
+        let right = wearer.pipeline.implausible()[Side::Right.index()];
+        assert!(right.angles.is_empty(), "channel {channel}");
+    }
+    assert!(of_index > 5 && of_others > 10, "{of_index} {of_others}");
+}
+
+#[test]
+fn a_wire_that_comes_loose_while_a_hand_types_adds_no_key() {
+    let loaded = default_setup();
+    let map = &loaded.glove.as_ref().expect("a glove").map;
+    let text = typing("hola mundo ");
+    let in_text = ["H", "O", "L", "A", "Space", "M", "U", "N", "D"];
+    let (mut presses, mut others) = (0, String::new());
+    for channel in map.rows().iter().map(|row| row.channel) {
+        let mut random = fastrand::Rng::with_seed(channel as u64);
+        for _ in 0..5 {
+            let mut wearer = GloveWearer::new(&loaded);
+            let healthy = random.usize(..text.len());
+            wearer.play(&text[..healthy]);
+            wearer.play(&loose(&text[healthy..], channel, &mut random));
+            let typed = wearer.take_events();
+            assert_eq!(typed.matches("down").count(), typed.matches("up").count());
+            for key in typed
+                .split(", ")
+                .filter_map(|event| event.strip_prefix("down "))
+            {
+                presses += 1;
+                if !in_text.contains(&key) {
+                    others += &format!("{channel}: {key} ");
+                }
+            }
+        }
+    }
+    println!("{presses} presses, others: {others}");
+    assert!(presses > 300);
+    assert_eq!(others, "");
 }

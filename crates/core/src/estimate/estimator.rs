@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use parry3d::math::Vec3;
 
+use super::plausibility::{Implausible, Plausibility};
 use super::position_filter::PositionFilter;
 use super::samples::{ChannelConverter, SampleConverter};
 use super::smoothing::Smoother;
@@ -11,7 +12,7 @@ use super::tip_speed::{TipSpeed, Tips};
 use super::zero::{Zero, ZeroError, Zeroed};
 use super::{BendRanges, ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
 use crate::capture::{Reading, Sample, SampleKind};
-use crate::hand::{BodyPoint, Displacement, Joint, JointAngles};
+use crate::hand::{BodyPoint, Displacement, Dof, Joint, JointAngles};
 use crate::time::Timestamp;
 
 /// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
@@ -44,6 +45,7 @@ pub struct Estimator {
     /// An implausible jump, and the number of consecutive readings that agree with it.
     candidate: Option<(RawAngles, u8)>,
     tip_speed: TipSpeed,
+    plausibility: Plausibility,
     zero: Zero,
     /// The meaning of the counts has changed since the latest reading, so that the next estimate jumps.
     has_jumped: bool,
@@ -86,6 +88,7 @@ impl Estimator {
             last: None,
             candidate: None,
             tip_speed: TipSpeed::default(),
+            plausibility: Plausibility::default(),
             zero: Zero::new(settings.rest_pose),
             has_jumped: false,
             measures_angles: false,
@@ -117,13 +120,11 @@ impl Estimator {
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.
     pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         let gap = self.gap(reading.time)?;
-        self.estimate.reset(reading.time);
-        let offsets = self.zero.offsets();
-        self.converter
-            .convert(reading, &self.settings, offsets, &mut self.estimate)?;
-        let anchor = anchor(&self.estimate);
-        let mut tips = Tips::measured(&self.estimate, anchor.map(|(_, position)| position));
-        self.estimate.jumped |= self.check_speed(anchor, &tips)?;
+        let judged = self.judge(reading);
+        let outcome = judged.as_ref().map(|_| ()).map_err(|reason| *reason);
+        self.plausibility.update(reading.time, outcome);
+        let (anchor, mut tips) = judged?;
+        self.plausibility.distrust(&mut self.estimate);
         tips.remove(self.estimate.untrusted);
         let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
@@ -159,6 +160,45 @@ impl Estimator {
             .update(estimate.time, &estimate.angles, estimate.untrusted);
         self.observe_ranges(reading, was_unseen);
         Ok(&self.estimate)
+    }
+
+    /// Converts a reading to an estimate that is plausible after the one before, except for the angles that are unreliable. Returns what
+    /// of it was measured as positions.
+    fn judge(&mut self, reading: &Reading) -> Result<(Option<Anchor>, Tips), Rejection> {
+        self.estimate.reset(reading.time);
+        self.converter.convert(
+            reading,
+            &self.settings,
+            self.zero.offsets(),
+            &mut self.plausibility,
+            &mut self.estimate,
+        )?;
+        self.hold_unreliable();
+        let anchor = anchor(&self.estimate);
+        let tips = Tips::measured(&self.estimate, anchor.map(|(_, position)| position));
+        self.estimate.jumped |= self.check_speed(anchor, &tips)?;
+        Ok((anchor, tips))
+    }
+
+    /// Keeps unreliable angles where they were.
+    fn hold_unreliable(&mut self) {
+        let seconds = self.estimate.time.since(self.plausibility.time());
+        let reach = self.settings.max_speed.map_or(f64::INFINITY, |max_speed| {
+            plausible_rotation(max_speed, seconds.as_secs_f64())
+        });
+        let last = self.last.as_ref().map(|last| &last.angles);
+        self.plausibility
+            .hold(reach, &mut self.estimate.angles, last);
+    }
+
+    /// Returns the parts of the hand that are not trusted because their readings are implausible.
+    pub fn implausible(&self) -> Implausible {
+        self.plausibility.implausible()
+    }
+
+    /// Returns the sensor channel that measures an angle, if a glove does.
+    pub fn channel_of(&self, dof: Dof) -> Option<usize> {
+        self.converter.channels()?.channel_of(dof)
     }
 
     /// Adds an accepted reading to the learning of ranges. A hand that was not seen before it may have done anything. A change of a
@@ -285,7 +325,7 @@ impl Estimator {
         let estimate = &self.estimate;
         let seconds = estimate.time.since(previous).as_secs_f64();
         let reach = Reach {
-            rotation: (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION),
+            rotation: plausible_rotation(max_speed, seconds),
             distance: (MAX_HAND_SPEED * seconds).max(MIN_PLAUSIBLE_DISTANCE),
         };
         if last.is_within(&reach, &estimate.angles, anchor, tips) {
@@ -297,6 +337,10 @@ impl Estimator {
                 self.estimate.untrusted = self.estimate.untrusted.union(beyond);
             }
             return Ok(false);
+        }
+        if tips.is_empty() {
+            self.plausibility
+                .note_jumps(reach.rotation, &estimate.angles, &last.angles);
         }
         let agreeing = match &self.candidate {
             Some((candidate, count))
@@ -314,6 +358,11 @@ impl Estimator {
         self.tip_speed.reset();
         Ok(true)
     }
+}
+
+/// Returns the largest plausible rotation of a joint in `seconds`, in radians.
+fn plausible_rotation(max_speed: f64, seconds: f64) -> f64 {
+    (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION)
 }
 
 /// The largest plausible change from one reading to another.

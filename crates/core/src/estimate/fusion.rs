@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Estimate, Estimator, MeasuredJoints, Rejection};
+use super::{Estimate, Estimator, Implausible, MeasuredJoints, Rejection};
 use crate::capture::Reading;
 use crate::hand::{Dof, FingerSet, HandPart, Joint, JointAngles};
 use crate::time::Timestamp;
@@ -109,6 +109,14 @@ impl FusedEstimator {
             part.seen_at = None;
         }
         self.estimate.lose_hand();
+    }
+
+    /// Returns the parts of the hand that are not trusted because their readings are implausible, unless their source is lost.
+    pub(super) fn implausible(&self) -> Implausible {
+        let seen = self.parts.iter().filter(|part| part.seen_at.is_some());
+        seen.fold(Implausible::default(), |all, part| {
+            all.union(part.estimator.implausible())
+        })
     }
 
     /// Returns the estimator of the arm, unless its source is lost.

@@ -5,10 +5,11 @@ use std::time::Duration;
 use parry3d::math::Vec3;
 
 use super::{
-    BendRanges, Estimate, Estimator, FusedEstimator, LearnedRange, Rejection, ZeroError, Zeroed,
+    BendRanges, Estimate, Estimator, FusedEstimator, Implausible, LearnedRange, Rejection,
+    ZeroError, Zeroed,
 };
 use crate::capture::Reading;
-use crate::hand::{BodyPoint, HandPart};
+use crate::hand::{BodyPoint, Dof, HandPart};
 
 /// The estimator of one hand.
 #[derive(Clone, Debug)]
@@ -88,6 +89,19 @@ impl HandEstimator {
             Self::Single(estimator) => estimator.body_point(point),
             Self::Fused(estimator) => estimator.arm()?.body_point(point),
         }
+    }
+
+    /// Returns the parts of the hand that are not trusted because their readings are implausible.
+    pub fn implausible(&self) -> Implausible {
+        match self {
+            Self::Single(estimator) => estimator.implausible(),
+            Self::Fused(estimator) => estimator.implausible(),
+        }
+    }
+
+    /// Returns the sensor channel that measures an angle, if a glove does.
+    pub fn channel_of(&self, dof: Dof) -> Option<usize> {
+        self.fingers().channel_of(dof)
     }
 
     /// Returns the angles at which the fingers are straight and closed.

@@ -307,6 +307,49 @@ impl Dof {
     }
 }
 
+/// A set of degrees of freedom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DofSet(u32);
+
+impl DofSet {
+    /// The empty set.
+    pub const NONE: Self = Self(0);
+
+    /// Returns the set with `dof` added.
+    #[must_use]
+    pub fn with(self, dof: Dof) -> Self {
+        Self(self.0 | 1 << dof.index())
+    }
+
+    /// Returns the degrees of freedom that are in either set.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Returns the degrees of freedom that are in this set and not in `other`.
+    #[must_use]
+    pub fn difference(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Returns whether `dof` is in the set.
+    pub fn contains(self, dof: Dof) -> bool {
+        self.0 & (1 << dof.index()) != 0
+    }
+
+    /// Returns whether the set is empty.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Iterates over the set, in the order of [`Dof::ALL`].
+    pub fn iter(self) -> impl Iterator<Item = Dof> {
+        let all = Dof::ALL.iter().copied();
+        all.filter(move |dof| self.contains(*dof))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,8 @@ use super::hand_pipeline::HandPipeline;
 use super::{Pipeline, PipelineState};
 use crate::command::CommandOrigin;
 use crate::device::Events;
-use crate::hand::{HandPart, Side};
+use crate::estimate::Implausible;
+use crate::hand::{Dof, HandPart, Side};
 use crate::time::Timestamp;
 
 impl Pipeline {
@@ -85,6 +86,22 @@ impl Pipeline {
             lost[hand.side().index()] = hand.is_lost();
         }
         lost
+    }
+
+    /// Returns, by side, the parts of a hand that are not trusted because their readings are implausible.
+    pub fn implausible(&self) -> [Implausible; Side::COUNT] {
+        let mut implausible = [Implausible::default(); Side::COUNT];
+        for hand in &self.hands {
+            implausible[hand.side().index()] = hand.estimator.implausible();
+        }
+        implausible
+    }
+
+    /// Returns the sensor channel that measures an angle of a hand, if a glove does.
+    pub fn channel_of(&self, side: Side, dof: Dof) -> Option<usize> {
+        let mut hands = self.hands.iter();
+        let hand = hands.find(|hand| hand.side() == side)?;
+        hand.estimator.channel_of(dof)
     }
 
     /// Detects from the time stamps of readings that all hands stopped, or that one did while the other continued, so that the

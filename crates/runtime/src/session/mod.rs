@@ -85,7 +85,7 @@ pub use self::focus::ActiveRule;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::layout_trial::{LayoutTrial, TrialOutcome};
-pub use self::notice::{Notice, counted};
+pub use self::notice::{ImplausibleParts, Notice, counted};
 pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
 pub use self::replay::{first_view, replay};
 pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};

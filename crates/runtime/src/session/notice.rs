@@ -17,7 +17,7 @@ use crate::message_limits::HeldBack;
 use crate::share::{ShareFormat, ShareTarget};
 use ademan_core::command::CommandOrigin;
 use ademan_core::estimate::Rejection;
-use ademan_core::hand::{Finger, FingerSet, Side};
+use ademan_core::hand::{Dof, Finger, FingerSet, Side};
 use ademan_core::message::{escape, escape_line};
 
 /// Notices that wait for the receiver of the user.
@@ -96,6 +96,8 @@ pub enum Notice {
     PointingSuppressed(u64),
     /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
     UntrustedFingers(FingerSet),
+    /// Parts of this hand are not trusted because their readings are implausible again and again; their keys are released.
+    Implausible(Side, ImplausibleParts),
     /// This hand is not tracked; what it held is released. Readings of something else still arrive.
     HandLost(Side),
     /// This hand is tracked again.
@@ -114,6 +116,15 @@ pub enum Notice {
     HeldBack(Box<HeldBack<Notice>>),
     /// This many notices were dropped because the receiver was too slow.
     Missed(u64),
+}
+
+/// The parts of a hand whose readings are implausible.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImplausibleParts {
+    /// The angles, and the sensor channels that measure them.
+    pub angles: Vec<(Dof, Option<usize>)>,
+    /// The whole hand is not trusted.
+    pub is_hand: bool,
 }
 
 impl fmt::Display for Notice {
@@ -199,6 +210,7 @@ impl fmt::Display for Notice {
                 counted(*count, "pointer event")
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
+            Self::Implausible(side, parts) => write_implausible(f, *side, parts),
             Self::HandLost(side) => write!(
                 f,
                 "the {side} hand is not tracked, or has pressed faster than the rate limit: what it held is released, and it touches nothing"
@@ -323,6 +335,31 @@ fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Resul
             finger_names(fingers)
         )
     }
+}
+
+fn write_implausible(
+    f: &mut fmt::Formatter<'_>,
+    side: Side,
+    ImplausibleParts { angles, is_hand }: &ImplausibleParts,
+) -> fmt::Result {
+    if *is_hand {
+        return write!(
+            f,
+            "the {side} hand is ignored and released: more than a third of its readings jump or are outside the range of a joint; \
+             check wires and interference, `ademan trace --stats` shows the noise of each sensor"
+        );
+    }
+    write!(f, "ignored and released on the {side} hand: ")?;
+    for (index, (dof, channel)) in angles.iter().enumerate() {
+        let separator = if index == 0 { "" } else { ", " };
+        write!(f, "{separator}{dof}")?;
+        if let Some(channel) = channel {
+            write!(f, " (channel {channel})")?;
+        }
+    }
+    f.write_str(
+        "; the readings jump or are outside the range of the joint: check the wire, or calibrate with `ademan calibrate`",
+    )
 }
 
 /// Sends notices without waiting; drops and counts them when the queue is full.

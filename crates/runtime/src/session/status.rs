@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use super::notice::{NearestTarget, Notice, NoticeSender};
+use super::notice::{ImplausibleParts, NearestTarget, Notice, NoticeSender};
 use super::observer::Observer;
 use crate::message_limits::MessageLimits;
 use ademan_core::command::CommandOrigin;
-use ademan_core::estimate::Rejection;
+use ademan_core::estimate::{Implausible, Rejection};
 use ademan_core::hand::{FingerSet, Side};
 use ademan_core::pipeline::{Pipeline, PipelineState, Unreached};
 use ademan_core::snapshot::{Stats, StepView};
@@ -37,6 +37,8 @@ struct StatusLog {
     is_unreached: bool,
     /// The fingers that are not trusted, by side.
     untrusted: [FingerSet; Side::COUNT],
+    /// The parts that were reported as implausible, by side.
+    implausible: [Implausible; Side::COUNT],
     /// The hand is lost, by side.
     lost_hands: [bool; Side::COUNT],
 }
@@ -51,6 +53,7 @@ enum Topic {
     KeysByRole,
     PointingByRole,
     Untrusted(Side),
+    Implausible(Side),
     Hand(Side),
     /// The name of the source.
     Lost(String),
@@ -70,6 +73,8 @@ struct Hints {
     /// The layout waits for an open hand.
     awaits_start: bool,
     unreached: Option<Unreached>,
+    /// The parts whose readings are implausible, by side.
+    implausible: [Implausible; Side::COUNT],
 }
 
 impl Hints {
@@ -81,6 +86,7 @@ impl Hints {
             },
             awaits_start: pipeline.awaits_start(),
             unreached: pipeline.unreached(),
+            implausible: pipeline.implausible(),
         }
     }
 }
@@ -104,7 +110,9 @@ impl StatusNotices {
 impl Observer for StatusNotices {
     fn observe(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
         let hints = Hints::of(pipeline);
-        (self.log).update(step, &hints, now, &mut |notice| self.notices.send(notice));
+        let mut report = |notice| self.notices.send(notice);
+        (self.log).report_implausible(pipeline, &hints, now, &mut report);
+        (self.log).update(step, &hints, now, &mut report);
     }
 }
 
@@ -129,7 +137,9 @@ impl StatusLog {
         if step.state != PipelineState::Stopped {
             self.report_losses(step.stats, now, report);
         }
+        let is_explained = |side: Side| self.implausible[side.index()] != Implausible::default();
         if let Some(pose) = step.pose
+            && !is_explained(pose.side)
             && let reported = &mut self.untrusted[pose.side.index()]
             && *reported != pose.untrusted
             && self.limits.admits(Topic::Untrusted(pose.side), now)
@@ -138,7 +148,7 @@ impl StatusLog {
             report(Notice::UntrustedFingers(pose.untrusted));
         }
         for &side in Side::ALL {
-            let is_lost = step.lost_hands[side.index()];
+            let is_lost = step.lost_hands[side.index()] && !is_explained(side);
             let reported = &mut self.lost_hands[side.index()];
             if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
                 *reported = is_lost;
@@ -166,6 +176,37 @@ impl StatusLog {
             self.limits.take_due(now)
         } {
             report(Notice::HeldBack(Box::new(held_back)));
+        }
+    }
+
+    /// Reports the parts of a hand whose readings have become implausible or plausible again.
+    fn report_implausible(
+        &mut self,
+        pipeline: &Pipeline,
+        hints: &Hints,
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        for &side in Side::ALL {
+            let found = hints.implausible[side.index()];
+            let reported = &mut self.implausible[side.index()];
+            if *reported == found || !self.limits.admits(Topic::Implausible(side), now) {
+                continue;
+            }
+            *reported = found;
+            report(if found == Implausible::default() {
+                Notice::UntrustedFingers(FingerSet::NONE)
+            } else {
+                let angles = found.angles.iter();
+                let with_channel = |dof| (dof, pipeline.channel_of(side, dof));
+                Notice::Implausible(
+                    side,
+                    ImplausibleParts {
+                        angles: angles.map(with_channel).collect(),
+                        is_hand: found.is_hand && found.angles.is_empty(),
+                    },
+                )
+            });
         }
     }
 

@@ -6,6 +6,7 @@ use super::channel_table::{ChannelTable, Conversion};
 use crate::capture::Channels;
 use crate::estimate::learned_range::RangeLearner;
 use crate::estimate::limits::JointRange;
+use crate::estimate::plausibility::Plausibility;
 use crate::estimate::{
     AffineMap, ChannelMap, Estimate, EstimatorSettings, InputRow, LearnedRange, Linearity,
     Rejection,
@@ -118,14 +119,15 @@ impl ChannelConverter {
         }
     }
 
-    /// Converts counts to angles, adds `offsets`, and keeps them within the joint limits. Angles of railed channels are clamped; others that are far
-    /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`. Fingers with an
+    /// Converts counts to angles, adds `offsets`, and keeps them within the joint limits. Angles that are far outside are noted, and are an error
+    /// unless they are unreliable or their channel is railed. A channel is railed once it has been at one end of its range for `rail_timeout`. Fingers with an
     /// unknown channel are untrusted.
     pub(super) fn convert(
         &mut self,
         channels: &Channels,
         rail_timeout: Option<Duration>,
         offsets: &JointAngles,
+        plausibility: &mut Plausibility,
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         if channels.full_scale != self.full_scale || channels.counts.len() < self.required_channels
@@ -157,7 +159,7 @@ impl ChannelConverter {
         let is_accepted = |all: &Conversion| all.are_accepted && !has_unknown;
         if !converted.as_ref().is_some_and(is_accepted) {
             estimate.angles = JointAngles::default();
-            self.write_angles(channels, offsets, &mut estimate.angles)?;
+            self.write_angles(channels, offsets, plausibility, &mut estimate.angles)?;
         }
         if estimate.angles.is_empty() && !self.rows.is_empty() {
             return Err(Rejection::WrongShape);
@@ -166,6 +168,12 @@ impl ChannelConverter {
             estimate.angles.set(dof, radians);
         }
         Ok(())
+    }
+
+    /// Returns the channel that measures an angle.
+    pub(in crate::estimate) fn channel_of(&self, dof: Dof) -> Option<usize> {
+        let row = self.rows.iter().find(|row| row.dof == dof)?;
+        Some(row.channel)
     }
 
     /// Adds an accepted reading to the learning of ranges. Does not allocate.
@@ -279,8 +287,10 @@ impl ChannelConverter {
         &self,
         channels: &Channels,
         offsets: &JointAngles,
+        plausibility: &mut Plausibility,
         angles: &mut JointAngles,
     ) -> Result<(), Rejection> {
+        let mut outcome = Ok(());
         for row in &self.rows {
             if is_unknown(channels, row.channel) {
                 continue;
@@ -291,14 +301,15 @@ impl ChannelConverter {
             if !radians.is_finite() {
                 return Err(Rejection::NotFinite);
             }
-            let clamped = match row.range.checked_clamp(radians) {
-                Some(clamped) => clamped,
-                None if self.health[row.health].is_railed => row.range.clamp(radians),
-                None => return Err(Rejection::OutsideLimits),
-            };
-            angles.set(row.dof, clamped);
+            if row.range.checked_clamp(radians).is_none()
+                && !plausibility.note_outside(row.dof)
+                && !self.health[row.health].is_railed
+            {
+                outcome = Err(Rejection::OutsideLimits);
+            }
+            angles.set(row.dof, row.range.clamp(radians));
         }
-        Ok(())
+        outcome
     }
 }
 

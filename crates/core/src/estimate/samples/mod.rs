@@ -11,6 +11,7 @@ mod displacement;
 mod joints;
 
 pub(super) use self::channels::ChannelConverter;
+use super::plausibility::Plausibility;
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
 use crate::hand::{BodyPoints, JointAngles, Side};
@@ -56,22 +57,29 @@ impl SampleConverter {
     }
 
     /// Writes what a reading shows without its history into `estimate`: angles within the joint limits, not filtered.
-    /// `offsets` are added to measured angles, in radians.
+    /// `offsets` are added to measured angles, in radians. Angles that are outside their range are noted in `plausibility`.
     pub(super) fn convert(
         &mut self,
         reading: &Reading,
         settings: &EstimatorSettings,
         offsets: &JointAngles,
+        plausibility: &mut Plausibility,
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         match &reading.sample {
             Sample::Channels(channels) => {
                 let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
-                converter.convert(channels, settings.rail_timeout, offsets, estimate)
+                converter.convert(
+                    channels,
+                    settings.rail_timeout,
+                    offsets,
+                    plausibility,
+                    estimate,
+                )
             }
             Sample::Angles { angles } => {
                 let limits = settings.limits.as_ref();
-                angles::convert(angles, limits, offsets, &mut estimate.angles)
+                angles::convert(angles, limits, offsets, plausibility, &mut estimate.angles)
             }
             Sample::Joints { positions } => {
                 let side = reading.side.unwrap_or(Side::Right);

@@ -3,6 +3,7 @@
 use super::channel_table::ChannelTable;
 use super::channels::ChannelConverter;
 use crate::capture::Channels;
+use crate::estimate::plausibility::Plausibility;
 use crate::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimate, EstimatorSettings, JointLimits, Rejection,
 };
@@ -62,8 +63,13 @@ fn a_table_gives_the_angles_of_the_rows_one_by_one() {
         let convert = |given| {
             let mut converter = ChannelConverter::new(given, &settings);
             let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());
-            let outcome =
-                converter.convert(&channels, settings.rail_timeout, &offsets, &mut estimate);
+            let outcome = converter.convert(
+                &channels,
+                settings.rail_timeout,
+                &offsets,
+                &mut Plausibility::default(),
+                &mut estimate,
+            );
             (outcome, estimate)
         };
         let [(by_table, estimate), (by_rows, expected)] = map.each_ref().map(convert);

@@ -1,0 +1,180 @@
+//! Angles and hands that cannot be trusted, because their readings are implausible again and again: a loose wire, or too much noise.
+
+use super::{Estimate, Rejection};
+use crate::hand::{Dof, DofSet, FingerSet, JointAngles};
+use crate::time::Timestamp;
+
+/// The time over which shares of readings are taken, in seconds.
+const SPAN: f64 = 0.4;
+
+/// The largest weight of a reading in a share: a slow source is not distrusted for the three readings after which a jump is accepted.
+const MAX_WEIGHT: f64 = 0.08;
+
+/// The share of implausible readings above which an angle is unreliable, and below which it is reliable again. A glove with a noise
+/// of 3 counts of 255 has up to 0.12 at its steepest sensor, a loose wire 0.7.
+const ANGLE: Limits = Limits {
+    high: 0.25,
+    low: 0.15,
+};
+
+/// The same for all readings of a hand that are rejected: 0.17 with a noise of 3 counts.
+const HAND: Limits = Limits {
+    high: 0.35,
+    low: 0.2,
+};
+
+/// A share below which it no longer fades.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// The limits of a share, with hysteresis.
+struct Limits {
+    high: f64,
+    low: f64,
+}
+
+/// The share of readings that were implausible, 0..=1, of which later ones weigh more.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    level: f64,
+    is_high: bool,
+}
+
+impl Share {
+    fn update(&mut self, is_implausible: bool, weight: f64, limits: &Limits) {
+        let target = if is_implausible { 1.0 } else { 0.0 };
+        self.level += (target - self.level) * weight;
+        self.is_high = self.level > limits.high || self.is_high && self.level >= limits.low;
+    }
+}
+
+/// The parts of a hand that are not trusted because their readings are implausible.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Implausible {
+    /// The angles that jump or are outside the range of their joint.
+    pub angles: DofSet,
+    /// So many readings were rejected that the whole hand is not trusted.
+    pub is_hand: bool,
+}
+
+impl Implausible {
+    /// Returns the parts that are in either.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            angles: self.angles.union(other.angles),
+            is_hand: self.is_hand || other.is_hand,
+        }
+    }
+}
+
+/// The plausibility of the latest readings of one source.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plausibility {
+    /// The time of the latest reading, accepted or not.
+    time: Timestamp,
+    hand: Share,
+    angles: [Share; Dof::COUNT],
+    /// The unreliable angles.
+    unreliable: DofSet,
+    /// The angles that are implausible in the present reading.
+    blamed: DofSet,
+    /// What the unreliable angles were in the reading before.
+    previous: JointAngles,
+    /// A share is not negligible.
+    is_active: bool,
+    /// An angle or the hand has become reliable with the latest reading.
+    has_recovered: bool,
+}
+
+impl Plausibility {
+    /// Returns what is not trusted.
+    pub fn implausible(&self) -> Implausible {
+        Implausible {
+            angles: self.unreliable,
+            is_hand: self.hand.is_high,
+        }
+    }
+
+    /// Notes that an angle of the present reading is outside the range of its joint. Returns whether it is unreliable, so that it is
+    /// no reason to reject the reading.
+    pub fn note_outside(&mut self, dof: Dof) -> bool {
+        self.blamed = self.blamed.with(dof);
+        self.unreliable.contains(dof)
+    }
+
+    /// Notes the angles that differ by more than `reach` radians from the last accepted ones.
+    pub fn note_jumps(&mut self, reach: f64, angles: &JointAngles, last: &JointAngles) {
+        for (dof, radians) in angles.known() {
+            if last.is_known(dof) && (radians - last.get(dof)).abs() > reach {
+                self.blamed = self.blamed.with(dof);
+            }
+        }
+    }
+
+    /// Returns the time of the latest reading.
+    pub fn time(&self) -> Timestamp {
+        self.time
+    }
+
+    /// Replaces unreliable angles by the last accepted ones, so that they do not count as a movement, and notes those that differ by
+    /// more than `reach` radians from the reading before.
+    pub fn hold(&mut self, reach: f64, angles: &mut JointAngles, last: Option<&JointAngles>) {
+        if self.unreliable.is_empty() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.previous, *angles);
+        for dof in self.unreliable.iter() {
+            if !angles.is_known(dof) {
+                continue;
+            }
+            let has_jumped = (angles.get(dof) - before.get(dof)).abs() > reach;
+            if before.is_known(dof) && has_jumped {
+                self.blamed = self.blamed.with(dof);
+            }
+            if let Some(last) = last.filter(|last| last.is_known(dof)) {
+                angles.set(dof, last.get(dof));
+            }
+        }
+    }
+
+    /// Updates the shares with the outcome of a reading.
+    pub fn update(&mut self, time: Timestamp, outcome: Result<(), Rejection>) {
+        let elapsed = time.since(std::mem::replace(&mut self.time, time));
+        let is_rejected = matches!(outcome, Err(Rejection::TooFast | Rejection::OutsideLimits));
+        let blamed = std::mem::take(&mut self.blamed);
+        if !self.is_active && !is_rejected {
+            return;
+        }
+        let weight = (elapsed.as_secs_f64() / SPAN).min(MAX_WEIGHT);
+        let was = self.implausible();
+        self.hand.update(is_rejected, weight, &HAND);
+        self.is_active = self.hand.level > NEGLIGIBLE;
+        let mut unreliable = DofSet::NONE;
+        for &dof in Dof::ALL {
+            let share = &mut self.angles[dof.index()];
+            share.update(blamed.contains(dof), weight, &ANGLE);
+            self.is_active |= share.level > NEGLIGIBLE;
+            if share.is_high {
+                unreliable = unreliable.with(dof);
+            }
+        }
+        self.unreliable = unreliable;
+        self.has_recovered |=
+            !was.angles.difference(unreliable).is_empty() || was.is_hand && !self.hand.is_high;
+    }
+
+    /// Distrusts what depends on an unreliable angle: its finger, or the place of the hand. After a recovery the estimate jumps.
+    pub fn distrust(&mut self, estimate: &mut Estimate) {
+        estimate.jumped |= std::mem::take(&mut self.has_recovered);
+        if self.hand.is_high {
+            estimate.untrusted = FingerSet::ALL;
+            estimate.is_placed = false;
+        }
+        for dof in self.unreliable.iter() {
+            match dof.finger() {
+                Some(finger) => estimate.untrusted = estimate.untrusted.with(finger),
+                None => estimate.is_placed = false,
+            }
+        }
+    }
+}
