@@ -117,6 +117,7 @@ impl FrontView<'_> {
             MarkRole::Well => colors.key.mix(colors.key_side, 0.3),
             MarkRole::Groove => colors.key_side,
             MarkRole::Handle => colors.label.mix(colors.key, 0.25),
+            MarkRole::Cap if self.is_lit => colors.lit,
             MarkRole::Cap => colors.key,
             MarkRole::OnHandle => colors.key,
             MarkRole::Value => colors.ring,
@@ -167,6 +168,18 @@ mod tests {
     use super::*;
     use ademan_core::layout::Layout;
     use ademan_runtime::files::Load;
+
+    #[test]
+    fn the_label_of_a_pressed_knob_is_on_a_lit_hub() {
+        let view = FrontView {
+            to_screen: &|point| Some(point),
+            scale: 3.0,
+            colors: &SceneColors::DARK,
+            is_lit: true,
+        };
+        assert_eq!(view.color(MarkRole::Cap), SceneColors::DARK.lit);
+        assert_eq!(view.color(MarkRole::Label), SceneColors::DARK.lit_label);
+    }
 
     #[test]
     fn the_handle_of_a_fader_moves_with_its_value() {

@@ -1,9 +1,10 @@
-//! Arrangement of several controls of a board: align, distribute, snap.
+//! Arrangement of several controls of a board: align, distribute, mirror, snap.
 
 use super::draft::Draft;
 use super::error::EditError;
-use super::geometry::{Extent, extent, set_size_one, shift_one, without_children};
-use super::part::Part;
+use super::fields::can_turn;
+use super::geometry::{Extent, extent, set_size_one, shift_one, without_children, wrapped};
+use super::part::{ControlKind, Part};
 use super::rows::take_out;
 
 /// The line on which parts are aligned.
@@ -95,6 +96,46 @@ pub(super) fn distribute(
     shift_along(draft, &parts, axis, distances)
 }
 
+/// Mirrors parts about the middle of their common outline. A turned one is turned the other way; its front is not mirrored.
+pub(super) fn mirror(
+    draft: &mut Draft,
+    parts: &[Part],
+    axis: BoardAxis,
+) -> Result<Vec<Part>, EditError> {
+    let message = "select at least one control to mirror it";
+    let (parts, extents) = prepare(draft, parts, 1, message)?;
+    let Some(all) = Extent::around(&extents) else {
+        return Ok(parts);
+    };
+    for &part in &parts {
+        turn_back(draft, part, axis)?;
+    }
+    let axis = axis as usize;
+    let distances = extents
+        .iter()
+        .map(|extent| 2.0 * (all.center[axis] - extent.center[axis]));
+    shift_along(draft, &parts, axis, distances.collect())
+}
+
+/// Turns a control to the angles of its mirror image.
+fn turn_back(draft: &mut Draft, part: Part, axis: BoardAxis) -> Result<(), EditError> {
+    // Negated by subtraction, which makes no −0.
+    let back = |degrees: f64| wrapped(0.0 - degrees);
+    if matches!(part, Part::Control { kind, .. } if kind == ControlKind::Key) {
+        if let Some([x, y, z]) = draft.numbers(part, "rotation_deg")? {
+            let turned = match axis {
+                BoardAxis::X => [x, back(y), back(z)],
+                BoardAxis::Y => [back(x), y, back(z)],
+            };
+            draft.set_numbers(part, "rotation_deg", turned)?;
+        }
+    } else if can_turn(part) {
+        let old = draft.number(part, "rotation_deg", 0.0)?;
+        draft.set_number(part, "rotation_deg", back(old), 0.0)?;
+    }
+    Ok(())
+}
+
 /// Moves centers to the nearest crossing of a grid.
 pub(super) fn snap(
     draft: &mut Draft,
@@ -181,4 +222,41 @@ fn shift_along(
     }
     draft.commit()?;
     Ok(parts.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::editing::{Edit, edit};
+
+    fn mirrored(text: &str, axis: BoardAxis) -> String {
+        let key = |index| Part::Control {
+            board: 0,
+            kind: ControlKind::Key,
+            index,
+        };
+        let parts = vec![key(0), key(1)];
+        edit(text, &Edit::Mirror { parts, axis }).unwrap().text
+    }
+
+    #[test]
+    fn mirrored_keys_exchange_their_sides_and_turn_the_other_way() {
+        let text = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [\n\
+            (code: \"A\", at_mm: (0, 0), rotation_deg: (5, 0, 90)), // left\n\
+            (code: \"B\", at_mm: (50, 7), size_mm: Box(30, 17))])])";
+        let across = mirrored(text, BoardAxis::X);
+        // The outlines go from -8.5 to 65 mm.
+        let expected = text
+            .replace("(50, 7)", "(6.5, 7)")
+            .replace("(0, 0)", "(56.5, 0)")
+            .replace("(5, 0, 90)", "(5, 0, -90)");
+        assert_eq!(across, expected);
+        assert_eq!(mirrored(&across, BoardAxis::X), text);
+        let along = mirrored(text, BoardAxis::Y);
+        let expected = text
+            .replace("(50, 7)", "(50, 0)")
+            .replace("(0, 0)", "(0, 7)")
+            .replace("(5, 0, 90)", "(-5, 0, -90)");
+        assert_eq!(along, expected);
+    }
 }

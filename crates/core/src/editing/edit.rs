@@ -76,6 +76,13 @@ pub enum Edit {
         /// Direction of the gaps.
         axis: BoardAxis,
     },
+    /// Mirrors controls of one board about the middle of their common outline.
+    Mirror {
+        /// Keys, controls or rows.
+        parts: Vec<Part>,
+        /// Direction in which places are exchanged.
+        axis: BoardAxis,
+    },
     /// Moves the centers of controls to a grid.
     Snap {
         /// Keys, controls or rows.
@@ -203,6 +210,7 @@ fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
         Edit::Tilt { parts, degrees } => geometry::tilt(draft, parts, *degrees),
         Edit::Align { parts, edge } => arrange::align(draft, parts, *edge),
         Edit::Distribute { parts, axis } => arrange::distribute(draft, parts, *axis),
+        Edit::Mirror { parts, axis } => arrange::mirror(draft, parts, *axis),
         Edit::Snap { parts, grid_mm } => arrange::snap(draft, parts, *grid_mm),
         Edit::Place { parts, place } => arrange::place(draft, parts, place),
         Edit::Repeat {

@@ -11,7 +11,7 @@ use super::{Bounds, Item, ItemShape, bend};
 use crate::marks::{FrontView, add_marks};
 use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole};
+use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
 
 /// Height of a label as a fraction of the smaller side of its item.
 const LABEL_HEIGHT: f32 = 0.36;
@@ -34,6 +34,9 @@ const DISC_SIDES: (usize, usize) = (24, 128);
 
 /// Width of the outline of an item with an error, in points.
 const FAULT: f32 = 3.0;
+
+/// The width of a well as a part of its item from which it hides the front.
+const HIDING: f32 = 0.8;
 
 /// The part of the colour in an item with the strongest one: its label stays readable.
 const HOTTEST: f32 = 0.75;
@@ -243,10 +246,13 @@ impl Pen<'_> {
             colors: self.colors,
             is_lit: look == Look::Pressed,
         };
-        // The selection is seen in the front, which the well would hide.
+        // The selection is seen in the front, which a well of its size would hide.
+        let hides_front = |mark: &FrontMark| {
+            mark.role == MarkRole::Well && half_width(&mark.shape) > HIDING * item.shape.half.x
+        };
         let marks = item.marks.iter();
         let marks: Vec<FrontMark> = marks
-            .filter(|mark| mark.role != MarkRole::Well || look == Look::Plain)
+            .filter(|mark| look == Look::Plain || !hides_front(mark))
             .cloned()
             .collect();
         add_marks(&mut self.picture, &marks, &view);
@@ -387,6 +393,15 @@ fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) 
     for index in 1..(corners.len() as u32).saturating_sub(1) {
         let triangle = [first, first + index, first + index + 1];
         triangles.indices.extend(triangle);
+    }
+}
+
+/// Returns half the width of a disc or a box, and 0 for other marks.
+fn half_width(shape: &MarkShape) -> f32 {
+    match shape {
+        MarkShape::Disc { radius, .. } => *radius,
+        MarkShape::Box { half, .. } => half.x,
+        _ => 0.0,
     }
 }
 

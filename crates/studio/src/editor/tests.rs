@@ -76,7 +76,11 @@ fn random_edit(editor: &LayoutEditor, random: &mut Rng) -> Edit {
     let mut length = || (random.f64() * 400.0).round() / 10.0 - 20.0;
     let (x, y, z) = (length(), length(), length());
     let edges = [AlignEdge::Left, AlignEdge::Top, AlignEdge::CenterX];
-    match random.usize(..17) {
+    match random.usize(..18) {
+        17 => Edit::Mirror {
+            parts,
+            axis: BoardAxis::X,
+        },
         0 | 1 => Edit::Move {
             parts,
             by_mm: [x, y, if random.bool() { 0.0 } else { z }],

@@ -109,7 +109,13 @@ fn a_learned_range_changes_the_table() {
         let convert = |tested: &mut ChannelConverter| {
             let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());
             let offsets = JointAngles::default();
-            let outcome = tested.convert(&channels(150), None, &offsets, &mut estimate);
+            let outcome = tested.convert(
+                &channels(150),
+                None,
+                &offsets,
+                &mut Plausibility::default(),
+                &mut estimate,
+            );
             outcome.unwrap();
             estimate.angles.get(Dof::IndexPipFlexion)
         };

@@ -273,8 +273,23 @@ impl DrawnTrack {
                 canvas.circle("metal", at, half.y);
                 canvas.circle("on-metal", at, half.y * 0.55);
                 if slider.springs_back {
-                    draw_spring(at, half.y, canvas);
+                    self.draw_spring(at, half.y, canvas);
                 }
+            }
+        }
+    }
+
+    /// Draws arrows along the track toward the position to which a spring returns the handle, from each side that has room.
+    fn draw_spring(&self, at: Vec2, radius: f32, canvas: &mut Canvas) {
+        let [low, high] = self.ends;
+        for side in [-1.0, 1.0] {
+            let tips = [1.5, 1.9].map(|distance| at + Vec2::X * side * radius * distance);
+            if tips.iter().any(|tip| tip.x < low || tip.x > high) {
+                continue;
+            }
+            for tip in tips {
+                let wings = [-1.0, 1.0].map(|y| tip + Vec2::new(side * 0.35, y * 0.35) * radius);
+                canvas.polyline("icon", &[wings[0], tip, wings[1]]);
             }
         }
     }
@@ -283,17 +298,6 @@ impl DrawnTrack {
         let [low, high] = self.ends;
         let t = (slider.track.position(value) + 1.0) / 2.0;
         low + (high - low) * t.clamp(0.0, 1.0)
-    }
-}
-
-/// Draws arrows along the track, from both sides towards the position to which a spring returns the handle.
-fn draw_spring(at: Vec2, radius: f32, canvas: &mut Canvas) {
-    for side in [-1.0, 1.0] {
-        for distance in [1.5, 1.9] {
-            let tip = at + Vec2::X * side * radius * distance;
-            let wings = [-1.0, 1.0].map(|y| tip + Vec2::new(side * 0.35, y * 0.35) * radius);
-            canvas.polyline("icon", &[wings[0], tip, wings[1]]);
-        }
     }
 }
 

@@ -206,6 +206,27 @@ mod tests {
     }
 
     #[test]
+    fn no_line_of_a_mark_leaves_its_control() {
+        for (name, layout) in Layout::shipped().unwrap() {
+            for face in layout.controls.iter().flat_map(|control| &control.faces) {
+                // In millimetres, with the width of a line.
+                let half = face.outline.half_extents() * 1e3 + 1.0;
+                for value in [0.0, 0.5, 1.0] {
+                    let marks = layout.front_marks(face.target, |_| Some(value)).unwrap();
+                    let lines = marks.iter().filter_map(|mark| match &mark.shape {
+                        MarkShape::Line(points, _) => Some(points),
+                        _ => None,
+                    });
+                    for point in lines.flatten() {
+                        let is_inside = point.abs().cmple(half).all();
+                        assert!(is_inside, "{name}: {} at {value}: {point}", face.name);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn every_control_of_the_shipped_layouts_has_marks_and_a_label() {
         for (name, layout) in Layout::shipped().unwrap() {
             for face in layout.controls.iter().flat_map(|control| &control.faces) {

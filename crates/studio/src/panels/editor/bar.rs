@@ -26,6 +26,12 @@ pub(super) const DISTRIBUTIONS: [(&str, BoardAxis); 2] = [
     ("editor-distribute-y", BoardAxis::Y),
 ];
 
+/// Mirror images of parts.
+pub(super) const MIRRORS: [(&str, BoardAxis); 2] = [
+    ("editor-mirror-x", BoardAxis::X),
+    ("editor-mirror-y", BoardAxis::Y),
+];
+
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {
@@ -157,6 +163,12 @@ fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         if icons::button(ui, icons::distribution(axis), text(hint), count >= 3) {
             let parts = panel.selected_parts();
             panel.apply(&Edit::Distribute { parts, axis });
+        }
+    }
+    for (hint, axis) in MIRRORS {
+        if icons::button(ui, icons::mirror(axis), text(hint), count >= 1) {
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Mirror { parts, axis });
         }
     }
     ui.add_enabled_ui(count > 0, |ui| {

@@ -47,6 +47,19 @@ pub(super) const fn distribution(axis: BoardAxis) -> [Bar; 3] {
     }
 }
 
+/// The sign of a mirror image.
+pub(super) const fn mirror(axis: BoardAxis) -> [Bar; 3] {
+    let bars = [
+        [0.14, 0.28, 0.38, 0.72],
+        [0.47, 0.12, 0.53, 0.88],
+        [0.62, 0.28, 0.86, 0.72],
+    ];
+    match axis {
+        BoardAxis::X => bars,
+        BoardAxis::Y => transposed(bars),
+    }
+}
+
 const fn transposed([a, b, c]: [Bar; 3]) -> [Bar; 3] {
     const fn bar([left, top, right, bottom]: Bar) -> Bar {
         [top, left, bottom, right]

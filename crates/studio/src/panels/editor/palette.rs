@@ -89,6 +89,7 @@ fn commands() -> Vec<Command> {
     commands.extend(selection_commands());
     commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
     commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
+    commands.extend(bar::MIRRORS.map(|(name, axis)| mirror(name, axis)));
     for &kind in ControlKind::ALL {
         let mut add = command("editor-add", "", move |panel, _| panel.add_control(kind));
         add.name = format!("{}: {}", add.name, bar::kind_words(kind));
@@ -150,6 +151,13 @@ fn distribute(name: &'static str, axis: BoardAxis) -> Command {
     command(name, "", move |panel, _| {
         let parts = panel.selected_parts();
         panel.apply(&Edit::Distribute { parts, axis });
+    })
+}
+
+fn mirror(name: &'static str, axis: BoardAxis) -> Command {
+    command(name, "", move |panel, _| {
+        let parts = panel.selected_parts();
+        panel.apply(&Edit::Mirror { parts, axis });
     })
 }
 
