@@ -1,9 +1,10 @@
 //! Text lines of joint angles as the source of the program, without a glove.
 
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use crate::support::process::signal;
 use crate::support::source::text_lines;
 use crate::{ademan, file, run, text};
 
@@ -83,4 +84,33 @@ fn text_lines_on_the_standard_input_are_typed() {
     let messages = String::from_utf8(output.stderr).unwrap();
     assert_eq!(pressed_keys(&transcript), KEYS, "{messages}");
     assert_eq!(output.status.code(), Some(0), "{messages}");
+}
+
+#[test]
+fn bytes_without_a_line_end_are_named_and_fail() {
+    let mut program = ademan(["run", "--source", "stdin:?protocol=text-line"])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = program.stdin.take().expect("it is piped");
+    let unended = text_lines(TYPED)[0].replace('\n', "\r");
+    let sender = std::thread::spawn(move || {
+        while stdin.write_all(unended.as_bytes()).is_ok() {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    });
+    let stderr = BufReader::new(program.stderr.take().expect("it is piped"));
+    let mut lines = stderr.lines().map(|line| line.expect("UTF-8"));
+    let warning = lines.find(|line| line.contains("no valid packet"));
+    let warning = warning.expect("a warning");
+    assert!(warning.contains("no line end (LF) within"), "{warning}");
+    signal("INT", program.id());
+    let rest = lines.collect::<Vec<_>>().join("\n");
+    assert!(rest.contains("bytes belonged to no packet"), "{rest}");
+    assert!(rest.contains("sent no valid packet"), "{rest}");
+    let status = program.wait().expect("it ends");
+    assert_eq!(status.code(), Some(1), "{rest}");
+    sender.join().expect("no panic");
 }

@@ -95,6 +95,9 @@ impl<P: LineParser> LineDecoder<P> {
 
     fn push_to_line(&mut self, bytes: &[u8]) {
         if self.line.len() + bytes.len() > P::MAX_LINE_BYTES {
+            if !self.is_skipping {
+                self.last_error = Some(no_line_end::<P>());
+            }
             self.is_skipping = true;
             self.line.clear();
         }
@@ -106,6 +109,11 @@ impl<P: LineParser> LineDecoder<P> {
 
 fn too_long<P: LineParser>() -> PacketError {
     let text = format!("a line is longer than {} bytes", P::MAX_LINE_BYTES);
+    PacketError::new(InvalidPacket::WrongSize, text)
+}
+
+fn no_line_end<P: LineParser>() -> PacketError {
+    let text = format!("no line end (LF) within {} bytes", P::MAX_LINE_BYTES);
     PacketError::new(InvalidPacket::WrongSize, text)
 }
 

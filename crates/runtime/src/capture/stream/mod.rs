@@ -21,7 +21,6 @@ use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
 use super::{CaptureError, HeadsetList, Source, SourceEvent, SourceStats, SourceWait};
 use ademan_core::hand::Side;
-use ademan_core::message::escape;
 use feedback_line::FeedbackLine;
 use pending::PendingReadings;
 use unknown_bytes::UnknownBytes;
@@ -241,19 +240,11 @@ impl<C: Connector> StreamSource<C> {
     fn judge_bytes(&mut self, now: Instant, has_packet: bool, length: usize) {
         if self.unknown.update(now, has_packet, &self.buffer[..length]) {
             let likely = self.unknown.likely_format(&self.format);
-            warnings::garbage(&self.name, &self.last_error(), likely);
+            warnings::garbage(&self.name, self.decoder.last_error(), likely);
         }
         if has_packet {
             self.back_off = BackOff::default();
         }
-    }
-
-    /// Returns the error in the latest packet for a message, with its separator; empty if there is none.
-    fn last_error(&self) -> String {
-        let error = self.decoder.last_error();
-        error.map_or(String::new(), |error| {
-            format!(": {}", escape(&error.to_string()))
-        })
     }
 
     fn handle_silence(&mut self) -> Result<SourceEvent, CaptureError> {
@@ -315,7 +306,7 @@ impl<C: Connector> StreamSource<C> {
         }
         let likely = self.unknown.likely_format(&self.format);
         if likely.is_some() || self.decoder.last_error().is_some() {
-            warnings::nothing_valid(&self.name, &self.last_error(), likely);
+            warnings::nothing_valid(&self.name, self.decoder.last_error(), likely);
         }
     }
 
@@ -484,7 +475,14 @@ impl<C: Connector> Source for StreamSource<C> {
 
     fn stats(&self) -> SourceStats {
         let decoded = self.decoder.stats();
+        // Bytes before the first packet that may be its start count as skipped: a stream without line ends has no other ones.
+        let unfinished = if decoded.readings == 0 {
+            self.decoder.pending_bytes() as u64
+        } else {
+            0
+        };
         SourceStats {
+            skipped_bytes: decoded.skipped_bytes + unfinished,
             readings: decoded.readings
                 - self.pending.readings.len() as u64
                 - self.pending.too_old.total(),

@@ -3,25 +3,36 @@
 use std::time::Duration;
 
 use crate::capture::garbage::GarbageDetector;
+use crate::capture::protocol::PacketError;
+use ademan_core::message::escape;
 
-/// Warns of bytes that form no packet. `error` is the reason of the decoder with its separator, or empty; `likely` states what the
-/// bytes look like, and what to do.
-pub fn garbage(name: &str, error: &str, likely: Option<String>) {
+/// Warns of bytes that form no packet. `error` is the reason of the decoder; `likely` states what the bytes look like, and what to
+/// do.
+pub fn garbage(name: &str, error: Option<&PacketError>, likely: Option<String>) {
     let advice = match likely {
         Some(likely) => format!("it {likely}"),
         None => "check baud and protocol".to_owned(),
     };
     tracing::warn!(
         source = name,
-        "no valid packet from {name} for {} s{error}; {advice}",
-        GarbageDetector::TIMEOUT.as_secs()
+        "no valid packet from {name} for {} s{}; {advice}",
+        GarbageDetector::TIMEOUT.as_secs(),
+        reason(error)
     );
 }
 
 /// Warns that a stream had no packet up to its end. Takes the arguments of [`garbage`].
-pub fn nothing_valid(name: &str, error: &str, likely: Option<String>) {
+pub fn nothing_valid(name: &str, error: Option<&PacketError>, likely: Option<String>) {
     let advice = likely.map_or(String::new(), |likely| format!("; it {likely}"));
+    let error = reason(error);
     tracing::warn!(source = name, "no valid packet in {name}{error}{advice}");
+}
+
+/// Returns the error in the latest packet, with its separator; empty if there is none.
+fn reason(error: Option<&PacketError>) -> String {
+    error.map_or(String::new(), |error| {
+        format!(": {}", escape(&error.to_string()))
+    })
 }
 
 /// Warns that no byte has arrived for a time.
