@@ -18,7 +18,7 @@ pub fn report(summary: Summary) -> Result<(), Failure> {
     let source = &summary.stats.source;
     if source.readings == 0 && source.skipped_bytes > 0 {
         return Err(Failure::job(
-            "the source sent no valid packet; check `protocol`, its options and `baud` (`--source` in the help lists them)",
+            "the source sent no valid packet; check `protocol` and its options, and `baud` of a serial line (`--source` in the help lists them)",
         ));
     }
     Ok(())

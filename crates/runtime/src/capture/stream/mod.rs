@@ -240,7 +240,7 @@ impl<C: Connector> StreamSource<C> {
     fn judge_bytes(&mut self, now: Instant, has_packet: bool, length: usize) {
         if self.unknown.update(now, has_packet, &self.buffer[..length]) {
             let likely = self.unknown.likely_format(&self.format);
-            warnings::garbage(&self.name, self.decoder.last_error(), likely);
+            warnings::garbage(&self.name, self.decoder.last_error(), likely, &self.format);
         }
         if has_packet {
             self.back_off = BackOff::default();

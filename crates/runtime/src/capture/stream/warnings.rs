@@ -3,19 +3,27 @@
 use std::time::Duration;
 
 use crate::capture::garbage::GarbageDetector;
-use crate::capture::protocol::PacketError;
+use crate::capture::protocol::{PacketError, StreamFormat};
 use ademan_core::message::escape;
 
 /// Warns of bytes that form no packet. `error` is the reason of the decoder; `likely` states what the bytes look like, and what to
 /// do.
-pub fn garbage(name: &str, error: Option<&PacketError>, likely: Option<String>) {
-    let advice = match likely {
-        Some(likely) => format!("it {likely}"),
-        None => "check baud and protocol".to_owned(),
+pub fn garbage(
+    name: &str,
+    error: Option<&PacketError>,
+    likely: Option<String>,
+    format: &StreamFormat,
+) {
+    let advice = match (likely, error) {
+        (Some(likely), _) => format!("; it {likely}"),
+        // A wrong bit rate changes bytes, so that any error may follow.
+        _ if format.baud.is_some() => "; check baud and protocol".to_owned(),
+        (None, Some(_)) => String::new(),
+        (None, None) => "; check protocol and its options".to_owned(),
     };
     tracing::warn!(
         source = name,
-        "no valid packet from {name} for {} s{}; {advice}",
+        "no valid packet from {name} for {} s{}{advice}",
         GarbageDetector::TIMEOUT.as_secs(),
         reason(error)
     );
