@@ -148,3 +148,18 @@ fn a_datagram_that_is_understood_but_wrong_is_not_blamed_on_the_bit_rate() {
         "{message}"
     );
 }
+
+#[test]
+fn a_sender_whose_clock_counts_seconds_is_told_the_unit() {
+    let line = text_lines(TYPED)[0].trim_end().to_owned();
+    let start = Instant::now();
+    let message = message_about("packets from", move || {
+        format!("{line} time_us={}", start.elapsed().as_secs())
+    });
+    assert!(
+        message.contains("nearly all packets from udp:"),
+        "{message}"
+    );
+    let reason = "`time_us` is not later than in an earlier line; it counts microseconds";
+    assert!(message.ends_with(reason), "{message}");
+}

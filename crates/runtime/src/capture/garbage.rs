@@ -1,4 +1,4 @@
-//! Detection of a stream with the wrong protocol or bit rate.
+//! Detection of a stream with the wrong protocol or bit rate, or of a sender whose packets are invalid.
 
 use std::time::{Duration, Instant};
 
@@ -27,6 +27,33 @@ impl GarbageDetector {
         self.span = Some((since, now));
         let is_due = !self.has_warned && now.saturating_duration_since(since) >= Self::TIMEOUT;
         self.has_warned |= is_due;
+        is_due
+    }
+}
+
+/// Detector of packets of which nearly all are invalid, although a valid one arrives now and then.
+#[derive(Default)]
+pub(super) struct InvalidDetector {
+    /// Time and numbers of valid and invalid packets at the start of the current interval.
+    start: Option<(Instant, u64, u64)>,
+    has_warned: bool,
+}
+
+impl InvalidDetector {
+    /// Most invalid packets for each valid one.
+    const MAX_RATIO: u64 = 9;
+
+    /// Handles the numbers of all packets so far. Returns `true` if a warning is due: once until more of them are valid.
+    pub fn update(&mut self, now: Instant, valid: u64, invalid: u64) -> bool {
+        let (since, first_valid, first_invalid) = *self.start.get_or_insert((now, valid, invalid));
+        if now.saturating_duration_since(since) < GarbageDetector::TIMEOUT {
+            return false;
+        }
+        self.start = Some((now, valid, invalid));
+        let new = valid - first_valid;
+        let is_bad = new > 0 && invalid - first_invalid > new * Self::MAX_RATIO;
+        let is_due = is_bad && !self.has_warned;
+        self.has_warned = is_bad;
         is_due
     }
 }
@@ -63,6 +90,26 @@ mod tests {
         for (millis, has_packet, is_due) in table {
             let now = start + Duration::from_millis(millis);
             assert_eq!(detector.update(now, has_packet), is_due, "{millis}");
+        }
+    }
+
+    #[test]
+    fn a_valid_packet_now_and_then_hides_no_invalid_ones() {
+        let start = Instant::now();
+        let mut detector = InvalidDetector::default();
+        let table = [
+            (0, 0, 0, false),
+            (1_900, 2, 50, false),
+            (2_000, 2, 58, true),
+            (4_000, 4, 116, false),
+            (6_000, 204, 117, false),
+            (8_000, 206, 175, true),
+            // Packets that are all invalid are garbage.
+            (10_000, 206, 275, false),
+        ];
+        for (millis, valid, invalid, is_due) in table {
+            let now = start + Duration::from_millis(millis);
+            assert_eq!(detector.update(now, valid, invalid), is_due, "{millis}");
         }
     }
 }

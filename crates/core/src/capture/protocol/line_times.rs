@@ -38,7 +38,7 @@ impl LineTimes {
                 return Ok(Some(Timestamp(time)));
             }
         };
-        let text = "`time_us` is not later than in an earlier line";
+        let text = "`time_us` is not later than in an earlier line; it counts microseconds";
         Err(PacketError::new(reason, text))
     }
 }

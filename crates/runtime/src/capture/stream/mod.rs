@@ -207,11 +207,7 @@ impl<C: Connector> StreamSource<C> {
             }
         }
         if self.pending.is_late && !was_late {
-            tracing::warn!(
-                source = self.name,
-                "readings from {} arrive too late and are dropped; the network or its router is overloaded",
-                self.name
-            );
+            warnings::too_late(&self.name);
         }
         if C::IS_LIVE && self.decoder.take_restart() {
             self.losses += 1;
@@ -241,6 +237,11 @@ impl<C: Connector> StreamSource<C> {
         if self.unknown.update(now, has_packet, &self.buffer[..length]) {
             let likely = self.unknown.likely_format(&self.format);
             warnings::garbage(&self.name, self.decoder.last_error(), likely, &self.format);
+        }
+        if let Some(error) = self.decoder.last_error()
+            && self.unknown.update_invalid(now, &self.decoder.stats())
+        {
+            warnings::nearly_all_invalid(&self.name, error);
         }
         if has_packet {
             self.back_off = BackOff::default();

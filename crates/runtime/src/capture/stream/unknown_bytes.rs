@@ -4,7 +4,8 @@ use std::num::NonZeroU32;
 use std::time::Instant;
 
 use super::bit_rate;
-use crate::capture::garbage::GarbageDetector;
+use crate::capture::SourceStats;
+use crate::capture::garbage::{GarbageDetector, InvalidDetector};
 use crate::capture::protocol::{Carriers, PROTOCOLS, StreamFormat, hc11};
 
 /// Most bytes that are kept: packets of each protocol, of a fast line in 0.3 s.
@@ -16,6 +17,7 @@ const MAX_DATAGRAMS: usize = 64;
 /// The bytes since the latest packet.
 pub struct UnknownBytes {
     detector: GarbageDetector,
+    invalid: InvalidDetector,
     /// The first of the bytes.
     bytes: Vec<u8>,
     /// The ends of datagrams in `bytes`; none of a stream.
@@ -28,6 +30,7 @@ impl UnknownBytes {
     pub fn new(is_datagram: bool) -> Self {
         Self {
             detector: GarbageDetector::default(),
+            invalid: InvalidDetector::default(),
             bytes: Vec::with_capacity(CAPACITY),
             ends: Vec::with_capacity(if is_datagram { MAX_DATAGRAMS } else { 0 }),
             is_datagram,
@@ -44,9 +47,15 @@ impl UnknownBytes {
         self.detector.update(now, has_packet)
     }
 
+    /// Handles the statistics of the decoder. Returns `true` if a warning is due that nearly all packets are invalid.
+    pub fn update_invalid(&mut self, now: Instant, stats: &SourceStats) -> bool {
+        (self.invalid).update(now, stats.readings, stats.invalid.total())
+    }
+
     /// Forgets all bytes, and since when they arrive.
     pub fn clear(&mut self) {
         self.detector = GarbageDetector::default();
+        self.invalid = InvalidDetector::default();
         self.forget();
     }
 

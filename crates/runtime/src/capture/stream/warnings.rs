@@ -29,6 +29,16 @@ pub fn garbage(
     );
 }
 
+/// Warns that most packets are invalid, for the reason of the latest one.
+pub fn nearly_all_invalid(name: &str, error: &PacketError) {
+    tracing::warn!(
+        source = name,
+        "nearly all packets from {name} for {} s are invalid{}",
+        GarbageDetector::TIMEOUT.as_secs(),
+        reason(Some(error))
+    );
+}
+
 /// Warns that a stream had no packet up to its end. Takes the arguments of [`garbage`].
 pub fn nothing_valid(name: &str, error: Option<&PacketError>, likely: Option<String>) {
     let advice = likely.map_or(String::new(), |likely| format!("; it {likely}"));
@@ -41,6 +51,14 @@ fn reason(error: Option<&PacketError>) -> String {
     error.map_or(String::new(), |error| {
         format!(": {}", escape(&error.to_string()))
     })
+}
+
+/// Warns that readings are dropped because of their age.
+pub fn too_late(name: &str) {
+    tracing::warn!(
+        source = name,
+        "readings from {name} arrive too late and are dropped; the network or its router is overloaded"
+    );
 }
 
 /// Warns that no byte has arrived for a time.
