@@ -98,7 +98,7 @@ fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
         messages.contains(&format!("lost {}", arm.uri(150))),
         "{messages}"
     );
-    let lost = "the right hand is not tracked, or has pressed faster than the rate limit: what it held is released, and it touches nothing\n";
+    let lost = "the right hand is not tracked: what it held is released, and it touches nothing\n";
     assert!(messages.contains(lost), "{messages}");
     let replayed = ademan(["replay"])
         .arg(&recording)

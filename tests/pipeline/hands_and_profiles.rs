@@ -7,8 +7,8 @@ use ademan::device::Events;
 use ademan::document::Document;
 use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::Side;
-use ademan::pipeline::PipelineState;
 use ademan::pipeline::SourceRole;
+use ademan::pipeline::{HandLoss, PipelineState};
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, ReplaySettings, Setup};
 use ademan::time::Timestamp;
 
@@ -145,6 +145,10 @@ fn a_hand_beyond_the_rate_limit_touches_nothing_until_it_is_resumed_and_the_othe
     }
     assert_eq!(wearer.pipeline.suppressed().rate_limited, 1);
     assert!(wearer.pipeline.lost_hands()[Side::Left.index()]);
+    assert_eq!(
+        wearer.pipeline.hand_losses(),
+        [Some(HandLoss::TooFast), None]
+    );
     for key in ["J", "K"] {
         wearer.hold_still(1_000);
         wearer.tap(Side::Right, key);

@@ -4,7 +4,7 @@ use std::fs;
 
 use ademan::command::CommandOrigin;
 use ademan::hand::{HandPart, Side};
-use ademan::pipeline::PipelineState;
+use ademan::pipeline::{HandLoss, PipelineState};
 use ademan::setup::{OtherHand, Setup};
 
 use crate::wearer::Wearer;
@@ -79,6 +79,8 @@ fn a_hand_without_readings_releases_what_it_has_locked_and_switched_on() {
         wearer.shown[Side::Left.index()] = None;
         wearer.hold_still(300);
         assert_eq!(wearer.transcript(), off, "{control}");
+        let losses = wearer.pipeline.hand_losses();
+        assert_eq!(losses, [Some(HandLoss::NoReadings), None]);
         wearer.tap(Side::Right, "J");
         assert_eq!(wearer.transcript(), "+J -J", "{control}");
         assert_eq!(wearer.pipeline.state(), PipelineState::Running);

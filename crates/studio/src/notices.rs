@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use super::texts::text;
 use ademan_core::command::CommandOrigin;
 use ademan_core::hand::{FingerSet, Side};
+use ademan_core::pipeline::HandLoss;
 use ademan_runtime::session::Notice;
 
 /// The notices without values, as a view has them, and the keys of their words.
@@ -18,8 +19,6 @@ static NOTICES: LazyLock<Vec<(String, &'static str)>> = LazyLock::new(|| {
         (Notice::Stalled, "notice-stalled"),
         (Notice::Paused(Layout), "notice-paused-by-layout"),
         (Notice::Paused(RateLimit), "notice-paused-by-rate"),
-        (Notice::HandLost(Side::Left), "notice-left-lost"),
-        (Notice::HandLost(Side::Right), "notice-right-lost"),
         (Notice::HandFound(Side::Left), "notice-left-found"),
         (Notice::HandFound(Side::Right), "notice-right-found"),
         (
@@ -31,6 +30,13 @@ static NOTICES: LazyLock<Vec<(String, &'static str)>> = LazyLock::new(|| {
     for origin in [Suspend, Client, Signal, PanicKeys, Watchdog] {
         notices.push((Notice::Paused(origin), "notice-paused"));
     }
+    for loss in [HandLoss::NoReadings, HandLoss::NotSeen] {
+        notices.push((Notice::HandLost(Side::Left, loss), "notice-left-lost"));
+        notices.push((Notice::HandLost(Side::Right, loss), "notice-right-lost"));
+    }
+    let (left, right) = ("notice-left-too-fast", "notice-right-too-fast");
+    notices.push((Notice::HandLost(Side::Left, HandLoss::TooFast), left));
+    notices.push((Notice::HandLost(Side::Right, HandLoss::TooFast), right));
     let notices = notices.into_iter();
     notices
         .map(|(notice, key)| (notice.to_string(), key))

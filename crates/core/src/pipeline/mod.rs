@@ -32,6 +32,7 @@ pub use permissions::{SourcePermissions, SourceRole};
 pub use press_filter::{PressFilter, TextState};
 pub use rate_limit::PressRateLimit;
 pub use settings::PipelineSettings;
+pub use stalls::HandLoss;
 pub use state::{PipelineState, Suppressed};
 pub use unreached::{NearestControl, Unreached};
 

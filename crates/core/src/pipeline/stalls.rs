@@ -8,6 +8,17 @@ use crate::estimate::Implausible;
 use crate::hand::{Dof, HandPart, Side};
 use crate::time::Timestamp;
 
+/// The reason why a hand touches nothing although the session goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HandLoss {
+    /// Its source sends nothing.
+    NoReadings,
+    /// Its source sends, but does not show it, or not all of it.
+    NotSeen,
+    /// It has pressed faster than the rate limit.
+    TooFast,
+}
+
 impl Pipeline {
     /// Releases everything because readings stopped for longer than the [`stall_timeout`](Self::stall_timeout).
     ///
@@ -102,6 +113,22 @@ impl Pipeline {
         let mut hands = self.hands.iter();
         let hand = hands.find(|hand| hand.side() == side)?;
         hand.estimator.channel_of(dof)
+    }
+
+    /// Returns, by side, the reason why a hand is [lost](Self::lost_hands).
+    pub fn hand_losses(&self) -> [Option<HandLoss>; Side::COUNT] {
+        let mut losses = [None; Side::COUNT];
+        for hand in self.hands.iter().filter(|hand| hand.is_lost()) {
+            let loss = if hand.is_suspended {
+                HandLoss::TooFast
+            } else if hand.last_accepted.is_none() {
+                HandLoss::NoReadings
+            } else {
+                HandLoss::NotSeen
+            };
+            losses[hand.side().index()] = Some(loss);
+        }
+        losses
     }
 
     /// Detects from the time stamps of readings that all hands stopped, or that one did while the other continued, so that the

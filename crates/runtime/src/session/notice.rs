@@ -19,6 +19,7 @@ use ademan_core::command::CommandOrigin;
 use ademan_core::estimate::Rejection;
 use ademan_core::hand::{Dof, Finger, FingerSet, Side};
 use ademan_core::message::{escape, escape_line};
+use ademan_core::pipeline::HandLoss;
 
 /// Notices that wait for the receiver of the user.
 const QUEUE_LENGTH: usize = 64;
@@ -98,8 +99,8 @@ pub enum Notice {
     UntrustedFingers(FingerSet),
     /// Parts of this hand are not trusted because their readings are implausible again and again; their keys are released.
     Implausible(Side, ImplausibleParts),
-    /// This hand is not tracked; what it held is released. Readings of something else still arrive.
-    HandLost(Side),
+    /// This hand touches nothing, for this reason; what it held is released. Readings of something else still arrive.
+    HandLost(Side, HandLoss),
     /// This hand is tracked again.
     HandFound(Side),
     /// The watchdog exited unexpectedly or does not respond.
@@ -211,10 +212,7 @@ impl fmt::Display for Notice {
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
             Self::Implausible(side, parts) => write_implausible(f, *side, parts),
-            Self::HandLost(side) => write!(
-                f,
-                "the {side} hand is not tracked, or has pressed faster than the rate limit: what it held is released, and it touches nothing"
-            ),
+            Self::HandLost(side, loss) => write_lost(f, *side, *loss),
             Self::HandFound(side) => write!(f, "the {side} hand is tracked again"),
             Self::WatchdogLost => {
                 f.write_str("the watchdog exited or hangs: everything is released")
@@ -299,6 +297,19 @@ fn write_directions(f: &mut fmt::Formatter<'_>, way: Vec3) -> fmt::Result {
         write!(f, "{separator}{:.0} mm {direction}", part.abs())?;
     }
     Ok(())
+}
+
+fn write_lost(f: &mut fmt::Formatter<'_>, side: Side, loss: HandLoss) -> fmt::Result {
+    let released = "what it held is released, and it touches nothing";
+    match loss {
+        HandLoss::NoReadings => write!(f, "no readings of the {side} hand: {released}"),
+        HandLoss::NotSeen => write!(f, "the {side} hand is not tracked: {released}"),
+        HandLoss::TooFast => write!(
+            f,
+            "the {side} hand makes more presses than a person (`max_presses_per_second` of the setup): {released} until `ademan ctl \
+             resume`"
+        ),
+    }
 }
 
 fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Result {

@@ -8,7 +8,7 @@ use crate::message_limits::MessageLimits;
 use ademan_core::command::CommandOrigin;
 use ademan_core::estimate::{Implausible, Rejection};
 use ademan_core::hand::{FingerSet, Side};
-use ademan_core::pipeline::{Pipeline, PipelineState, Unreached};
+use ademan_core::pipeline::{HandLoss, Pipeline, PipelineState, Unreached};
 use ademan_core::snapshot::{Stats, StepView};
 
 /// Notices per 10 s that a person waits for: the pause that was asked for, and the start of typing, which must never
@@ -39,7 +39,7 @@ struct StatusLog {
     untrusted: [FingerSet; Side::COUNT],
     /// The parts that were reported as implausible, by side.
     implausible: [Implausible; Side::COUNT],
-    /// The hand is lost, by side.
+    /// The hand was reported as lost, by side.
     lost_hands: [bool; Side::COUNT],
 }
 
@@ -54,7 +54,8 @@ enum Topic {
     PointingByRole,
     Untrusted(Side),
     Implausible(Side),
-    Hand(Side),
+    HandLost(Side),
+    HandFound(Side),
     /// The name of the source.
     Lost(String),
     Paused,
@@ -65,7 +66,7 @@ enum Topic {
     Stalled,
 }
 
-/// The actions of a person that the layout waits for, as the pipeline has them after a step.
+/// The actions of a person that the layout waits for, and the hands that touch nothing, as the pipeline has them after a step.
 #[derive(Clone, Copy, Debug)]
 struct Hints {
     /// Fingers that must be straightened before the output is armed.
@@ -75,10 +76,17 @@ struct Hints {
     unreached: Option<Unreached>,
     /// The parts whose readings are implausible, by side.
     implausible: [Implausible; Side::COUNT],
+    losses: [Option<HandLoss>; Side::COUNT],
 }
 
 impl Hints {
     pub fn of(pipeline: &Pipeline) -> Self {
+        let implausible = pipeline.implausible();
+        let mut losses = pipeline.hand_losses();
+        for (loss, parts) in losses.iter_mut().zip(&implausible) {
+            // The notice of those parts says why.
+            loss.take_if(|loss| *loss == HandLoss::NotSeen && *parts != Implausible::default());
+        }
         Self {
             bent: match pipeline.state() {
                 PipelineState::Paused => pipeline.bent_fingers(),
@@ -86,7 +94,8 @@ impl Hints {
             },
             awaits_start: pipeline.awaits_start(),
             unreached: pipeline.unreached(),
-            implausible: pipeline.implausible(),
+            implausible,
+            losses,
         }
     }
 }
@@ -137,7 +146,7 @@ impl StatusLog {
         if step.state != PipelineState::Stopped {
             self.report_losses(step.stats, now, report);
         }
-        let is_explained = |side: Side| self.implausible[side.index()] != Implausible::default();
+        let is_explained = |side: Side| hints.implausible[side.index()] != Implausible::default();
         if let Some(pose) = step.pose
             && !is_explained(pose.side)
             && let reported = &mut self.untrusted[pose.side.index()]
@@ -147,18 +156,7 @@ impl StatusLog {
             *reported = pose.untrusted;
             report(Notice::UntrustedFingers(pose.untrusted));
         }
-        for &side in Side::ALL {
-            let is_lost = step.lost_hands[side.index()] && !is_explained(side);
-            let reported = &mut self.lost_hands[side.index()];
-            if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
-                *reported = is_lost;
-                report(if is_lost {
-                    Notice::HandLost(side)
-                } else {
-                    Notice::HandFound(side)
-                });
-            }
-        }
+        self.report_hands(&hints.losses, now, report);
         if let Some(error) = step.source_error {
             let topic = Topic::Lost(error.source_name().to_owned());
             let notice = Notice::SourceLost(error.to_string());
@@ -272,6 +270,30 @@ impl StatusLog {
         }
     }
 
+    /// Reports hands that are lost or found, by side. A loss does not delay the report that the hand is back.
+    fn report_hands(
+        &mut self,
+        losses: &[Option<HandLoss>; Side::COUNT],
+        now: Instant,
+        report: &mut impl FnMut(Notice),
+    ) {
+        for (&side, (loss, reported)) in
+            (Side::ALL.iter()).zip(losses.iter().zip(&mut self.lost_hands))
+        {
+            if *reported == loss.is_some() {
+                continue;
+            }
+            let (topic, notice) = match *loss {
+                Some(loss) => (Topic::HandLost(side), Notice::HandLost(side, loss)),
+                None => (Topic::HandFound(side), Notice::HandFound(side)),
+            };
+            if self.limits.admits(topic, now) {
+                *reported = loss.is_some();
+                report(notice);
+            }
+        }
+    }
+
     fn report_bent(
         &mut self,
         step: &StepView,
@@ -345,5 +367,37 @@ impl StatusLog {
             });
         }
         report(notice);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn the_return_of_a_hand_is_reported_although_its_loss_was_a_moment_ago() {
+        let mut log = StatusLog::default();
+        let start = Instant::now();
+        let mut report = |seconds, loss| {
+            let mut notices = Vec::new();
+            let now = start + Duration::from_secs(seconds);
+            let losses = [loss, None];
+            log.report_hands(&losses, now, &mut |notice| notices.push(notice.to_string()));
+            notices.concat()
+        };
+        let released = "what it held is released, and it touches nothing";
+        assert_eq!(
+            report(0, Some(HandLoss::NoReadings)),
+            format!("no readings of the left hand: {released}")
+        );
+        assert_eq!(report(1, None), "the left hand is tracked again");
+        // A contact that is loose does not fill the terminal.
+        assert_eq!(report(2, Some(HandLoss::NoReadings)), "");
+        assert_eq!(report(3, None), "");
+        assert_eq!(
+            report(11, Some(HandLoss::NotSeen)),
+            format!("the left hand is not tracked: {released}")
+        );
     }
 }
