@@ -387,7 +387,7 @@ mod on_a_terminal {
         screen.resize(60, 16);
         screen.wait_for_text("pose 5 of 13  ●●●●▶");
         screen.type_keys("q");
-        assert!(screen.wait().success());
+        assert_eq!(screen.wait().code(), Some(1));
         screen.assert_restored();
         assert!(
             screen.text().contains("no file was written"),

@@ -24,7 +24,7 @@ use crate::{messages, new_file, signals};
 /// The name of a glove file without a name of its own.
 const NAME: &str = "glove";
 
-pub fn run(args: Args) -> Result<(), Failure> {
+pub fn run(args: Args) -> Result<Outcome, Failure> {
     let setup = args.load_setup()?;
     let like = similar_glove(&setup, &args)?;
     let destination = Destination::new(args.out, &Document::new(NAME, ""), args.force)?;
@@ -35,7 +35,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let procedure = Procedure::for_unknown_glove(DISCOVERY_POSES, like.map.inputs(), prepare);
     let mut session = Session::new("an unknown glove", args.hand, None, procedure, feed);
     if let Outcome::Quit = session.run()? {
-        return super::report_no_file();
+        return Ok(Outcome::Quit);
     }
     let full_scale = session.full_scale();
     let observations = session.procedure.observations();
@@ -50,7 +50,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         let mut out = io::stdout();
         writeln!(out, "next: ademan calibrate --glove {file} --source …")?;
     }
-    Ok(())
+    Ok(Outcome::Finished)
 }
 
 /// Returns the glove that comes with the program for such a source: every glove with this protocol has

@@ -129,8 +129,18 @@ impl Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
+    match calibrate(args)? {
+        Outcome::Finished => Ok(()),
+        Outcome::Quit => Err(Failure::job(
+            "the calibration was ended early: no file was written",
+        )),
+    }
+}
+
+/// Calibrates a glove. Without an error, a session that was quit has written no file.
+pub fn calibrate(args: Args) -> Result<Outcome, Failure> {
     match args.from.clone() {
-        Some(path) => calibrate_from(&path, args),
+        Some(path) => calibrate_from(&path, args).map(|()| Outcome::Finished),
         None if args.discover => discover::run(args),
         None => calibrate_live(args),
     }
@@ -179,10 +189,11 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn calibrate_live(args: Args) -> Result<(), Failure> {
+fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
     let setup = args.load_setup()?;
     if let (None, Some(source)) = (setup.glove_document(), &setup.setup.source) {
-        return positions::run(&setup, source, args.lengths);
+        positions::run(&setup, source, args.lengths)?;
+        return Ok(Outcome::Finished);
     }
     let lengths = args.lengths.both()?;
     let start = Start::new(glove_document(&setup)?)?;
@@ -195,7 +206,7 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
     let glove = &start.glove;
     let mut session = Session::new(&glove.name, glove.side, Some(&glove.map), procedure, feed);
     if let Outcome::Quit = session.run()? {
-        return report_no_file();
+        return Ok(Outcome::Quit);
     }
     let finished = start.finish(session.procedure.observations(), &destination);
     let kept = if session.procedure.marks().is_empty() {
@@ -210,7 +221,7 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
         writeln!(out, "use it: ademan run --glove {file} --source …")?;
     }
     // Its failure loses less than the failure of the glove file.
-    kept
+    kept.map(|()| Outcome::Finished)
 }
 
 /// Prints what to write in the setup file for a glove file and an arm, if its lengths are known.
@@ -220,11 +231,6 @@ fn print_setup_fields(glove: &str, arm: Option<String>) -> io::Result<()> {
     };
     let mut out = io::stdout();
     writeln!(out, "in the setup file: glove: \"{glove}\", arm: {arm}")
-}
-
-/// Says that a session that ended early has no result.
-fn report_no_file() -> Result<(), Failure> {
-    Ok(writeln!(io::stdout(), "no file was written")?)
 }
 
 fn glove_document(setup: &LoadedSetup) -> Result<Document, Failure> {

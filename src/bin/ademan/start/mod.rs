@@ -172,7 +172,7 @@ fn calibrate(
     let calibration =
         calibrate::Args::for_source(source, setup.glove.clone(), path.clone(), args.countdown);
     signals::only_note_stop();
-    calibrate::run(calibration.forced(args.force))?;
+    calibrate::calibrate(calibration.forced(args.force))?;
     if signals::is_stop_requested() {
         return Err(interrupted());
     }
