@@ -33,6 +33,14 @@ pub fn in_session(mut command: Command, server: &XServer, runtime: &Path) -> Com
     command
 }
 
+/// Returns the names of the records of pressed keys in the folder of the program.
+fn records(runtime: &Path) -> Vec<String> {
+    let folder = fs::read_dir(runtime.join("ademan")).expect("it exists");
+    let name_of = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let names = folder.flatten().map(name_of);
+    names.filter(|name| name.starts_with("pressed-")).collect()
+}
+
 impl Killed {
     /// Kills a run that holds two keys, and its watchdog. Returns `None` without an X server.
     fn new() -> Option<Self> {
@@ -74,13 +82,6 @@ impl Killed {
         })
     }
 
-    /// Returns the files in the folder of the program.
-    fn files(&self) -> Vec<String> {
-        let folder = fs::read_dir(self.runtime.path().join("ademan")).expect("it exists");
-        let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
-        folder.flatten().map(name).collect()
-    }
-
     fn command<const N: usize>(&self, arguments: [&str; N]) -> Command {
         in_session(ademan(arguments), &self.server, self.runtime.path())
     }
@@ -89,6 +90,28 @@ impl Killed {
         let is_free = || self.server.pressed_keys().is_empty();
         wait_for(is_free)
     }
+}
+
+#[test]
+fn the_watchdog_leaves_no_record_of_keys_that_it_has_released() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::for_text("H");
+    let runtime = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
+    let port = runtime.path().join("glove");
+    let glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let run = ademan(["run", "--output", "desktop", "--source", &source]);
+    let mut program = Program::from_command(in_session(run, &server, runtime.path()));
+    program.wait_for_line("armed", 1);
+    hold(&server, &program, &glove, &press, &held_keys());
+    assert_eq!(records(runtime.path()).len(), 1);
+    program.signal(&["KILL"]);
+    assert_eq!(program.wait_for_exit().code(), None);
+    let is_gone = || records(runtime.path()).is_empty();
+    assert!(wait_for(is_gone), "{:?}", records(runtime.path()));
+    assert!(server.pressed_keys().is_empty());
 }
 
 /// The unit executes the command after each run.
@@ -110,11 +133,7 @@ fn keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_o
         "{err}"
     );
     assert!(killed.is_released(), "{:?}", killed.server.pressed_keys());
-    let files = killed.files();
-    assert!(
-        !files.iter().any(|name| name.starts_with("pressed-")),
-        "{files:?}"
-    );
+    assert_eq!(records(killed.runtime.path()), [""; 0]);
     let again = killed
         .command(["release-keys"])
         .output()

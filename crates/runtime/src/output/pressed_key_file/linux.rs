@@ -6,6 +6,8 @@ use std::io::{self, Read};
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use rustix::fs::fstatfs;
 
@@ -39,6 +41,15 @@ const KEYSYM: usize = size_of::<u32>();
 /// Types of file systems in memory, as in `linux/magic.h`: tmpfs and ramfs.
 const MEMORY_TYPES: [u32; 2] = [0x0102_1994, 0x8584_58f6];
 
+/// Number of times that a file is read until its process has exited, and the interval between them.
+const EXIT_ATTEMPTS: u32 = 100;
+const EXIT_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Returns the path of the file of an output of a process. `None` without a runtime folder.
+fn file_path(process: u32, number: u32) -> Option<PathBuf> {
+    socket::default_path(&format!("{PREFIX}{process}-{number}"))
+}
+
 /// The file of an output of this process.
 pub struct PressedKeyFile {
     file: LockedFile,
@@ -53,7 +64,7 @@ impl PressedKeyFile {
     /// accepts no file.
     pub fn create() -> Option<Self> {
         let process = std::process::id();
-        let path = |number| socket::default_path(&format!("{PREFIX}{process}-{number}"));
+        let path = |number| file_path(process, number);
         let folder = path(0)?.parent()?.to_owned();
         let mut paths = (0..MAX_OUTPUTS).map_while(path);
         let created = match paths.find(|candidate| !candidate.exists()) {
@@ -191,11 +202,15 @@ impl AbandonedKeys {
 
     /// Returns the reason why these keys are not released on `display`.
     fn other_display(&self, display: &str) -> String {
+        let this = if display.is_empty() {
+            "no display is set here".to_owned()
+        } else {
+            format!("this is `{}`", escape(display))
+        };
         format!(
-            "{} on the display `{}`, and this is `{}`; repeat `ademan release-keys` on that display, or delete {}",
+            "{} on the display `{}`, and {this}; repeat `ademan release-keys` on that display, or delete {}",
             self.keys.count(),
             escape(&self.display),
-            escape(display),
             escape_path(&self.path),
         )
     }
@@ -232,6 +247,33 @@ impl AbandonedKeys {
     /// Removes the file: the keys were released.
     pub fn forget(self) {
         let _ = fs::remove_file(&self.path);
+    }
+
+    /// Removes the files of a process that has exited, if all keys in them are among the `released` ones. The files stay if the
+    /// process still runs.
+    pub fn forget_released(process: u32, released: &PressedKeys) {
+        let paths = (0..MAX_OUTPUTS).filter_map(|number| file_path(process, number));
+        for path in paths.filter(|path| path.exists()) {
+            if let Some(abandoned) = Self::wait_for(&path)
+                && abandoned
+                    .keys
+                    .release_order()
+                    .all(|key| released.contains(key))
+            {
+                abandoned.forget();
+            }
+        }
+    }
+
+    /// Reads a file once its process has exited. The system closes the connection to the watchdog a moment before the file.
+    fn wait_for(path: &Path) -> Option<Self> {
+        for _ in 0..EXIT_ATTEMPTS {
+            match Self::read(path.to_owned()) {
+                Ok(None) => thread::sleep(EXIT_INTERVAL),
+                read => return read.ok().flatten(),
+            }
+        }
+        None
     }
 }
 

@@ -32,7 +32,8 @@ pub trait Releaser: Injector {
 /// The thread. Dropping it without [`finish`](Self::finish) detaches the thread.
 pub struct ReleaseThread {
     faults: Sender<()>,
-    thread: JoinHandle<()>,
+    /// The thread, which returns `true` if everything was released when the client had exited.
+    thread: JoinHandle<bool>,
 }
 
 impl ReleaseThread {
@@ -49,7 +50,10 @@ impl ReleaseThread {
             // Here, as a connection cannot always move to another thread.
             let releaser = match connect() {
                 Ok(releaser) => releaser,
-                Err(reason) => return drop(connected.send(Err(reason))),
+                Err(reason) => {
+                    let _ = connected.send(Err(reason));
+                    return false;
+                }
             };
             let _ = connected.send(Ok(()));
             let mut state = ReleaseState {
@@ -58,7 +62,7 @@ impl ReleaseThread {
                 connect,
                 log,
             };
-            state.run(&received);
+            state.run(&received)
         };
         let thread = thread::Builder::new().name("releases".into()).spawn(run);
         let thread = thread.map_err(|error| advice::no_thread(&error).to_string())?;
@@ -74,10 +78,11 @@ impl ReleaseThread {
         let _ = self.faults.try_send(());
     }
 
-    /// Releases everything in the record, because the client has exited, and waits until that is confirmed.
-    pub fn finish(self) {
+    /// Releases everything in the record, because the client has exited, and waits until that is confirmed. Returns `true` if
+    /// nothing stays pressed or in the keymap.
+    pub fn finish(self) -> bool {
         drop(self.faults);
-        let _ = self.thread.join();
+        self.thread.join().unwrap_or(false)
     }
 }
 
@@ -89,49 +94,58 @@ struct ReleaseState<R, C, L> {
 }
 
 impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, L> {
-    fn run(&mut self, faults: &Receiver<()>) {
+    /// Handles losses of the client until it has exited. Returns `true` if everything was released then.
+    fn run(&mut self, faults: &Receiver<()>) -> bool {
         while faults.recv().is_ok() {
             self.handle(ClientLoss::Hung);
         }
-        self.handle(ClientLoss::Exited);
-        self.remove_added_keys();
+        let is_released = self.handle(ClientLoss::Exited);
+        self.remove_added_keys() && is_released
     }
 
-    /// Removes what the client has added to the keymap, after receivers had time to look it up.
-    fn remove_added_keys(&mut self) {
+    /// Removes what the client has added to the keymap, after receivers had time to look it up. Returns `true` if nothing is left.
+    fn remove_added_keys(&mut self) -> bool {
         let added = self.record.lock().added_keys.clone();
         if added.as_slice().is_empty() {
-            return;
+            return true;
         }
         thread::sleep(KEYMAP_LIFETIME);
         if self
             .releaser
             .remove_character_keys(added.as_slice())
-            .is_err()
-            && let Ok(releaser) = (self.connect)()
+            .is_ok()
         {
-            self.releaser = releaser;
-            // A display that is gone has no keymap.
-            let _ = self.releaser.remove_character_keys(added.as_slice());
+            return true;
         }
+        // A display that is gone has no keymap.
+        let Ok(releaser) = (self.connect)() else {
+            return false;
+        };
+        self.releaser = releaser;
+        self.releaser
+            .remove_character_keys(added.as_slice())
+            .is_ok()
     }
 
-    fn handle(&mut self, loss: ClientLoss) {
+    /// Releases everything in the record. Returns `true` if that was confirmed.
+    fn handle(&mut self, loss: ClientLoss) -> bool {
         let record = self.record.lock().clone();
         if record.is_empty() {
-            return;
+            return true;
         }
         let reason = match loss {
             ClientLoss::Exited => "the program exited",
             ClientLoss::Hung => "the program does not respond",
         };
         let count = record.pressed.count();
-        match self.release_until_settled(loss) {
+        let released = self.release_until_settled(loss);
+        match &released {
             Ok(()) => (self.log)(&format!("{reason}; released its keys ({count})")),
             Err(failure) => (self.log)(&format!(
                 "{reason}; keys may still be pressed: {failure}; press and release them on your keyboard"
             )),
         }
+        released.is_ok()
     }
 
     /// Releases everything in the record, and again until no press of the client can follow.

@@ -8,8 +8,10 @@ mod scope;
 use std::fs;
 use std::io::Write;
 use std::os::unix::net::UnixStream;
+use std::os::unix::process::parent_id;
 use std::sync::Arc;
 
+use crate::output::pressed_key_file::AbandonedKeys;
 use crate::output::watchdog::{PROCESS_NAME, READY, ReleaseTarget};
 use crate::output::watchdog_process::ClientLoss;
 use crate::output::watchdog_process::record::SharedRecord;
@@ -35,6 +37,7 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
         .map_err(|error| format!("no handle to release keys with: {error}"))?;
     // The thread that releases keys inherits it.
     priority::raise_thread_priority();
+    let process = parent_id();
     let record = Arc::<SharedRecord>::default();
     let connect = move || KeyReleaser::connect(&target);
     let releases = match ReleaseThread::start(Arc::clone(&record), connect, log) {
@@ -48,10 +51,12 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
         .write_all(&[READY])
         .map_err(|error| error.to_string())?;
     scope::enter();
-    let mut client = ClientState::new(socket, thread, record);
+    let mut client = ClientState::new(socket, thread, Arc::clone(&record));
     while client.wait_for_loss() == ClientLoss::Hung {
         releases.release();
     }
-    releases.finish();
+    if releases.finish() {
+        AbandonedKeys::forget_released(process, &record.lock().pressed);
+    }
     Ok(())
 }

@@ -40,7 +40,7 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     while client.wait_for_loss() == ClientLoss::Hung {
         releases.release();
     }
-    releases.finish();
+    let _ = releases.finish();
     Ok(())
 }
 
