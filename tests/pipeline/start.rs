@@ -39,6 +39,8 @@ struct Person {
     bend: f64,
     /// The finger whose tip the thumb touches.
     pinched: Option<Finger>,
+    /// The finger that the camera does not see.
+    hidden: Option<Finger>,
     side: Side,
 }
 
@@ -62,6 +64,7 @@ impl Person {
             tip: PLACE,
             bend: 0.0,
             pinched: None,
+            hidden: None,
             side: Side::Right,
         }
     }
@@ -91,6 +94,14 @@ impl Person {
         let tip_of = |finger: Finger| *finger.joints().last().expect("a tip");
         if let Some(tip) = self.pinched.and_then(|it| positions.get(tip_of(it))) {
             positions.set(tip_of(Finger::Thumb), tip - DVec3::Y * 0.012);
+        }
+        if let Some(finger) = self.hidden {
+            let mut seen = JointPositions::default();
+            let is_seen = |joint: &Joint| !finger.joints().contains(joint);
+            for (joint, position) in positions.known().filter(|(joint, _)| is_seen(joint)) {
+                seen.set(joint, position);
+            }
+            positions = seen;
         }
         if self.side == Side::Left {
             for &joint in Joint::ALL {
@@ -394,6 +405,17 @@ fn a_hand_that_moves_for_5_s_and_reaches_nothing_is_told_the_way_to_the_nearest_
     person.go(1.0, DVec3::new(0.0, 0.35, 0.45));
     assert_eq!(person.camera.pipeline.unreached(), None);
     assert_eq!(unreached(&mut person, 0..10), None);
+}
+
+#[test]
+fn a_hand_whose_index_finger_is_not_seen_is_not_told_what_needs_it() {
+    let far = r#"Layout(name: "a", boards: [(pose: (anchor: world, height_mm: 300, forward_mm: -450), keys: [
+        (code: "A", at_mm: (0, 0))])])"#;
+    let mut person = Person::with_layout(far);
+    person.hidden = Some(Finger::Index);
+    assert_eq!(unreached(&mut person, 0..10), None);
+    person.hidden = None;
+    assert!(unreached(&mut person, 10..20).is_some(), "it is seen again");
 }
 
 #[test]

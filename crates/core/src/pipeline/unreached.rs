@@ -80,7 +80,8 @@ impl Pipeline {
         };
         let hand = &mut self.hands[index];
         let output = &hand.output;
-        let tip = any_fingertip(&output.pose);
+        // `recenter` needs it too.
+        let tip = trusted_fingertip(&output.pose, Finger::Index);
         let is_reaching = has_events || !output.touches.is_empty() || layout.is_pointing();
         let Some(tip) = tip.filter(|_| may_reach && !is_reaching && layout.has_place()) else {
             hand.reach.restart();
@@ -163,11 +164,4 @@ fn way_to_range(mode: &PointingMode, pose: &HandPose, tip: Vec3) -> Option<Vec3>
     };
     let local = frame.inverse_transform_point(tip);
     Some(frame * local.clamp(-half, half) - tip)
-}
-
-/// Returns the index fingertip, or else the tip of another finger.
-fn any_fingertip(pose: &HandPose) -> Option<Vec3> {
-    let fingers = [Finger::Index].iter().chain(Finger::ALL);
-    let mut tips = fingers.filter_map(|&finger| trusted_fingertip(pose, finger));
-    tips.next()
 }
