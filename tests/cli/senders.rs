@@ -1,21 +1,25 @@
-//! Datagrams of several senders, and what a person sees of them.
+//! Datagrams that are not understood or come from several senders, and what a person sees of them.
 #![cfg(target_os = "linux")]
 
 use std::fs;
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
 use std::process::Stdio;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::protocol::opentrack;
+use ademan::capture::protocol::{opentrack, vmc};
+use ademan::hand::{ArmBone, BoneRotations};
 use ademan::session::control_socket::Client;
+use crossbeam_channel::{RecvTimeoutError, bounded};
+use glam::Quat;
 use serde_json::Value;
 
 use crate::support::binary::ademan;
 use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
+use crate::support::source::text_lines;
 
 /// Longest wait on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -120,4 +124,73 @@ fn empty_datagrams_and_junk_lock_no_glove_out() {
     wait_for(&control, both, |stats| {
         stats["received"].as_u64() > Some(20)
     });
+}
+
+/// Sends datagrams of a protocol until the program prints a message with `part`, and returns it.
+fn message_about(
+    part: &str,
+    protocol: &str,
+    mut datagram: impl FnMut() -> Vec<u8> + Send + 'static,
+) -> String {
+    let address = free_address();
+    let source = format!("udp:{address}?protocol={protocol}");
+    let mut command = ademan(["run", "--output", "none", "--source", &source]);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut program = Process::start(&mut command).expect("the program starts");
+    let stderr = BufReader::new(program.0.stderr.take().expect("it is piped"));
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let (end, is_over) = bounded::<()>(0);
+    let (process, start) = (program.0.id(), Instant::now());
+    let sender = thread::spawn(move || {
+        let interval = Duration::from_millis(10);
+        while is_over.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
+            let _ = socket.send_to(&datagram(), address);
+            if start.elapsed() > TIMEOUT {
+                // Its messages end, so that the test fails.
+                signal("KILL", process);
+                return;
+            }
+        }
+    });
+    let mut lines = stderr.lines().map_while(Result::ok);
+    let found = lines.find(|message| message.contains(part));
+    drop(end);
+    sender.join().expect("no panic");
+    found.expect("a message")
+}
+
+#[test]
+fn a_datagram_that_is_understood_but_wrong_is_not_blamed_on_the_bit_rate() {
+    let message = message_about("no valid packet", "text-line", || b"1 2 3".to_vec());
+    assert!(
+        message.ends_with("for 2 s: 3 values instead of 64"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_sender_whose_clock_counts_seconds_is_told_the_unit() {
+    let line = text_lines("h")[0].trim_end().to_owned();
+    let start = Instant::now();
+    let message = message_about("packets from", "text-line", move || {
+        format!("{line} time_us={}", start.elapsed().as_secs()).into_bytes()
+    });
+    assert!(
+        message.contains("nearly all packets from udp:"),
+        "{message}"
+    );
+    let reason = "`time_us` is not later than in an earlier line; it counts microseconds";
+    assert!(message.ends_with(reason), "{message}");
+}
+
+#[test]
+fn an_avatar_that_shows_only_the_other_hand_is_reported_without_an_option() {
+    let mut bones = BoneRotations::default();
+    for bone in [ArmBone::LowerArm, ArmBone::Hand, ArmBone::IndexFirst] {
+        bones.left.set(bone, Quat::IDENTITY);
+    }
+    let message = message_about("hand", "vmc", move || vmc::encode(&bones));
+    let expected =
+        "shows only the left hand, which the setup does not use: add `other_hand` to the setup";
+    assert!(message.contains(expected), "{message}");
 }

@@ -1,12 +1,10 @@
 //! Text lines of joint angles as the source of the program, without a glove.
 
 use std::io::{BufRead, BufReader, Write};
-use std::net::UdpSocket;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use crate::support::free_address::free_address;
-use crate::support::process::{Process, signal};
+use crate::support::process::signal;
 use crate::support::source::text_lines;
 use crate::{ademan, file, run, text};
 
@@ -115,51 +113,4 @@ fn bytes_without_a_line_end_are_named_and_fail() {
     let status = program.wait().expect("it ends");
     assert_eq!(status.code(), Some(1), "{rest}");
     sender.join().expect("no panic");
-}
-
-/// Sends lines as datagrams until the program prints a message with `part`, and returns it.
-fn message_about(part: &str, mut line: impl FnMut() -> String + Send + 'static) -> String {
-    let address = free_address();
-    let source = format!("udp:{address}?protocol=text-line");
-    let mut command = ademan(["run", "--output", "none", "--source", &source]);
-    command.stdout(Stdio::null()).stderr(Stdio::piped());
-    let mut program = Process::start(&mut command).expect("the program starts");
-    let stderr = BufReader::new(program.0.stderr.take().expect("it is piped"));
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    let (end, is_over) = crossbeam_channel::bounded::<()>(0);
-    let sender = std::thread::spawn(move || {
-        let interval = Duration::from_millis(10);
-        while is_over.recv_timeout(interval) == Err(crossbeam_channel::RecvTimeoutError::Timeout) {
-            let _ = socket.send_to(line().as_bytes(), address);
-        }
-    });
-    let mut lines = stderr.lines().map_while(Result::ok);
-    let found = lines.find(|message| message.contains(part));
-    drop(end);
-    sender.join().expect("no panic");
-    found.expect("a message")
-}
-
-#[test]
-fn a_datagram_that_is_understood_but_wrong_is_not_blamed_on_the_bit_rate() {
-    let message = message_about("no valid packet", || "1 2 3".to_owned());
-    assert!(
-        message.ends_with("for 2 s: 3 values instead of 64"),
-        "{message}"
-    );
-}
-
-#[test]
-fn a_sender_whose_clock_counts_seconds_is_told_the_unit() {
-    let line = text_lines(TYPED)[0].trim_end().to_owned();
-    let start = Instant::now();
-    let message = message_about("packets from", move || {
-        format!("{line} time_us={}", start.elapsed().as_secs())
-    });
-    assert!(
-        message.contains("nearly all packets from udp:"),
-        "{message}"
-    );
-    let reason = "`time_us` is not later than in an earlier line; it counts microseconds";
-    assert!(message.ends_with(reason), "{message}");
 }

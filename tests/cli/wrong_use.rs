@@ -142,7 +142,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
 
 #[test]
 fn invalid_sources_are_refused_with_a_remedy() {
-    let cases: [(&str, &[&str]); 18] = [
+    let cases: [(&str, &[&str]); 19] = [
         ("run", &["no source is given", "--source", "typist:hello"]),
         ("trace readings", &["no source is given"]),
         ("run --source foo", &["starts with one of", "`serial:`"]),
@@ -164,6 +164,10 @@ fn invalid_sources_are_refused_with_a_remedy() {
             &["did you mean `baud`?"],
         ),
         ("run --source serial:/dev/x?baud=fast", &["`baud=115200`"]),
+        (
+            "run --source udp:127.0.0.1:9000?protocol=vmc&hand=left",
+            &["packets have both arms; `other_hand` in the setup"],
+        ),
         (
             "run --source file:/nope",
             &["cannot open file:/nope", "No such file"],

@@ -5,8 +5,8 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 
 use super::{
-    CancelToken, CaptureError, HeadsetList, Reading, SampleKind, Source, SourceEvent, SourceStats,
-    SourceWait,
+    CancelToken, CaptureError, HeadsetList, Reading, Sample, SampleKind, Source, SourceEvent,
+    SourceStats, SourceWait,
 };
 use ademan_core::hand::Side;
 
@@ -23,9 +23,9 @@ pub struct SidedSource {
     remaining: ArrayVec<Side, { Side::COUNT }>,
     /// Readings returned beyond the readings of the source.
     repeated: u64,
-    /// Readings of the source that were left out, and the side of the latest one.
+    /// Readings of the source that were left out, and the side and the kind of the latest one.
     left_out: u64,
-    left_out_side: Option<Side>,
+    latest_left_out: Option<(Side, SampleKind)>,
     /// `true` if a reading was returned, or a message said why none was.
     is_explained: bool,
 }
@@ -44,7 +44,7 @@ impl SidedSource {
             remaining: ArrayVec::new(),
             repeated: 0,
             left_out: 0,
-            left_out_side: None,
+            latest_left_out: None,
             is_explained: false,
         }
     }
@@ -62,14 +62,28 @@ impl SidedSource {
         if self.is_explained {
             return;
         }
-        if let Some(side) = self.left_out_side {
+        if let Some((side, kind)) = self.latest_left_out {
             self.is_explained = true;
+            // Rotations of bones come without such an option.
+            let option = match kind {
+                SampleKind::Bones => String::new(),
+                _ => format!("`hand={side}` to the options of the source, or "),
+            };
             tracing::warn!(
-                "{} shows only the {side} hand, which the setup does not use: add `hand={side}` to the options of the source, or `other_hand` to \
-                 the setup for both hands",
+                "{} shows only the {side} hand, which the setup does not use: add {option}`other_hand` to the setup for both hands",
                 self.source.name()
             );
         }
+    }
+
+    /// Leaves a reading of a side out.
+    fn leave_out(&mut self, side: Side, kind: SampleKind) -> SourceEvent {
+        self.left_out += 1;
+        self.latest_left_out = Some((side, kind));
+        if self.left_out >= MANY_LEFT_OUT {
+            self.explain();
+        }
+        SourceEvent::Idle
     }
 
     /// Returns the pending reading for the next side.
@@ -98,24 +112,29 @@ impl Source for SidedSource {
         let SourceEvent::Reading(reading) = event else {
             return Ok(event);
         };
+        let kind = reading.sample.kind();
         if let Some(side) = reading.side.filter(|side| !self.sides.contains(side)) {
-            self.left_out += 1;
-            self.left_out_side = Some(side);
-            if self.left_out >= MANY_LEFT_OUT {
-                self.explain();
+            return Ok(self.leave_out(side, kind));
+        }
+        let mut sides = self.sides.clone();
+        if let Sample::Bones { bones } = &reading.sample {
+            let mut shown = Side::ALL
+                .iter()
+                .filter(|side| !bones.arm(**side).is_empty());
+            sides.retain(|side| !bones.arm(*side).is_empty());
+            if let Some(side) = shown.next().filter(|_| sides.is_empty()) {
+                return Ok(self.leave_out(*side, kind));
             }
-            return Ok(SourceEvent::Idle);
         }
         self.is_explained = true;
         if reading.side.is_some() {
             return Ok(SourceEvent::Reading(reading));
         }
-        let kind = reading.sample.kind();
         let is_of_two_gloves = self.has_two_gloves && kind == SampleKind::Channels;
         if !kind.shows_both_arms() && !is_of_two_gloves {
             return Ok(SourceEvent::Reading(reading));
         }
-        self.remaining = self.sides.clone();
+        self.remaining = sides;
         self.pending = Some(reading);
         let first = self.next_side();
         Ok(first.map_or(SourceEvent::Idle, SourceEvent::Reading))

@@ -430,6 +430,10 @@ fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), S
     let options = format.protocol.options;
     match options.iter().find(|option| option.name == key) {
         Some(option) => format.options.set(option, value),
+        None if key == "hand" && format.protocol.has_both_hands => Err(format!(
+            "protocol `{}` has no option `hand`, as its packets have both arms; `other_hand` in the setup adds the left one",
+            format.protocol.name
+        )),
         None => {
             let names = ["protocol", "baud", "delay_ms"].into_iter();
             let names: Vec<&str> = names
