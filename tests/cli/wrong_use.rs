@@ -386,3 +386,23 @@ fn a_field_with_an_error_in_it_is_not_said_to_be_missing() {
     }
     assert!(!ended.err.contains("is missing"), "{}", ended.err);
 }
+
+#[test]
+fn one_port_for_two_sources_is_refused_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (protocol, remedy) in [
+        ("vmc", "name it once, as it shows both hands"),
+        ("text-line", "give each source a port of its own"),
+    ] {
+        let source = format!("udp:127.0.0.1:7001?protocol={protocol}");
+        let setup = format!(
+            "Setup(source: \"{source}\", other_hand: (source: \"{source}&delay_ms=3\", role: Both), layout: \"qwerty-two-flat\")"
+        );
+        let setup = file(&folder, "setup.ron", setup);
+        for command in ["run", "doctor"] {
+            let ended = run([command, &setup]);
+            assert_eq!(ended.code, Some(2), "{command}: {}", ended.err);
+            assert!(ended.err.contains(remedy), "{command}: {}", ended.err);
+        }
+    }
+}

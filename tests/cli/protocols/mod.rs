@@ -162,7 +162,7 @@ fn doctor_names_a_source_that_cannot_be_opened_and_the_remedy() {
         (
             format!("udp:{}?protocol=vmc", taken.0),
             "Address already in use",
-            "# use 127.0.0.1 and a free port",
+            "# another program or source has this port: choose a free one",
         ),
         (
             format!("tcp:{closed}?protocol=openxr"),

@@ -238,6 +238,7 @@ impl LoadedSetup {
         loaded.add_text_setup();
         loaded.check_roles()?;
         loaded.check_parts()?;
+        loaded.check_ports()?;
         loaded.check_ranges()?;
         loaded.setup.check_position_filter()?;
         for checked in loaded.layouts() {

@@ -172,6 +172,25 @@ impl LoadedSetup {
         }
     }
 
+    /// Checks that no port is the port of two sources.
+    pub(super) fn check_ports(&self) -> Result<(), SetupError> {
+        let uris: Vec<&SourceUri> = self.setup.source_uris().collect();
+        let mut pairs = uris.iter().enumerate();
+        let second = pairs.find(|(index, uri)| uris[..*index].iter().any(|it| it.excludes(uri)));
+        let Some((_, uri)) = second else {
+            return Ok(());
+        };
+        let remedy = if uri.has_both_hands() {
+            "name it once, as it shows both hands"
+        } else {
+            "give each source a port of its own"
+        };
+        Err(SetupError::Value(format!(
+            "two sources of the setup have one port, which only one can open: {}; {remedy}",
+            escape(&uri.to_string())
+        )))
+    }
+
     /// Returns the source of the other hand's arm: its own, or the arm source of the first hand if it shows both arms.
     pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
         let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();

@@ -18,6 +18,7 @@ mod zenoh;
 pub use headset::HeadsetPages;
 
 use std::fmt;
+use std::io;
 use std::net::SocketAddr;
 use std::num::NonZeroU32;
 use std::time::Duration;
@@ -70,6 +71,13 @@ pub struct Transport {
     pub(super) check_address: fn(&str) -> Result<(), String>,
     /// Opens the source.
     pub(super) open: fn(&StreamUri) -> Result<Box<dyn Source>, CaptureError>,
+}
+
+impl Transport {
+    /// Returns `true` if only one source at a time can have an address.
+    pub fn is_exclusive(&self) -> bool {
+        ["serial", "udp", "ws", "headset", "stdin"].contains(&self.scheme.name)
+    }
 }
 
 impl PartialEq for Transport {
@@ -180,6 +188,17 @@ fn open_stream(
     } else {
         Box::new(source)
     })
+}
+
+/// The remedy for an address at which this machine cannot listen.
+const LISTEN_REMEDY: &str = "use 127.0.0.1 and a free port";
+
+/// Returns the remedy for an error of a socket that listens.
+fn listen_remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::AddrInUse => "another program or source has this port: choose a free one",
+        _ => LISTEN_REMEDY,
+    }
 }
 
 /// Checks an address that cannot contain a `?`.

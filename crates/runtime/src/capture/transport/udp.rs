@@ -5,7 +5,7 @@ use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::{Scheme, Transport, check_socket_address, open_stream};
+use super::{Scheme, Transport, check_socket_address, listen_remedy, open_stream};
 use crate::capture::active_sender::ActiveSender;
 use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
@@ -25,7 +25,7 @@ pub const TRANSPORT: Transport = Transport {
     probe: Some(|address| {
         bind(address)
             .map(drop)
-            .map_err(|error| format!("{error}; {REMEDY}"))
+            .map_err(|error| format!("{error}; {}", listen_remedy(&error)))
     }),
     check_address,
     open: |uri| {
@@ -40,8 +40,6 @@ const SCHEME: Scheme = Scheme {
     summary: "datagrams from this machine",
     example: "udp:127.0.0.1:9000?protocol=text-line",
 };
-
-const REMEDY: &str = "use 127.0.0.1 and a free port";
 
 /// Checks that the address is one of this machine that no other machine can send to: datagrams carry no credential.
 fn check_address(address: &str) -> std::result::Result<(), String> {
@@ -74,7 +72,7 @@ impl Connector for UdpConnector {
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let socket = bind(&self.address)
-            .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
+            .map_err(|error| ConnectError::Absent(format!("{error}; {}", listen_remedy(&error))))?;
         let readiness = Readiness::new(&socket);
         // Without one, each read blocks for its timeout.
         let is_set = readiness.is_none() || socket.set_nonblocking(true).is_ok();

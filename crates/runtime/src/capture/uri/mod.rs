@@ -198,6 +198,16 @@ impl SourceUri {
         }
     }
 
+    /// Returns `true` if this source and another one cannot be open at the same time.
+    pub fn excludes(&self, other: &Self) -> bool {
+        let (Self::Stream(own), Self::Stream(other_stream)) = (self, other) else {
+            return false;
+        };
+        let is_same =
+            own.transport == other_stream.transport && own.address == other_stream.address;
+        is_same && own.transport.is_exclusive()
+    }
+
     /// Returns the serial port as the operating system names it.
     pub fn serial_port(&self) -> Option<&str> {
         match self {

@@ -29,7 +29,7 @@ pub(super) use self::receive::{
     MessageReceiver, QUEUE_CAPACITY, send_when_there_is_room, socket_config,
 };
 use self::server::Server;
-use super::{Scheme, Transport, check_socket_address, open_stream};
+use super::{LISTEN_REMEDY, Scheme, Transport, check_socket_address, listen_remedy, open_stream};
 use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
 };
@@ -48,7 +48,7 @@ pub const TRANSPORT: Transport = Transport {
         let bound = TcpListener::bind(address);
         bound
             .map(drop)
-            .map_err(|error| format!("{error}; {REMEDY}"))
+            .map_err(|error| format!("{error}; {}", listen_remedy(&error)))
     }),
     check_address,
     open: |uri| {
@@ -67,8 +67,6 @@ const SCHEME: Scheme = Scheme {
     summary: "WebSocket server for a program or a page on this machine",
     example: "ws:127.0.0.1:9001?protocol=hand-landmarks",
 };
-
-const REMEDY: &str = "use 127.0.0.1 and a free port";
 
 /// Checks that the address is one of this machine that no other machine can connect to: the connection is not encrypted.
 fn check_address(address: &str) -> std::result::Result<(), String> {
@@ -101,11 +99,12 @@ impl Connector for WebSocketConnector {
             Some(server) => Arc::clone(server),
             None => {
                 let address = parse_loopback(&self.address);
-                let address = address.ok_or_else(|| ConnectError::Absent(REMEDY.to_owned()))?;
+                let address =
+                    address.ok_or_else(|| ConnectError::Absent(LISTEN_REMEDY.to_owned()))?;
                 let started = Server::start(address, self.origin.clone());
-                let server = Arc::new(
-                    started.map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?,
-                );
+                let server = Arc::new(started.map_err(|error| {
+                    ConnectError::Absent(format!("{error}; {}", listen_remedy(&error)))
+                })?);
                 Arc::clone(self.server.insert(server))
             }
         };
