@@ -76,6 +76,9 @@ pub enum ShareError {
         /// The cause.
         error: io::Error,
     },
+    /// Two targets listen at one address.
+    #[error("`{}` and `{}` listen at one port; give one of them another port", .0[0], .0[1])]
+    SamePort(Box<[ShareTarget; 2]>),
     /// No datagrams can be sent.
     #[error("cannot send to {address}: {error}; choose an address of this machine")]
     Send {

@@ -91,6 +91,15 @@ pub struct ShareTarget {
     pub address: SocketAddr,
 }
 
+impl ShareTarget {
+    /// Returns the address at which a server listens; `None` if the target is sent to, or any port will do.
+    pub fn listens_at(&self) -> Option<SocketAddr> {
+        let is_server = !self.format.is_datagram() && !matches!(self.link, ShareLink::Zenoh(_));
+        let has_port = self.address.port() != 0;
+        (is_server && has_port).then_some(self.address)
+    }
+}
+
 impl FromStr for ShareTarget {
     type Err = ShareError;
 

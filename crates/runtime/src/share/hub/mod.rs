@@ -50,6 +50,18 @@ pub struct ShareHub {
     thread_ended: Receiver<()>,
 }
 
+/// Checks that no port is the port of two servers.
+fn check_ports(targets: &[ShareTarget]) -> Result<(), ShareError> {
+    for (index, second) in targets.iter().enumerate() {
+        let listens = |target: &ShareTarget| target.listens_at() == Some(second.address);
+        let first = targets[..index].iter().find(|target| listens(target));
+        if let Some(first) = first.filter(|_| listens(second)) {
+            return Err(ShareError::SamePort(Box::new([*first, *second])));
+        }
+    }
+    Ok(())
+}
+
 impl ShareHub {
     /// Starts to share a session whose first hand is `first`, and whose first layout is `layout`.
     pub fn start(
@@ -75,6 +87,7 @@ impl ShareHub {
         if targets.is_empty() {
             return Ok(hub);
         }
+        check_ports(targets)?;
         let (mut servers, mut senders) = (Vec::new(), Vec::new());
         for target in &mut hub.targets {
             if target.format.is_datagram() {
