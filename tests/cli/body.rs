@@ -249,3 +249,20 @@ fn fitted_bones_have_one_length_in_every_pose() {
     assert!(spread(&[]).iter().all(|spread| *spread > 5e-4));
     assert!(spread(&["--fit"]).iter().all(|spread| *spread < 1e-9));
 }
+
+#[test]
+fn points_that_are_not_visible_have_no_position() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |number: usize| {
+        let is_arm = (11..25).contains(&number);
+        let along = number as f64;
+        json!([along, along * along, 1.0 / along.max(1.0), u8::from(is_arm)])
+    };
+    let landmarks: Vec<Value> = (0..33).map(row).collect();
+    let line = json!({ "pose_world_landmarks": landmarks });
+    let poses = file(&folder, "arms.jsonl", line.to_string());
+    let refused = run(["body", "angles", &poses]);
+    assert_eq!(refused.code, Some(2));
+    let reason = "no pose has angles: the pose lacks the position of `left-knee`";
+    assert!(refused.err.contains(reason), "{}", refused.err);
+}

@@ -312,6 +312,10 @@ fn parse_body(text: &str) -> Result<(Option<u64>, BodyPoints), String> {
         };
         for (row, point) in LANDMARKS {
             let landmark = landmarks.get(row).ok_or_else(|| missing(point))?;
+            // `ademan arm landmarks` fills in points that it does not know, which are not visible.
+            if landmark.get(3).and_then(Value::as_f64) == Some(0.0) {
+                continue;
+            }
             let position = poses::row(landmark);
             // The image has y down and z away from the camera.
             positions[point.index()] = position * DVec3::new(1.0, -1.0, -1.0);
