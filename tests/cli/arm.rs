@@ -320,7 +320,10 @@ fn a_straight_or_folded_arm_without_its_hand_has_no_shoulder_rotation() {
         assert_eq!(rotation.is_number(), has_rotation, "{wrist:?}: {left}");
         match angle {
             Some(angle) => assert_close(&left["elbow_angle"], &angle.into(), 1e-9, "elbow"),
-            None => assert!(left["elbow_angle"].is_null(), "{left}"),
+            None => {
+                assert!(left["elbow_angle"].is_null(), "{left}");
+                assert!(left["forearm_length"].is_null(), "{left}");
+            }
         }
     }
 }
@@ -383,6 +386,7 @@ fn attributes_out_of_their_ranges_are_refused_by_name() {
             json!(-0.3),
             "is -0.3; a length is more than 0",
         ),
+        ("upper_arm_length", json!(1e308), "is 1000000"),
         (
             "wrist_inclination",
             json!(-0.1),

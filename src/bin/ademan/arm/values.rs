@@ -15,6 +15,9 @@ use serde::{Deserialize, Serialize};
 /// The largest error of a direction or an angle that rounding explains.
 const ROUNDING: f64 = 1e-3;
 
+/// The largest length, in any unit of the landmarks: far more than the pixels of an image.
+const MAX_LENGTH: f64 = 1e6;
+
 /// The name of an attribute that is refused, and the reason.
 type Refused = (&'static str, String);
 
@@ -95,7 +98,7 @@ impl ArmValues {
     /// Returns the attributes that incomplete landmarks determine: all but those that need the missing ones.
     fn partial(pose: &HalfPose, side: Side) -> Self {
         let arm = pose.arm(side);
-        let length = |from: DVec3, to: DVec3| Some(from.distance(to)).filter(|it| it.is_finite());
+        let length = |from: DVec3, to: DVec3| Some(from.distance(to)).filter(|it| is_length(*it));
         let (upper_arm, forearm) = (arm.elbow - arm.shoulder, arm.wrist - arm.elbow);
         let has_lengths = upper_arm != DVec3::ZERO && forearm != DVec3::ZERO;
         let flexion = if has_lengths {
@@ -187,11 +190,16 @@ fn direction(value: Option<[f64; 3]>, name: &'static str) -> Result<DVec3, Refus
 
 fn length(value: Option<f64>, name: &'static str) -> Result<f64, Refused> {
     let length = known(value, name)?;
-    if length > 0.0 {
+    if is_length(length) {
         Ok(length)
     } else {
-        Err((name, format!("is {length}; a length is more than 0")))
+        let reason = format!("is {length}; a length is more than 0 and at most {MAX_LENGTH}");
+        Err((name, reason))
     }
+}
+
+fn is_length(length: f64) -> bool {
+    length > 0.0 && length <= MAX_LENGTH
 }
 
 fn angle(
