@@ -266,3 +266,21 @@ fn points_that_are_not_visible_have_no_position() {
     let reason = "no pose has angles: the pose lacks the position of `left-knee`";
     assert!(refused.err.contains(reason), "{}", refused.err);
 }
+
+#[test]
+fn a_line_that_has_no_angles_is_refused_in_words_of_the_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = vec![[0.0, 1.0, 2.0]; 12];
+    for (line, reason) in [
+        (json!(list).to_string(), "this is not an object"),
+        ("[1,2]".to_owned(), "this is not an object"),
+        ("hello".to_owned(), "this is not JSON"),
+        ("{\"order\":\"zxy\"}".to_owned(), "missing field `root`"),
+    ] {
+        let path = file(&folder, "angles.jsonl", &line);
+        let refused = run(["body", "positions", &path]);
+        assert_eq!(refused.code, Some(2), "{line}");
+        let expected = format!("{path}:1: {reason}; expected a line of `ademan body angles`");
+        assert!(refused.err.contains(&expected), "{}", refused.err);
+    }
+}

@@ -179,7 +179,7 @@ fn median_lengths(files: &[PathBuf]) -> Result<[f64; BodyJoint::COUNT], Failure>
 fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
     let mut lines = Vec::new();
     for_each_line(&args.files, |text| {
-        let line: AnglesLine = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let line = parse_angles(text)?;
         let body = line.body()?;
         let points = BodyPoint::ALL.iter();
         let positions: BTreeMap<BodyPoint, [f64; 3]> = points
@@ -196,6 +196,16 @@ fn print_positions(args: &PositionsArgs) -> Result<(), Failure> {
         writeln!(out, "{line}")?;
     }
     Ok(out.flush()?)
+}
+
+/// Parses a line of angles.
+fn parse_angles(text: &str) -> Result<AnglesLine, String> {
+    let not_angles = |reason: &str| format!("{reason}; expected a line of `ademan body angles`");
+    let line: Value = serde_json::from_str(text).map_err(|_| not_angles("this is not JSON"))?;
+    if !line.is_object() {
+        return Err(not_angles("this is not an object"));
+    }
+    serde_json::from_value(line).map_err(|error| not_angles(&error.to_string()))
 }
 
 /// Calls a function with each line of the files. Its error is reported with the line.
