@@ -256,7 +256,7 @@ fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
         ),
         (
             &["--hand-length", "301", "--forearm-length", "262"],
-            "--hand-length and --forearm-length: a hand is 100 to 300 mm long",
+            "'301' for '--hand-length <MM>': it is 100 to 300 mm",
         ),
         (
             &["--hand-length", "262", "--forearm-length", "189"],

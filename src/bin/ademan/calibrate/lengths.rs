@@ -10,10 +10,10 @@ use crate::setup_args::number_in;
 #[derive(Clone, Copy, Default, clap::Args)]
 pub struct LengthArgs {
     /// Hand length in mm, from the wrist crease to the tip of the middle finger: prints the line for the setup file
-    #[arg(long, value_name = "MM", value_parser = millimetres, conflicts_with = "discover")]
+    #[arg(long, value_name = "MM", value_parser = hand_mm, conflicts_with = "discover")]
     hand_length: Option<f64>,
     /// Forearm length in mm, from the elbow to the wrist crease
-    #[arg(long, value_name = "MM", value_parser = millimetres, conflicts_with = "discover")]
+    #[arg(long, value_name = "MM", value_parser = forearm_mm, conflicts_with = "discover")]
     forearm_length: Option<f64>,
 }
 
@@ -59,6 +59,10 @@ pub fn arm_text(hand: f64, forearm: f64) -> String {
     )
 }
 
-fn millimetres(text: &str) -> Result<f64, String> {
+fn hand_mm(text: &str) -> Result<f64, String> {
+    number_in(text, 100.0, 300.0, "mm")
+}
+
+fn forearm_mm(text: &str) -> Result<f64, String> {
     number_in(text, 100.0, 500.0, "mm")
 }
