@@ -406,3 +406,15 @@ fn one_port_for_two_sources_is_refused_with_the_remedy() {
         }
     }
 }
+
+#[test]
+fn a_directory_is_named_as_one_wherever_a_file_may_be_named() {
+    for line in [
+        "person show .",
+        "layout show .",
+        "layout check .",
+        "run --source typist:a --glove .",
+    ] {
+        refused(line, &["this is a directory"]);
+    }
+}

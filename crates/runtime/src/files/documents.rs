@@ -72,7 +72,7 @@ fn open(folder: &Path, name: &str, kind: Option<FileKind>) -> Result<Document, D
         None => {
             let path = folder.join(name);
             let is_absent = fs::metadata(&path).is_err_and(|error| is_not_found(&error));
-            if search::is_path(name) && !is_absent {
+            if (search::is_path(name) || path.is_dir()) && !is_absent {
                 return read(&path, name);
             }
             Err(search::not_found(folder, name, kind))
