@@ -284,3 +284,18 @@ fn a_line_that_has_no_angles_is_refused_in_words_of_the_command() {
         assert!(refused.err.contains(&expected), "{}", refused.err);
     }
 }
+
+#[test]
+fn the_standard_input_is_not_named_as_a_file() {
+    for command in [
+        ["body", "angles"],
+        ["body", "positions"],
+        ["arm", "attributes"],
+        ["arm", "landmarks"],
+    ] {
+        let refused = run(command.iter().chain(&["-"]));
+        assert_eq!(refused.code, Some(2), "{command:?}");
+        let expected = "error: the standard input holds no pose";
+        assert!(refused.err.contains(expected), "{}", refused.err);
+    }
+}

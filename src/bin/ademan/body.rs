@@ -8,7 +8,7 @@ use ademan::capture::body::BodyLandmarks;
 use ademan::capture::markers::median;
 use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints, BodyRotations};
 use ademan::geometry::EulerOrder;
-use ademan::message::{escape_line, escape_path};
+use ademan::message::escape_line;
 use glam::{DMat3, DVec3};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -216,7 +216,7 @@ fn for_each_line(
     for file in files {
         let lines = poses::lines(file)?;
         if lines.is_empty() {
-            let message = format!("{} holds no pose: one per line", escape_path(file));
+            let message = format!("{} holds no pose: one per line", poses::name(file));
             return Err(Failure::wrong_use(message));
         }
         for (number, text) in lines {
@@ -227,7 +227,7 @@ fn for_each_line(
 }
 
 fn at_line(file: &Path, number: usize, reason: &str) -> Failure {
-    let (file, reason) = (escape_path(file), escape_line(reason));
+    let (file, reason) = (poses::name(file), escape_line(reason));
     Failure::wrong_use(format!("{file}:{number}: {reason}"))
 }
 

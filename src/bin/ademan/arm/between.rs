@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use ademan::estimate::arm_attributes::{HALF_POSE_ROWS, HalfPose, ImageSize, Trunk};
-use ademan::message::escape_path;
 
 use super::values::{Line, both};
 use super::{OutputArgs, poses, strip};
@@ -102,14 +101,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             if let Some(row) = half.rows().iter().position(|row| !row.is_finite()) {
                 return Err(Failure::wrong_use(format!(
                     "the first pose of {} lacks the landmark `{}`, which a movement needs; name a file whose first pose shows both arms",
-                    escape_path(file),
+                    poses::name(file),
                     LANDMARKS[row]
                 )));
             }
             both(&half).map_err(|(side, error)| {
                 Failure::wrong_use(format!(
                     "the {side} arm of {} has no attributes: {error}",
-                    escape_path(file)
+                    poses::name(file)
                 ))
             })?;
             Ok(half)

@@ -1,5 +1,6 @@
 //! Poses from files: landmarks or attributes, one pose per line.
 
+use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -31,16 +32,21 @@ pub struct Pose {
     pub half: HalfPose,
 }
 
+/// Returns the name of a file in messages, `-` for standard input.
+pub fn name(path: &Path) -> Cow<'_, str> {
+    if path.as_os_str() == "-" {
+        "the standard input".into()
+    } else {
+        escape_path(path).into()
+    }
+}
+
 /// Reads the poses of a file, `-` for standard input.
 pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure> {
     let read_line = |number: usize, text: &str| {
         let pose = parse(text, image);
         pose.map_err(|reason| {
-            Failure::wrong_use(format!(
-                "{}:{number}: {}",
-                escape_path(path),
-                escape_line(&reason)
-            ))
+            Failure::wrong_use(format!("{}:{number}: {}", name(path), escape_line(&reason)))
         })
     };
     let (mut poses, mut without_person) = (Vec::new(), 0);
@@ -54,13 +60,13 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
         let count = poses.len() + without_person;
         complain!(
             "{without_person} of {count} lines of {} show nobody and are left out",
-            escape_path(path)
+            name(path)
         );
     }
     if poses.is_empty() {
         Err(Failure::wrong_use(format!(
             "{} holds no pose: one per line, landmarks as JSON or CSV, or attributes of `ademan arm attributes`",
-            escape_path(path)
+            name(path)
         )))
     } else {
         Ok(poses)
@@ -70,7 +76,7 @@ pub fn read(path: &Path, image: Option<ImageSize>) -> Result<Vec<Pose>, Failure>
 /// Returns the lines of a file that are not blank, with their numbers. The poses of an array of NumPy are lines of JSON.
 pub fn lines(path: &Path) -> Result<Vec<(usize, String)>, Failure> {
     let cannot_read =
-        |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", escape_path(path)));
+        |reason: String| Failure::wrong_use(format!("cannot read {}: {reason}", name(path)));
     let mut reader: Box<dyn BufRead> = if path.as_os_str() == "-" {
         Box::new(std::io::stdin().lock())
     } else {
