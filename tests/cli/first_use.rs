@@ -194,15 +194,15 @@ fn wrong_names_in_a_setup_have_a_line() {
         ),
         (
             "panic_keys: [\"ControlLef\"]",
-            ":2:13: `panic_keys`: unknown key `ControlLef`, did you mean `ControlLeft`?",
+            ":2:14: `panic_keys`: unknown key `ControlLef`, did you mean `ControlLeft`?",
         ),
         (
             "panic_keys: [\"MouseLeft\"]",
-            ":2:13: `panic_keys`: `MouseLeft` is not a key of a keyboard",
+            ":2:14: `panic_keys`: `MouseLeft` is not a key of a keyboard",
         ),
         (
             "profiles_by_application: [(application: \"foot\", profile: \"mian\")]",
-            ":2:26: `profiles_by_application`: unknown profile `mian`, did you mean `main`?; add it to `profiles`",
+            ":2:58: `profiles_by_application`: unknown profile `mian`, did you mean `main`?; add it to `profiles`",
         ),
         (
             "profiles_by_application: [(application: \" \", profile: \"main\")]",
@@ -210,7 +210,23 @@ fn wrong_names_in_a_setup_have_a_line() {
         ),
         (
             "profiles_by_application: [(application: \"foot\", profile: \"main\"), (application: \"Foot\", profile: \"main\")]",
-            ":2:26: `profiles_by_application`: two rules for `Foot`",
+            ":2:81: `profiles_by_application`: two rules for `Foot`",
+        ),
+        (
+            "profiles: [(name: \"media\", layout: \"numpad\"), (name: \"media\", layout: \"arrows\")]",
+            ":2:54: `profiles`: the name `media` is the name of two profiles",
+        ),
+        (
+            "profiles: [(name: \"main\", layout: \"numpad\")]",
+            ":2:19: `profiles`: the name `main` is the name of the first layout",
+        ),
+        (
+            "profiles: [(name: \"\", layout: \"numpad\")]",
+            ":2:19: `profiles`: the name `` is empty",
+        ),
+        (
+            "profiles: [(name: \"a\\nb\", layout: \"numpad\")]",
+            ":2:19: `profiles`: the name `a\\nb` is empty, has a blank at an end or a control character",
         ),
     ] {
         let setup = file(&folder, "wrong.ron", format!("Setup(\n{field},\n)"));

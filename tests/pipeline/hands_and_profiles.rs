@@ -306,7 +306,9 @@ fn an_unknown_profile_is_rejected_by_name() {
     let (_other_folder, mut twice) = setup_of(MAIN, OTHER);
     twice.profiles[0].name = "main".into();
     let twice_error = twice.load_files().unwrap_err().to_string();
-    assert_eq!(twice_error, "duplicate profile `main`");
+    let expected =
+        "`profiles`: the name `main` is the name of the first layout; choose another one";
+    assert_eq!(twice_error, expected);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::{
     SmoothingSetup,
 };
 use crate::capture::{PositionNoise, SourceUri};
+use ademan_core::command::ProfileName;
 use ademan_core::device::{KeyCode, KeyKind};
 use ademan_core::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
 use ademan_core::kinematics::BoneLengths;
@@ -23,6 +24,7 @@ impl Setup {
         self.check_position_filter()?;
         self.pipeline_settings()?;
         self.check_panic_keys()?;
+        self.check_profile_names()?;
         self.check_profiles_by_application()?;
         if let Some(other) = &self.other_hand {
             other.arm.bone_lengths()?;
@@ -39,6 +41,30 @@ impl Setup {
                 Err(error) => format!("`panic_keys`: {error}"),
             };
             return Err(SetupError::Value(message));
+        }
+        Ok(())
+    }
+
+    /// Checks that each profile has a name of its own, which a command line and a message can hold.
+    pub(super) fn check_profile_names(&self) -> Result<(), SetupError> {
+        for (index, profile) in self.profiles.iter().enumerate() {
+            let name = &profile.name;
+            let mut before = self.profiles[..index].iter();
+            let shown = escape(name);
+            let reason = if ProfileName::from(name).is_err() {
+                format!("the name `{shown}` is longer than 64 bytes")
+            } else if name.trim() != name || name.is_empty() || name.contains(char::is_control) {
+                format!(
+                    "the name `{shown}` is empty, has a blank at an end or a control character; write one such as `media`"
+                )
+            } else if name == MAIN_PROFILE {
+                format!("the name `{shown}` is the name of the first layout; choose another one")
+            } else if before.any(|other| other.name == *name) {
+                format!("the name `{shown}` is the name of two profiles")
+            } else {
+                continue;
+            };
+            return Err(SetupError::Value(format!("`profiles`: {reason}")));
         }
         Ok(())
     }

@@ -166,18 +166,10 @@ impl Loader<'_> {
     }
 
     fn profiles(&mut self, setup: &Setup, fit: Fit) -> Result<Vec<Profile>, SetupError> {
+        setup.check_profile_names()?;
         let mut profiles: Vec<Profile> = Vec::new();
         for profile in &setup.profiles {
             let name = &profile.name;
-            if ProfileName::from(name).is_err() {
-                let name = escape(name);
-                let message = format!("the profile name `{name}` is longer than 64 bytes");
-                return Err(SetupError::Value(message));
-            }
-            if name == MAIN_PROFILE || profiles.iter().any(|other| other.name == *name) {
-                let name = escape(name);
-                return Err(SetupError::Value(format!("duplicate profile `{name}`")));
-            }
             profiles.push(Profile {
                 name: name.clone(),
                 layout: self.layout(&kind::profile(name), &profile.layout, fit)?,

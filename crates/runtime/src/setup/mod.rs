@@ -269,12 +269,21 @@ pub enum SetupError {
 }
 
 impl SetupError {
-    /// Returns the error at the value of the field that the message names first.
+    /// Returns the error at the value of the field that the message names first, or at the text in it that the message quotes next.
     fn at_field(self, document: &Document) -> DocumentError {
         let message = self.to_string();
-        let value = message.split('`').nth(1);
-        match value.and_then(|field| document.field_value(field)) {
-            Some(value) => document.error_at(value, message),
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        let value = quoted.next().and_then(|field| document.field_value(field));
+        match value {
+            Some(value) => {
+                let part = quoted.next().map(|name| format!("\"{name}\""));
+                let start = part.as_deref().and_then(|part| value.rfind(part));
+                let at = start.map_or(value, |start| &value[start..]);
+                let length = part
+                    .filter(|_| start.is_some())
+                    .map_or(at.len(), |it| it.len());
+                document.error_at(&at[..length], message)
+            }
             None => DocumentError::for_file(&document.file, message),
         }
     }
