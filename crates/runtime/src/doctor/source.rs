@@ -1,12 +1,15 @@
 //! The check of a source, without reading from it.
 
+use std::path::Path;
+
 use super::{CheckStatus, Finding};
 use crate::capture::{CaptureError, SourceUri};
 use crate::setup::{LoadedSetup, NamedSource, SetupError};
 use ademan_core::message::{escape, escape_line};
 use ademan_core::pipeline::SourceRole;
 
-/// Checks that a source of a setup can be opened, and states what it sends and may do. Returns `None` for a setup without a source.
+/// Checks that a source of a setup can be opened, and states what it sends and may do. Returns `None` for a setup without a source, and
+/// for a serial port that is absent.
 ///
 /// A serial port is not opened, since that can restart the glove; the check of ports covers it. A recording and a simulated hand are
 /// opened: that has no effect on a device.
@@ -29,6 +32,12 @@ pub fn check_source(setup: &LoadedSetup, source: &NamedSource) -> Option<Finding
     };
     match probed {
         Some(Ok(())) => {}
+        None if uri
+            .serial_port()
+            .is_some_and(|port| !Path::new(port).exists()) =>
+        {
+            return None;
+        }
         None => finding.text += " (not opened by this check)",
         Some(Err(error)) => {
             let (reason, remedy) = error.rsplit_once("; ").unwrap_or((&error, remedy_of(uri)));
