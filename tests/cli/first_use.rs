@@ -217,6 +217,10 @@ fn wrong_names_in_a_setup_have_a_line() {
             ":2:54: `profiles`: the name `media` is the name of two profiles",
         ),
         (
+            "text: (mode: Auto, language: \"fr\")",
+            ":2:30: `language`: unknown language `fr`; the languages are `en` and `es`",
+        ),
+        (
             "profiles: [(name: \"main\", layout: \"numpad\")]",
             ":2:19: `profiles`: the name `main` is the name of the first layout",
         ),

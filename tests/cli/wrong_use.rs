@@ -67,6 +67,10 @@ fn arguments_of_a_wrong_kind_are_named_and_what_exists_is_listed() {
         "layout keys Spaec",
         &["no key has `Spaec`", "did you mean `Space`?"],
     );
+    refused(
+        "run --source typist:a --decoder auto:fr",
+        &["unknown language `fr`; the languages are `en` and `es`"],
+    );
     for script in ["", " "] {
         let ended = run(["demo", "--script", script]);
         let message = "the script is empty; name a file, or write an action such as `tap NAME`";

@@ -87,9 +87,11 @@ impl std::str::FromStr for TextSetup {
             format!("{error}; write `literal`, `suggest` or `auto`, and `:es` for another language")
         })?;
         let default = Self::default();
+        let language = language.map_or(default.language, str::to_owned);
+        Language::check_name(&language)?;
         Ok(Self {
             mode: mode.into(),
-            language: language.map_or(default.language, str::to_owned),
+            language,
             ..default
         })
     }

@@ -7,6 +7,7 @@ use super::{
     SmoothingSetup,
 };
 use crate::capture::{PositionNoise, SourceUri};
+use crate::text::Language;
 use ademan_core::command::ProfileName;
 use ademan_core::device::{KeyCode, KeyKind};
 use ademan_core::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
@@ -24,6 +25,10 @@ impl Setup {
         self.check_position_filter()?;
         self.pipeline_settings()?;
         self.check_panic_keys()?;
+        if let Some(text) = &self.text {
+            let checked = Language::check_name(&text.language);
+            checked.map_err(|reason| SetupError::Value(format!("`language`: {reason}")))?;
+        }
         self.check_profile_names()?;
         self.check_profiles_by_application()?;
         if let Some(other) = &self.other_hand {

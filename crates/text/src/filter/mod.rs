@@ -47,6 +47,15 @@ impl std::fmt::Debug for Language {
     }
 }
 
+/// Returns the error for a name that stands for no language.
+fn unknown(name: &str) -> String {
+    let names = LANGUAGES.iter().map(|(language, _)| *language);
+    let error = UnknownName::new("language", name, names);
+    format!(
+        "{error}; the languages are `en` and `es`, and the path of a model ends in `{FILE_ENDING}`"
+    )
+}
+
 impl Language {
     /// Finds a model that comes with the crate, or reads the file of one with `read`. The message of an error says what to do.
     pub fn load(
@@ -57,13 +66,17 @@ impl Language {
         match shipped {
             Some((_, bytes)) => Ok(Self::new(check(name, bytes)?)),
             None if name.ends_with(FILE_ENDING) => Self::from_bytes(name, read(Path::new(name))?),
-            None => {
-                let names = LANGUAGES.iter().map(|(language, _)| *language);
-                let error = UnknownName::new("language", name, names);
-                Err(format!(
-                    "{error}; the languages are `en` and `es`, and the path of a model ends in `{FILE_ENDING}`"
-                ))
-            }
+            None => Err(unknown(name)),
+        }
+    }
+
+    /// Checks that a name stands for a model that comes with the crate or for a file, which may be absent.
+    pub fn check_name(name: &str) -> Result<(), String> {
+        let is_shipped = LANGUAGES.iter().any(|(known, _)| *known == name);
+        if is_shipped || name.ends_with(FILE_ENDING) {
+            Ok(())
+        } else {
+            Err(unknown(name))
         }
     }
 
