@@ -4,6 +4,10 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use ademan::capture::protocol::text_line::{VALUES, angles, parse};
+use ademan::estimate::JointLimits;
+use ademan::hand::Dof;
+
 use crate::support::process::signal;
 use crate::support::source::text_lines;
 use crate::{ademan, file, run, text};
@@ -113,4 +117,29 @@ fn bytes_without_a_line_end_are_named_and_fail() {
     let status = program.wait().expect("it ends");
     assert_eq!(status.code(), Some(1), "{rest}");
     sender.join().expect("no panic");
+}
+
+#[test]
+fn the_documentation_has_the_place_and_the_range_of_each_joint() {
+    let page = include_str!("../../docs/sources.md");
+    let limits = JointLimits::human();
+    let mut found = Vec::new();
+    for place in 0..VALUES {
+        let mut values = [0.0; VALUES];
+        values[place] = 1.0;
+        let turned = angles(&values);
+        for (dof, _) in turned.known().filter(|(_, radians)| *radians != 0.0) {
+            let (low, high) = limits.range(dof);
+            let (low, high) = (low.to_degrees(), high.to_degrees());
+            let row = format!("| {place} | `{dof}` | {low:.0} to {high:.0} |");
+            assert!(page.contains(&row), "{row}");
+            found.push(dof);
+        }
+    }
+    assert_eq!(found.len(), 21);
+    let mut lines = page.lines();
+    let example = lines.find(|line| line.starts_with("0 0 "));
+    let values = parse(example.expect("an example")).expect("a valid line");
+    let bend = angles(&values).get(Dof::IndexMcpFlexion);
+    assert!((bend.to_degrees() - 30.0).abs() < 1e-6, "{bend}");
 }
