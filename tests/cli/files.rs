@@ -542,3 +542,23 @@ fn a_run_that_cannot_start_leaves_no_recording() {
         assert!(!recording.exists(), "{arguments:?}: {}", ended.err);
     }
 }
+
+#[test]
+fn a_layout_that_names_a_profile_is_checked_without_the_setup_that_has_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let keys = r#"keys: [(action: Command("profile media"), name: "media", at_mm: (0, 0))]"#;
+    let layout =
+        format!("Layout(name: \"a\", boards: [(pose: (anchor: elbow, forward_mm: 400), {keys})])");
+    let path = file(&folder, "mix.ron", layout);
+    let checked = run(["layout", "check", &path]).done();
+    let note = "it names the profile `media`, which the setup must have; check it with `--setup`";
+    assert!(checked.err.contains(note), "{}", checked.err);
+    let setup = file(&folder, "setup.ron", "Setup()");
+    let refused = run(["layout", "check", &path, "--setup", &setup]);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.err.contains("unknown profile `media`"),
+        "{}",
+        refused.err
+    );
+}

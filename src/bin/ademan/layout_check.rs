@@ -6,8 +6,9 @@ use ademan::document::{DocumentError, DocumentFault};
 use ademan::files::Load;
 use ademan::layout::{BoardOverlap, Layout};
 use ademan::message::{escape, escape_json};
+use ademan::pipeline::MAIN_PROFILE;
 use ademan::session::counted;
-use ademan::setup::{ArmSetup, Setup, SetupError};
+use ademan::setup::{ArmSetup, ProfileSetup, Setup, SetupError};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -21,6 +22,7 @@ pub fn check(
     setup: Option<&str>,
     as_json: bool,
 ) -> Result<(), Failure> {
+    let has_setup = setup.is_some();
     let mut setup = match setup {
         Some(path) => Setup::load(path)?,
         None => Setup::default(),
@@ -30,7 +32,7 @@ pub fn check(
     let mut invalid = 0;
     let mut checked = Vec::new();
     for file in files {
-        let outcome = check_one(file, &setup)?;
+        let outcome = check_one(file, &setup, has_setup)?;
         invalid += usize::from(outcome.is_err());
         if as_json {
             checked.push(json_of(file, &outcome))
@@ -54,14 +56,33 @@ pub fn check(
 /// A valid layout and the warnings about it.
 type Checked = (Layout, Vec<String>);
 
-/// Checks a layout and its fit to the hands of a setup. An error of the setup itself is a failure.
-fn check_one(file: &str, setup: &Setup) -> Result<Result<Checked, DocumentError>, Failure> {
+/// Checks a layout and its fit to the hands of a setup. An error of the setup itself is a failure. Without a setup, the profiles that
+/// the layout names are assumed.
+fn check_one(
+    file: &str,
+    setup: &Setup,
+    has_setup: bool,
+) -> Result<Result<Checked, DocumentError>, Failure> {
     let layout = match Layout::load(file) {
         Ok(layout) => layout,
         Err(error) => return Ok(Err(error)),
     };
-    Ok(match warnings(&layout, setup) {
-        Ok(warnings) => Ok((layout, warnings)),
+    let mut assumed = setup.clone();
+    let mut notes = Vec::new();
+    let names = layout.profiles.iter();
+    for name in names.filter(|name| !has_setup && *name != MAIN_PROFILE) {
+        notes.push(format!(
+            "it names the profile `{}`, which the setup must have; check it with `--setup`",
+            escape(name)
+        ));
+        assumed.profiles.push(ProfileSetup {
+            name: name.clone(),
+            layout: layout.file.clone(),
+            text: None,
+        });
+    }
+    Ok(match warnings(&layout, &assumed) {
+        Ok(warnings) => Ok((layout, [notes, warnings].concat())),
         // The layout does not fit the hand.
         Err(SetupError::File(error)) if error.file() == layout.file => Err(error),
         Err(error) => return Err(error.into()),
