@@ -146,7 +146,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
 
 #[test]
 fn invalid_sources_are_refused_with_a_remedy() {
-    let cases: [(&str, &[&str]); 19] = [
+    let cases: [(&str, &[&str]); 21] = [
         ("run", &["no source is given", "--source", "typist:hello"]),
         ("trace readings", &["no source is given"]),
         ("run --source foo", &["starts with one of", "`serial:`"]),
@@ -159,6 +159,11 @@ fn invalid_sources_are_refused_with_a_remedy() {
             "run --source /dev/ttyUSB0",
             &["write `serial:/dev/ttyUSB0`"],
         ),
+        (
+            "run --source 192.168.1.7:4001",
+            &["write `tcp:192.168.1.7:4001`"],
+        ),
+        ("run --source hand.mcap", &["write `recording:hand.mcap`"]),
         (
             "run --source serial:/dev/nope",
             &["cannot open", "there is no such port"],

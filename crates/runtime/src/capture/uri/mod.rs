@@ -244,6 +244,9 @@ fn parse(text: &str) -> Result<SourceUri, String> {
         "script" => SourceUri::Script {
             script: rest.into(),
         },
+        host if is_host(host) && rest.parse::<u16>().is_ok() => {
+            return Err(format!("write `tcp:{}`", escape(text)));
+        }
         unknown => {
             let names: Vec<&str> = schemes().map(|it| it.name).collect();
             return Err(unknown_name("kind of source", unknown, &names));
@@ -272,9 +275,17 @@ fn parse_typist(rest: &str) -> Result<SourceUri, String> {
     })
 }
 
+/// Returns `true` for an address of the internet or the name of a host with its domain.
+fn is_host(text: &str) -> bool {
+    text == "localhost" || text.contains('.')
+}
+
 fn missing_scheme(text: &str) -> String {
     if text.starts_with("/dev/") || text.starts_with("COM") {
         return format!("write `serial:{}`", escape(text));
+    }
+    if text.ends_with(".mcap") {
+        return format!("write `recording:{}`", escape(text));
     }
     let schemes: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
     let nearest = nearest(text, schemes.iter().copied());
