@@ -51,3 +51,20 @@ fn each_request_of_ctl_has_an_example() {
     let nudge = run(["ctl", "nudge", "--help"]).done().out;
     assert!(nudge.contains("ademan ctl nudge 0 0 -5"), "{nudge}");
 }
+
+#[test]
+fn a_source_without_an_address_has_one_colon() {
+    let help = run(["run", "--help"]).done().out;
+    for (source, summary) in [
+        ("openxr", "hands that an OpenXR runtime"),
+        ("stdin", "bytes of a stream"),
+    ] {
+        assert!(!help.contains(&format!("{source}::")), "{help}");
+        let mut lines = help.lines();
+        let start = format!("- {source}: ");
+        assert!(
+            lines.any(|line| line.contains(&start) && line.contains(summary)),
+            "{help}"
+        );
+    }
+}

@@ -26,7 +26,9 @@ impl TypedValueParser for SourceValue {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        let value = |scheme: Scheme| PossibleValue::new(scheme.syntax).help(scheme.summary);
+        // Help writes a colon after each.
+        let syntax = |scheme: Scheme| scheme.syntax.trim_end_matches(':');
+        let value = move |scheme| PossibleValue::new(syntax(scheme)).help(scheme.summary);
         Some(Box::new(schemes().map(value)))
     }
 }
