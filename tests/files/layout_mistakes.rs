@@ -100,6 +100,11 @@ fn brackets_and_quotes() -> Vec<Mistake> {
             "1:27: the `[` is not closed",
         ),
         (
+            "a bracket too many, which closes nothing that follows",
+            board("rows: [(at_mm: ((0, 0), keys: \"Q W\"), (at_mm: (0, 19), keys: \"A S\")]"),
+            "3:16: expected a number",
+        ),
+        (
             "a bracket of another kind",
             board("rows: [(at_mm: (0, 0), keys: \"Q W\"]]"),
             "3:35: expected `)` before `]`: the `(` of line 3 is open",

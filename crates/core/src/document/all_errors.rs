@@ -4,7 +4,7 @@ use ron::error::{Error, SpannedError};
 
 use super::format::Format;
 use super::ron_error::{byte_range, explain};
-use super::scan::{Element, elements_around};
+use super::scan::{Element, elements_around, unbalanced};
 use super::{Document, DocumentError};
 
 /// The maximum number of errors that are read: more than are listed, as equal ones are listed once.
@@ -21,9 +21,14 @@ pub(super) fn all_errors(
 ) -> DocumentError {
     let Document { file, text, .. } = document;
     let mut errors = DocumentError::none(file);
+    // Without its partner, a bracket makes all that follows an error.
+    let max_read = match unbalanced(text) {
+        Some(_) => 1,
+        None => MAX_READ,
+    };
     let mut rest = Some((text.clone(), first));
     let mut incomplete = Vec::new();
-    for _ in 0..MAX_READ {
+    for _ in 0..max_read {
         let Some((read, error)) = rest else {
             break;
         };
