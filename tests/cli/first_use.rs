@@ -221,6 +221,18 @@ fn wrong_names_in_a_setup_have_a_line() {
             ":2:30: `language`: unknown language `fr`; the languages are `en` and `es`",
         ),
         (
+            "stall_timeout_ms: 300.5",
+            ":2:22: expected a whole number, in digits only",
+        ),
+        (
+            "stall_timeout_ms: 1e400",
+            ":2:19: expected a whole number, in digits only",
+        ),
+        (
+            "stall_timeout_ms: -300",
+            ":2:20: the number is negative, or too large",
+        ),
+        (
             "profiles: [(name: \"main\", layout: \"numpad\")]",
             ":2:19: `profiles`: the name `main` is the name of the first layout",
         ),

@@ -57,6 +57,9 @@ pub(super) fn explain(text: &str, error: &SpannedError, format: &Format) -> Expl
 /// The message for `38/2`.
 const CALCULATION: &str = "write the result of the calculation";
 
+/// The message for `300.5` or `1e3` where fractions have no meaning.
+const WHOLE_NUMBER: &str = "expected a whole number, in digits only";
+
 /// The part of a text in which the reader found an error.
 struct Slice<'t> {
     text: &'t str,
@@ -100,6 +103,8 @@ impl Slice<'_> {
                 Some('"') => "expected a number, without quotes".into(),
                 _ => "expected a number".into(),
             },
+            Error::InvalidIntegerDigit { .. } => WHOLE_NUMBER.into(),
+            Error::IntegerOutOfBounds => "the number is negative, or too large".into(),
             Error::ExpectedBoolean => "expected `true` or `false`".into(),
             Error::ExpectedArray => format!("expected a list: `[…]`{}", self.not("({")),
             Error::ExpectedMap => format!("expected a map: `{{…}}`{}", self.not("([")),
@@ -142,6 +147,7 @@ impl Slice<'_> {
         match self.first() {
             Some(';') => "write `,` in place of `;`".into(),
             Some('/' | '*' | '+' | '-') => CALCULATION.into(),
+            Some('.') if self.ends_with_number() => WHOLE_NUMBER.into(),
             Some(first) if first.is_alphabetic() && self.ends_with_number() => {
                 "a number is written without its unit, which is in the name of the field".into()
             }
