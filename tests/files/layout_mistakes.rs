@@ -102,7 +102,7 @@ fn brackets_and_quotes() -> Vec<Mistake> {
         (
             "a bracket too many, which closes nothing that follows",
             board("rows: [(at_mm: ((0, 0), keys: \"Q W\"), (at_mm: (0, 19), keys: \"A S\")]"),
-            "3:16: expected a number",
+            "3:17: expected a number",
         ),
         (
             "a bracket of another kind",
