@@ -326,6 +326,30 @@ fn unsaved_work_is_offered_until_it_is_answered() {
 }
 
 #[test]
+fn unsaved_work_of_each_editor_of_a_file_is_offered_once_it_has_ended() {
+    let (folder, path) = file();
+    let recovery = folder.path().join("editor");
+    let (mut first, mut second) = (open(&path), open(&path));
+    first.start_recovery(&recovery).unwrap();
+    second.start_recovery(&recovery).unwrap();
+    move_key(&mut first, 0, 5.0);
+    move_key(&mut second, 1, 7.0);
+    let mut third = open(&path);
+    assert_eq!(third.start_recovery(&recovery).unwrap(), None);
+    let texts = [first.text().to_owned(), second.text().to_owned()];
+    drop((first, second, third));
+    let mut offered = Vec::new();
+    visit(&path, &recovery, |editor| {
+        while let Some(work) = editor.found_work() {
+            offered.push(work.text.clone());
+            editor.discard_found_work();
+        }
+    });
+    assert_eq!(offered, texts);
+    assert_eq!(visit(&path, &recovery, |_| {}), None);
+}
+
+#[test]
 fn a_text_without_a_file_is_unsaved() {
     let (folder, path) = file();
     let recovery = folder.path().join("editor");

@@ -1,7 +1,7 @@
-//! Unsaved work, kept in a file of its own, and a lock that tells two editors of one layout apart.
+//! Unsaved work, kept in a file of its own, with a lock that tells two editors of one layout apart.
 
 use std::collections::VecDeque;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -26,11 +26,13 @@ pub struct UnsavedWork {
     pub text: String,
 }
 
-/// Files with unsaved work, and their locks. Each run has a file of its own while work of earlier runs is not answered.
+/// Files with unsaved work. Each run has a file of its own.
 #[derive(Debug)]
 pub(super) struct Recovery {
-    /// Present while this editor holds the lock of its layout.
-    lock: Option<LockedFile>,
+    /// Locks of the file of this run and of the files in `found`.
+    _locks: Vec<LockedFile>,
+    /// Another editor has the layout open.
+    is_open_elsewhere: bool,
     /// Work of earlier runs that is neither restored nor discarded yet, with its files.
     found: VecDeque<(PathBuf, UnsavedWork)>,
     jobs: Option<Sender<Job>>,
@@ -40,8 +42,58 @@ pub(super) struct Recovery {
     writer: Option<JoinHandle<()>>,
 }
 
-/// The most files with work of earlier runs on a layout that are looked for.
+/// The number of files of a layout in which work of earlier runs is looked for.
 const MAX_FOUND: usize = 16;
+
+/// The files of a layout that this run locks.
+#[derive(Default)]
+struct Slots {
+    locks: Vec<LockedFile>,
+    /// The file of this run.
+    own: Option<PathBuf>,
+    /// Work of earlier runs, with its files.
+    found: VecDeque<(PathBuf, UnsavedWork)>,
+    /// Another editor holds a lock.
+    is_open_elsewhere: bool,
+}
+
+impl Slots {
+    /// Locks the files with work that differs from a text, and the first free file. A file that another editor has locked is neither
+    /// offered nor touched.
+    fn lock(folder: &Path, stem: &str, text: &str) -> Result<Self, FileError> {
+        let mut slots = Self::default();
+        for number in 0.. {
+            if slots.own.is_some() && number >= MAX_FOUND {
+                break;
+            }
+            let ending = if number == 0 {
+                String::new()
+            } else {
+                format!(".{number}")
+            };
+            let path = folder.join(format!("{stem}{ending}.ron"));
+            let lock = folder.join(format!("{stem}{ending}.lock"));
+            if slots.own.is_some() && !path.exists() && !lock.exists() {
+                continue;
+            }
+            let lock = match LockedFile::try_lock(files::open_private(&lock)?) {
+                Ok(lock) => lock,
+                Err(TryLockError::WouldBlock) => {
+                    slots.is_open_elsewhere = true;
+                    continue;
+                }
+                Err(TryLockError::Error(error)) => return Err(error.into()),
+            };
+            match read(&path).filter(|work| work.text != text) {
+                Some(work) => slots.found.push_back((path, work)),
+                None if slots.own.is_none() => slots.own = Some(path),
+                None => continue,
+            }
+            slots.locks.push(lock);
+        }
+        Ok(slots)
+    }
+}
 
 /// A change of the recovery file.
 #[derive(Debug)]
@@ -68,12 +120,11 @@ impl LayoutEditor {
         Some(work)
     }
 
-    /// Returns `true` if another Studio edits the same layout. Either can save: the other one merges, or asks.
+    /// Returns `true` if another Studio had the same layout open at the start. Either can save: the other one merges, or asks.
     pub fn is_open_elsewhere(&self) -> bool {
-        let is_locked = |recovery: &Recovery| recovery.lock.is_some();
         self.recovery
             .as_ref()
-            .is_some_and(|recovery| !is_locked(recovery))
+            .is_some_and(|recovery| recovery.is_open_elsewhere)
     }
 
     /// Returns the reason why unsaved work is not kept at present.
@@ -136,29 +187,8 @@ impl Recovery {
             fs::create_dir_all(parent)?;
         }
         files::create_private_folder(folder)?;
-        let stem = stem(name);
-        let lock = files::open_private(&folder.join(format!("{stem}.lock")))?;
-        let lock = LockedFile::try_lock(lock).ok();
-        // A second editor of the layout neither offers the work of others nor touches it.
-        let (owner, limit) = if lock.is_some() {
-            (String::new(), MAX_FOUND)
-        } else {
-            (format!(".{}", std::process::id()), 0)
-        };
-        let path_of = |number: usize| {
-            let ending = if number == 0 {
-                String::new()
-            } else {
-                format!(".{number}")
-            };
-            folder.join(format!("{stem}{owner}{ending}.ron"))
-        };
-        let paths = (0..limit).map(path_of);
-        let found = paths.filter_map(|path| read(&path).map(|work| (path, work)));
-        let found: VecDeque<_> = found.filter(|(_, work)| work.text != text).collect();
-        let is_free = |path: &PathBuf| found.iter().all(|(taken, _)| taken != path);
-        let path = (0..).map(path_of).find(is_free);
-        let path = path.unwrap_or_else(|| path_of(limit));
+        let slots = Slots::lock(folder, &stem(name), text)?;
+        let path = slots.own.unwrap_or_default();
         let (jobs, queued) = bounded(1);
         let error = Arc::default();
         let writer = thread::Builder::new().name("recovery".into()).spawn({
@@ -166,8 +196,9 @@ impl Recovery {
             move || run(&queued, &path, &error)
         })?;
         Ok(Self {
-            lock,
-            found,
+            _locks: slots.locks,
+            is_open_elsewhere: slots.is_open_elsewhere,
+            found: slots.found,
             jobs: Some(jobs),
             queued,
             error,

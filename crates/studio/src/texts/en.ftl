@@ -459,6 +459,7 @@ editor-close-discard = Close without saving
 editor-close-cancel = Go on editing
 editor-cannot-open = The layout cannot be opened in the editor
 editor-recovered = Unsaved work of another session was found.
+editor-open-elsewhere = Another Studio has this layout open: each can save, the other one merges, or asks
 editor-restore = Restore
 editor-discard = Discard
 workspace-layout = Layout

@@ -459,6 +459,7 @@ editor-close-discard = Cerrar sin guardar
 editor-close-cancel = Seguir editando
 editor-cannot-open = La distribución no se puede abrir en el editor
 editor-recovered = Se ha encontrado trabajo sin guardar de otra sesión.
+editor-open-elsewhere = Otro Studio tiene abierta esta distribución: cualquiera puede guardar, y el otro combina los cambios o pregunta
 editor-restore = Recuperar
 editor-discard = Descartar
 workspace-layout = Distribución

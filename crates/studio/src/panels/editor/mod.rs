@@ -20,6 +20,8 @@ mod several;
 mod shortcuts;
 mod steps;
 #[cfg(test)]
+mod menu_tests;
+#[cfg(test)]
 mod tests;
 
 use std::collections::HashSet;
@@ -125,6 +127,8 @@ impl EditorPanel {
         panel.work = work.map(Path::to_owned);
         if let Some(Err(error)) = recovery {
             panel.message = Some(Err(error.to_string()));
+        } else if panel.editor.is_open_elsewhere() {
+            panel.message = Some(Ok(text("editor-open-elsewhere")));
         }
         Ok(panel)
     }

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use super::*;
 
-const TWO_KEYS: &str = "Layout(
+pub(super) const TWO_KEYS: &str = "Layout(
     name: \"Two keys\",
     boards: [
         (
@@ -29,9 +29,9 @@ const TWO_KEYS: &str = "Layout(
 const SCALE: f32 = 5.0;
 
 /// The editor on a file of its own.
-struct Window {
-    harness: Harness<'static, EditorPanel>,
-    path: PathBuf,
+pub(super) struct Window {
+    pub harness: Harness<'static, EditorPanel>,
+    pub path: PathBuf,
     #[allow(dead_code, reason = "keeps the folder")]
     folder: TempDir,
 }
@@ -57,7 +57,7 @@ fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 }
 
 impl Window {
-    fn open() -> Self {
+    pub fn open() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("two-keys.ron");
         fs::write(&path, TWO_KEYS).unwrap();
@@ -72,24 +72,24 @@ impl Window {
         }
     }
 
-    fn panel(&mut self) -> &mut EditorPanel {
+    pub fn panel(&mut self) -> &mut EditorPanel {
         self.harness.state_mut()
     }
 
-    fn text(&mut self) -> String {
+    pub fn text(&mut self) -> String {
         self.panel().editor.text().to_owned()
     }
 
-    fn saved(&self) -> String {
+    pub fn saved(&self) -> String {
         fs::read_to_string(&self.path).unwrap()
     }
 
-    fn event(&mut self, event: Event) {
+    pub fn event(&mut self, event: Event) {
         self.harness.event(event);
         self.harness.run_steps(2);
     }
 
-    fn button(&mut self, pos: Pos2, pressed: bool) {
+    pub fn button(&mut self, pos: Pos2, pressed: bool) {
         self.event(Event::PointerButton {
             pos,
             button: PointerButton::Primary,
@@ -98,49 +98,49 @@ impl Window {
         });
     }
 
-    fn click(&mut self, at: Pos2) {
+    pub fn click(&mut self, at: Pos2) {
         self.event(Event::PointerMoved(at));
         self.button(at, true);
         self.button(at, false);
     }
 
-    fn click_field(&mut self, role: Role, name: &str) {
+    pub fn click_field(&mut self, role: Role, name: &str) {
         let field = self.harness.get_by_role_and_label(role, name);
         let at = field.rect().center();
         self.click(at);
     }
 
-    fn click_button(&mut self, name: &str) {
+    pub fn click_button(&mut self, name: &str) {
         let at = self.harness.get_by_label(name).rect().center();
         self.click(at);
     }
 
     /// Clicks on a point of the board. The middle of both keys is in the middle of the canvas.
-    fn click_board(&mut self, x: f32, y: f32) {
+    pub fn click_board(&mut self, x: f32, y: f32) {
         let at = self.at(x, y);
         self.click(at);
     }
 
-    fn at(&self, x: f32, y: f32) -> Pos2 {
+    pub fn at(&self, x: f32, y: f32) -> Pos2 {
         let canvas = self.harness.get_by_role(Role::Canvas).rect();
         canvas.center() + vec2(x - 20.0, -y) * SCALE
     }
 
-    fn write(&mut self, words: &str) {
+    pub fn write(&mut self, words: &str) {
         self.event(Event::Text(words.to_owned()));
     }
 
-    fn press(&mut self, modifiers: Modifiers, key: Key) {
+    pub fn press(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.harness.run_steps(2);
     }
 
-    fn save(&mut self) {
+    pub fn save(&mut self) {
         self.press(Modifiers::COMMAND, Key::S);
     }
 
     /// Asks the window to close, as the desktop does.
-    fn close(&mut self) {
+    pub fn close(&mut self) {
         for is_asked in [true, false] {
             let viewports = &mut self.harness.input_mut().viewports;
             let viewport = viewports.entry(ViewportId::ROOT).or_default();
@@ -153,12 +153,12 @@ impl Window {
         self.harness.run_steps(1);
     }
 
-    fn awaits_key(&self) -> bool {
+    pub fn awaits_key(&self) -> bool {
         let mut found = self.harness.query_all_by_label(text("editor-pressing"));
         found.next().is_some()
     }
 
-    fn field(&self, name: &str) -> Option<String> {
+    pub fn field(&self, name: &str) -> Option<String> {
         let field = self.harness.get_by_role_and_label(Role::TextInput, name);
         field.value()
     }
