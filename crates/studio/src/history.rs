@@ -31,6 +31,25 @@ pub struct Moment {
     pub latency_ms: f32,
 }
 
+impl Moment {
+    /// Returns the start of a time without usable readings: nothing is known, and everything is released.
+    const fn gap(time: Timestamp) -> Self {
+        Self {
+            time,
+            degrees: [f32::NAN; Dof::COUNT],
+            heights_mm: [[f32::NAN; Finger::COUNT]; Side::COUNT],
+            pressing: [FingerSet::NONE; Side::COUNT],
+            latency_ms: f32::NAN,
+        }
+    }
+
+    /// Returns `true` if nothing is known.
+    pub fn is_gap(&self) -> bool {
+        let heights = self.heights_mm.iter().flatten();
+        heights.chain(&self.degrees).all(|value| value.is_nan())
+    }
+}
+
 /// A press, a release or a character that was sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SentEvent {
@@ -102,6 +121,14 @@ impl History {
         self.moments.push_back(moment);
     }
 
+    /// Ends everything at a time, or at the latest moment if that is later. Does nothing before the first moment and within a gap.
+    pub fn push_gap(&mut self, time: Timestamp) {
+        if let Some(last) = self.moments.back().filter(|last| !last.is_gap()) {
+            let gap = Moment::gap(time.max(last.time));
+            self.push(gap);
+        }
+    }
+
     /// Adds an event, and drops the oldest one if there are too many.
     pub fn push_event(&mut self, event: SentEvent) {
         if self.events.len() == MAX_EVENTS {
@@ -113,6 +140,11 @@ impl History {
     /// Returns the time of the latest moment.
     pub fn end(&self) -> Option<Timestamp> {
         self.moments.back().map(|last| last.time)
+    }
+
+    /// Returns the latest moment with values.
+    pub fn last_known(&self) -> Option<&Moment> {
+        self.moments.iter().rev().find(|moment| !moment.is_gap())
     }
 
     /// Iterates over the moments, oldest first.

@@ -209,6 +209,10 @@ impl StudioModel {
     }
 
     fn remember(&mut self, snapshot: &Snapshot) {
+        if snapshot.pose.is_none() && snapshot.state != PipelineState::Running {
+            let released = snapshot.events.first().map(|event| event.time);
+            self.history.push_gap(released.unwrap_or_default());
+        }
         if let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) {
             let degrees = |dof: Dof| {
                 if angles.is_known(dof) {
@@ -304,4 +308,96 @@ fn stats_of(counts: &ViewCounts) -> Stats {
     stats.source.dropped = counts.dropped;
     stats.source.losses = counts.losses;
     stats
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan_core::contact::{TargetNames, Touch};
+    use ademan_core::device::{EventKind, OutputEvent};
+    use ademan_core::hand::Joint;
+    use ademan_core::time::Timestamp;
+    use ademan_runtime::files::Load;
+    use parry3d::math::Vec2;
+
+    use super::*;
+    use crate::scene::tests::model_of;
+
+    fn model() -> StudioModel {
+        model_of(Arc::new(Layout::load("qwerty-flat").unwrap()))
+    }
+
+    fn hand(seconds: u64) -> HandPose {
+        let mut pose = HandPose::new(Timestamp(seconds * 1_000_000), Side::Right, 0.005);
+        pose.set(Joint::Elbow, Pose::from_translation(Vec3::ZERO));
+        let tip = Joint::tip(Finger::Index);
+        pose.set(tip, Pose::from_translation(Vec3::new(0.0, 0.3, 0.0)));
+        pose
+    }
+
+    fn key() -> KeyCode {
+        "A".parse().unwrap()
+    }
+
+    fn knows_heights(moment: &Moment) -> bool {
+        moment.heights_mm.iter().flatten().any(|mm| !mm.is_nan())
+    }
+
+    fn snapshot(state: PipelineState) -> Snapshot {
+        Snapshot {
+            state,
+            paused_by: None,
+            profile: 0,
+            target_names: TargetNames::new([]),
+            reading: None,
+            source_error: None,
+            angles: None,
+            pose: None,
+            touches: Default::default(),
+            presses: Default::default(),
+            events: Default::default(),
+            commands: Default::default(),
+            executed: None,
+            lost_hands: [false; Side::COUNT],
+            text: None,
+            stats: Stats::default(),
+            latency: None,
+        }
+    }
+
+    #[test]
+    fn a_press_ends_where_readings_end() {
+        let mut model = model();
+        let touch = Touch {
+            time: Timestamp(1_000_000),
+            side: Side::Right,
+            finger: Finger::Index,
+            target: TargetId(0),
+            phase: Phase::Pressed,
+            depth: 1.0,
+            position: Vec2::ZERO,
+        };
+        model.update(&Snapshot {
+            pose: Some(hand(1)),
+            angles: Some(JointAngles::default()),
+            touches: [touch].into_iter().collect(),
+            ..snapshot(PipelineState::Running)
+        });
+        let release = OutputEvent {
+            time: Timestamp(1_200_000),
+            kind: EventKind::KeyUp(key()),
+        };
+        model.update(&Snapshot {
+            events: [release].into_iter().collect(),
+            ..snapshot(PipelineState::Stalled)
+        });
+        model.update(&snapshot(PipelineState::Paused));
+        let moments: Vec<&Moment> = model.history.moments().collect();
+        assert_eq!(moments.len(), 2);
+        let presses = moments
+            .iter()
+            .map(|moment| moment.pressing[1].contains(Finger::Index));
+        assert_eq!(presses.collect::<Vec<_>>(), [true, false]);
+        assert_eq!(moments[1].time, release.time);
+        assert!(!knows_heights(moments[1]));
+    }
 }

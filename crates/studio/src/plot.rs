@@ -60,7 +60,7 @@ pub fn decimate(
     to: f64,
     columns: usize,
 ) -> Vec<Column> {
-    let mut reduced: Vec<Column> = Vec::with_capacity(columns);
+    let mut reduced: Vec<Column> = Vec::new();
     let scale = columns as f64 / (to - from);
     for (time, value) in values {
         if !(from..=to).contains(&time) || value.is_nan() {

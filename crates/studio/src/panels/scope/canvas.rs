@@ -175,6 +175,9 @@ impl<'a> Canvas<'a> {
                 points.push(Pos2::new(x, y_at(column.max, row, range)));
             }
         }
+        if let [alone] = points[..] {
+            points.push(alone + egui::vec2(1.0, 0.0));
+        }
         let stroke = Stroke::new(1.5, color);
         self.painter.with_clip_rect(row).line(points, stroke);
     }

@@ -126,6 +126,7 @@ fn draw_latency(canvas: &Canvas, row: Rect) {
     legend.add(text("scope-latency"), color);
 }
 
+/// Draws a line through values, with a gap where readings are missing.
 fn draw_line(
     canvas: &Canvas,
     row: Rect,
@@ -133,9 +134,12 @@ fn draw_line(
     color: Color32,
     value: impl Fn(&Moment) -> f32,
 ) {
-    let values = canvas.history.moments();
-    let values = values.map(|moment| (moment.time.seconds(), value(moment)));
-    canvas.draw_line(row, range, color, values);
+    let mut moments = canvas.history.moments().peekable();
+    while moments.peek().is_some() {
+        let until_gap = moments.by_ref().take_while(|moment| !moment.is_gap());
+        let values = until_gap.map(|moment| (moment.time.seconds(), value(moment)));
+        canvas.draw_line(row, range, color, values);
+    }
 }
 
 /// Draws the presses of one finger as bars.
@@ -237,9 +241,9 @@ fn fingers() -> impl Iterator<Item = (Side, Finger)> {
     sides.flat_map(|side| Finger::ALL.iter().map(move |&finger| (side, finger)))
 }
 
-/// Returns the fingers whose height is known at the end.
+/// Returns the fingers whose height was known last.
 fn known_fingers(history: &History) -> Vec<(Side, Finger)> {
-    let last = history.moments().next_back();
+    let last = history.last_known();
     let is_known = |(side, finger): &(Side, Finger)| {
         last.is_some_and(|last| !last.heights_mm[side.index()][finger.index()].is_nan())
     };

@@ -3,6 +3,8 @@
 mod canvas;
 mod colors;
 mod lanes;
+#[cfg(test)]
+mod tests;
 
 use eframe::egui::{self, Key, Role, Sense, WidgetInfo};
 

@@ -1,0 +1,104 @@
+//! The rows of the scope, by what is painted.
+
+use eframe::egui::{self, Pos2, Rect, Shape};
+
+use super::canvas::Canvas;
+use super::{Rows, lanes};
+use crate::history::{History, Moment};
+use crate::plot::TimeWindow;
+use ademan_core::hand::{Dof, Finger, FingerSet, Side};
+use ademan_core::time::Timestamp;
+
+const AREA: Rect = Rect {
+    min: Pos2::ZERO,
+    max: Pos2::new(1000.0, 300.0),
+};
+
+fn moment(seconds: f64, height: f32) -> Moment {
+    let mut heights_mm = [[f32::NAN; Finger::COUNT]; Side::COUNT];
+    heights_mm[Side::Right.index()][Finger::Index.index()] = height;
+    let press = if height < 0.0 {
+        FingerSet::NONE.with(Finger::Index)
+    } else {
+        FingerSet::NONE
+    };
+    let mut pressing = [FingerSet::NONE; Side::COUNT];
+    pressing[Side::Right.index()] = press;
+    Moment {
+        time: Timestamp::from_seconds(seconds),
+        degrees: [f32::NAN; Dof::COUNT],
+        heights_mm,
+        pressing,
+        latency_ms: f32::NAN,
+    }
+}
+
+const HEIGHTS: Rows = Rows {
+    heights: true,
+    latency: false,
+    presses: false,
+    events: false,
+};
+
+/// Draws rows of the last 10 s, and returns the shapes and the part with the rows.
+fn draw(history: &History, rows: Rows) -> (Vec<Shape>, Rect) {
+    let context = egui::Context::default();
+    let mut area = Rect::NOTHING;
+    let input = egui::RawInput {
+        screen_rect: Some(AREA),
+        ..egui::RawInput::default()
+    };
+    let output = context.run_ui(input, |ui| {
+        let names = lanes::row_names(history, rows);
+        let canvas = Canvas::new(ui, AREA, history, TimeWindow::new(10.0), &names);
+        let canvas = canvas.expect("room");
+        area = canvas.area;
+        lanes::draw(&canvas, &[false; Dof::COUNT], rows);
+    });
+    let shapes = output.shapes.iter().map(|clipped| clipped.shape.clone());
+    let shapes = shapes.collect();
+    output.drop_without_applying_deltas();
+    (shapes, area)
+}
+
+/// Returns the lines through values.
+fn lines(shapes: &[Shape]) -> Vec<Vec<Pos2>> {
+    let lines = shapes.iter().filter_map(|shape| match shape {
+        Shape::Path(path) => Some(path.points.clone()),
+        _ => None,
+    });
+    lines.collect()
+}
+
+#[test]
+fn a_line_has_a_gap_where_readings_are_missing() {
+    let mut history = History::default();
+    for (seconds, height) in [
+        (1.0, 5.0),
+        (2.0, 6.0),
+        (2.2, f32::NAN),
+        (8.0, 7.0),
+        (9.0, 8.0),
+    ] {
+        history.push(moment(seconds, height));
+    }
+    let (shapes, _) = draw(&history, HEIGHTS);
+    let counts: Vec<usize> = lines(&shapes).iter().map(Vec::len).collect();
+    assert_eq!(counts, [2, 2]);
+}
+
+#[test]
+fn the_fingers_keep_their_names_while_readings_are_missing() {
+    let mut history = History::default();
+    history.push(moment(1.0, -2.0));
+    let rows = Rows {
+        presses: true,
+        ..HEIGHTS
+    };
+    let names = lanes::row_names(&history, rows);
+    history.push(moment(2.0, f32::NAN));
+    assert_eq!(lanes::row_names(&history, rows), names);
+    let (shapes, _) = draw(&history, HEIGHTS);
+    let has_name = |shape: &Shape| matches!(shape, Shape::Text(it) if it.galley.text() == names[0]);
+    assert!(shapes.iter().any(has_name), "{names:?}");
+}
