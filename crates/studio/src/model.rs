@@ -109,10 +109,13 @@ impl StudioModel {
                 // A press makes a view of its own, with the hand of the one before.
                 Some(pose) if known.is_some_and(|known| known.time == pose.time) => {}
                 Some(pose) => self.set_pose(&pose),
-                None => self.poses[side.index()] = None,
+                None if state.state == PipelineState::Running => self.poses[side.index()] = None,
+                None => {}
             }
         }
-        if state.time_us != before.time_us {
+        if state.hands.is_empty() {
+            self.history.push_gap(state.time_us);
+        } else if state.time_us != before.time_us {
             self.history.push(Moment {
                 time: state.time_us,
                 degrees: [f32::NAN; Dof::COUNT],
@@ -126,8 +129,11 @@ impl StudioModel {
 
     /// Adds the keys that a view has and the one before has not as presses, and the others as releases.
     fn remember_keys(&mut self, before: &[KeyCode], state: &ViewState) {
+        // A view without a hand may have no time.
+        let end = self.history.end().filter(|_| state.hands.is_empty());
+        let time = state.time_us.max(end.unwrap_or_default());
         let event = |key: &KeyCode, is_press| SentEvent {
-            time: state.time_us,
+            time,
             key: SentKey::Code(*key),
             is_press,
         };
@@ -338,8 +344,63 @@ mod tests {
         "A".parse().unwrap()
     }
 
+    /// Returns the view of a session in another process, with a key that is down while the hand is there.
+    fn view(model: &StudioModel, state: PipelineState, seconds: Option<u64>) -> View {
+        let mut new = ViewState::starting("", "", "");
+        new.state = state;
+        if let Some(time) = seconds {
+            let pose = hand(time);
+            new.time_us = pose.time;
+            new.hands = vec![ViewHand::from(&pose)];
+            new.keys = vec![key()];
+        }
+        View {
+            state: Arc::new(new),
+            ..model.view.clone()
+        }
+    }
+
     fn knows_heights(moment: &Moment) -> bool {
         moment.heights_mm.iter().flatten().any(|mm| !mm.is_nan())
+    }
+
+    #[test]
+    fn a_watched_session_that_pauses_or_ends_keeps_its_hand_and_its_scope() {
+        for state in [
+            PipelineState::Paused,
+            PipelineState::Stalled,
+            PipelineState::Stopped,
+        ] {
+            let mut model = model();
+            for second in 1..=5 {
+                let next = view(&model, PipelineState::Running, Some(second));
+                model.update_from_view(next);
+            }
+            for _ in 0..3 {
+                let next = view(&model, state, None);
+                model.update_from_view(next);
+            }
+            assert!(model.world_from_board(0).is_some(), "{state}");
+            let moments: Vec<&Moment> = model.history.moments().collect();
+            let known = moments.iter().filter(|moment| knows_heights(moment));
+            assert_eq!((known.count(), moments.len()), (5, 6), "{state}");
+            assert!(!knows_heights(moments[5]), "{state}");
+            let last = model.history.events().last().unwrap();
+            assert_eq!((last.is_press, last.time), (false, Timestamp(5_000_000)));
+            let next = view(&model, PipelineState::Running, Some(9));
+            model.update_from_view(next);
+            assert_eq!(model.history.moments().count(), 7, "{state}");
+        }
+    }
+
+    #[test]
+    fn a_hand_that_a_running_session_has_lost_is_not_shown() {
+        let mut model = model();
+        for seconds in [Some(1), None] {
+            let next = view(&model, PipelineState::Running, seconds);
+            model.update_from_view(next);
+        }
+        assert!(model.poses.iter().all(Option::is_none));
     }
 
     fn snapshot(state: PipelineState) -> Snapshot {

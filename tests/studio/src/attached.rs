@@ -8,7 +8,9 @@ use ademan::session::control_socket::{Client, WatchClient};
 use ademan::session::{ControlSocket, Session, SessionHandle, SessionOptions};
 use ademan::setup::{ProfileSetup, Setup};
 use ademan::studio::attached::Attached;
+use ademan::studio::model::StudioModel;
 use ademan::studio::texts::{text, text_with};
+use ademan::time::Timestamp;
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tempfile::TempDir;
@@ -163,6 +165,7 @@ fn pause_and_resume_go_to_the_other_session() {
     attachment.window.wait_for("a pause", |model| {
         model.view.state.paused_by.is_some() && model.view.state.keys.is_empty()
     });
+    assert_last_state(attachment.window.model());
     let state = attachment.state();
     assert!(state.contains(r#""paused_by":"command""#), "{state}");
     attachment.window.draw(1);
@@ -171,6 +174,15 @@ fn pause_and_resume_go_to_the_other_session() {
         .window
         .wait_for("no pause", |model| model.view.state.paused_by.is_none());
     assert!(attachment.state().contains(r#""paused":false"#));
+}
+
+/// Checks that the hand, the time and the presses of a session are there that sends no hand any more.
+fn assert_last_state(model: &StudioModel) {
+    assert!(model.poses.iter().any(Option::is_some));
+    assert!(model.world_from_board(0).is_some());
+    assert!(model.view.state.time_us > Timestamp(0));
+    assert!(model.history.moments().count() > 1);
+    assert!(model.history.events().any(|event| event.is_press));
 }
 
 #[test]
@@ -192,6 +204,7 @@ fn the_end_of_the_other_session_is_shown() {
     window.wait_for("the end", |model| model.has_ended);
     window.draw(2);
     assert!(window.has(text("message-ended")));
+    assert_last_state(window.model());
     assert!(!window.is_enabled(text("button-pause")));
 }
 

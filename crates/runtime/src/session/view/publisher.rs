@@ -22,6 +22,7 @@ use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 use ademan_core::pipeline::{LayoutInstance, Pipeline, PipelineState};
 use ademan_core::snapshot::StepView;
+use ademan_core::time::Timestamp;
 
 /// Time between two views while nothing is pressed or released.
 const PERIOD: Duration = Duration::from_millis(33);
@@ -63,6 +64,8 @@ pub(in crate::session) struct ViewPublisher {
     /// The state of the last step and who paused. A pause that ends changes the state with the next reading only.
     state: (PipelineState, Option<CommandOrigin>),
     poses: [Option<HandPose>; Side::COUNT],
+    /// Time of the last reading of a hand.
+    time: Timestamp,
     keys: PressedKeys,
     recent: ArrayVec<EventKind, MAX_RECENT>,
     typed: UsTextField,
@@ -102,6 +105,7 @@ impl ViewPublisher {
             profile: 0,
             state: (PipelineState::Starting, None),
             poses: [None; Side::COUNT],
+            time: Timestamp::default(),
             keys: PressedKeys::default(),
             recent: ArrayVec::new(),
             typed: UsTextField::with_capacity(MAX_TYPED_BYTES),
@@ -113,7 +117,7 @@ impl ViewPublisher {
         }
     }
 
-    /// Keeps the latest pose of each hand that is tracked.
+    /// Keeps the latest pose of each hand that is tracked, and the time.
     fn update_poses(&mut self, step: &StepView) {
         if let Some(pose) = step.pose {
             self.poses[pose.side.index()] = Some(*pose);
@@ -125,6 +129,8 @@ impl ViewPublisher {
                 *pose = None;
             }
         }
+        let times = self.poses.iter().flatten().map(|pose| pose.time);
+        self.time = times.max().unwrap_or(self.time);
     }
 
     /// Returns whether another layout became active.
@@ -186,13 +192,12 @@ impl ViewPublisher {
         let axes = Axis::ALL
             .iter()
             .map(|axis| (*axis, self.axes[axis.index()]));
-        let time = self.poses.iter().flatten().map(|pose| pose.time).max();
         let mut keys: Vec<KeyCode> = self.keys.release_order().collect();
         keys.reverse();
         let state = ViewState {
             name: self.names.session.clone(),
             process: self.names.process,
-            time_us: time.unwrap_or_default(),
+            time_us: self.time,
             state: step.state,
             paused_by: step.paused_by,
             profile: profile.cloned().unwrap_or_default(),
