@@ -73,8 +73,8 @@ fn visit_name<F: FnMut(Range<usize>, Axis)>(text: &str, node: &Node, found: &mut
 
 #[cfg(test)]
 mod tests {
+    use super::super::clipboard::{copied, paste};
     use super::super::draft::Draft;
-    use super::super::duplicate::{copied, paste};
     use super::super::error::EditError;
     use super::super::part::{ControlKind, Part};
     use crate::editing::duplicate_parts;

@@ -1,6 +1,6 @@
 //! Copies of parts under new names.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use super::axes::TakenAxes;
 use super::draft::{Draft, written};
@@ -17,7 +17,7 @@ use crate::document::{Node, quote, read_tree};
 const MAX_COPIES: usize = 400;
 
 /// The names and axes of a layout while parts are copied.
-struct Names {
+pub(super) struct Names {
     taken: BTreeSet<String>,
     /// The names of originals and of their copies.
     copies: Vec<[String; 2]>,
@@ -25,7 +25,7 @@ struct Names {
 }
 
 impl Names {
-    fn new(draft: &Draft) -> Self {
+    pub fn new(draft: &Draft) -> Self {
         Self {
             taken: taken(draft),
             copies: Vec::new(),
@@ -141,84 +141,6 @@ pub(super) fn repeat(
     Ok(all)
 }
 
-/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`. `None` without a control among the parts.
-pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
-    let draft = &Draft::new(text).ok()?;
-    let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
-    for part in without_children(parts) {
-        match part {
-            Part::RowKey { board, row, column } => {
-                let source = SourceRow::read(draft, board, row).ok()?;
-                let action = format!("code: {}", quote(source.code(column)?));
-                let key = source.key_with(column, &action, [0.0; 2]);
-                lists.entry(ControlKind::Key).or_default().push(key);
-            }
-            Part::Control { kind, .. } => {
-                let control_text = draft.node(part).ok()?.text(draft.text());
-                lists.entry(kind).or_default().push(control_text.to_owned());
-            }
-            Part::RadioOption { board, radio, .. } => {
-                let group = Part::Control {
-                    board,
-                    kind: ControlKind::Radio,
-                    index: radio,
-                };
-                let group_text = draft.node(group).ok()?.text(draft.text()).to_owned();
-                let groups = lists.entry(ControlKind::Radio).or_default();
-                if !groups.contains(&group_text) {
-                    groups.push(group_text);
-                }
-            }
-            _ => {}
-        }
-    }
-    let lists: Vec<String> = lists
-        .into_iter()
-        .map(|(kind, controls)| {
-            let controls = controls.join(",\n        ");
-            format!("    {}: [\n        {controls},\n    ],\n", kind.list())
-        })
-        .collect();
-    (!lists.is_empty()).then(|| format!("(\n{})", lists.concat()))
-}
-
-/// Adds the controls of a text to a board, under names that are free. Returns them.
-pub(super) fn paste(
-    draft: &mut Draft,
-    board: usize,
-    text: &str,
-    by_mm: [f64; 2],
-) -> Result<Vec<Part>, EditError> {
-    let message = "the clipboard has no controls of a layout; copy some first";
-    let nothing = || EditError::Selection(message);
-    if !text.trim_start().starts_with('(') {
-        return Err(nothing());
-    }
-    let source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
-    let mut names = Names::new(draft);
-    let mut new_parts = Vec::new();
-    for &kind in ControlKind::ALL {
-        let first = draft.count(Part::Board(board), kind.list());
-        let mut texts = Vec::new();
-        for index in 0..source.count(Part::Board(0), kind.list()) {
-            let own = Part::Control {
-                board: 0,
-                kind,
-                index,
-            };
-            texts.push(copy(&source, &mut names, own, by_mm)?);
-            let index = first + index;
-            new_parts.push(Part::Control { board, kind, index });
-        }
-        draft.push(Part::Board(board), kind.list(), &texts)?;
-    }
-    if new_parts.is_empty() {
-        Err(nothing())
-    } else {
-        draft.commit().map(|()| new_parts)
-    }
-}
-
 /// Returns the part of the same kind at another index; a single key for a row or a key of one.
 fn in_list(part: Part, index: usize) -> Part {
     match part {
@@ -298,7 +220,7 @@ fn row_key(
 }
 
 /// Returns the text of a part with new names, at an offset.
-fn copy(
+pub(super) fn copy(
     draft: &Draft,
     names: &mut Names,
     part: Part,

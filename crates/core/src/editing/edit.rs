@@ -7,7 +7,7 @@ use super::draft::{Draft, Edited};
 use super::error::EditError;
 use super::part::Part;
 use super::patch::Patch;
-use super::{add, arrange, delete, duplicate, fields, geometry, in_space, rename};
+use super::{add, arrange, clipboard, delete, duplicate, fields, geometry, in_space, rename};
 
 /// An edit of a layout. Lengths in millimetres and angles in degrees of the file.
 ///
@@ -218,7 +218,7 @@ fn apply(draft: &mut Draft, edit: &Edit) -> Result<Vec<Part>, EditError> {
             count,
             pitch_mm,
         } => duplicate::repeat(draft, parts, *count, *pitch_mm),
-        Edit::Paste { board, text, by_mm } => duplicate::paste(draft, *board, text, *by_mm),
+        Edit::Paste { board, text, by_mm } => clipboard::paste(draft, *board, text, *by_mm),
         Edit::Duplicate { parts, by_mm } => duplicate::duplicate(draft, parts, *by_mm),
         Edit::Delete { parts } => delete::delete(draft, parts),
         Edit::Bind {

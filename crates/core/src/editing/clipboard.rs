@@ -1,0 +1,236 @@
+//! Controls as text, for the clipboard.
+
+use std::collections::BTreeMap;
+
+use super::draft::{Draft, written};
+use super::duplicate::{Names, copy};
+use super::error::EditError;
+use super::fields::fields_of;
+use super::geometry::without_children;
+use super::part::{ControlKind, Part};
+use super::rows::SourceRow;
+use crate::document::quote;
+use crate::layout::quantity::Size;
+
+/// Returns controls as the text of a board, `(keys: [..], sliders: [..])`, for `paste`. Each has the size that it has on its board.
+/// `None` without a control among the parts.
+pub fn copied(text: &str, parts: &[Part]) -> Option<String> {
+    let draft = &Draft::new(text).ok()?;
+    let mut lists: BTreeMap<ControlKind, Vec<String>> = BTreeMap::new();
+    for part in without_children(parts) {
+        match part {
+            Part::RowKey { board, row, column } => {
+                let source = SourceRow::read(draft, board, row).ok()?;
+                let action = format!("code: {}", quote(source.code(column)?));
+                let key = source.key_with(column, &action, [0.0; 2]);
+                let key = with_size(draft, board, ControlKind::Key, &key).ok()?;
+                lists.entry(ControlKind::Key).or_default().push(key);
+            }
+            Part::Control { board, kind, .. } => {
+                let control_text = draft.node(part).ok()?.text(draft.text());
+                let control_text = with_size(draft, board, kind, control_text).ok()?;
+                lists.entry(kind).or_default().push(control_text);
+            }
+            Part::RadioOption { board, radio, .. } => {
+                let group = Part::Control {
+                    board,
+                    kind: ControlKind::Radio,
+                    index: radio,
+                };
+                let group_text = draft.node(group).ok()?.text(draft.text());
+                let group_text = with_size(draft, board, ControlKind::Radio, group_text).ok()?;
+                let groups = lists.entry(ControlKind::Radio).or_default();
+                if !groups.contains(&group_text) {
+                    groups.push(group_text);
+                }
+            }
+            _ => {}
+        }
+    }
+    let lists: Vec<String> = lists
+        .into_iter()
+        .map(|(kind, controls)| {
+            let controls = controls.join(",\n        ");
+            format!("    {}: [\n        {controls},\n    ],\n", kind.list())
+        })
+        .collect();
+    (!lists.is_empty()).then(|| format!("(\n{})", lists.concat()))
+}
+
+/// Returns the text of a control of a board with its size, which it may have from the board.
+fn with_size(
+    draft: &Draft,
+    board: usize,
+    kind: ControlKind,
+    text: &str,
+) -> Result<String, EditError> {
+    let list = kind.list();
+    let mut own = Draft::new(&format!("(boards: [({list}: [{text}])])"))?;
+    let size = default_outline(draft, board);
+    for part in outlined(&own, kind, 0) {
+        if own.field(part, "size_mm").is_none() {
+            own.set(part, "size_mm", &size)?;
+        }
+    }
+    own.commit()?;
+    let control = Part::Control {
+        board: 0,
+        kind,
+        index: 0,
+    };
+    let node = own.node(control)?;
+    Ok(node.text(own.text()).to_owned())
+}
+
+/// Returns the parts of a control of the first board whose outline is the outline of the board by default.
+fn outlined(draft: &Draft, kind: ControlKind, index: usize) -> Vec<Part> {
+    let board = 0;
+    let control = Part::Control { board, kind, index };
+    let options = 0..draft.count(control, "options");
+    let options = options.map(|option| Part::RadioOption {
+        board,
+        radio: index,
+        option,
+    });
+    let parts = options.chain([control]);
+    let is_of_board = |part: &Part| {
+        let fields = fields_of(*part);
+        let mut sizes = fields.iter().filter(|field| field.name == "size_mm");
+        sizes.any(|size| size.default == "as the board")
+    };
+    parts.filter(is_of_board).collect()
+}
+
+/// Returns the outline of the controls of a board that have none of their own, as text.
+fn default_outline(draft: &Draft, board: usize) -> String {
+    match draft.field(Part::Board(board), "size_mm") {
+        Some(outline) => outline.text(draft.text()).to_owned(),
+        None => format!("Box({0}, {0})", written(Size::default().get())),
+    }
+}
+
+/// Adds the controls of a text to a board, under names that are free. A size is left out where the board has the same. Returns them.
+pub(super) fn paste(
+    draft: &mut Draft,
+    board: usize,
+    text: &str,
+    by_mm: [f64; 2],
+) -> Result<Vec<Part>, EditError> {
+    let message = "the clipboard has no controls of a layout; copy some first";
+    let nothing = || EditError::Selection(message);
+    if !text.trim_start().starts_with('(') {
+        return Err(nothing());
+    }
+    let mut source = Draft::new(&format!("(boards: [{text}])")).map_err(|_| nothing())?;
+    let outline = default_outline(draft, board);
+    for &kind in ControlKind::ALL {
+        for index in 0..source.count(Part::Board(0), kind.list()) {
+            for part in outlined(&source, kind, index) {
+                let size = source.field(part, "size_mm");
+                if size.is_some_and(|size| is_same(size.text(source.text()), &outline)) {
+                    source.unset(part, "size_mm")?;
+                }
+            }
+        }
+    }
+    source.commit()?;
+    let mut names = Names::new(draft);
+    let mut new_parts = Vec::new();
+    for &kind in ControlKind::ALL {
+        let first = draft.count(Part::Board(board), kind.list());
+        let mut texts = Vec::new();
+        for index in 0..source.count(Part::Board(0), kind.list()) {
+            let own = Part::Control {
+                board: 0,
+                kind,
+                index,
+            };
+            texts.push(copy(&source, &mut names, own, by_mm)?);
+            let index = first + index;
+            new_parts.push(Part::Control { board, kind, index });
+        }
+        draft.push(Part::Board(board), kind.list(), &texts)?;
+    }
+    if new_parts.is_empty() {
+        Err(nothing())
+    } else {
+        draft.commit().map(|()| new_parts)
+    }
+}
+
+/// Returns `true` if two values differ in their spaces at most.
+fn is_same(a: &str, b: &str) -> bool {
+    let [a, b] = [a, b].map(|text| text.chars().filter(|c| !c.is_whitespace()));
+    a.eq(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn control(kind: ControlKind) -> Part {
+        Part::Control {
+            board: 0,
+            kind,
+            index: 0,
+        }
+    }
+
+    /// Copies parts of a board with these fields, and returns the controls that are added to an empty board with others.
+    fn carry(from: &str, parts: &[Part], to: &str) -> String {
+        let clipboard = copied(&format!("(boards: [({from})])"), parts).unwrap();
+        let mut draft = Draft::new(&format!("(boards: [(travel_mm: 3, {to})])")).unwrap();
+        paste(&mut draft, 0, &clipboard, [0.0, 0.0]).unwrap();
+        let words: Vec<&str> = draft.text().split_whitespace().collect();
+        words.join(" ")
+    }
+
+    #[test]
+    fn a_pasted_control_keeps_the_size_that_it_had() {
+        let board = "rows: [(at_mm: (0, 0), keys: \"A\")],
+            keys: [(code: \"B\", at_mm: (40, 0))],
+            toggles: [(name: \"T\", at_mm: (80, 0))],
+            radios: [(name: \"R\", options: [(name: \"one\", at_mm: (120, 0))])],
+            knobs: [(name: \"K\", at_mm: (160, 0), diameter_mm: 30)]";
+        let parts = [
+            Part::RowKey {
+                board: 0,
+                row: 0,
+                column: 0,
+            },
+            control(ControlKind::Key),
+            control(ControlKind::Toggle),
+            Part::RadioOption {
+                board: 0,
+                radio: 0,
+                option: 0,
+            },
+            control(ControlKind::Knob),
+        ];
+        let wide = format!("size_mm: Box(22, 20), {board}");
+        for (from, to, size) in [
+            (board, "size_mm: Box(22, 20)", ", size_mm: Box(17, 17)"),
+            (&wide, "", ", size_mm: Box(22, 20)"),
+            (board, "", ""),
+            (&wide, "size_mm: Box( 22,20 )", ""),
+        ] {
+            let pasted = carry(from, &parts, to);
+            for key in [
+                format!("(code: \"A\", at_mm: (0, 0){size})"),
+                format!("(code: \"B\", at_mm: (40, 0){size})"),
+                format!("(name: \"T\", at_mm: (80, 0){size})"),
+                format!("(name: \"one\", at_mm: (120, 0){size})"),
+                "(name: \"K\", at_mm: (160, 0), diameter_mm: 30)".to_owned(),
+            ] {
+                assert!(pasted.contains(&key), "{key}: {pasted}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_size_of_its_own_is_pasted_as_it_is() {
+        let key = "keys: [(code: \"A\", at_mm: (0, 0), size_mm: Disc(9))]";
+        let pasted = carry(key, &[control(ControlKind::Key)], "size_mm: Box(22, 20)");
+        assert!(pasted.contains("(code: \"A\", at_mm: (0, 0), size_mm: Disc(9))"));
+    }
+}
