@@ -1,7 +1,49 @@
 //! Menus and the palette of the editor in a window without a display, and what is added where it is not seen.
 
-use super::tests::Window;
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
+
+use super::tests::{TWO_KEYS, Window};
 use super::*;
+
+impl Window {
+    fn right_click(&mut self, pos: Pos2) {
+        self.event(Event::PointerMoved(pos));
+        for pressed in [true, false] {
+            self.event(Event::PointerButton {
+                pos,
+                button: PointerButton::Secondary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+    }
+
+    fn has_menu(&self) -> bool {
+        egui::Popup::is_any_open(&self.harness.ctx)
+    }
+}
+
+#[test]
+fn escape_closes_a_menu_and_keys_do_not_act_behind_it() {
+    let mut window = Window::open();
+    for is_context_menu in [true, false] {
+        window.press(Modifiers::COMMAND, Key::A);
+        if is_context_menu {
+            let key = window.at(0.0, 0.0);
+            window.right_click(key);
+        } else {
+            window.click_button(text("editor-add"));
+        }
+        assert!(window.has_menu());
+        window.press(Modifiers::NONE, Key::Delete);
+        assert_eq!(window.text(), TWO_KEYS);
+        window.press(Modifiers::NONE, Key::Escape);
+        assert!(!window.has_menu());
+        assert_eq!(window.panel().selected.len(), 2);
+        window.press(Modifiers::NONE, Key::Escape);
+        assert_eq!(window.panel().selected.len(), 0);
+    }
+}
 
 #[test]
 fn a_layout_that_another_studio_edits_is_opened_with_a_message() {

@@ -29,7 +29,8 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::COMMAND, Key::O) {
         panel.ask_for_layout();
     }
-    if ui.ctx().text_edit_focused() {
+    // A menu takes its own Escape, and acts on what is selected.
+    if ui.ctx().text_edit_focused() || egui::Popup::is_any_open(ui.ctx()) {
         return;
     }
     // The palette takes its own Escape.
