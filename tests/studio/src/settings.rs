@@ -3,6 +3,7 @@
 use ademan::studio::texts::{self, Language, text};
 use image::RgbaImage;
 
+use crate::editor::canvas;
 use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
@@ -44,6 +45,26 @@ fn a_theme_changes_the_colors_of_all_panels() {
     assert_eq!(contrast, Some([255; 3]));
     let contrast = draw("theme-dark", false, "studio-dark-contrast");
     assert_eq!(contrast, Some([0; 3]));
+}
+
+#[test]
+fn high_contrast_reaches_the_canvases_of_the_editor() {
+    let mut window = Opening::default().open();
+    choose(&mut window, text("theme-contrast"));
+    window.click(text("workspace-layout"));
+    for name in ["editor-board-contrast", "editor-plan-contrast"] {
+        for (theme, paper) in [("theme-light", [255; 3]), ("theme-dark", [0; 3])] {
+            choose(&mut window, text(theme));
+            window.draw(3);
+            let area = canvas(&window);
+            let Some(drawn) = picture::draw(&mut window, name) else {
+                return;
+            };
+            let main = main_color(&picture::crop(&drawn, area));
+            assert_eq!(main, paper, "{name} {theme}");
+        }
+        window.click(text("editor-plan"));
+    }
 }
 
 #[test]

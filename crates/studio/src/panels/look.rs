@@ -3,6 +3,7 @@
 use eframe::egui::{self, Color32, Role, Stroke, ThemePreference, Visuals, WidgetInfo};
 
 use super::PanelState;
+use crate::scene::SceneColors;
 use crate::settings::{Settings, Theme};
 use crate::texts::{self, text};
 
@@ -57,6 +58,12 @@ pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     let stroke = Stroke::new(FOCUS_WIDTH, focus_color(is_dark));
     visuals.widgets.active.bg_stroke = stroke;
     visuals
+}
+
+/// Returns the colours of drawings that suit the colours of the window.
+pub(super) fn scene_colors(visuals: &Visuals) -> SceneColors {
+    let has_high_contrast = visuals.override_text_color.is_some();
+    SceneColors::new(visuals.dark_mode, has_high_contrast)
 }
 
 fn increase_contrast(visuals: &mut Visuals) {

@@ -9,7 +9,7 @@ use super::{PanelContext, PanelState, look};
 use crate::camera::{CameraStep, Viewpoint};
 use crate::fingertip::Mouse;
 use crate::picture::{Color, Image, Label, Picture, Triangles};
-use crate::scene::{self, SceneColors};
+use crate::scene;
 use crate::texts::text;
 use ademan_core::command::Command;
 
@@ -92,8 +92,7 @@ pub(super) fn show(
             state.camera.step(step, extent.y);
         }
     }
-    let has_high_contrast = state.settings.has_high_contrast;
-    let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
+    let colors = look::scene_colors(ui.visuals());
     let picture = scene::draw(context.model, &state.camera, extent, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
     let background = color32(colors.background).gamma_multiply(0.7);

@@ -85,7 +85,7 @@ const PANELS: [Panel; 16] = [
         key: "panel-calibration",
         place: Place::Page,
         is_shown: |state, _| state.workspace == Workspace::Calibration,
-        show: |ui, state, context, _| calibration::show(ui, state, context),
+        show: |ui, _, context, _| calibration::show(ui, context),
     },
     Panel {
         key: "panel-editor-error",

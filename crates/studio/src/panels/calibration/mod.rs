@@ -8,7 +8,7 @@ mod result;
 use eframe::egui::{self, Key, RichText};
 
 use super::sensors::show_question;
-use super::{PanelContext, PanelState};
+use super::{PanelContext, look};
 use crate::guide::Guide;
 use crate::pose_picture::PosePicture;
 use crate::scene::SceneColors;
@@ -29,9 +29,8 @@ const TEXT_WIDTH: f32 = 640.0;
 const START_PICTURE: egui::Vec2 = egui::vec2(TEXT_WIDTH, 280.0);
 
 /// Draws the guided calibration.
-pub(super) fn show(ui: &mut egui::Ui, state: &PanelState, context: &mut PanelContext) {
-    let has_high_contrast = state.settings.has_high_contrast;
-    let colors = &SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
+pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
+    let colors = &look::scene_colors(ui.visuals());
     let frame = egui::Frame::NONE.inner_margin(MARGIN);
     frame.show(ui, |ui| match &context.sensors.guide {
         None => show_start(ui, colors, context),

@@ -3,7 +3,7 @@
 use eframe::egui::{self, EventFilter, PointerButton, Sense};
 use parry3d::math::Vec2;
 
-use super::super::{PanelContext, space};
+use super::super::{PanelContext, look, space};
 use super::{EditorPanel, palette, rounded};
 use crate::canvas::board::Fingertip;
 use crate::canvas::draw::{self, CanvasScene};
@@ -14,7 +14,6 @@ use crate::canvas::viewport::Viewport;
 use crate::canvas::{Bounds, CORNERS, bend, item_at};
 use crate::editor::{Edit, Part};
 use crate::model::StudioModel;
-use crate::scene::SceneColors;
 use crate::texts::text;
 use ademan_core::hand::Finger;
 
@@ -281,11 +280,7 @@ pub(super) fn paint(
     (area, viewport): (egui::Rect, &Viewport),
     over: &Over,
 ) {
-    let colors = if ui.visuals().dark_mode {
-        SceneColors::DARK
-    } else {
-        SceneColors::LIGHT
-    };
+    let colors = look::scene_colors(ui.visuals());
     let (pressed, fingertips) = live(panel, context.session);
     let scene = CanvasScene {
         items: &panel.items.items,

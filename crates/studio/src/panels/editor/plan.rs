@@ -3,7 +3,7 @@
 use eframe::egui::{self, PointerButton, Sense};
 use parry3d::math::Vec2;
 
-use super::super::{PanelContext, space};
+use super::super::{PanelContext, look, space};
 use super::{EditorPanel, canvas, palette};
 use crate::canvas::draw::{self, CanvasScene};
 use crate::canvas::gesture::Preview;
@@ -13,7 +13,7 @@ use crate::canvas::selection::Selection;
 use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{Edit, Part};
-use crate::scene::{PlanScene, SceneColors, draw_plan};
+use crate::scene::{PlanScene, draw_plan};
 use crate::texts::{text, text_with};
 use ademan_core::kinematics::HandPose;
 
@@ -363,11 +363,7 @@ fn set_cursor(ui: &egui::Ui, panel: &EditorPanel, (point, scale): (Vec2, f32)) {
 }
 
 fn paint(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect, &Viewport)) {
-    let colors = if ui.visuals().dark_mode {
-        SceneColors::DARK
-    } else {
-        SceneColors::LIGHT
-    };
+    let colors = look::scene_colors(ui.visuals());
     let size = Vec2::new(area.width(), area.height());
     let painter = ui.painter_at(area);
     let (nothing, still) = (Selection::default(), Preview::default());

@@ -2,10 +2,10 @@
 
 use eframe::egui::{self, Align2, FontId, Sense, WidgetInfo};
 
+use super::super::look;
 use super::super::space::color32;
 use super::LabState;
 use crate::lab::PersonBar;
-use crate::scene::SceneColors;
 use crate::texts::{text, text_with};
 
 /// Height of a bar, in points.
@@ -63,7 +63,7 @@ fn show_bar(ui: &mut egui::Ui, bar: &PersonBar, worst: f64, is_enabled: bool) ->
     let painter = ui.painter_at(area);
     let inner = area.shrink2(egui::vec2(0.0, 1.0));
     painter.rect_filled(inner, 3.0, ui.visuals().extreme_bg_color);
-    let colors = SceneColors::new(ui.visuals().dark_mode, false);
+    let colors = look::scene_colors(ui.visuals());
     let part = (bar.failure / worst).clamp(0.0, 1.0) as f32;
     let filled = inner.with_max_x(inner.min.x + part * inner.width());
     painter.rect_filled(filled, 3.0, color32(colors.fault).gamma_multiply(0.55));
