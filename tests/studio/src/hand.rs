@@ -134,3 +134,14 @@ fn a_session_with_another_source_has_no_menu_of_the_hand() {
     let window = Opening::default().open();
     assert!(!window.has(text("menu-hand")));
 }
+
+#[test]
+fn a_simulated_hand_cannot_be_calibrated() {
+    let folder = folder();
+    let mut window = open(folder.path());
+    window.click(text("workspace-calibration"));
+    assert!(!window.is_enabled(text("calibration-start")));
+    assert!(window.has(text("calibration-simulated")));
+    window.click(text("calibration-demo"));
+    assert!(!window.has(text("calibration-demo")), "it starts");
+}

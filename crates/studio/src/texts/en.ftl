@@ -336,6 +336,7 @@ calibration-intro = Take each pose as in the picture and hold it for a second. T
 calibration-start = Start
 calibration-demo = Watch a simulated person
 calibration-demo-hint = A simulated person in a glove that is not calibrated takes the poses
+calibration-simulated = The hand of this session is simulated and takes no poses. Choose a glove under Devices, or watch a simulated person.
 calibration-is-demo = Demonstration with a simulated person
 calibration-none = This source needs no glove file, so there is nothing to calibrate.
 calibration-pose = Pose { $number } of { $count }

@@ -336,6 +336,7 @@ calibration-intro = Adopte cada pose como en la imagen y manténgala un segundo.
 calibration-start = Empezar
 calibration-demo = Ver a una persona simulada
 calibration-demo-hint = Una persona simulada con un guante sin calibrar adopta las poses
+calibration-simulated = La mano de esta sesión es simulada y no adopta poses. Elige un guante en Dispositivos o mira a una persona simulada.
 calibration-is-demo = Demostración con una persona simulada
 calibration-none = Esta fuente no necesita archivo de guante; no hay nada que calibrar.
 calibration-pose = Pose { $number } de { $count }

@@ -63,7 +63,7 @@ fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContex
         );
         ui.add_space(12.0);
         ui.horizontal(|ui| {
-            let is_live = !context.session.has_ended;
+            let is_live = !context.session.has_ended && !context.has_hand;
             let selection = ui.visuals().selection;
             let label = RichText::new(text("calibration-start")).color(selection.stroke.color);
             let start = big_button(label).fill(selection.bg_fill);
@@ -76,6 +76,10 @@ fn show_start(ui: &mut egui::Ui, colors: &SceneColors, context: &mut PanelContex
                 sensors.start_calibration(|edited| Guide::demonstration(edited, PERSON));
             }
         });
+        if context.has_hand {
+            ui.add_space(8.0);
+            ui.label(RichText::new(text("calibration-simulated")).size(15.0));
+        }
         ui.add_space(12.0);
         show_question(ui, sensors);
         for message in sensors.notice.iter().chain(&sensors.message) {

@@ -7,7 +7,8 @@ use crate::guide::{Guide, GuideResult, JointChange};
 use crate::joint_names::joint_name;
 use crate::panels::PanelContext;
 use crate::texts::{text, text_with};
-use ademan_core::calibrate::{Problem, Severity};
+use ademan_core::calibrate::{CalibrationError, Problem, Severity};
+use ademan_core::hand::Dof;
 use ademan_core::message::escape_path;
 
 /// Height of the row of buttons, in points.
@@ -27,7 +28,9 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
         Err(error) => {
             ui.heading(RichText::new(text("calibration-failed")).size(22.0));
             ui.add_space(8.0);
-            ui.label(RichText::new(format!("× {error}")).size(15.0));
+            for line in reasons(error) {
+                ui.label(RichText::new(format!("× {line}")).size(15.0));
+            }
         }
     });
     ui.add_space(8.0);
@@ -42,7 +45,7 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
         ui.label(format!("√ {}", text("calibration-no-problem")));
     }
     for problem in &result.fit.problems {
-        ui.label(format!("{} {problem}", sign(problem)));
+        ui.label(format!("{} {}", sign(problem), words(problem)));
     }
     ui.add_space(10.0);
     let grid = egui::Grid::new("changes").num_columns(3).striped(true);
@@ -63,6 +66,21 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
             ui.end_row();
         }
     });
+}
+
+/// Returns the reasons of an error, one for each line.
+fn reasons(error: &CalibrationError) -> Vec<String> {
+    match error {
+        CalibrationError::Unusable { problems } => problems.iter().map(words).collect(),
+        error => vec![error.to_string()],
+    }
+}
+
+/// Returns the message of a problem with the names of joints for a person.
+fn words(problem: &Problem) -> String {
+    Dof::ALL.iter().fold(problem.to_string(), |words, dof| {
+        words.replace(&dof.to_string(), &joint_name(*dof))
+    })
 }
 
 fn sign(problem: &Problem) -> char {
@@ -98,5 +116,27 @@ fn show_buttons(ui: &mut egui::Ui, context: &mut PanelContext, is_usable: bool) 
     }
     if button(ui, text("calibration-quit"), Key::Q, "") {
         quit(context);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_problem_has_a_line_with_the_name_of_its_joint() {
+        let dead = |channel, dof| Problem::DeadChannel {
+            channel,
+            dof,
+            count: 512.0,
+        };
+        let problems = vec![dead(8, Dof::RingPipFlexion), dead(9, Dof::RingDipFlexion)];
+        let lines = reasons(&CalibrationError::Unusable { problems });
+        let reason = "stays at 512 in every pose: the sensor is dead; check its wires";
+        let expected = [
+            format!("channel 8 (Ring, middle joint) {reason}"),
+            format!("channel 9 (Ring, end joint) {reason}"),
+        ];
+        assert_eq!(lines, expected);
     }
 }
