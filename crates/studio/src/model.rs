@@ -13,6 +13,7 @@ use super::trails::Trail;
 use ademan_core::contact::surface::Anchor;
 use ademan_core::contact::{Phase, TargetId};
 use ademan_core::device::{EventKind, KeyCode};
+use ademan_core::estimate::Rejection;
 use ademan_core::hand::{Dof, Finger, FingerSet, JointAngles, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
@@ -47,6 +48,8 @@ pub struct StudioModel {
     pub angles: Option<JointAngles>,
     /// Statistics of all readings so far.
     pub stats: Stats,
+    /// The rejected readings at the latest pose, by reason.
+    rejected_before: [u64; Rejection::COUNT],
     /// The channels of the glove.
     pub sensors: SensorTable,
     /// Latency of the session.
@@ -77,6 +80,7 @@ impl StudioModel {
             contacts: Default::default(),
             angles: None,
             stats: Stats::default(),
+            rejected_before: [0; Rejection::COUNT],
             sensors,
             latency: LatencyLog::default(),
             values: BTreeMap::new(),
@@ -148,6 +152,9 @@ impl StudioModel {
     /// Adds the results of a step.
     pub fn update(&mut self, snapshot: &Snapshot) {
         self.stats = snapshot.stats;
+        if snapshot.pose.is_some() {
+            self.rejected_before = snapshot.stats.rejected;
+        }
         if let Some(latency) = snapshot.latency {
             self.latency.push(latency);
         }
@@ -286,6 +293,15 @@ impl StudioModel {
         Some(Pose::from_parts(translation, anchor_from_board.rotation))
     }
 
+    /// Returns the most frequent reason for which readings since the latest pose were rejected; `None` if none arrived.
+    pub fn latest_rejection(&self) -> Option<Rejection> {
+        let counts = self.stats.rejected.iter().zip(self.rejected_before);
+        let counts = counts.map(|(now, before)| now.saturating_sub(before));
+        let most = counts.zip(Rejection::ALL).max_by_key(|(count, _)| *count);
+        most.filter(|(count, _)| *count > 0)
+            .map(|(_, reason)| *reason)
+    }
+
     /// Returns the deepest contact with a target.
     pub fn contact_with(&self, target: TargetId) -> Option<Contact> {
         let contacts = self.contacts.iter().flatten().flatten();
@@ -317,7 +333,7 @@ fn stats_of(counts: &ViewCounts) -> Stats {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use ademan_core::contact::{TargetNames, Touch};
     use ademan_core::device::{EventKind, OutputEvent};
     use ademan_core::hand::Joint;
@@ -332,7 +348,7 @@ mod tests {
         model_of(Arc::new(Layout::load("qwerty-flat").unwrap()))
     }
 
-    fn hand(seconds: u64) -> HandPose {
+    pub(crate) fn hand(seconds: u64) -> HandPose {
         let mut pose = HandPose::new(Timestamp(seconds * 1_000_000), Side::Right, 0.005);
         pose.set(Joint::Elbow, Pose::from_translation(Vec3::ZERO));
         let tip = Joint::tip(Finger::Index);
@@ -403,7 +419,7 @@ mod tests {
         assert!(model.poses.iter().all(Option::is_none));
     }
 
-    fn snapshot(state: PipelineState) -> Snapshot {
+    pub(crate) fn snapshot(state: PipelineState) -> Snapshot {
         Snapshot {
             state,
             paused_by: None,

@@ -62,7 +62,10 @@ mod tests {
             assert_ne!(translation, notice);
         }
         let notice = Notice::Stalled.to_string();
-        assert_eq!(translate(&notice), "Sin lecturas: se ha soltado todo");
+        assert_eq!(
+            translate(&notice),
+            "Sin lecturas útiles: se ha soltado todo"
+        );
     }
 
     #[test]

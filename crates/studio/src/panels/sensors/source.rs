@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use crate::model::StudioModel;
-use crate::panels::status::state_look;
+use crate::panels::status::state_words;
 use crate::texts::text;
 use ademan_core::estimate::Rejection;
 
@@ -23,10 +23,9 @@ pub(super) fn show(ui: &mut egui::Ui, model: &StudioModel) {
 /// Returns the rows of the table. Losses and rejections are left out until one occurs.
 fn rows(model: &StudioModel) -> Vec<(String, String)> {
     let (state, stats) = (&model.view.state, &model.stats);
-    let state_name = text(state_look(state.state).0);
     let mut rows = vec![
         (text("stats-source").to_owned(), state.source.clone()),
-        (text("stats-state").to_owned(), state_name.to_owned()),
+        (text("stats-state").to_owned(), state_words(model)),
         (
             text("stats-rate").to_owned(),
             format!("{:.0}", state.readings_per_second),
