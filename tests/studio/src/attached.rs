@@ -186,6 +186,21 @@ fn assert_last_state(model: &StudioModel) {
 }
 
 #[test]
+fn the_scope_has_no_rows_for_what_is_not_sent() {
+    let mut attachment = Attachment::open();
+    attachment.wait_for_key();
+    let window = &mut attachment.window;
+    assert!(!window.is_enabled(text("scope-angles")));
+    window.click(text("scope-rows"));
+    for (name, is_enabled) in [("scope-heights", true), ("scope-latency", false)] {
+        let row = window
+            .harness
+            .get_by_role_and_label(Role::CheckBox, text(name));
+        assert_eq!(!row.accesskit_node().is_disabled(), is_enabled, "{name}");
+    }
+}
+
+#[test]
 fn the_reason_of_a_refused_command_is_shown() {
     let mut attachment = Attachment::open();
     attachment.wait_for_key();

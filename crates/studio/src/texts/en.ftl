@@ -157,6 +157,7 @@ scope-hold = Hold the plot
 scope-latest = Last 30 s
 scope-hint = scroll: zoom · drag: pan · double click: last 30 s
 scope-plot = Plot of angles, fingertips and presses over time
+scope-not-sent = Another program does not send joint angles and latencies
 
 ## Status line
 

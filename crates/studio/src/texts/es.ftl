@@ -157,6 +157,7 @@ scope-hold = Congelar la gráfica
 scope-latest = Últimos 30 s
 scope-hint = rueda: ampliar · arrastrar: mover · doble clic: últimos 30 s
 scope-plot = Gráfica de ángulos, yemas y pulsaciones en el tiempo
+scope-not-sent = Otro programa no envía ángulos de articulaciones ni latencias
 
 ## Línea de estado
 

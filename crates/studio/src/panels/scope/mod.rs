@@ -69,47 +69,67 @@ impl Default for ScopeState {
     }
 }
 
+impl ScopeState {
+    /// Returns the angles and rows that are drawn: without those that the views of another program do not have.
+    const fn shown(&self, is_from_views: bool) -> ([bool; Dof::COUNT], Rows) {
+        if is_from_views {
+            let rows = Rows {
+                latency: false,
+                ..self.rows
+            };
+            ([false; Dof::COUNT], rows)
+        } else {
+            (self.angles, self.rows)
+        }
+    }
+}
+
 pub(super) fn show(ui: &mut egui::Ui, state: &mut ScopeState, context: &mut PanelContext) {
     ui.add_space(4.0);
     let history = &context.model.history;
-    ui.horizontal(|ui| show_controls(ui, state, history));
+    let is_from_views = context.model.is_from_views;
+    ui.horizontal(|ui| show_controls(ui, state, history, is_from_views));
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text("scope-plot")));
     change_window(ui, &mut state.window, &response);
     let history = state.held.as_deref().unwrap_or(history);
-    let names = lanes::row_names(history, state.rows);
+    let (angles, rows) = state.shown(is_from_views);
+    let names = lanes::row_names(history, rows);
     let Some(canvas) = Canvas::new(ui, area, history, state.window, &names) else {
         return;
     };
-    lanes::draw(&canvas, &state.angles, state.rows);
+    lanes::draw(&canvas, &angles, rows);
     if let Some(pointer) = response.hover_pos()
         && let Some(time) = canvas.time_at(pointer.x)
     {
         canvas.mark(time);
         response.on_hover_ui_at_pointer(|hint| {
-            for line in lanes::values_at(history, time, &state.angles, state.rows) {
+            for line in lanes::values_at(history, time, &angles, rows) {
                 hint.label(line);
             }
         });
     }
 }
 
-fn show_controls(ui: &mut egui::Ui, state: &mut ScopeState, history: &History) {
+/// Shows the choice of rows. `is_from_views`: angles and latencies are not known.
+fn show_controls(
+    ui: &mut egui::Ui,
+    state: &mut ScopeState,
+    history: &History,
+    is_from_views: bool,
+) {
     ui.strong(text("panel-scope"));
-    ui.menu_button(text("scope-angles"), |ui| {
-        egui::ScrollArea::vertical().show(ui, |ui| {
-            let last = history.moments().next_back();
-            for (dof, is_shown) in Dof::ALL.iter().zip(&mut state.angles) {
-                let is_known = last.is_none_or(|last| !last.degrees[dof.index()].is_nan());
-                let checkbox = egui::Checkbox::new(is_shown, joint_name(*dof));
-                ui.add_enabled(is_known, checkbox);
-            }
-        });
+    ui.add_enabled_ui(!is_from_views, |ui| {
+        ui.menu_button(text("scope-angles"), |ui| show_angles(ui, state, history))
+            .response
+            .on_disabled_hover_text(text("scope-not-sent"));
     });
     ui.menu_button(text("scope-rows"), |ui| {
         let rows = &mut state.rows;
         ui.checkbox(&mut rows.heights, text("scope-heights"));
-        ui.checkbox(&mut rows.latency, text("scope-latency"));
+        let latency = egui::Checkbox::new(&mut rows.latency, text("scope-latency"));
+        ui.add_enabled(!is_from_views, latency)
+            .on_disabled_hover_text(text("scope-not-sent"));
         ui.checkbox(&mut rows.presses, text("scope-presses"));
         ui.checkbox(&mut rows.events, text("scope-events"));
     });
@@ -122,6 +142,17 @@ fn show_controls(ui: &mut egui::Ui, state: &mut ScopeState, history: &History) {
     }
     let hint = egui::RichText::new(text("scope-hint")).weak().small();
     ui.add(egui::Label::new(hint).truncate());
+}
+
+fn show_angles(ui: &mut egui::Ui, state: &mut ScopeState, history: &History) {
+    egui::ScrollArea::vertical().show(ui, |ui| {
+        let last = history.last_known();
+        for (dof, is_shown) in Dof::ALL.iter().zip(&mut state.angles) {
+            let is_known = last.is_none_or(|last| !last.degrees[dof.index()].is_nan());
+            let checkbox = egui::Checkbox::new(is_shown, joint_name(*dof));
+            ui.add_enabled(is_known, checkbox);
+        }
+    });
 }
 
 /// Zooms and pans with the mouse, and with the keys of a focused plot.
