@@ -169,8 +169,8 @@ fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
 /// Distance of the name of a key from its tick, in points.
 const NAME_GAP: f32 = 2.0;
 
-/// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room is left out; zooming
-/// makes room.
+/// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room beside its tick is left out;
+/// zooming makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
     let label_at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
     canvas.text(
@@ -179,12 +179,13 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         text("scope-events"),
         canvas.weak,
     );
+    let events = canvas.history.events();
+    let mut shown = events
+        .filter(|event| canvas.shows(event.time.seconds()))
+        .peekable();
     let mut free_from = row.min.x;
-    for event in canvas.history.events() {
+    while let Some(event) = shown.next() {
         let time = event.time.seconds();
-        if !canvas.shows(time) {
-            continue;
-        }
         let x = canvas.x_at(time);
         let (top, arrow) = if event.is_press {
             (row.min.y, '↓')
@@ -193,20 +194,20 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         };
         let (color, tick) = (canvas.strong, Rangef::new(top, row.max.y));
         canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
-        if x >= free_from {
-            let name = format!("{}{arrow}", event.key);
-            let width = canvas.width_of(&name);
-            // A name at the end of the row is left of its tick, as it would be cut off.
-            let left = if x + NAME_GAP + width > row.max.x {
-                x - NAME_GAP - width
-            } else {
-                x + NAME_GAP
-            };
-            if left >= free_from {
-                let at = Pos2::new(left, row.center().y);
-                canvas.text(at, Align2::LEFT_CENTER, &name, color);
-                free_from = left + width + 2.0 * NAME_GAP;
-            }
+        let name = format!("{}{arrow}", event.key);
+        let width = canvas.width_of(&name) + NAME_GAP;
+        let next = shown.peek().map(|next| canvas.x_at(next.time.seconds()));
+        let left = if x + width + NAME_GAP <= next.unwrap_or(row.max.x) {
+            Some(x + NAME_GAP)
+        } else {
+            // A name at the end of the row would be cut off to the right of its tick.
+            Some(x - width).filter(|left| next.is_none() && *left >= free_from)
+        };
+        free_from = x + NAME_GAP;
+        if let Some(left) = left {
+            let at = Pos2::new(left, row.center().y);
+            canvas.text(at, Align2::LEFT_CENTER, &name, color);
+            free_from = free_from.max(left + width);
         }
     }
 }

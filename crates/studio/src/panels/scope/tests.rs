@@ -4,7 +4,7 @@ use eframe::egui::{self, Pos2, Rect, Shape};
 
 use super::canvas::Canvas;
 use super::{Rows, lanes};
-use crate::history::{History, Moment};
+use crate::history::{History, Moment, SentEvent, SentKey};
 use crate::plot::TimeWindow;
 use ademan_core::hand::{Dof, Finger, FingerSet, Side};
 use ademan_core::time::Timestamp;
@@ -30,6 +30,14 @@ fn moment(seconds: f64, height: f32) -> Moment {
         heights_mm,
         pressing,
         latency_ms: f32::NAN,
+    }
+}
+
+fn event(seconds: f64, name: &str, is_press: bool) -> SentEvent {
+    SentEvent {
+        time: Timestamp::from_seconds(seconds),
+        key: SentKey::Code(name.parse().unwrap()),
+        is_press,
     }
 }
 
@@ -101,4 +109,52 @@ fn the_fingers_keep_their_names_while_readings_are_missing() {
     let (shapes, _) = draw(&history, HEIGHTS);
     let has_name = |shape: &Shape| matches!(shape, Shape::Text(it) if it.galley.text() == names[0]);
     assert!(shapes.iter().any(has_name), "{names:?}");
+}
+
+#[test]
+fn no_tick_crosses_the_name_of_a_key() {
+    let mut history = History::default();
+    history.push(moment(0.0, 5.0));
+    for (seconds, name, is_press) in [
+        (1.0, "MediaPlayPause", true),
+        (1.1, "MediaPlayPause", false),
+        (1.3, "A", true),
+        (3.0, "A", false),
+        (4.0, "B", true),
+        (8.0, "B", false),
+        (9.9, "C", true),
+        (9.95, "MediaPlayPause", true),
+    ] {
+        history.push_event(event(seconds, name, is_press));
+    }
+    history.push(moment(10.0, 5.0));
+    let rows = Rows {
+        heights: false,
+        events: true,
+        ..HEIGHTS
+    };
+    let (shapes, area) = draw(&history, rows);
+    let names: Vec<(String, Rect)> = shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            Shape::Text(it) if it.galley.text().ends_with(['↓', '↑']) => {
+                Some((it.galley.text().to_owned(), it.visual_bounding_rect()))
+            }
+            _ => None,
+        })
+        .collect();
+    let words: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(words, ["A↓", "A↑", "B↓", "B↑"]);
+    let ticks: Vec<f32> = shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            Shape::LineSegment { points, stroke } if stroke.width == 1.0 => Some(points[0].x),
+            _ => None,
+        })
+        .collect();
+    assert!(ticks.len() >= 8, "{ticks:?}");
+    for (name, place) in names {
+        let crosses = |x: &&f32| place.x_range().contains(**x) && area.x_range().contains(**x);
+        assert_eq!(ticks.iter().find(crosses), None, "{name}");
+    }
 }
