@@ -19,8 +19,8 @@ const LEGEND: f32 = 14.0;
 /// Height of the row of events, in points.
 const EVENT_ROW: f32 = 15.0;
 
-/// Height of a fingertip at the top of its row, in millimetres. Higher fingertips are above the row.
-const HIGHEST_MM: f32 = 60.0;
+/// Heights that the row of fingertips shows at least, in millimetres.
+const HEIGHTS_MM: (f32, f32) = (-15.0, 60.0);
 
 /// Draws all rows that are chosen. Presses and events have a fixed height; the plots share the rest.
 pub fn draw(canvas: &Canvas, angles: &[bool; Dof::COUNT], rows: Rows) {
@@ -103,14 +103,17 @@ fn draw_angles(canvas: &Canvas, row: Rect, angles: &[bool; Dof::COUNT]) {
 }
 
 fn draw_heights(canvas: &Canvas, row: Rect) {
-    let range = (-15.0, HIGHEST_MM);
+    let known = known_fingers(canvas.history);
+    let height = |(side, finger): (Side, Finger)| {
+        move |moment: &Moment| moment.heights_mm[side.index()][finger.index()]
+    };
+    let heights = known.iter().map(|it| extremes(canvas.history, height(*it)));
+    let range = heights.fold(HEIGHTS_MM, |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "mm");
-    let known = known_fingers(canvas.history);
     for &(side, finger) in &known {
         let color = canvas.colors.lines[finger.index()];
-        let height = move |moment: &Moment| moment.heights_mm[side.index()][finger.index()];
-        draw_line(canvas, row, range, color, height);
+        draw_line(canvas, row, range, color, height((side, finger)));
         legend.add(&finger_name(&known, side, finger), color);
     }
 }

@@ -112,6 +112,17 @@ fn the_fingers_keep_their_names_while_readings_are_missing() {
 }
 
 #[test]
+fn a_high_fingertip_is_within_its_row() {
+    let mut history = History::default();
+    history.push(moment(1.0, 5.0));
+    history.push(moment(9.0, 140.0));
+    let (shapes, area) = draw(&history, HEIGHTS);
+    let drawn = lines(&shapes).concat();
+    assert_eq!(drawn.len(), 2);
+    assert!(drawn.iter().all(|point| area.contains(*point)), "{drawn:?}");
+}
+
+#[test]
 fn no_tick_crosses_the_name_of_a_key() {
     let mut history = History::default();
     history.push(moment(0.0, 5.0));
