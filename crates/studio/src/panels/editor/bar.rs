@@ -1,7 +1,9 @@
 //! The bar of the layout editor: boards, undo, save, arrangement.
 
+use std::mem;
+
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{self, PopupCloseBehavior};
+use eframe::egui::{self, Popup, PopupCloseBehavior};
 
 use super::{EditorPanel, icons, palette, plan};
 use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart, Part};
@@ -175,7 +177,14 @@ fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         // A click into a number must not close it.
         let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
         let menu = MenuButton::new(text("editor-repeat")).config(stays);
-        menu.ui(ui, |ui| show_repeat(ui, panel));
+        let (button, _) = menu.ui(ui, |ui| show_repeat(ui, panel));
+        let is_asked = mem::take(&mut panel.repeat.is_asked);
+        if is_asked {
+            Popup::open_id(ui.ctx(), Popup::default_response_id(&button));
+        }
+        if is_asked || button.clicked() {
+            panel.propose_repeat();
+        }
     });
 }
 

@@ -21,6 +21,13 @@ impl Window {
     fn has_menu(&self) -> bool {
         egui::Popup::is_any_open(&self.harness.ctx)
     }
+
+    /// Runs the command that has these words.
+    fn run(&mut self, words: &str) {
+        self.press(Modifiers::COMMAND, Key::K);
+        self.write(words);
+        self.press(Modifiers::NONE, Key::Enter);
+    }
 }
 
 #[test]
@@ -43,6 +50,20 @@ fn escape_closes_a_menu_and_keys_do_not_act_behind_it() {
         window.press(Modifiers::NONE, Key::Escape);
         assert_eq!(window.panel().selected.len(), 0);
     }
+}
+
+#[test]
+fn the_command_that_repeats_asks_for_the_distances_that_suit_the_selection() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.run(text("editor-repeat"));
+    assert!(window.has_menu());
+    assert_eq!(window.text(), TWO_KEYS, "it asks first");
+    // Two keys of 17 mm that are 40 mm apart, and the 2 mm between the keys of a row.
+    assert_eq!(window.panel().repeat.pitch_mm, [59.0, -19.0]);
+    window.click_button(text("editor-repeat-now"));
+    assert!(window.panel().editor.is_valid());
+    assert_eq!(window.panel().selected.len(), 6);
 }
 
 #[test]

@@ -76,14 +76,8 @@ fn commands() -> Vec<Command> {
             let (parts, grid_mm) = (panel.selected_parts(), f64::from(panel.grid_mm));
             panel.apply(&Edit::Snap { parts, grid_mm });
         }),
-        command("editor-repeat-now", "", |panel, _| {
-            let (count, pitch_mm) = (panel.repeat.count, panel.repeat.pitch_mm);
-            let parts = panel.selected_parts();
-            panel.apply(&Edit::Repeat {
-                parts,
-                count,
-                pitch_mm,
-            });
+        command("editor-repeat", "", |panel, _| {
+            panel.repeat.is_asked = !panel.selected.is_empty();
         }),
     ];
     commands.extend(selection_commands());
