@@ -500,6 +500,7 @@ editor-saved-with-errors = Saved with errors: no session can use it yet
 editor-copied = Copied as text of a layout
 editor-copy = Copy
 editor-cut = Cut
+editor-paste = Paste
 editor-select-all = Select all
 editor-zoom-selection = Show what is selected
 editor-snap-to-grid = Move what is selected to the grid

@@ -500,6 +500,7 @@ editor-saved-with-errors = Guardado con errores: ninguna sesión puede usarlo a�
 editor-copied = Copiado como texto de una distribución
 editor-copy = Copiar
 editor-cut = Cortar
+editor-paste = Pegar
 editor-select-all = Seleccionar todo
 editor-zoom-selection = Mostrar lo seleccionado
 editor-snap-to-grid = Mover lo seleccionado a la cuadrícula

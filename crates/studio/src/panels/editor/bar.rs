@@ -34,6 +34,16 @@ pub(super) const MIRRORS: [(&str, BoardAxis); 2] = [
     ("editor-mirror-y", BoardAxis::Y),
 ];
 
+/// Parts that are not on a board: words, and what is added.
+pub(super) const NEW_PARTS: [(&str, NewPart); 6] = [
+    ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
+    ("editor-new-layer", NewPart::Layer),
+    ("editor-new-sequence", NewPart::Sequence),
+    ("editor-new-trigger", NewPart::Trigger),
+    ("editor-new-pointer", NewPart::Pointer),
+    ("editor-new-space", NewPart::Space),
+];
+
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {
@@ -110,15 +120,7 @@ fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
             }
         }
         ui.separator();
-        let others = [
-            ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
-            ("editor-new-layer", NewPart::Layer),
-            ("editor-new-sequence", NewPart::Sequence),
-            ("editor-new-trigger", NewPart::Trigger),
-            ("editor-new-pointer", NewPart::Pointer),
-            ("editor-new-space", NewPart::Space),
-        ];
-        for (name, part) in others {
+        for (name, part) in NEW_PARTS {
             if ui.button(text(name)).clicked() {
                 panel.add(part);
             }

@@ -59,7 +59,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                     }
                 }
                 match (list, new) {
-                    ("chords", _) => add_chord(ui, panel),
+                    ("chords", _) => show_add_chord(ui, panel),
                     (_, Some(new)) if ui.button(text("editor-add")).clicked() => {
                         panel.add(new);
                     }
@@ -69,15 +69,23 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
+impl EditorPanel {
+    /// Adds a chord of the selected keys.
+    pub(super) fn add_chord(&mut self) {
+        let keys = self.editor.selected_keys();
+        let binding = Binding::NoOp;
+        self.apply(&Edit::Add(NewPart::Chord { keys, binding }));
+    }
+}
+
 /// Shows a button that adds a chord of the selected keys.
-fn add_chord(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+fn show_add_chord(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     let keys = panel.editor.selected_keys();
     let button = egui::Button::new(text("editor-add-chord"));
     let button = ui.add_enabled(keys.len() >= 2, button);
     let button = button.on_disabled_hover_text(text("editor-add-chord-hint"));
     if button.clicked() {
-        let binding = Binding::NoOp;
-        panel.apply(&Edit::Add(NewPart::Chord { keys, binding }));
+        panel.add_chord();
     }
 }
 

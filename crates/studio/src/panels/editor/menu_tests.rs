@@ -1,9 +1,11 @@
 //! Menus and the palette of the editor in a window without a display, and what is added where it is not seen.
 
-use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, ViewportCommand, ViewportId};
+use egui_kittest::kittest::Queryable;
 
 use super::tests::{TWO_KEYS, Window};
 use super::*;
+use crate::texts::text_with;
 
 impl Window {
     fn right_click(&mut self, pos: Pos2) {
@@ -27,6 +29,16 @@ impl Window {
         self.press(Modifiers::COMMAND, Key::K);
         self.write(words);
         self.press(Modifiers::NONE, Key::Enter);
+    }
+
+    /// Returns `true` if the palette has a command with these words.
+    fn offers(&mut self, words: &str) -> bool {
+        let others = self.harness.query_all_by_label(words).count();
+        self.press(Modifiers::COMMAND, Key::K);
+        self.write(words);
+        let count = self.harness.query_all_by_label(words).count();
+        self.press(Modifiers::NONE, Key::Escape);
+        count > others
     }
 }
 
@@ -64,6 +76,61 @@ fn the_command_that_repeats_asks_for_the_distances_that_suit_the_selection() {
     window.click_button(text("editor-repeat-now"));
     assert!(window.panel().editor.is_valid());
     assert_eq!(window.panel().selected.len(), 6);
+}
+
+#[test]
+fn the_keys_of_the_palette_close_it_again() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::K);
+    window.write("a");
+    assert!(window.panel().palette.is_open());
+    window.press(Modifiers::COMMAND, Key::K);
+    assert!(!window.panel().palette.is_open());
+}
+
+#[test]
+fn the_palette_has_the_commands_that_can_be_used() {
+    let mut window = Window::open();
+    let board = text_with("editor-board", &[("number", 1.into())]);
+    let on_selection = [
+        "editor-copy",
+        "editor-delete",
+        "editor-align-left",
+        "editor-repeat",
+    ];
+    for name in on_selection {
+        assert!(!window.offers(text(name)), "{name}");
+    }
+    for name in ["editor-paste", "editor-snap", "view-side"] {
+        assert!(window.offers(text(name)), "{name}");
+    }
+    assert!(window.offers(&board));
+    assert!(!window.offers(text("editor-add-chord")));
+    window.press(Modifiers::COMMAND, Key::A);
+    for name in on_selection.into_iter().chain(["editor-add-chord"]) {
+        assert!(window.offers(text(name)), "{name}");
+    }
+    let snaps = window.panel().snaps;
+    window.run(text("editor-snap"));
+    assert_eq!(window.panel().snaps, !snaps);
+    window.run(text("editor-add-chord"));
+    assert!(window.text().contains("chords"));
+    window.press(Modifiers::COMMAND, Key::K);
+    window.write(text("editor-paste"));
+    window.harness.input_mut().events.push(Event::Key {
+        key: Key::Enter,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(1);
+    let output = &window.harness.output().viewport_output;
+    let commands = output.get(&ViewportId::ROOT).map(|root| &root.commands);
+    assert!(
+        commands.is_some_and(|commands| commands.contains(&ViewportCommand::RequestPaste)),
+        "{commands:?}"
+    );
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! The palette of commands: every command of the editor, found by a part of its name.
+//! The palette of commands: every command of the editor that can be used, found by a part of its name.
 
 use eframe::egui::{self, Align2, Key};
 
-use super::{EditorPanel, bar};
-use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
-use crate::texts::text;
+use super::{EditorPanel, bar, plan};
+use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit};
+use crate::texts::{text, text_with};
 
 /// Width of the palette, in points.
 const WIDTH: f32 = 420.0;
@@ -58,8 +58,8 @@ fn command(
     }
 }
 
-/// Returns all commands.
-fn commands() -> Vec<Command> {
+/// Returns the commands that can be used now.
+fn commands(shown: &EditorPanel) -> Vec<Command> {
     let mut commands = vec![
         command("editor-open", "Ctrl-O", |panel, _| panel.ask_for_layout()),
         command("editor-export", "", |panel, _| panel.export_svg()),
@@ -69,38 +69,76 @@ fn commands() -> Vec<Command> {
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
         command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
         command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()),
+        command("editor-paste", "Ctrl-V", |_, context| {
+            context.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+        }),
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
         command("editor-fit", "", |panel, _| panel.show_all()),
-        command("editor-plan", "", |panel, _| panel.open_plan()),
-        command("editor-snap-to-grid", "", |panel, _| {
-            let (parts, grid_mm) = (panel.selected_parts(), f64::from(panel.grid_mm));
-            panel.apply(&Edit::Snap { parts, grid_mm });
-        }),
-        command("editor-repeat", "", |panel, _| {
-            panel.repeat.is_asked = !panel.selected.is_empty();
-        }),
+        command("editor-snap", "", |panel, _| panel.snaps = !panel.snaps),
     ];
-    commands.extend(selection_commands());
-    commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
-    commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
-    commands.extend(bar::MIRRORS.map(|(name, axis)| mirror(name, axis)));
+    if shown.trial.is_some() {
+        commands.push(command("editor-try", "", |panel, _| {
+            if let Some(trial) = &mut panel.trial {
+                trial.set_on(!trial.is_on());
+            }
+        }));
+    }
+    commands.extend(views(shown));
+    if !shown.editor.selection().is_empty() {
+        commands.extend(selection_commands());
+    }
+    commands.extend(item_commands(shown));
     for &kind in ControlKind::ALL {
         let mut add = command("editor-add", "", move |panel, _| panel.add_control(kind));
         add.name = format!("{}: {}", add.name, bar::kind_words(kind));
         commands.push(add);
     }
-    let others = [
-        ("editor-new-board", NewPart::Board { right_mm: 0.0 }),
-        ("editor-new-layer", NewPart::Layer),
-        ("editor-new-sequence", NewPart::Sequence),
-        ("editor-new-trigger", NewPart::Trigger),
-        ("editor-new-pointer", NewPart::Pointer),
-        ("editor-new-space", NewPart::Space),
-    ];
-    for (name, new) in others {
+    for (name, new) in bar::NEW_PARTS {
         let mut add = command(name, "", move |panel, _| panel.add(new.clone()));
         add.name = format!("{}: {}", text("editor-add"), add.name);
         commands.push(add);
+    }
+    commands
+}
+
+/// Returns the commands that show a board, or all boards from a side.
+fn views(shown: &EditorPanel) -> Vec<Command> {
+    let mut commands = vec![command("editor-plan", "", |panel, _| panel.open_plan())];
+    for (name, view) in plan::VIEWS {
+        commands.push(command(name, "", move |panel, _| panel.view_plan(view)));
+    }
+    for board in 0..shown.editor.count("boards") {
+        let mut show = command("editor-board", "", move |panel, _| panel.leave_plan(board));
+        show.name = text_with("editor-board", &[("number", (board + 1).into())]);
+        commands.push(show);
+    }
+    commands
+}
+
+/// Returns the commands of the controls that are selected on a board.
+fn item_commands(shown: &EditorPanel) -> Vec<Command> {
+    let mut commands = Vec::new();
+    let count = shown.selected.len();
+    if count >= 1 {
+        commands.push(command("editor-snap-to-grid", "", |panel, _| {
+            let (parts, grid_mm) = (panel.selected_parts(), f64::from(panel.grid_mm));
+            panel.apply(&Edit::Snap { parts, grid_mm });
+        }));
+        commands.push(command("editor-repeat", "", |panel, _| {
+            panel.repeat.is_asked = true;
+        }));
+        commands.extend(bar::MIRRORS.map(|(name, axis)| mirror(name, axis)));
+    }
+    if count >= 2 {
+        commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
+    }
+    if count >= 3 {
+        commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
+    }
+    if shown.editor.selected_keys().len() >= 2 {
+        commands.push(command("editor-add-chord", "", |panel, _| {
+            panel.add_chord()
+        }));
     }
     commands
 }
@@ -167,7 +205,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if !panel.palette.is_open {
         return;
     }
-    let mut found = commands();
+    let mut found = commands(panel);
     found.retain(|command| is_found(&command.name, &panel.palette.query));
     let keys = ui.input_mut(|input| {
         let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
@@ -230,7 +268,10 @@ fn show_row(ui: &mut egui::Ui, command: &Command, is_chosen: bool) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use ademan_core::layout::Fit;
+
     use super::*;
+    use crate::editor::LayoutEditor;
 
     #[test]
     fn a_command_is_found_by_parts_of_its_name() {
@@ -240,7 +281,15 @@ mod tests {
 
     #[test]
     fn every_command_has_its_own_name() {
-        let names: Vec<String> = commands().into_iter().map(|it| it.name).collect();
+        let text = "Layout(name: \"a\", boards: [(
+            pose: (anchor: elbow, forward_mm: 320), rows: [(at_mm: (0, 0), keys: \"A B C\")],
+        )])";
+        let editor = LayoutEditor::from_text("a.ron", text, Fit::default());
+        let mut panel = EditorPanel::new(editor);
+        panel.update_items();
+        panel.select_all();
+        let commands = commands(&panel).into_iter();
+        let names: Vec<String> = commands.map(|it| it.name).collect();
         let unique: std::collections::BTreeSet<&String> = names.iter().collect();
         assert_eq!(unique.len(), names.len(), "{names:?}");
     }

@@ -86,6 +86,15 @@ impl EditorPanel {
         self.preview = Preview::default();
     }
 
+    /// Shows all boards from a direction.
+    pub(super) fn view_plan(&mut self, view: PlanView) {
+        if !self.plan.is_open {
+            self.open_plan();
+        }
+        self.end_drag();
+        self.plan.view = view;
+    }
+
     /// Shows one board in place of the plan.
     pub(super) fn leave_plan(&mut self, board: usize) {
         if self.plan.is_open {
@@ -207,14 +216,19 @@ impl EditorPanel {
     }
 }
 
+/// The directions from which the plan is seen, with their words.
+pub(super) const VIEWS: [(&str, PlanView); PlanView::ALL.len()] = [
+    ("view-above", PlanView::Above),
+    ("editor-view-front", PlanView::Front),
+    ("view-side", PlanView::Side),
+];
+
 /// Shows the directions from which the plan is seen.
 pub(super) fn show_views(ui: &mut egui::Ui, panel: &mut EditorPanel) {
-    let names = ["view-above", "editor-view-front", "view-side"];
-    for (view, name) in PlanView::ALL.into_iter().zip(names) {
+    for (name, view) in VIEWS {
         let is_shown = panel.plan.view == view;
         if ui.selectable_label(is_shown, text(name)).clicked() {
-            panel.end_drag();
-            panel.plan.view = view;
+            panel.view_plan(view);
         }
     }
 }

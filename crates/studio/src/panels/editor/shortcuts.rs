@@ -29,6 +29,9 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     if pressed(Modifiers::COMMAND, Key::O) {
         panel.ask_for_layout();
     }
+    if pressed(Modifiers::COMMAND, Key::K) {
+        panel.palette.toggle();
+    }
     // A menu takes its own Escape, and acts on what is selected.
     if ui.ctx().text_edit_focused() || egui::Popup::is_any_open(ui.ctx()) {
         return;
@@ -54,9 +57,6 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
     if pressed(Modifiers::COMMAND, Key::D) {
         panel.duplicate();
-    }
-    if pressed(Modifiers::COMMAND, Key::K) {
-        panel.palette.toggle();
     }
     if pressed(Modifiers::NONE, Key::F) {
         panel.zoom_to_selection();
