@@ -18,8 +18,8 @@ pub const MIN_OPACITY: f32 = 0.1;
 /// Range of the speed of the simulated hand, as a factor.
 pub const HAND_SPEEDS: (f32, f32) = (0.25, 3.0);
 
-/// Range of the noise of its sensors.
-pub const HAND_NOISES: (f32, f32) = (0.0, 20.0);
+/// Range of the noise of its sensors: with more, hardly any reading of a glove is accepted.
+pub const HAND_NOISES: (f32, f32) = (0.0, 5.0);
 
 /// The settings. Fields that a file lacks have their defaults, so that files of other versions are read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

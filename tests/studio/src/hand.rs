@@ -4,6 +4,7 @@ use std::path::Path;
 
 use ademan::setup::Setup;
 use ademan::sim::HandTask;
+use ademan::studio::settings::HAND_NOISES;
 use ademan::studio::simulated::simulate;
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
@@ -133,6 +134,31 @@ fn a_person_who_has_other_hands_is_refused_with_the_reason() {
 fn a_session_with_another_source_has_no_menu_of_the_hand() {
     let window = Opening::default().open();
     assert!(!window.has(text("menu-hand")));
+}
+
+#[test]
+fn the_largest_noise_leaves_most_readings_usable() {
+    let folder = folder();
+    let mut window = open(folder.path());
+    window.click(text("menu-hand"));
+    let most = f64::from(HAND_NOISES.1);
+    window.set_number(Role::Slider, text("hand-noise"), most);
+    window.press_key(egui::Key::Escape);
+    let counts = |window: &StudioWindow| {
+        let stats = window.model().stats;
+        (stats.source.readings, stats.accepted)
+    };
+    let (first, _) = counts(&window);
+    window.wait_for("the noise", |model| {
+        model.stats.source.readings > first + 500
+    });
+    let (received, accepted) = counts(&window);
+    window.wait_for("readings", |model| {
+        model.stats.source.readings > received + 2000
+    });
+    let (all, used) = counts(&window);
+    let (all, used) = (all - received, used - accepted);
+    assert!(2 * used > all, "{used} of {all}");
 }
 
 #[test]
