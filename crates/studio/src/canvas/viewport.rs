@@ -127,6 +127,11 @@ impl AreaViewport {
         }
     }
 
+    /// Returns the part of the board in the last picture, which had this size.
+    pub fn visible(&self, size: Option<Vec2>) -> Option<Bounds> {
+        Some(self.viewport?.visible(size?))
+    }
+
     /// Returns the point in the middle of the last picture, in millimetres.
     pub fn center(&self) -> Option<Vec2> {
         self.viewport.map(|viewport| viewport.center)

@@ -134,6 +134,29 @@ fn the_palette_has_the_commands_that_can_be_used() {
 }
 
 #[test]
+fn what_is_pasted_is_shown() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    let copied = window.panel().editor.copied().expect("controls");
+    // Free room near the middle of this part is outside it.
+    let size = window.panel().canvas_size.expect("a picture");
+    let bounds = Bounds::between(Vec2::new(-9.0, -9.0), Vec2::new(49.0, 9.0));
+    let mut viewport = Viewport::fit(bounds, size);
+    viewport.scale = size.x / 70.0;
+    window.panel().viewport = AreaViewport::fixed(viewport);
+    window.event(Event::Paste(copied));
+    let panel = window.panel();
+    let shapes = panel.selected.shapes(&panel.items.items);
+    assert_eq!(shapes.len(), 2);
+    let added = Bounds::around(shapes.iter().map(|(_, shape)| shape)).expect("keys");
+    let seen = panel
+        .viewport
+        .update(None, size, panel.editor.revision(), false);
+    let seen = seen.visible(size);
+    assert!(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all());
+}
+
+#[test]
 fn a_layout_that_another_studio_edits_is_opened_with_a_message() {
     let window = Window::open();
     let work = window.path.with_file_name("work");

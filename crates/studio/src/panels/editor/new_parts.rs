@@ -229,5 +229,19 @@ impl EditorPanel {
             let amended = self.editor.amend(&edit(by_mm));
             self.report(amended);
         }
+        self.show_added();
+    }
+
+    /// Shows the controls that were added and are selected now, unless they are in the picture already.
+    fn show_added(&mut self) {
+        self.update_items();
+        let shapes = self.selected.shapes(&self.items.items);
+        let added = Bounds::around(shapes.iter().map(|(_, shape)| shape));
+        let seen = self.viewport.visible(self.canvas_size);
+        if let (Some(added), Some(seen)) = (added, seen)
+            && !(seen.min.cmple(added.min).all() && seen.max.cmpge(added.max).all())
+        {
+            self.zoom_to_selection();
+        }
     }
 }
