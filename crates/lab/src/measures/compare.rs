@@ -110,7 +110,7 @@ pub struct Comparison {
 pub enum NotComparable {
     /// One types and the other does not.
     #[error(
-        "{typing} types the phrases and {other} does not; compare it with a layout that is scored by tasks"
+        "{typing} types the phrases and {other} does not; compare {typing} with a layout that types, or {other} with one that is scored by tasks"
     )]
     Kinds {
         /// The layout that types.
@@ -344,5 +344,20 @@ mod tests {
         let of_two: Vec<(bool, usize)> = sizes(&[180.0, 190.0]);
         assert_eq!(of_two, [(false, 1), (true, 1)]);
         assert_eq!(sizes(&[180.0, 180.0]), [(false, 2)]);
+    }
+
+    #[test]
+    fn the_remedy_names_a_layout_of_the_same_kind_for_each() {
+        let mut tasks = people(&[180.0], 30.0);
+        tasks[0].characters = 0;
+        let typing = people(&[180.0], 30.0);
+        let refused = compare(("letters", &typing), ("media", &tasks)).unwrap_err();
+        let words = refused.to_string();
+        assert!(
+            words.ends_with(
+                "compare letters with a layout that types, or media with one that is scored by tasks"
+            ),
+            "{words}"
+        );
     }
 }
