@@ -309,8 +309,8 @@ fn a_loose_wire_types_nothing_and_the_other_fingers_type() {
             "down H, up H",
             "repaired: channel {channel}"
         );
-        let right = wearer.pipeline.implausible()[Side::Right.index()];
-        assert!(right.angles.is_empty(), "channel {channel}");
+        let repaired = wearer.pipeline.implausible()[Side::Right.index()];
+        assert!(repaired.angles.is_empty(), "channel {channel}");
     }
     assert!(of_index > 5 && of_others > 10, "{of_index} {of_others}");
 }
