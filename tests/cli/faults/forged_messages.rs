@@ -319,8 +319,8 @@ fn pictures_of_a_layout_contain_no_character_that_reverses_text() {
 
 #[test]
 fn a_session_prints_names_of_its_layouts_and_profiles_escaped() {
-    // A profile has at most 64 bytes.
-    const PROFILE: &str = "x;touch PWNED \u{9b}31m\u{202e}\nerror: forged\nsudo forged";
+    // A profile has at most 64 bytes and no control characters.
+    const PROFILE: &str = "x;touch PWNED \u{202e}error: forged; sudo forged";
     let folder = tempfile::tempdir().expect("a folder");
     let layout = folder.path().join(format!("{NAME}.ron"));
     std::fs::write(&layout, shipped("qwerty-flat")).expect("a file");
@@ -338,15 +338,15 @@ fn a_session_prints_names_of_its_layouts_and_profiles_escaped() {
         ),
         (
             &["profile", "zzz"],
-            r"available: main, x;touch PWNED \u{9b}31m\u{202e}\nerror",
+            r"available: main, x;touch PWNED \u{202e}error",
         ),
         (&["profile", PROFILE], "done"),
-        (&["state"], r"x;touch PWNED \u{9b}31m\u{202e}\nerror"),
+        (&["state"], r"x;touch PWNED \u{202e}error"),
         (&["reload"], PRINTED),
         (&["save"], PRINTED),
         (&["nudge", "1", "0", "0"], "done"),
         (&["save"], PRINTED),
-        (&["state", "--json"], r"\u009b31m\u202e"),
+        (&["state", "--json"], r"PWNED \u202eerror"),
     ] {
         let (_, out, err) = ctl(&run, arguments);
         let context = format!("{arguments:?}");
