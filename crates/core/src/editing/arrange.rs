@@ -253,10 +253,10 @@ mod tests {
         assert_eq!(across, expected);
         assert_eq!(mirrored(&across, BoardAxis::X), text);
         let along = mirrored(text, BoardAxis::Y);
-        let expected = text
+        let nearer = text
             .replace("(50, 7)", "(50, 0)")
             .replace("(0, 0)", "(0, 7)")
             .replace("(5, 0, 90)", "(-5, 0, -90)");
-        assert_eq!(along, expected);
+        assert_eq!(along, nearer);
     }
 }
