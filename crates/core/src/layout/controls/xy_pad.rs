@@ -216,14 +216,17 @@ fn draw_pad(pad: &XyPad, face: &Face, canvas: &mut Canvas) {
     canvas.circle("metal", at, radius);
     canvas.circle("on-metal", at, radius * 0.5);
     if pad.springs_back {
-        draw_spring(at, radius, canvas);
+        draw_spring(at, radius, half, canvas);
     }
 }
 
-/// Draws arrows from all sides towards the position to which a spring returns the handle.
-fn draw_spring(at: Vec2, radius: f32, canvas: &mut Canvas) {
+/// Draws arrows toward the position to which a spring returns the handle, from each side that has room.
+fn draw_spring(at: Vec2, radius: f32, half: Vec2, canvas: &mut Canvas) {
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
         let tip = at + direction * radius * 1.5;
+        if tip.abs().cmpgt(half - radius * 0.35).any() {
+            continue;
+        }
         let wing = |side: f32| tip + (direction + direction.perp() * side) * radius * 0.35;
         canvas.polyline("icon", &[wing(-1.0), tip, wing(1.0)]);
     }
