@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use super::draft::Draft;
 use super::error::EditError;
 use super::geometry::unsupported;
-use super::names::{canonical, name_of, rename_mentions, taken};
+use super::names::{
+    can_be_mentioned, canonical, implied_name, is_numbered, name_of, rename_mentions, taken, unique,
+};
 use super::part::{ControlKind, Part, words};
 use super::rows::take_out;
 use crate::device::KeyCode;
@@ -155,6 +157,7 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     let new = binding.implied_name();
     let is_free = |name: &String| *name == old || !taken(draft).contains(name);
     let is_key = matches!(binding, Binding::Key(_));
+    let implied = new.clone();
     let new = new.filter(|name| is_key && is_free(name));
     if let (Part::RowKey { column, .. }, Some(new), Binding::Key(code)) = (part, &new, binding) {
         let keys = draft.field(part, "keys").ok_or(EditError::NoPart("key"))?;
@@ -169,28 +172,46 @@ fn bind_base(draft: &mut Draft, part: Part, binding: &Binding) -> Result<Vec<Par
     let is_numbered_copy = is_numbered_copy(draft, key_part, &old);
     set_action(draft, key_part, binding)?;
     let is_implied = draft.field(key_part, "name").is_none();
-    if is_implied || is_numbered_copy {
-        match new {
-            Some(new) if !is_implied => {
-                draft.unset(key_part, "name")?;
-                rename_mentions(draft, &old, &new)?;
-            }
-            Some(new) if new == old => {}
-            Some(new) => rename_mentions(draft, &old, &new)?,
-            None if is_implied => draft.set(key_part, "name", &quote(&old))?,
-            None => {}
-        }
+    match new {
+        _ if is_numbered_copy => name_after_action(draft, key_part, &old, implied)?,
+        Some(new) if is_implied && new != old => rename_mentions(draft, &old, &new)?,
+        None if is_implied => draft.set(key_part, "name", &quote(&old))?,
+        _ => {}
     }
     draft.commit()?;
     Ok(parts)
 }
 
-/// Returns `true` if the name of a key is one that a copy of another key got: the key code and a number.
-fn is_numbered_copy(draft: &Draft, part: Part, name: &str) -> bool {
-    let code = draft.field(part, "code").map(|code| code.range.clone());
-    let code = code.and_then(|range| quoted_content(&draft.text()[range]));
-    let number = code.and_then(|code| name.strip_prefix(&canonical(code))?.strip_prefix(' '));
-    number.is_some_and(|number| number.parse::<u32>().is_ok())
+/// Gives a key that has the name of a copy the name in its action, with a number if that is taken. A name that chords mention stays
+/// if the new one cannot be mentioned there.
+fn name_after_action(
+    draft: &mut Draft,
+    key: Part,
+    old: &str,
+    implied: Option<String>,
+) -> Result<(), EditError> {
+    let Some(implied) = implied.filter(|name| !name.trim().is_empty()) else {
+        return Ok(());
+    };
+    let mut names = taken(draft);
+    names.remove(old);
+    let new = unique(&mut names, &implied);
+    if new == old || !can_be_mentioned(draft, old, &new) {
+        return Ok(());
+    }
+    if new == implied {
+        draft.unset(key, "name")?;
+    } else {
+        draft.set(key, "name", &quote(&new))?;
+    }
+    rename_mentions(draft, old, &new)
+}
+
+/// Returns `true` if the name of a key is one that a copy of another key got: the name in its action and a number.
+fn is_numbered_copy(draft: &Draft, key: Part, name: &str) -> bool {
+    let node = draft.node(key).ok();
+    let implied = node.and_then(|node| implied_name(draft.text(), node));
+    implied.is_some_and(|implied| is_numbered(name, &implied))
 }
 
 /// Replaces the field with the action of a key.
@@ -350,6 +371,62 @@ mod tests {
         for ((column, binding), expected) in steps {
             let layers = bind(column, binding);
             assert_eq!(layers, format!("layers: [(name: \"x\", {expected})],"));
+        }
+    }
+
+    /// Copies the only key, binds the copy, and returns the keys.
+    fn bound_copy(key: &str, binding: &Binding) -> String {
+        let text = format!(
+            "Layout(name: \"a\", boards: [(pose: (anchor: elbow), keys: [({key}, at_mm: (0, 0))])])"
+        );
+        let part = |index| Part::Control {
+            board: 0,
+            kind: ControlKind::Key,
+            index,
+        };
+        let copied = edit(
+            &text,
+            &Edit::Duplicate {
+                parts: vec![part(0)],
+                by_mm: [40.0, 0.0],
+            },
+        );
+        let bind = Edit::Bind {
+            part: part(1),
+            slot: Slot::Base,
+            binding: Some(binding.clone()),
+        };
+        let bound = edit(&copied.unwrap().text, &bind).unwrap().text;
+        Layout::parse(&bound, "a.ron").unwrap_or_else(|error| panic!("{bound}: {error}"));
+        bound.rsplit_once("keys: [").unwrap().1.to_owned()
+    }
+
+    #[test]
+    fn a_copy_that_is_bound_is_named_after_its_action() {
+        let multitap = |letters: &str| Binding::multitap(letters).unwrap();
+        for (key, binding, expected) in [
+            ("code: \"Escape\"", multitap("A B C 2"), ""),
+            ("code: \"Escape\"", Binding::Text("hello".into()), ""),
+            ("code: \"Escape\"", Binding::Key("B".into()), ""),
+            (
+                "code: \"Escape\"",
+                Binding::Key("Escape".into()),
+                "Escape 2",
+            ),
+            ("code: \"Escape\"", Binding::Clutch, "Escape 2"),
+            ("action: Multitap(\"A B C 2\")", multitap("D E F 3"), ""),
+            (
+                "action: Multitap(\"A B C 2\")",
+                multitap("A B C 2"),
+                "A B C 3",
+            ),
+            ("code: \"A\", name: \"B\"", Binding::Key("B".into()), "B 2"),
+        ] {
+            let keys = bound_copy(key, &binding);
+            let (_, copy) = keys.split_once("), (").unwrap();
+            let name = copy.split_once("name: \"").map(|(_, rest)| rest);
+            let name = name.and_then(|rest| rest.split('"').next());
+            assert_eq!(name.unwrap_or_default(), expected, "{binding:?}: {keys}");
         }
     }
 

@@ -22,22 +22,9 @@ pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
         Part::Control {
             kind: ControlKind::Key,
             ..
-        } => match (string("name"), string("code")) {
-            (Some(name), _) => Some(name.to_owned()),
-            (None, Some(code)) => Some(canonical(code)),
-            (None, None) => {
-                let argument = || {
-                    let action = node.field(text, "action")?;
-                    let argument = action.items().first()?.value.string(text)?;
-                    let is_key = action.name(text) == Some("Key");
-                    Some(if is_key {
-                        canonical(argument)
-                    } else {
-                        argument.to_owned()
-                    })
-                };
-                string("layer").map(str::to_owned).or_else(argument)
-            }
+        } => match string("name") {
+            Some(name) => Some(name.to_owned()),
+            None => implied_name(text, node),
         },
         Part::Row { .. } | Part::Chord(_) => string("keys").map(str::to_owned),
         Part::Sequence(index) => {
@@ -46,6 +33,39 @@ pub fn name_of(text: &str, tree: &Node, part: Part) -> Option<String> {
         }
         _ => string("name").map(str::to_owned),
     }
+}
+
+/// Returns the name that a key has without one of its own: that in its action.
+pub(super) fn implied_name(text: &str, key: &Node) -> Option<String> {
+    let string = |field: &str| key.field(text, field)?.string(text);
+    if let Some(code) = string("code") {
+        return Some(canonical(code));
+    }
+    if let Some(layer) = string("layer") {
+        return Some(layer.to_owned());
+    }
+    let action = key.field(text, "action")?;
+    let argument = action.items().first()?.value.string(text)?;
+    let is_key = action.name(text) == Some("Key");
+    Some(if is_key {
+        canonical(argument)
+    } else {
+        argument.to_owned()
+    })
+}
+
+/// Returns a name without the number at its end.
+fn stem(name: &str) -> &str {
+    let is_number = |word: &str| word.parse::<u32>().is_ok();
+    match name.rsplit_once(' ') {
+        Some((stem, number)) if is_number(number) => stem,
+        _ => name,
+    }
+}
+
+/// Returns `true` if [`unique`] makes a name of another one that is taken.
+pub(super) fn is_numbered(name: &str, of: &str) -> bool {
+    name != of && stem(name) != name && stem(name) == stem(of)
 }
 
 /// Returns the range of the quoted name of a sequence.
@@ -72,11 +92,7 @@ pub(super) fn taken(draft: &Draft) -> BTreeSet<String> {
 
 /// Returns a name that is not taken, and takes it: `Slider`, `Slider 2`, `Slider 3`.
 pub(super) fn unique(taken: &mut BTreeSet<String>, name: &str) -> String {
-    let is_number = |word: &str| word.parse::<u32>().is_ok();
-    let stem = match name.rsplit_once(' ') {
-        Some((stem, number)) if is_number(number) => stem,
-        _ => name,
-    };
+    let stem = stem(name);
     let mut candidate = name.to_owned();
     let mut number = 2;
     while !taken.insert(candidate.clone()) {
@@ -159,6 +175,13 @@ pub(super) fn chord_lists(draft: &Draft) -> Vec<&Node> {
     let of_layers = layers.filter_map(|layer| layer.field(text, "chords"));
     let of_layout = draft.field(Part::Layout, "chords").into_iter();
     of_layout.chain(of_layers).collect()
+}
+
+/// Returns `false` if a chord mentions a key and the new name has blanks.
+pub(super) fn can_be_mentioned(draft: &Draft, old: &str, new: &str) -> bool {
+    let mentions = mentions(draft, &BTreeSet::from([old.to_owned()]));
+    let is_in_chord = |(_, mention): &(String, Mention)| matches!(mention, Mention::Chord { .. });
+    !(new.contains(char::is_whitespace) && mentions.iter().any(is_in_chord))
 }
 
 /// Replaces all mentions of a key by a new name. A name with blanks cannot be mentioned in chords.
