@@ -12,7 +12,7 @@ use crate::document::quote;
 /// A part that is added.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NewPart {
-    /// A control on a board.
+    /// A control on a board. A layout without boards gets one with it.
     Control {
         /// Index of the board.
         board: usize,
@@ -98,18 +98,8 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
         }
         NewPart::Board { right_mm } => {
             let key = key(&mut taken(draft), [0.0; 2], None)?;
-            let right = if *right_mm == 0.0 {
-                String::new()
-            } else {
-                format!(", right_mm: {}", written(*right_mm))
-            };
-            let pose =
-                format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})");
-            (
-                Part::Layout,
-                "boards",
-                format!("(\n    pose: {pose},\n    keys: [\n        {key},\n    ],\n)"),
-            )
+            let text = board_with(*right_mm, ControlKind::Key, &key);
+            (Part::Layout, "boards", text)
         }
         NewPart::Trigger => {
             let text = format!("(name: {}, when: Pinch(finger: \"index\"))", name("Pinch"));
@@ -142,9 +132,26 @@ pub(super) fn add(draft: &mut Draft, new: &NewPart) -> Result<Vec<Part>, EditErr
         NewPart::Pointer => return add_pointer(draft),
     };
     let index = draft.count(parent, list);
-    draft.push(parent, list, &[text])?;
+    match new {
+        NewPart::Control { board: 0, kind, .. } if draft.count(Part::Layout, "boards") == 0 => {
+            draft.push(Part::Layout, "boards", &[board_with(0.0, *kind, &text)])?;
+        }
+        _ => draft.push(parent, list, &[text])?,
+    }
     draft.commit()?;
     Ok(vec![added(new, index)])
+}
+
+/// Returns a board with one control, at a distance to the right of the place where boards usually are.
+fn board_with(right_mm: f64, kind: ControlKind, control: &str) -> String {
+    let right = if right_mm == 0.0 {
+        String::new()
+    } else {
+        format!(", right_mm: {}", written(right_mm))
+    };
+    let pose = format!("(anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: -45{right})");
+    let list = kind.list();
+    format!("(\n    pose: {pose},\n    {list}: [\n        {control},\n    ],\n)")
 }
 
 /// Returns a name that no part of a list has.
@@ -269,6 +276,29 @@ mod tests {
     use super::*;
     use crate::editing::{Edit, edit};
     use crate::layout::Layout;
+
+    #[test]
+    fn the_first_control_of_a_layout_comes_with_a_board() {
+        for boards in ["boards: [],\n", ""] {
+            let text = format!("Layout(\n    name: \"x\",\n    {boards})\n");
+            for &kind in ControlKind::ALL {
+                let add = Edit::Add(NewPart::Control {
+                    board: 0,
+                    kind,
+                    at_mm: [0.0, 0.0],
+                    binding: None,
+                });
+                let added = edit(&text, &add).unwrap();
+                Layout::parse(&added.text, "x").unwrap_or_else(|error| panic!("{kind:?} {error}"));
+                let control = Part::Control {
+                    board: 0,
+                    kind,
+                    index: 0,
+                };
+                assert_eq!(added.parts, [control]);
+            }
+        }
+    }
 
     #[test]
     fn the_options_of_a_new_radio_group_do_not_overlap() {
