@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, DragValue};
 
 use super::EditorPanel;
+use super::form::DraggedField;
 use crate::editor::{Edit, FieldSpec, FieldType, Part, quoted};
 use crate::panels::is_other_number;
 use crate::texts::text;
@@ -18,6 +19,15 @@ const MAX_COMPARED: usize = 200;
 /// Width of a text, in points.
 const TEXT_WIDTH: f32 = 150.0;
 
+/// Shows content in a cell of a grid. Its widgets have ids of the field, wherever the field is in its list.
+fn in_cell(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui)) {
+    let builder = egui::UiBuilder::new()
+        .scope_id(ui.scope_id().with(name))
+        .layout(egui::Layout::top_down(egui::Align::Min));
+    ui.scope_builder(builder, content);
+}
+
+/// Shows the row of a field: name, value, and the button that removes the field.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &FieldSpec) {
     let first = parts[0];
     let is_row_key = matches!(first, Part::RowKey { .. });
@@ -27,16 +37,51 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
     let is_mixed = is_mixed(panel, parts, field.name);
     let label = ui.label(display_name(field.name));
     let label = label.on_hover_text(format!("{}: {}", field.name, field.help));
+    in_cell(ui, field.name, |cell| {
+        let state = (written.as_deref(), is_mixed);
+        show_value(cell, panel, parts, (field, label.id), state);
+    });
+    if is_mixed {
+        ui.weak(text("editor-mixed"));
+    } else if written.is_some() && field.name != "name" {
+        show_remove(ui, panel, parts, field.name);
+    }
+}
+
+/// Shows the button that removes a field.
+fn show_remove(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &str) {
+    let name = text("editor-remove-field");
+    let remove = ui.small_button("×").on_hover_text(name);
+    remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    if remove.clicked() {
+        set(panel, parts, field, None);
+    }
+}
+
+/// Shows the value of a field as it is written, or its default.
+fn show_value(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    (field, label): (&FieldSpec, egui::Id),
+    (written, is_mixed): (Option<&str>, bool),
+) {
+    let default = field.default.to_owned();
+    let shown = written.unwrap_or(&default);
     match field.field_type {
         FieldType::Number { min, max } => {
-            let value = written.as_deref().and_then(|value| value.parse().ok());
-            let default = field.default.parse().ok();
-            let old: f64 = value.or(default).unwrap_or(min);
+            let old = shown.parse().ok();
+            let hint = match old {
+                _ if is_mixed => Some(text("editor-mixed").to_owned()),
+                Some(_) => None,
+                None => Some(default.clone()),
+            };
             let number = Number {
                 name: field.name,
-                label: label.id,
-                old,
+                label,
+                old: old.unwrap_or_else(|| first_number(shown).unwrap_or(min).clamp(min, max)),
                 is_mixed,
+                hint,
                 range: min..=max,
                 speed: ((max - min) / 500.0).clamp(0.005, 1.0),
                 decimals: DECIMALS,
@@ -49,47 +94,38 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], f
             });
         }
         FieldType::Bool => {
-            let mut is_on = written.as_deref() == Some("true");
+            let mut is_on = shown == "true";
             let checkbox = egui::Checkbox::new(&mut is_on, "").indeterminate(is_mixed);
-            if ui.add(checkbox).labelled_by(label.id).changed() {
+            if ui.add(checkbox).labelled_by(label).changed() {
                 set(panel, parts, field.name, Some(is_on.to_string()));
             }
         }
         FieldType::Choice(choices) => {
-            let shown = written.as_deref().unwrap_or(field.default);
             let shown = if is_mixed { "" } else { shown };
             if let Some(chosen) = show_choice(ui, field.name, shown, choices) {
                 set(panel, parts, field.name, Some(chosen));
             }
         }
         FieldType::Text => {
-            let value = written.as_deref().filter(|_| !is_mixed);
+            let value = written.filter(|_| !is_mixed);
             let value = unquoted(value.unwrap_or_default());
-            show_text(ui, panel, parts, field, &value, true);
+            show_text(ui, panel, parts, (field, &default), &value, true);
         }
         FieldType::Point { .. }
         | FieldType::Outline
         | FieldType::Output
         | FieldType::Ron
         | FieldType::Action => {
-            let value = written.clone().filter(|_| !is_mixed).unwrap_or_default();
-            show_text(ui, panel, parts, field, &value, false);
+            let value = written.filter(|_| !is_mixed).unwrap_or_default();
+            show_text(ui, panel, parts, (field, &default), value, false);
         }
     }
-    if is_mixed {
-        ui.weak(text("editor-mixed"));
-    } else if written.is_some() && field.name != "name" {
-        let remove = ui
-            .small_button("×")
-            .on_hover_text(text("editor-remove-field"));
-        remove.widget_info(|| {
-            let name = text("editor-remove-field");
-            egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-        });
-        if remove.clicked() {
-            set(panel, parts, field.name, None);
-        }
-    }
+}
+
+/// Returns the number at the begin of a description such as `0.25 or 0.4`.
+fn first_number(description: &str) -> Option<f64> {
+    let word = description.split_whitespace().next()?;
+    word.trim_end_matches(',').parse().ok()
 }
 
 /// Returns the value that was chosen.
@@ -122,12 +158,12 @@ fn show_text(
     ui: &mut egui::Ui,
     panel: &mut EditorPanel,
     parts: &[Part],
-    field: &FieldSpec,
+    (field, default): (&FieldSpec, &str),
     value: &str,
     is_quoted: bool,
 ) {
     let name = field.name;
-    let hint = Some(field.default).filter(|default| *default != "required");
+    let hint = Some(default).filter(|words| *words != "required");
     text_cell(
         ui,
         panel,
@@ -195,10 +231,12 @@ pub(super) struct Number {
     pub name: &'static str,
     /// The label that names it.
     pub label: egui::Id,
-    /// The value in the layout, of the first part if several differ.
+    /// The value in the layout, of the first part if several differ, or the one at which a drag begins.
     pub old: f64,
     /// The parts have different values.
     pub is_mixed: bool,
+    /// Words in place of the value, as the parts have different ones or none is known.
+    pub hint: Option<String>,
     /// The values that can be typed.
     pub range: RangeInclusive<f64>,
     /// Change of a drag by a point.
@@ -217,10 +255,9 @@ impl Number {
             .range(self.range.clone())
             .clamp_existing_to_range(false);
         let drag = drag.max_decimals(self.decimals);
-        if self.is_mixed {
-            drag.custom_formatter(|_, _| text("editor-mixed").to_owned())
-        } else {
-            drag.suffix(self.unit)
+        match self.hint.clone() {
+            Some(hint) => drag.custom_formatter(move |_, _| hint.clone()),
+            None => drag.suffix(self.unit),
         }
     }
 }
@@ -269,7 +306,7 @@ impl EditorPanel {
     /// Returns `true` while a number of this name is dragged.
     fn is_field_dragged(&self, field: &str) -> bool {
         let dragged = self.form.dragged.as_ref();
-        dragged.is_some_and(|(name, _)| *name == field)
+        dragged.is_some_and(|dragged| dragged.name == field)
     }
 }
 
@@ -294,11 +331,16 @@ fn edit_while_dragged(
     edit: impl Fn(Vec<Part>) -> Edit,
 ) {
     let before = panel.form.dragged.clone();
-    let before = before.filter(|(name, _)| *name == field);
+    let before = before.filter(|dragged| dragged.name == field);
     let result = match before {
-        Some((_, dragged_parts)) => panel.editor.amend(&edit(dragged_parts)),
+        Some(dragged) => panel.editor.amend(&edit(dragged.parts)),
         None => {
-            panel.form.dragged = Some((field, parts.to_vec()));
+            let is_row_key = matches!(parts[0], Part::RowKey { .. });
+            panel.form.dragged = Some(DraggedField {
+                name: field,
+                parts: parts.to_vec(),
+                was_written: !is_row_key && panel.editor.value(parts[0], field).is_some(),
+            });
             panel.editor.apply(&edit(parts.to_vec()))
         }
     };

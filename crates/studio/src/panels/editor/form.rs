@@ -28,8 +28,19 @@ const GEOMETRY_FIELDS: [&str; 5] = ["at_mm", "size_mm", "length_mm", "width_mm",
 pub(super) struct FormState {
     /// The values that are typed.
     pub drafts: Drafts,
-    /// A number that is being dragged, with the parts as they were before.
-    pub dragged: Option<(&'static str, Vec<Part>)>,
+    /// A number that is being dragged.
+    pub dragged: Option<DraggedField>,
+}
+
+/// A number that is being dragged.
+#[derive(Clone)]
+pub(super) struct DraggedField {
+    /// Name of its field.
+    pub name: &'static str,
+    /// The parts as they were before.
+    pub parts: Vec<Part>,
+    /// The field was written before.
+    pub was_written: bool,
 }
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
@@ -242,6 +253,11 @@ fn show_fields(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part]) {
     });
     let is_row_key = matches!(first, Part::RowKey { .. });
     let is_written = |asked: &EditorPanel, field: &FieldSpec| {
+        let dragged = asked.form.dragged.as_ref();
+        // A field stays under the mouse while it is dragged.
+        if let Some(dragged) = dragged.filter(|dragged| dragged.name == field.name) {
+            return dragged.was_written;
+        }
         field.name == "name" || (!is_row_key && asked.editor.value(first, field.name).is_some())
     };
     let (written, unwritten): (Vec<FieldSpec>, Vec<FieldSpec>) = fields

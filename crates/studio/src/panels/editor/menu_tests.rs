@@ -159,7 +159,7 @@ fn what_is_pasted_is_shown() {
 #[test]
 fn a_layout_that_another_studio_edits_is_opened_with_a_message() {
     let window = Window::open();
-    let work = window.path.with_file_name("work");
+    let work = window.path.with_file_name("other-work");
     let open = || {
         let name = window.path.to_str().expect("a readable path");
         EditorPanel::open(name, Fit::default(), Some(&work)).expect("a layout")

@@ -23,6 +23,8 @@ mod steps;
 mod menu_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod unfinished_tests;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};

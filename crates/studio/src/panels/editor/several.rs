@@ -110,6 +110,7 @@ fn show_number(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], numbe
         label: label.id,
         old: f64::from((shared.unwrap_or(first) * 100.0).round()) / 100.0,
         is_mixed: shared.is_none(),
+        hint: shared.is_none().then(|| text("editor-mixed").to_owned()),
         range: number.range.clone(),
         speed: 0.1,
         decimals: 2,

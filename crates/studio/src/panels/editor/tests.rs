@@ -59,10 +59,17 @@ fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 impl Window {
     pub fn open() -> Self {
         let folder = tempfile::tempdir().unwrap();
+        Self::on_text(TWO_KEYS, 700.0)
+    }
+
+    /// Opens the editor on a text, in a window of a height that has room for the whole form.
+    pub fn on_text(text: &str, height: f32) -> Self {
         let path = folder.path().join("two-keys.ron");
-        fs::write(&path, TWO_KEYS).unwrap();
-        let panel = EditorPanel::open(path.to_str().unwrap(), Fit::default(), None).unwrap();
-        let builder = Harness::builder().with_size(vec2(1200.0, 700.0));
+        fs::write(&path, text).unwrap();
+        let work = folder.path().join("work");
+        let name = path.to_str().unwrap();
+        let panel = EditorPanel::open(name, Fit::default(), Some(&work)).unwrap();
+        let builder = Harness::builder().with_size(vec2(1200.0, height));
         let mut harness = builder.build_ui_state(show, panel);
         harness.run_steps(3);
         Self {
@@ -77,6 +84,11 @@ impl Window {
     }
 
     pub fn text(&mut self) -> String {
+    /// Returns the folder with unsaved work.
+    pub fn work(&self) -> PathBuf {
+        self.folder.path().join("work")
+    }
+
         self.panel().editor.text().to_owned()
     }
 

@@ -1,0 +1,131 @@
+//! Drags, taps and values that are typed, in a window without a display: one change each, and none is lost.
+
+use std::fs;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Modifiers, Pos2, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use super::tests::{TWO_KEYS, Window};
+use super::*;
+use ademan_runtime::files::create_private_folder;
+
+/// Height of a window that shows the whole form of a key or board, in points.
+const TALL: f32 = 1800.0;
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct DroppedPath(PathBuf);
+
+impl egui::DroppedFile for DroppedPath {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+impl Window {
+    /// Opens the options that have their defaults.
+    fn show_defaults(&mut self) {
+        self.click_button(text("editor-optional"));
+        self.harness.run_steps(20);
+    }
+
+    /// Taps a key, within one picture.
+    fn tap(&mut self, key: Key) {
+        for pressed in [true, false] {
+            self.harness.input_mut().events.push(Event::Key {
+                key,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        self.harness.run_steps(1);
+    }
+
+    fn number_at(&self, name: &str) -> Pos2 {
+        let field = self.harness.get_by_role_and_label(Role::SpinButton, name);
+        field.rect().center()
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        let field = self.harness.get_by_role_and_label(Role::SpinButton, name);
+        let number = field.accesskit_node().numeric_value();
+        number.expect("a number")
+    }
+
+    /// Presses the button of the mouse, and moves it to the right without a release.
+    fn begin_drag(&mut self, from: Pos2, by: f32) {
+        self.event(Event::PointerMoved(from));
+        self.button(from, true);
+        for step in 1..=6_u8 {
+            let to = from + vec2(by * f32::from(step) / 6.0, 0.0);
+            self.event(Event::PointerMoved(to));
+        }
+    }
+
+    fn drag(&mut self, from: Pos2, by: f32) {
+        self.begin_drag(from, by);
+        self.button(from + vec2(by, 0.0), false);
+        self.harness.run_steps(3);
+    }
+
+    /// Waits until the recovery file has these words, and returns what an editor offers after the end of this one.
+    fn wait_for_work(&mut self, words: &str) -> String {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let copy = self.path.with_file_name("copied-work");
+        create_private_folder(&copy).expect("a folder");
+        loop {
+            assert!(Instant::now() < deadline, "{words} is not kept");
+            self.harness.run_steps(2);
+            thread::sleep(Duration::from_millis(5));
+            for entry in fs::read_dir(self.work()).expect("a folder") {
+                let path = entry.expect("a file").path();
+                let is_kept = path.extension().is_some_and(|it| it == "ron");
+                if is_kept && fs::read_to_string(&path).is_ok_and(|it| it.contains(words)) {
+                    let name = path.file_name().expect("a name");
+                    fs::copy(&path, copy.join(name)).expect("a copy");
+                    let own = self.path.to_str().expect("a readable path");
+                    let next = EditorPanel::open(own, Fit::default(), Some(&copy));
+                    let next = next.expect("a layout");
+                    let work = next.editor.found_work().expect("unsaved work");
+                    return work.text.clone();
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_drag_of_a_number_that_is_not_written_changes_one_field_in_one_step() {
+    for (part, name, field) in [
+        (None, "travel", "travel_mm"),
+        (Some(Part::Board(0)), "pose · right", "right_mm"),
+    ] {
+        let mut window = Window::on_text(TWO_KEYS, TALL);
+        match part {
+            None => window.click_board(0.0, 0.0),
+            Some(part) => window.panel().show_part(part),
+        }
+        window.harness.run_steps(3);
+        window.show_defaults();
+        let from = window.number_at(name);
+        window.drag(from, 18.0);
+        let dragged = window.text();
+        let (before, rest) = dragged.split_once(field).expect(name);
+        assert!(rest.starts_with(": "), "{dragged}");
+        let end = rest.find([',', ')']).expect("an end");
+        let without = format!("{}{}", before.trim_end_matches(", "), &rest[end..]);
+        assert_eq!(without, TWO_KEYS, "{dragged}");
+        window.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(window.text(), TWO_KEYS);
+    }
+}
