@@ -63,6 +63,9 @@ use ademan_core::editing;
 use ademan_core::layout::{Fit, Layout, LayoutDraft};
 use ademan_runtime::files::OpenDocument;
 
+/// The default of a field that its board gives.
+const AS_THE_BOARD: &str = "as the board";
+
 /// A layout that is being edited.
 pub struct LayoutEditor {
     file: EditedFile,
@@ -255,6 +258,21 @@ impl LayoutEditor {
     pub fn value(&self, part: Part, field: &str) -> Option<&str> {
         let node = self.node(part)?.at(&self.text, field.split('.'))?;
         Some(node.text(&self.text))
+    }
+
+    /// Returns the value of a field that is not written: of the board for one that is as the board, else as its description gives it.
+    pub fn default_of(&self, part: Part, field: &FieldSpec) -> String {
+        let board = part.board().map(Part::Board);
+        let board = board.filter(|_| field.default == AS_THE_BOARD);
+        let Some(board) = board else {
+            return field.default.to_owned();
+        };
+        if let Some(written) = self.value(board, field.name) {
+            return written.to_owned();
+        }
+        let of_board = fields_of(board);
+        let own = of_board.iter().find(|own| own.name == field.name);
+        own.map_or(field.default, |own| own.default).to_owned()
     }
 
     /// Returns the name of a part in layers, chords and messages, if it has one.

@@ -66,7 +66,7 @@ fn show_value(
     (field, label): (&FieldSpec, egui::Id),
     (written, is_mixed): (Option<&str>, bool),
 ) {
-    let default = field.default.to_owned();
+    let default = panel.editor.default_of(parts[0], field);
     let shown = written.unwrap_or(&default);
     match field.field_type {
         FieldType::Number { min, max } => {

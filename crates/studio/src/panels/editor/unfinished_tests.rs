@@ -129,3 +129,27 @@ fn a_drag_of_a_number_that_is_not_written_changes_one_field_in_one_step() {
         assert_eq!(window.text(), TWO_KEYS);
     }
 }
+
+#[test]
+fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
+    let mut window = Window::on_text(TWO_KEYS, TALL);
+    window.click_board(0.0, 0.0);
+    window.show_defaults();
+    let defaults = ["travel", "press at", "debounce"].map(|name| window.number(name));
+    assert_eq!(defaults, [4.0, 0.5, 40.0]);
+    let from = window.number_at("travel");
+    window.drag(from, 12.0);
+    assert!(window.number("travel") > 4.0);
+    let board = "pose: (";
+    let deep = format!("travel_mm: 10, release_at: 0.3, reports_depth: true, {board}");
+    let mut other = Window::on_text(&TWO_KEYS.replace(board, &deep), TALL);
+    other.click_board(0.0, 0.0);
+    other.show_defaults();
+    let of_board = ["travel", "release at"].map(|name| other.number(name));
+    assert_eq!(of_board, [10.0, 0.3]);
+    let depth = other
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "reports depth");
+    let is_on = depth.accesskit_node().toggled();
+    assert_eq!(is_on, Some(eframe::egui::accesskit::Toggled::True));
+}
