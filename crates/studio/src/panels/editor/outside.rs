@@ -66,7 +66,8 @@ fn ask(ui: &mut egui::Ui, content: impl FnOnce(&mut egui::Ui)) {
 
 fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
     let now = ui.input(|input| input.time);
-    if now < panel.next_poll {
+    // A drag ends before the file is read again, and both changes are merged then.
+    if now < panel.next_poll || panel.is_dragging(ui) {
         return;
     }
     panel.next_poll = now + POLL_PERIOD.as_secs_f64();
@@ -248,6 +249,15 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
 }
 
 impl EditorPanel {
+    /// Returns `true` while a button of the mouse is down or its drag is not finished.
+    fn is_dragging(&self, ui: &egui::Ui) -> bool {
+        ui.input(|input| input.pointer.any_down())
+            || self.gesture.is_some()
+            || self.dragged_radius.is_some()
+            || self.form.dragged.is_some()
+            || self.plan.is_dragging()
+    }
+
     /// Writes the file, or asks for one, or whether a layout that cannot be used is saved. Returns `false` if the text is not saved
     /// yet.
     pub(super) fn save(&mut self) -> bool {

@@ -153,3 +153,26 @@ fn a_number_that_is_not_written_is_shown_as_the_board_has_it() {
     let is_on = depth.accesskit_node().toggled();
     assert_eq!(is_on, Some(eframe::egui::accesskit::Toggled::True));
 }
+
+#[test]
+fn a_change_of_the_file_during_a_drag_keeps_both() {
+    let mut window = Window::open();
+    let key = window.at(0.0, 0.0);
+    window.begin_drag(key, -50.0);
+    let other = |text: &str| text.replace("\"Two keys\"", "\"Other name\"");
+    fs::write(&window.path, other(TWO_KEYS)).unwrap();
+    for is_finished in [false, true] {
+        window.panel().next_poll = 0.0;
+        window.harness.run_steps(3);
+        if !is_finished {
+            assert_ne!(
+                window.panel().preview,
+                Preview::default(),
+                "it is dragged on"
+            );
+            window.button(key - vec2(50.0, 0.0), false);
+        }
+    }
+    let moved = TWO_KEYS.replace("(0, 0)", "(-10, 0)");
+    assert_eq!(window.text(), other(&moved));
+}
