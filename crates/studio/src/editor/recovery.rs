@@ -1,5 +1,6 @@
 //! Unsaved work, kept in a file of its own, with a lock that tells two editors of one layout apart.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::fs::{self, TryLockError};
 use std::io;
@@ -9,7 +10,7 @@ use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
-use super::LayoutEditor;
+use super::{Edit, LayoutEditor, edit};
 use ademan_core::document::Document;
 use ademan_core::message::escape_path;
 use ademan_runtime::files::{self, FileError, LockedFile, OpenDocument};
@@ -167,15 +168,35 @@ impl LayoutEditor {
         self.keep_work(Vec::new());
     }
 
+    /// Keeps the text as it would be with edits that are not finished. Those that are refused are left out.
+    pub fn keep_with(&self, edits: &[Edit]) {
+        let Some(recovery) = &self.recovery else {
+            return;
+        };
+        let mut text = Cow::Borrowed(self.text.as_str());
+        for unfinished in edits {
+            if let Ok(edited) = edit(&text, unfinished) {
+                text = Cow::Owned(edited.text);
+            }
+        }
+        let is_unsaved = self.is_modified() || text != self.text;
+        recovery.send(Job {
+            content: is_unsaved.then(|| self.content(&text)),
+            answered: Vec::new(),
+        });
+    }
+
+    /// Returns the content of a recovery file with a text.
+    fn content(&self, text: &str) -> String {
+        format!("{HEAD}{}\n{text}", self.name().escape_debug())
+    }
+
     /// Keeps the present text, and then removes these files of earlier runs.
     fn keep_work(&mut self, answered: Vec<PathBuf>) {
         let Some(recovery) = &self.recovery else {
             return;
         };
-        let name = self.name().escape_debug();
-        let content = self
-            .is_modified()
-            .then(|| format!("{HEAD}{name}\n{}", self.text));
+        let content = self.is_modified().then(|| self.content(&self.text));
         recovery.send(Job { content, answered });
     }
 }

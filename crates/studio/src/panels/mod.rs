@@ -280,6 +280,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         let is_shown = state.workspace == Workspace::Layout;
         editor::capture_key(ui, editor, is_shown);
         editor::guard_close(ui, editor);
+        editor::keep_unfinished(ui, editor);
         editor::advance_trial(ui, editor, context);
     }
     look::apply(ui.ctx(), state);

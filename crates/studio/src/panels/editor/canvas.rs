@@ -200,24 +200,30 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
     if let Gesture::Band { .. } = gesture {
         panel.select_items_in_editor();
     }
-    let Some(&(index, new)) = preview.shapes.first() else {
+    let Some(&(index, _)) = preview.shapes.first() else {
         return;
     };
-    let (Some(old), Some(Some(part))) = (
-        panel.items.items.get(index).map(|item| item.shape),
-        panel.parts.get(index).copied(),
-    ) else {
+    if !matches!(panel.parts.get(index), Some(Some(_))) {
         panel.message = Some(Err(text("editor-unbalanced").to_owned()));
-        return;
-    };
+    } else if let Some(edit) = edit_of(panel, gesture, preview) {
+        panel.apply(&edit);
+    }
+}
+
+/// Returns the edit of a gesture that would end now.
+fn edit_of(panel: &EditorPanel, gesture: &Gesture, preview: &Preview) -> Option<Edit> {
+    let &(index, new) = preview.shapes.first()?;
+    let old = panel.items.items.get(index)?.shape;
+    let part = (*panel.parts.get(index)?)?;
+    let parts = vec![part];
     match gesture {
-        Gesture::Band { .. } => {}
-        Gesture::Move { .. } => panel.move_selected(new.center - old.center),
-        Gesture::Handle { handle, .. } => match handle {
-            Handle::Turn => panel.apply(&Edit::Turn {
-                parts: vec![part],
+        Gesture::Band { .. } => None,
+        Gesture::Move { .. } => panel.movement(panel.selected_parts(), new.center - old.center),
+        Gesture::Handle { handle, .. } => Some(match handle {
+            Handle::Turn => Edit::Turn {
+                parts,
                 degrees: rounded(new.rotation_deg - old.rotation_deg),
-            }),
+            },
             Handle::Corner(corner) => {
                 let by = (new.half - old.half) * 2.0;
                 let fixed = if old.is_disc {
@@ -225,13 +231,32 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
                 } else {
                     -CORNERS[*corner]
                 };
-                panel.apply(&Edit::Resize {
-                    parts: vec![part],
+                Edit::Resize {
+                    parts,
                     by_mm: [rounded(by.x), rounded(by.y)],
                     fixed: [f64::from(fixed.x), f64::from(fixed.y)],
-                });
+                }
             }
-        },
+        }),
+    }
+}
+
+impl EditorPanel {
+    /// Returns the edit of a drag on the canvas that would end now.
+    pub(super) fn edit_of_drag(&self) -> Option<Edit> {
+        match self.dragged_radius {
+            Some(radius) => Some(self.bend_to(radius)),
+            None => edit_of(self, self.gesture.as_ref()?, &self.preview),
+        }
+    }
+
+    /// Returns the edit that gives the board a radius, in millimetres.
+    fn bend_to(&self, radius: f32) -> Edit {
+        Edit::SetField {
+            parts: vec![Part::Board(self.board)],
+            field: "shape.radius_mm".to_owned(),
+            value: Some(radius.to_string()),
+        }
     }
 }
 
@@ -249,11 +274,7 @@ fn drag_bend(panel: &mut EditorPanel, point: Vec2, is_down: bool) {
     if !is_down {
         panel.dragged_radius = None;
         if panel.items.radius != Some(radius) {
-            panel.apply(&Edit::SetField {
-                parts: vec![Part::Board(panel.board)],
-                field: "shape.radius_mm".to_owned(),
-                value: Some(radius.to_string()),
-            });
+            panel.apply(&panel.bend_to(radius));
         }
     }
 }

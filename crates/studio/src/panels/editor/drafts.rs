@@ -53,6 +53,13 @@ impl Drafts {
             || self.fields.iter().any(|draft| draft.edit.is_some())
     }
 
+    /// Returns the edits of everything that differs from the layout.
+    pub fn edits(&self) -> Vec<Edit> {
+        let geometry = self.geometry.iter().flat_map(|draft| &draft.edits);
+        let fields = self.fields.iter().filter_map(|draft| draft.edit.as_ref());
+        geometry.chain(fields).cloned().collect()
+    }
+
     fn field(&self, id: egui::Id) -> Option<&FieldDraft> {
         self.fields.iter().find(|draft| draft.id == id)
     }

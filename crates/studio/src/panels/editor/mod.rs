@@ -54,8 +54,8 @@ use self::form::FormState;
 pub(super) use self::heat::{BoardHeat, show as show_heat};
 use self::new_parts::Repeat;
 use self::open::OpenQuestion;
-pub(super) use self::outside::guard_close;
 use self::outside::{SaveAs, SaveQuestion};
+pub(super) use self::outside::{guard_close, keep_unfinished};
 use self::palette::Palette;
 use self::plan::PlanPanel;
 
@@ -106,6 +106,10 @@ pub struct EditorPanel {
     reach: Option<ReachCheck>,
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
+    /// Time of the next look at what is typed, in seconds.
+    next_keep: f64,
+    /// The edits of what was typed or dragged when it was kept last, with the revision of the text.
+    kept: (u64, Vec<Edit>),
     /// Makes pictures of pixels, as the session of the window has it.
     pictures: Option<PictureFormats>,
     /// Result of the last operation, or the reason why it failed.
@@ -164,6 +168,8 @@ impl EditorPanel {
             trial: None,
             reach: None,
             next_poll: 0.0,
+            next_keep: 0.0,
+            kept: (0, Vec::new()),
             pictures: None,
             message: None,
             is_typing: false,
@@ -344,17 +350,23 @@ impl EditorPanel {
     }
 
     fn move_selected(&mut self, by: Vec2) {
+        let parts = if self.plan.is_open {
+            self.selected_in_plan()
+        } else {
+            self.selected_parts()
+        };
+        if let Some(edit) = self.movement(parts, by) {
+            self.apply(&edit);
+        }
+    }
+
+    /// Returns the edit that moves parts of the board or the plan; `None` without parts.
+    fn movement(&self, parts: Vec<Part>, by: Vec2) -> Option<Edit> {
         if self.plan.is_open {
-            self.move_in_plan(by);
-            return;
+            return self.movement_in_plan(&parts, by);
         }
-        let parts = self.selected_parts();
-        if !parts.is_empty() {
-            self.apply(&Edit::Move {
-                parts,
-                by_mm: [rounded(by.x), rounded(by.y), 0.0],
-            });
-        }
+        let by_mm = [rounded(by.x), rounded(by.y), 0.0];
+        (!parts.is_empty()).then_some(Edit::Move { parts, by_mm })
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key};
 
 use super::EditorPanel;
-use crate::editor::{Change, FileState, Resolution, SaveError, Severity};
+use crate::editor::{Change, Edit, FileState, Resolution, SaveError, Severity};
 use crate::texts::text;
 
 /// Time between two looks at the file.
@@ -248,6 +248,26 @@ pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) 
     }
 }
 
+/// Keeps what is typed or dragged in the recovery file, as it would be in the text.
+pub(in super::super) fn keep_unfinished(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let now = ui.input(|input| input.time);
+    if now < panel.next_keep || panel.may_close {
+        if panel.form.drafts.has_changes() || panel.gesture.is_some() {
+            ui.ctx().request_repaint_after(POLL_PERIOD);
+        }
+        return;
+    }
+    panel.next_keep = now + POLL_PERIOD.as_secs_f64();
+    let edits = panel.unfinished_edits();
+    let kept = (panel.editor.revision(), edits);
+    let (_, kept_edits) = &panel.kept;
+    let is_new = panel.kept != kept && !(kept.1.is_empty() && kept_edits.is_empty());
+    if is_new {
+        panel.editor.keep_with(&kept.1);
+        panel.kept = kept;
+    }
+}
+
 impl EditorPanel {
     /// Returns `true` while a button of the mouse is down or its drag is not finished.
     fn is_dragging(&self, ui: &egui::Ui) -> bool {
@@ -256,6 +276,13 @@ impl EditorPanel {
             || self.dragged_radius.is_some()
             || self.form.dragged.is_some()
             || self.plan.is_dragging()
+    }
+
+    /// Returns the edits of everything that is typed or dragged and is not in the text yet.
+    fn unfinished_edits(&self) -> Vec<Edit> {
+        let mut edits = self.form.drafts.edits();
+        edits.extend(self.edit_of_drag());
+        edits
     }
 
     /// Writes the file, or asks for one, or whether a layout that cannot be used is saved. Returns `false` if the text is not saved

@@ -186,16 +186,13 @@ impl EditorPanel {
         *self.plan.viewport() = chosen.unwrap_or_default();
     }
 
-    /// Moves the selected items by a distance on the picture, in millimetres.
-    pub(super) fn move_in_plan(&mut self, by: Vec2) {
-        let parts = self.selected_in_plan();
-        if let Some(edit) = gesture::moved(self.plan.view, &parts, by) {
-            self.apply(&edit);
-        }
+    /// Returns the edit that moves items by a distance on the picture, in millimetres.
+    pub(super) fn movement_in_plan(&self, parts: &[Part], by: Vec2) -> Option<Edit> {
+        gesture::moved(self.plan.view, parts, by)
     }
 
     /// Returns the selected boards and targets in space.
-    fn selected_in_plan(&self) -> Vec<Part> {
+    pub(super) fn selected_in_plan(&self) -> Vec<Part> {
         let selection = self.editor.selection().iter().copied();
         let is_item = |part: &Part| self.plan.plan.item(*part).is_some();
         selection.filter(is_item).collect()

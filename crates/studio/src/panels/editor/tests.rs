@@ -40,6 +40,7 @@ pub(super) struct Window {
 fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     capture_key(ui, panel, true);
     guard_close(ui, panel);
+    keep_unfinished(ui, panel);
     handle_keys(ui, panel);
     egui::Panel::top("bar").show(ui, |inner| {
         bar::show(inner, panel);
@@ -58,12 +59,12 @@ fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
 
 impl Window {
     pub fn open() -> Self {
-        let folder = tempfile::tempdir().unwrap();
         Self::on_text(TWO_KEYS, 700.0)
     }
 
     /// Opens the editor on a text, in a window of a height that has room for the whole form.
     pub fn on_text(text: &str, height: f32) -> Self {
+        let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("two-keys.ron");
         fs::write(&path, text).unwrap();
         let work = folder.path().join("work");
@@ -83,12 +84,12 @@ impl Window {
         self.harness.state_mut()
     }
 
-    pub fn text(&mut self) -> String {
     /// Returns the folder with unsaved work.
     pub fn work(&self) -> PathBuf {
         self.folder.path().join("work")
     }
 
+    pub fn text(&mut self) -> String {
         self.panel().editor.text().to_owned()
     }
 

@@ -176,3 +176,20 @@ fn a_change_of_the_file_during_a_drag_keeps_both() {
     let moved = TWO_KEYS.replace("(0, 0)", "(-10, 0)");
     assert_eq!(window.text(), other(&moved));
 }
+
+#[test]
+fn what_is_typed_or_dragged_is_offered_after_the_end_of_the_program() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    window.click_field(Role::TextInput, "name");
+    window.write("Foo");
+    let named = TWO_KEYS.replace("(0, 0))", "(0, 0), name: \"Foo\")");
+    assert_eq!(window.wait_for_work("Foo"), named);
+    assert_eq!(window.text(), TWO_KEYS, "it is not entered yet");
+    window.press(Modifiers::NONE, Key::Enter);
+    let other = window.at(40.0, 0.0);
+    window.begin_drag(other, 50.0);
+    let dragged = named.replace("(40, 0)", "(50, 0)");
+    assert_eq!(window.wait_for_work("(50, 0)"), dragged);
+    assert_eq!(window.text(), named, "it is not dropped yet");
+}
