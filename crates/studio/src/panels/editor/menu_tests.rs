@@ -20,6 +20,13 @@ impl Window {
         }
     }
 
+    /// Returns `true` if the last picture has asked the desktop for the clipboard.
+    fn has_asked_for_clipboard(&self) -> bool {
+        let output = &self.harness.output().viewport_output;
+        let commands = output.get(&ViewportId::ROOT).map(|root| &root.commands);
+        commands.is_some_and(|commands| commands.contains(&ViewportCommand::RequestPaste))
+    }
+
     fn has_menu(&self) -> bool {
         egui::Popup::is_any_open(&self.harness.ctx)
     }
@@ -125,12 +132,27 @@ fn the_palette_has_the_commands_that_can_be_used() {
         modifiers: Modifiers::NONE,
     });
     window.harness.run_steps(1);
-    let output = &window.harness.output().viewport_output;
-    let commands = output.get(&ViewportId::ROOT).map(|root| &root.commands);
-    assert!(
-        commands.is_some_and(|commands| commands.contains(&ViewportCommand::RequestPaste)),
-        "{commands:?}"
-    );
+    assert!(window.has_asked_for_clipboard());
+}
+
+#[test]
+fn the_menu_of_the_free_canvas_pastes() {
+    let mut window = Window::open();
+    let free = window.at(20.0, 40.0);
+    window.right_click(free);
+    assert!(window.has_menu());
+    let at = window.harness.get_by_label_contains(text("editor-paste"));
+    let pos = at.rect().center();
+    window.event(Event::PointerMoved(pos));
+    window.button(pos, true);
+    window.harness.event(Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed: false,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(1);
+    assert!(window.has_asked_for_clipboard());
 }
 
 #[test]

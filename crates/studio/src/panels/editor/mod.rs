@@ -58,6 +58,7 @@ use self::outside::{SaveAs, SaveQuestion};
 pub(super) use self::outside::{guard_close, keep_unfinished};
 use self::palette::Palette;
 use self::plan::PlanPanel;
+use self::shortcuts::Nudge;
 
 /// The editor between two pictures.
 pub struct EditorPanel {
@@ -93,6 +94,8 @@ pub struct EditorPanel {
     palette: Palette,
     binding: BindingState,
     form: FormState,
+    /// The last taps of an arrow key.
+    nudge: Option<Nudge>,
     /// A save of a layout that no session can use waits for an answer.
     save_question: Option<SaveQuestion>,
     /// Another layout is chosen.
@@ -161,6 +164,7 @@ impl EditorPanel {
             palette: Palette::default(),
             binding: BindingState::default(),
             form: FormState::default(),
+            nudge: None,
             save_question: None,
             open_question: None,
             work: None,
@@ -346,17 +350,6 @@ impl EditorPanel {
             self.editor.select([]);
             self.message = None;
             self.update_items();
-        }
-    }
-
-    fn move_selected(&mut self, by: Vec2) {
-        let parts = if self.plan.is_open {
-            self.selected_in_plan()
-        } else {
-            self.selected_parts()
-        };
-        if let Some(edit) = self.movement(parts, by) {
-            self.apply(&edit);
         }
     }
 

@@ -69,9 +69,7 @@ fn commands(shown: &EditorPanel) -> Vec<Command> {
         command("editor-save-as", "", |panel, _| panel.ask_for_path()),
         command("editor-undo", "Ctrl-Z", |panel, _| panel.undo()),
         command("editor-redo", "Ctrl-Y", |panel, _| panel.redo()),
-        command("editor-paste", "Ctrl-V", |_, context| {
-            context.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
-        }),
+        paste_command(),
         command("editor-select-all", "Ctrl-A", |panel, _| panel.select_all()),
         command("editor-fit", "", |panel, _| panel.show_all()),
         command("editor-snap", "", |panel, _| panel.snaps = !panel.snaps),
@@ -159,13 +157,22 @@ fn selection_commands() -> [Command; 5] {
     ]
 }
 
-/// Shows the menu of the selection at a right click.
+/// Returns the command that asks the desktop for the clipboard.
+fn paste_command() -> Command {
+    command("editor-paste", "Ctrl-V", |_, context| {
+        context.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+    })
+}
+
+/// Shows the menu of the selection at a right click, with the command that pastes.
 pub(super) fn show_menu(response: &egui::Response, panel: &mut EditorPanel) {
     response.context_menu(|ui| {
         let has_selection = !panel.editor.selection().is_empty();
-        for command in selection_commands() {
+        let [copy, cut, others @ ..] = selection_commands().map(|entry| (entry, has_selection));
+        let entries = [copy, cut, (paste_command(), true)];
+        for (command, is_enabled) in entries.into_iter().chain(others) {
             let entry = egui::Button::new(command.name).shortcut_text(command.shortcut);
-            if ui.add_enabled(has_selection, entry).clicked() {
+            if ui.add_enabled(is_enabled, entry).clicked() {
                 (command.run)(panel, ui.ctx());
             }
         }

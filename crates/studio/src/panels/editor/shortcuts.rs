@@ -6,9 +6,27 @@ use eframe::egui::{self, Event, Key, Modifiers};
 use parry3d::math::Vec2;
 
 use super::EditorPanel;
+use crate::editor::Part;
 
 /// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
 const FINE_STEP_MM: f32 = 0.1;
+
+/// Pause after which the next tap of an arrow key is a step of undo of its own, in seconds.
+const NUDGE_PAUSE_S: f64 = 1.0;
+
+/// Taps of an arrow key that are one step of undo.
+pub(super) struct Nudge {
+    direction: Vec2,
+    /// Distance so far, in millimetres.
+    total: Vec2,
+    /// The parts as they were before.
+    parts: Vec<Part>,
+    /// Time of the last tap, in seconds.
+    time: f64,
+    /// Revision of the text and selection after it. With others, the last edit does not belong to the taps.
+    revision: u64,
+    selection: Vec<Part>,
+}
 
 /// Handles the keys pressed since the last picture, unless they are typed into a field or answer a question. Escape in a field
 /// discards what is typed.
@@ -90,7 +108,47 @@ pub(super) fn handle(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         way += direction * (count(Modifiers::NONE, key) * panel.grid_mm);
     }
     if way != Vec2::ZERO {
-        panel.move_selected(way);
+        let now = ui.input(|input| input.time);
+        panel.nudge(way, now);
+    }
+}
+
+impl EditorPanel {
+    /// Moves what is selected. Taps of one arrow key without a pause are one step of undo.
+    fn nudge(&mut self, way: Vec2, now: f64) {
+        self.commit_drafts();
+        let direction = way.normalize();
+        let before = self.nudge.take().filter(|nudge| {
+            nudge.direction == direction
+                && now - nudge.time < NUDGE_PAUSE_S
+                && nudge.revision == self.editor.revision()
+                && nudge.selection == self.editor.selection()
+        });
+        let is_first = before.is_none();
+        let (parts, total) = match before {
+            Some(nudge) => (nudge.parts, nudge.total + way),
+            None if self.plan.is_open => (self.selected_in_plan(), way),
+            None => (self.selected_parts(), way),
+        };
+        let Some(edit) = self.movement(parts.clone(), total) else {
+            return;
+        };
+        let result = if is_first {
+            self.editor.apply(&edit)
+        } else {
+            self.editor.amend(&edit)
+        };
+        if result.is_ok() {
+            self.nudge = Some(Nudge {
+                direction,
+                total,
+                parts,
+                time: now,
+                revision: self.editor.revision(),
+                selection: self.editor.selection().to_vec(),
+            });
+        }
+        self.report(result);
     }
 }
 

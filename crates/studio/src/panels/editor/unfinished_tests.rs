@@ -193,3 +193,25 @@ fn what_is_typed_or_dragged_is_offered_after_the_end_of_the_program() {
     assert_eq!(window.wait_for_work("(50, 0)"), dragged);
     assert_eq!(window.text(), named, "it is not dropped yet");
 }
+
+#[test]
+fn taps_of_one_arrow_key_are_one_step() {
+    let mut window = Window::open();
+    window.click_board(0.0, 0.0);
+    for _ in 0..10 {
+        window.tap(Key::ArrowLeft);
+    }
+    let left = TWO_KEYS.replace("(0, 0)", "(-10, 0)");
+    assert_eq!(window.text(), left);
+    for _ in 0..3 {
+        window.tap(Key::ArrowUp);
+    }
+    window.click_board(40.0, 0.0);
+    window.tap(Key::ArrowUp);
+    let up = TWO_KEYS.replace("(0, 0)", "(-10, 3)");
+    assert_eq!(window.text(), up.replace("(40, 0)", "(40, 1)"));
+    for expected in [up.as_str(), &left, TWO_KEYS] {
+        window.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(window.text(), expected);
+    }
+}
