@@ -7,6 +7,7 @@ use eframe::egui::{self, Key};
 
 use super::super::{ConvertSvg, PictureFormats};
 use super::EditorPanel;
+use super::shortcuts::is_asked;
 use crate::texts::text;
 use ademan_core::document::shipped_layouts;
 use ademan_core::layout::Wearer;
@@ -100,8 +101,26 @@ fn write_new(path: &Path, content: &[u8]) -> Result<(), String> {
     })
 }
 
+/// Opens a file that is dropped on the window. With unsaved work it asks.
+fn open_dropped(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let dropped = ui.input(|input| {
+        let file = input.raw.dropped_files.last();
+        file.map(|file| file.path().to_owned())
+    });
+    let Some(path) = dropped.filter(|_| !is_asked(ui)) else {
+        return;
+    };
+    let query = path.to_string_lossy().into_owned();
+    if panel.is_unsaved() {
+        panel.open_question = Some(OpenQuestion { query });
+    } else {
+        panel.open_other(&query);
+    }
+}
+
 /// Asks which layout is opened: a file, or one that comes with the program.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    open_dropped(ui, panel);
     let Some(mut question) = panel.open_question.take() else {
         return;
     };

@@ -195,6 +195,30 @@ fn what_is_typed_or_dragged_is_offered_after_the_end_of_the_program() {
 }
 
 #[test]
+fn a_file_that_is_dropped_is_opened_and_asks_before_unsaved_work_is_left() {
+    let mut window = Window::open();
+    let other = window.path.with_file_name("other.ron");
+    fs::write(&other, TWO_KEYS.replace("Two keys", "Dropped")).unwrap();
+    let drop_file = |dropping: &mut Window| {
+        let file = Arc::new(DroppedPath(other.clone()));
+        dropping.harness.input_mut().dropped_files.push(file);
+        dropping.harness.run_steps(1);
+        dropping.harness.input_mut().dropped_files.clear();
+        dropping.harness.run_steps(2);
+    };
+    window.click_board(0.0, 0.0);
+    window.tap(Key::ArrowLeft);
+    let moved = window.text();
+    drop_file(&mut window);
+    assert_eq!(window.text(), moved, "it asks");
+    assert!(window.panel().open_question.is_some());
+    window.press(Modifiers::NONE, Key::Escape);
+    window.press(Modifiers::COMMAND, Key::Z);
+    drop_file(&mut window);
+    assert!(window.text().contains("Dropped"));
+}
+
+#[test]
 fn taps_of_one_arrow_key_are_one_step() {
     let mut window = Window::open();
     window.click_board(0.0, 0.0);
@@ -213,5 +237,19 @@ fn taps_of_one_arrow_key_are_one_step() {
     for expected in [up.as_str(), &left, TWO_KEYS] {
         window.press(Modifiers::COMMAND, Key::Z);
         assert_eq!(window.text(), expected);
+    }
+}
+
+#[test]
+fn the_first_control_of_an_empty_layout_comes_with_a_board() {
+    for kind in [ControlKind::Key, ControlKind::Knob] {
+        let mut window = Window::on_text("", 700.0);
+        window.panel().add_control(kind);
+        window.harness.run_steps(3);
+        assert_eq!(window.panel().message, None);
+        assert_eq!(window.panel().selected.single(), Some(0));
+        assert!(window.panel().editor.is_valid(), "{}", window.text());
+        window.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(window.panel().editor.count("boards"), 0, "one step");
     }
 }
