@@ -22,6 +22,7 @@ const HAND_OPACITY: f32 = 0.35;
 const EDGE: f32 = 1.2;
 const SELECTED: f32 = 2.0;
 const FAULT: f32 = 3.0;
+const FAULTY_FRONT: f32 = 2.0;
 const BEND: f32 = 2.0;
 
 /// Radius of a handle, in points.
@@ -85,6 +86,7 @@ pub fn draw_plan(scene: &PlanScene, size: Vec2, colors: &SceneColors) -> Vec<Pic
     };
     for item in items {
         marks.add_outline(item);
+        marks.add_faulty_fronts(item);
     }
     marks.add_overlaps();
     if let [part] = scene.selected
@@ -168,6 +170,16 @@ impl Marks<'_> {
             },
         };
         self.add_lines(&outline, true, width, color);
+    }
+
+    /// Adds red outlines of the controls of a board that have an error.
+    fn add_faulty_fronts(&mut self, item: &PlanItem) {
+        let fronts = item.board().map_or(&[][..], |board| &board.faulty_fronts);
+        let (view, color) = (self.scene.view, self.canvas.colors.fault);
+        for front in fronts {
+            let outline = front.map(|at| view.flatten(at));
+            self.add_lines(&outline, true, FAULTY_FRONT, color);
+        }
     }
 
     /// Adds lines between points of the plan.

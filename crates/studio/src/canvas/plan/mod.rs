@@ -84,6 +84,8 @@ pub struct PlanBoard {
     pub rows: Bounds,
     /// The corners of its fronts.
     fronts: Vec<[Vec3; 4]>,
+    /// The corners of the fronts of controls with an error, such as an overlap.
+    pub faulty_fronts: Vec<[Vec3; 4]>,
     /// The radius in the file, in millimetres.
     pub radius_mm: Option<f64>,
     /// Its distance follows from the radius of its arcs.
@@ -127,6 +129,7 @@ impl Plan {
                 PlanItem {
                     part: Part::Board(index),
                     shape: PlanShape::Board(PlanBoard {
+                        faulty_fronts: faulty_fronts(editor, surface, pose),
                         radius_mm: number(editor, Part::Board(index), "shape.radius_mm"),
                         is_at_radius: matches!(board.shape, BoardShape::Arc(_))
                             && number(editor, Part::Board(index), "pose.forward_mm").is_none(),
@@ -186,6 +189,18 @@ impl Plan {
     }
 }
 
+/// Returns the corners of the fronts of the controls of a board that have an error.
+fn faulty_fronts(editor: &LayoutEditor, surface: &Surface, pose: Pose) -> Vec<[Vec3; 4]> {
+    let is_faulty = |id| {
+        editor
+            .part_of(id)
+            .is_some_and(|part| editor.is_faulty(part))
+    };
+    let faulty = surface.targets().filter(|(id, _)| is_faulty(*id));
+    let fronts = faulty.map(|(_, target)| front_corners(target).map(|at| pose * at));
+    fronts.collect()
+}
+
 fn overlaps(layout: &Layout, items: &[PlanItem]) -> Vec<PlanOverlap> {
     let found = layout.board_overlaps().into_iter();
     let place = |board: usize, target| {
@@ -234,6 +249,7 @@ impl PlanBoard {
             }),
             rows,
             fronts: fronts.collect(),
+            faulty_fronts: Vec::new(),
             radius_mm: None,
             is_at_radius: false,
         }

@@ -351,14 +351,43 @@ fn drawn(editor: &LayoutEditor, view: PlanView) -> Vec<Picture> {
     draw_plan(&scene, size, &SceneColors::LIGHT)
 }
 
+/// Returns `true` if something on the plan has the colour of faults.
+fn is_red(editor: &LayoutEditor) -> bool {
+    let pictures = drawn(editor, PlanView::Above);
+    let fault = SceneColors::LIGHT.fault;
+    let mut corners = pictures.iter().flat_map(|it| &it.above.vertices);
+    corners.any(|(_, color)| *color == fault)
+}
+
+#[test]
+fn controls_that_overlap_are_red_while_they_do() {
+    let mut editor = editor(TWO_BOARDS);
+    let key = Part::Control {
+        board: 0,
+        kind: crate::editor::ControlKind::Key,
+        index: 1,
+    };
+    let nearer = crate::editor::Edit::Move {
+        parts: vec![key],
+        by_mm: [-9.0, 0.0, 0.0],
+    };
+    editor.apply(&nearer).unwrap();
+    let faulty = |edited: &LayoutEditor| {
+        let placed = plan(edited);
+        let boards = placed.items.iter().filter_map(PlanItem::board);
+        boards
+            .map(|board| board.faulty_fronts.len())
+            .collect::<Vec<_>>()
+    };
+    assert!(is_red(&editor));
+    assert_eq!(faulty(&editor), [2, 0]);
+    editor.undo();
+    assert!(!is_red(&editor));
+    assert_eq!(faulty(&editor), [0, 0]);
+}
+
 #[test]
 fn boards_in_one_place_are_red_and_say_the_distance_while_they_are() {
-    let is_red = |editor: &LayoutEditor| {
-        let pictures = drawn(editor, PlanView::Above);
-        let fault = SceneColors::LIGHT.fault;
-        let mut corners = pictures.iter().flat_map(|it| &it.above.vertices);
-        corners.any(|(_, color)| *color == fault)
-    };
     let mut editor = editor(TWO_BOARDS);
     assert!(!is_red(&editor));
     assert_eq!(editor.problems(), []);
