@@ -252,18 +252,21 @@ fn remove_inner_points(points: &mut Vec<Vec2>) {
     points.retain(|&point| !edges.iter().all(|&edge| is_left(point, edge)));
 }
 
-/// Replaces the signs that the font of the window lacks.
+/// Replaces the signs that the font of the window lacks. Backspace has a word: an arrow would be taken for the arrow key.
 pub fn with_known_signs(label: &str) -> String {
     if label == "␣" {
         return "Space".to_owned();
     }
-    let known = |sign| match sign {
-        '⏎' => '↵',
-        '⌫' => '⟵',
-        '␣' => ' ',
-        known => known,
-    };
-    label.chars().map(known).collect()
+    let mut known = String::with_capacity(label.len());
+    for sign in label.chars() {
+        match sign {
+            '⏎' => known.push('↵'),
+            '⌫' => known.push_str("Back"),
+            '␣' => known.push(' '),
+            other => known.push(other),
+        }
+    }
+    known
 }
 
 #[cfg(test)]
@@ -308,6 +311,15 @@ mod tests {
         let count = triangles.vertices.len() as u32;
         assert!(triangles.indices.iter().all(|&index| index < count));
         assert_eq!(triangles.indices.len() % 3, 0);
+    }
+
+    #[test]
+    fn no_sign_of_another_key_looks_like_an_arrow_key() {
+        let signs = ["⌫", "⏎", "␣"].map(with_known_signs);
+        assert_eq!(signs, ["Back", "↵", "Space"]);
+        let is_arrow = |sign: &String| sign.contains(['←', '⟵', '⬅']);
+        assert!(!signs.iter().any(is_arrow));
+        assert_eq!(with_known_signs("a ⌫"), "a Back");
     }
 
     #[test]
