@@ -17,7 +17,7 @@ use ademan_core::snapshot::Snapshot;
 use ademan_runtime::capture::{Channels, Sample, SourceUri};
 use ademan_runtime::files;
 use ademan_runtime::session::{RequestError, SensorLink};
-use ademan_runtime::setup::{HandReach, LoadedSetup};
+use ademan_runtime::setup::LoadedSetup;
 
 /// Time between two measurements of the lag, in pictures.
 const LAG_PICTURES: u32 = 30;
@@ -88,11 +88,6 @@ impl SensorControl {
         let table = map.map(SensorTable::new).unwrap_or_default();
         let source = self.setup().setup.source.as_ref();
         table.with_simulated(source.is_none_or(is_simulated))
-    }
-
-    /// Returns the hands of the session, to find targets out of their reach.
-    pub fn hand_reach(&self) -> HandReach {
-        self.link.setup().hand_reach()
     }
 
     /// Removes what changes the session: a recording is shown in its place.

@@ -178,6 +178,17 @@ named_enum! {
 }
 
 impl Finger {
+    /// Returns the finger in words, such as `thumb` or `index finger`.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Thumb => "thumb",
+            Self::Index => "index finger",
+            Self::Middle => "middle finger",
+            Self::Ring => "ring finger",
+            Self::Little => "little finger",
+        }
+    }
+
     /// The joints that bend each finger, in the order of [`Finger::ALL`] and from the base outwards.
     pub const FLEXIONS: [[Dof; 3]; Self::COUNT] = [
         [

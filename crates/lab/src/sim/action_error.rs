@@ -33,7 +33,7 @@ pub enum ActionErrorKind {
     )]
     NotOnBoard,
     /// A press at which a finger would press another target, too or instead.
-    #[error("the {finger} finger would press another target", finger = .finger.name())]
+    #[error("the {finger} would press another target", finger = .finger.in_words())]
     WouldPress {
         /// The finger.
         finger: Finger,

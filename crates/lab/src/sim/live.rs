@@ -314,7 +314,7 @@ fn describe(kind: &ActionErrorKind, action: &HandAction, layout: &Layout) -> Str
             ..
         } => format!("`{}` is reserved for the other hand", name(*target)),
         ActionErrorKind::WouldPress { finger, target } => {
-            format!("the {finger} finger would press `{}`", name(*target))
+            format!("the {} would press `{}`", finger.in_words(), name(*target))
         }
         ActionErrorKind::NotOnBoard => match action.target_point() {
             Some(point) => format!("`{}` is on no board", name(point.target)),

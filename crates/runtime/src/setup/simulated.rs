@@ -9,9 +9,13 @@ use crate::sim::{
     self, ActionError, ActionErrorKind, HandAction, HandTask, Sensor, SimulatedStream,
     SimulatedTypist, TourStop, TypingKeys, TypistError, TypistSettings, open_script,
 };
+use ademan_core::contact::TargetId;
 use ademan_core::kinematics::ArmModel;
-use ademan_core::layout::Person;
+use ademan_core::layout::{Layout, Person};
 use ademan_core::message::escape;
+
+/// The largest number of keys of a layout whose presses are tried.
+const MAX_TRIED: usize = 500;
 
 impl LoadedSetup {
     /// Returns a simulated hand that types `text` on the layout and sends packets in `format`.
@@ -193,6 +197,52 @@ impl LoadedSetup {
         text
     }
 
+    /// Returns the keys of another layout that the simulated hand reaches and cannot press, with the reason and the remedy. Leaves out
+    /// keys that are pressed by bending and keys of chords.
+    pub fn keys_without_press(&self, layout: &Layout) -> Vec<(TargetId, String)> {
+        let mut own = self.clone();
+        own.layout = layout.clone();
+        let Ok(hands) = own.hands(own.scripted_kind()) else {
+            return Vec::new();
+        };
+        let hands = borrowed(&hands);
+        let settings = own.live_settings(Hc11Format::default().packet_period(), 0.0);
+        let names = layout.target_names();
+        let name = |target| escape(&names.get(target).to_string()).to_string();
+        let reason = |target| {
+            let actions = [HandAction::tap(target)];
+            let planned = SimulatedTypist::with_hands(&settings, &actions, &layout.scene, &hands);
+            let Err(TypistError::Action(error)) = planned else {
+                return None;
+            };
+            Some(match error.kind {
+                ActionErrorKind::WouldPress {
+                    finger,
+                    target: other,
+                } => format!(
+                    "its {} would press `{}`; make the keys smaller or move them apart",
+                    finger.in_words(),
+                    name(other)
+                ),
+                kind @ (ActionErrorKind::WouldMiss(_) | ActionErrorKind::NoWay) => {
+                    format!("{kind}; move it or its board")
+                }
+                _ => return None,
+            })
+        };
+        let is_touched = |target| {
+            let found = layout.scene.target(target);
+            let is_bent = found.is_none_or(|(surface, _)| surface.is_bent());
+            !is_bent && !layout.is_chord_key(target)
+        };
+        let targets = layout.keys.iter().map(|key| key.face.target);
+        let touched = targets.filter(|target| is_touched(*target));
+        let tried = touched.take(MAX_TRIED);
+        tried
+            .filter_map(|target| Some((target, reason(target)?)))
+            .collect()
+    }
+
     /// Returns what a script moves.
     fn scripted_kind(&self) -> SampleKind {
         let layout = &self.layout;
@@ -276,7 +326,8 @@ impl LoadedSetup {
                 name(*target)
             ),
             ActionErrorKind::WouldPress { finger, target } => format!(
-                "the {finger} finger of the simulated hand would press `{}`; make the keys smaller or move them apart",
+                "the {} of the simulated hand would press `{}`; make the keys smaller or move them apart",
+                finger.in_words(),
                 name(*target)
             ),
             ActionErrorKind::WouldMiss(target) => format!(

@@ -1,4 +1,4 @@
-//! Warnings about controls that the hands of the session do not reach.
+//! Warnings about controls that the hands of the session do not reach, and keys that the simulated hand cannot press.
 
 use std::sync::Arc;
 use std::thread;
@@ -8,17 +8,23 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 use super::{LayoutEditor, Problem, Severity};
 use ademan_core::contact::TargetId;
 use ademan_core::layout::Layout;
-use ademan_runtime::setup::{HandReach, TargetOutOfReach};
+use ademan_runtime::setup::{HandReach, LoadedSetup, TargetOutOfReach};
 
 /// The largest number of controls with a warning each: the nearest ones.
 const MAX_WARNINGS: usize = 20;
 
-/// Targets out of reach, the nearest first.
-type Found = Vec<TargetOutOfReach>;
+/// The result of a check.
+struct Found {
+    /// Targets out of reach, the nearest first.
+    out_of_reach: Vec<TargetOutOfReach>,
+    /// Keys that the simulated hand reaches and cannot press, with the reasons.
+    without_press: Vec<(TargetId, String)>,
+}
 
 /// Finds the controls out of reach after each edit, on a thread of its own: 10 000 keys take seconds.
 pub struct ReachCheck {
-    hands: Arc<HandReach>,
+    hands: HandReach,
+    setup: LoadedSetup,
     /// The layout that is checked, and its result.
     job: Option<(Arc<Layout>, Receiver<Found>)>,
     /// The layout that was checked last.
@@ -28,9 +34,10 @@ pub struct ReachCheck {
 
 impl ReachCheck {
     /// Creates the check for the hands of a setup.
-    pub fn new(hands: HandReach) -> Self {
+    pub fn new(setup: &LoadedSetup) -> Self {
         Self {
-            hands: Arc::new(hands),
+            hands: setup.hand_reach(),
+            setup: setup.clone(),
             job: None,
             checked: None,
             warnings: Vec::new(),
@@ -67,10 +74,15 @@ impl ReachCheck {
 
     fn start(&mut self, layout: Arc<Layout>) {
         let (sender, result) = bounded(1);
-        let (hands, checked) = (Arc::clone(&self.hands), Arc::clone(&layout));
+        let (hands, setup) = (self.hands.clone(), self.setup.clone());
+        let checked = Arc::clone(&layout);
         let check = move || {
+            let found = Found {
+                out_of_reach: hands.on_boards(&checked),
+                without_press: setup.keys_without_press(&checked),
+            };
             // The editor may be closed.
-            let _ = sender.send(hands.on_boards(&checked));
+            let _ = sender.send(found);
         };
         // Without a thread there are no warnings; the next edit tries again.
         let _ = thread::Builder::new().name("reach".into()).spawn(check);
@@ -94,15 +106,17 @@ fn warnings(found: &Found, editor: &LayoutEditor, layout: &Layout) -> Vec<Proble
         };
         problem(message, editor, Some(target))
     };
-    let mut warnings: Vec<Problem> = found.iter().take(MAX_WARNINGS).map(warning).collect();
-    if let Some(rest) = found
-        .len()
-        .checked_sub(MAX_WARNINGS)
-        .filter(|rest| *rest > 0)
-    {
-        let step = TargetOutOfReach::common_step(&found[MAX_WARNINGS..]);
+    let far = &found.out_of_reach;
+    let mut warnings: Vec<Problem> = far.iter().take(MAX_WARNINGS).map(warning).collect();
+    if let Some(rest) = far.len().checked_sub(MAX_WARNINGS).filter(|rest| *rest > 0) {
+        let step = TargetOutOfReach::common_step(&far[MAX_WARNINGS..]);
         let message = format!("{rest} more controls are out of reach; {step}");
         warnings.push(problem(message, editor, None));
+    }
+    for (target, reason) in found.without_press.iter().take(MAX_WARNINGS) {
+        let name = names.get(*target);
+        let message = format!("`{name}` cannot be pressed by the simulated hand: {reason}");
+        warnings.push(problem(message, editor, Some(*target)));
     }
     warnings
 }
@@ -127,6 +141,7 @@ fn problem(message: String, editor: &LayoutEditor, target: Option<TargetId>) -> 
 mod tests {
     use super::*;
     use crate::editor::{ControlKind, Edit, Part};
+    use ademan_core::document::{Document, shipped_layouts};
     use ademan_core::layout::Fit;
     use ademan_runtime::setup::Setup;
     use std::time::{Duration, Instant};
@@ -141,7 +156,7 @@ mod tests {
     }
 
     fn check() -> ReachCheck {
-        ReachCheck::new(Setup::default().load_files().unwrap().hand_reach())
+        ReachCheck::new(&Setup::default().load_files().unwrap())
     }
 
     /// Advances until the layout of the editor is checked.
@@ -194,6 +209,58 @@ mod tests {
             let message = &warning.message;
             let is_named = message.ends_with(&format!("move it or its board {step}"));
             assert!(is_named, "{at_mm}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_key_that_the_simulated_hand_cannot_press_is_a_warning_until_it_has_room() {
+        let pad: String = (0..12)
+            .map(|index| {
+                let (x, y) = (index % 3 * 27 - 27, 33 - index / 3 * 22);
+                format!(
+                    "(code: \"F{}\", at_mm: ({x}, {y}), size_mm: Box(24, 17)),",
+                    index + 1
+                )
+            })
+            .collect();
+        let text = format!(
+            "Layout(name: \"a\", boards: [\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
+             height_mm: -45), keys: [{pad}]),\n(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 190, \
+             height_mm: -45, right_mm: -10), shape: Arc(radius_mm: 90), keys: [\n\
+             (code: \"Space\", at_mm: (0, 0)), (code: \"Enter\", at_mm: (19, 0))])])"
+        );
+        let mut editor = LayoutEditor::from_text("pad.ron", &text, Fit::default());
+        assert_eq!(editor.problems(), []);
+        let mut check = check();
+        finish(&mut check, &editor);
+        let is_of_hand = |warning: &&Problem| warning.message.contains("by the simulated hand");
+        let warnings: Vec<&Problem> = check.warnings().iter().filter(is_of_hand).collect();
+        assert!(!warnings.is_empty(), "{:?}", check.warnings());
+        for warning in warnings {
+            assert_eq!(warning.severity, Severity::Warning);
+            assert_eq!(warning.line, Some(4), "{warning:?}");
+            assert!(warning.message.contains("would press `F"), "{warning:?}");
+        }
+        let beside = Edit::SetField {
+            parts: vec![Part::Board(1)],
+            field: "pose".to_owned(),
+            value: Some("(anchor: elbow, bearing_deg: 35, forward_mm: 262.98, height_mm: -45, right_mm: -106.27)".to_owned()),
+        };
+        editor.apply(&beside).unwrap();
+        finish(&mut check, &editor);
+        assert_eq!(check.warnings(), []);
+    }
+
+    #[test]
+    fn the_simulated_hand_presses_every_key_of_a_shipped_layout() {
+        let setup = Setup::default().load_files().unwrap();
+        for name in shipped_layouts() {
+            let document = Document::shipped(name).unwrap();
+            // A layout for other hands is left out.
+            let Ok(layout) = Layout::for_hands(document, setup.layout.fit) else {
+                continue;
+            };
+            assert_eq!(setup.keys_without_press(&layout), [], "{name}");
         }
     }
 

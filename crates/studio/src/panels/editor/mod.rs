@@ -401,7 +401,7 @@ fn rounded(value: f32) -> f64 {
 pub(super) fn prepare(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
     panel.pictures = context.pictures;
     let reach = &mut panel.reach;
-    let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));
+    let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.setup()));
     reach.advance(&panel.editor);
     handle_keys(ui, panel);
 }
