@@ -13,10 +13,14 @@ use crate::layout::controls::xy_pad::DIRECTIONS;
 
 /// Changes the name of a part.
 pub(super) fn rename(draft: &mut Draft, part: Part, name: &str) -> Result<Vec<Part>, EditError> {
-    let is_target = !matches!(part, Part::Layout | Part::Layer(_) | Part::Sequence(_));
+    let is_target = !matches!(
+        part,
+        Part::Layout | Part::Board(_) | Part::Layer(_) | Part::Sequence(_)
+    );
     let is_named = matches!(
         part,
         Part::Layout
+            | Part::Board(_)
             | Part::RowKey { .. }
             | Part::Control { .. }
             | Part::RadioOption { .. }
@@ -197,6 +201,46 @@ mod tests {
             .replace(r#""P y""#, r#""Filter y""#);
         assert_eq!(both, expected);
         Layout::parse(&both, "a.ron").expect("its signals name controls");
+    }
+
+    #[test]
+    fn a_board_gets_a_name_and_loses_it() {
+        let text = r#"Layout(name: "A", boards: [(
+    pose: (anchor: elbow),
+    keys: [(code: "A", at_mm: (0, 0))],
+)])"#;
+        let named = |before: &str, name: &str| {
+            let rename = Edit::Rename {
+                part: Part::Board(0),
+                name: name.into(),
+            };
+            edit(before, &rename).expect("a name").text
+        };
+        let pad = named(text, "A");
+        let layout = Layout::parse(&pad, "a.ron").expect("a board with the name of its key");
+        assert_eq!(layout.boards[0].name.as_deref(), Some("A"));
+        assert_eq!(layout.keys[0].face.name, "A");
+        let thumb = named(&pad, "Thumb");
+        assert_eq!(
+            thumb,
+            pad.replace(
+                r#"name: "A",
+"#,
+                r#"name: "Thumb",
+"#
+            )
+            .replace(r#"Layout(name: "Thumb""#, r#"Layout(name: "A""#)
+        );
+        let removed = Edit::SetField {
+            parts: vec![Part::Board(0)],
+            field: "name".into(),
+            value: None,
+        };
+        let unnamed = edit(&thumb, &removed).expect("no name is needed").text;
+        assert_eq!(
+            Layout::parse(&unnamed, "a.ron").unwrap().boards[0].name,
+            None
+        );
     }
 
     #[test]

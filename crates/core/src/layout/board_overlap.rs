@@ -15,6 +15,8 @@ const TOLERANCE: f32 = 1e-5;
 pub struct BoardOverlap<'a> {
     /// The numbers of the boards in the file, from 1.
     pub boards: (usize, usize),
+    /// Their names in messages.
+    board_names: [String; 2],
     /// The names of the controls that overlap most, one of each board.
     pub names: (&'a str, &'a str),
     /// The targets of these controls.
@@ -46,6 +48,15 @@ impl Block<'_> {
 }
 
 impl Layout {
+    /// Returns the name of a board in messages, or its number, from 1.
+    fn board_name(&self, index: usize) -> String {
+        let name = self.boards[index].name.as_ref();
+        name.map_or_else(
+            || (index + 1).to_string(),
+            |name| format!("`{}`", escape(name)),
+        )
+    }
+
     /// Returns the pairs of boards that share space: boards with one anchor that the same hand can touch.
     pub fn board_overlaps(&self) -> Vec<BoardOverlap<'_>> {
         let surfaces = self.scene.surfaces();
@@ -67,6 +78,7 @@ impl Layout {
                 if let Some((depth, one, other)) = deepest(blocks, other_blocks) {
                     overlaps.push(BoardOverlap {
                         boards: (index + 1, other_index + 1),
+                        board_names: [index, other_index].map(|it| self.board_name(it)),
                         names: (one.name, other.name),
                         targets: (one.target, other.target),
                         depth,
@@ -107,7 +119,7 @@ impl Layout {
 impl BoardOverlap<'_> {
     /// Returns the warning about it: what overlaps, by how much, and what to do.
     pub fn message(&self) -> String {
-        let (first, second) = self.boards;
+        let [first, second] = &self.board_names;
         let names = (escape(self.names.0), escape(self.names.1));
         format!(
             "boards {first} and {second} overlap by {:.1} mm at `{}` and `{}`, so that one touch presses both; move one of them",
@@ -200,6 +212,20 @@ mod tests {
         assert_eq!(pose("right_mm: 17"), [((1, 2), 3.0)]);
         assert_eq!(pose("right_mm: 21"), []);
         assert_eq!(pose("height_mm: 5"), []);
+    }
+
+    #[test]
+    fn a_message_has_the_names_of_boards_or_their_numbers() {
+        let text = "Layout(name: \"a\", boards: [\
+            (name: \"Pad\", pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))]),\
+            (pose: (anchor: elbow), keys: [(code: \"B\", at_mm: (0, 0))])])";
+        let layout = Layout::parse(text, "a.ron").unwrap();
+        let overlaps = layout.board_overlaps();
+        let message = overlaps[0].message();
+        assert!(
+            message.starts_with("boards `Pad` and 2 overlap by"),
+            "{message}"
+        );
     }
 
     #[test]

@@ -80,6 +80,9 @@ macro_rules! board_schema {
             #[derive(Debug, Deserialize)]
             #[serde(rename = "Board", deny_unknown_fields)]
             pub(super) struct BoardSchema<'a> {
+                /// Name in the editor and in messages. Default: its number.
+                #[serde(default)]
+                name: Option<Label>,
                 /// Pose of the point (0, 0), and scale.
                 pub pose: PoseSchema,
                 /// The only hand that can touch the board. Default: either.
@@ -353,6 +356,7 @@ impl<'a> BoardSchema<'a> {
         }
         self.build_controls(builder)?;
         builder.end_board(
+            self.name.as_ref().map(|name| &*name.0),
             self.hand,
             self.pose.anchor.into(),
             self.pose.anchor_from_board(self.shape, &fit),

@@ -86,6 +86,8 @@ pub struct Layout {
 /// A group of keys and controls that moves as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Board {
+    /// The name in the editor and in messages, if it has one.
+    pub name: Option<String>,
     /// Indices of its keys in [`Layout::keys`].
     pub keys: Range<usize>,
     /// Indices of its other controls in [`Layout::controls`].

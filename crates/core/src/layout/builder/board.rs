@@ -170,6 +170,7 @@ impl<'a> LayoutBuilder<'a> {
     /// case, so that boards have the indices of the file.
     pub fn end_board(
         &mut self,
+        name: Option<&str>,
         side: Option<Side>,
         anchor: Anchor,
         anchor_from_board: parry3d::math::Pose,
@@ -180,6 +181,7 @@ impl<'a> LayoutBuilder<'a> {
         self.board.share_gaps();
         let draft = std::mem::take(&mut self.board);
         let board = Board {
+            name: name.map(str::to_owned),
             keys: draft.first_key..self.keys.len(),
             controls: draft.first_control..self.controls.len(),
             pitch: metres(pitch_mm) * draft.settings.scale,

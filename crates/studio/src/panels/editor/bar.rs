@@ -255,6 +255,14 @@ fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     }
 }
 
+impl EditorPanel {
+    /// Returns the name of a board, or its number.
+    pub(super) fn board_name(&self, board: usize) -> String {
+        let name = self.editor.part_name(Part::Board(board));
+        name.unwrap_or_else(|| text_with("editor-board", &[("number", (board + 1).into())]))
+    }
+}
+
 /// Shows a tab for each board. `is_shown`: one of them is on the canvas. Returns the tabs.
 pub fn show_boards(
     ui: &mut egui::Ui,
@@ -263,7 +271,7 @@ pub fn show_boards(
 ) -> Vec<egui::Response> {
     let boards = 0..panel.editor.count("boards");
     let tabs = boards.map(|board| {
-        let name = text_with("editor-board", &[("number", (board + 1).into())]);
+        let name = panel.board_name(board);
         let tab = ui.selectable_label(is_shown && panel.board == board, name);
         if tab.clicked() {
             panel.leave_plan(board);

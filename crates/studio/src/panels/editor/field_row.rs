@@ -171,6 +171,8 @@ fn show_text(
         (value, hint.unwrap_or_default()),
         |content| {
             let written = match (name, parts) {
+                // Without a name, a board has its number.
+                ("name", [Part::Board(_)]) if content.is_empty() => None,
                 ("name", [part]) if *part != Part::Layout => {
                     let part = *part;
                     return Edit::Rename {

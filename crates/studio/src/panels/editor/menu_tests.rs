@@ -191,3 +191,18 @@ fn a_layout_that_another_studio_edits_is_opened_with_a_message() {
     let second = open();
     assert_eq!(second.message, Some(Ok(text("editor-open-elsewhere"))));
 }
+
+#[test]
+fn a_board_is_called_by_its_name_everywhere() {
+    let mut window = Window::open();
+    assert!(!window.offers("Pad"));
+    let rename = Edit::Rename {
+        part: Part::Board(0),
+        name: "Pad".into(),
+    };
+    window.panel().apply(&rename);
+    assert!(window.offers("Pad"));
+    assert!(window.harness.query_all_by_label("Pad").count() >= 1);
+    let number = text_with("editor-board", &[("number", 1.into())]);
+    assert_eq!(window.harness.query_all_by_label(&number).count(), 0);
+}

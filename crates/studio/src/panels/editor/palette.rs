@@ -4,7 +4,7 @@ use eframe::egui::{self, Align2, Key};
 
 use super::{EditorPanel, bar, plan};
 use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit};
-use crate::texts::{text, text_with};
+use crate::texts::text;
 
 /// Width of the palette, in points.
 const WIDTH: f32 = 420.0;
@@ -107,7 +107,7 @@ fn views(shown: &EditorPanel) -> Vec<Command> {
     }
     for board in 0..shown.editor.count("boards") {
         let mut show = command("editor-board", "", move |panel, _| panel.leave_plan(board));
-        show.name = text_with("editor-board", &[("number", (board + 1).into())]);
+        show.name = shown.board_name(board);
         commands.push(show);
     }
     commands

@@ -14,7 +14,7 @@ use crate::canvas::snap::SnapSettings;
 use crate::canvas::viewport::{AreaViewport, Viewport};
 use crate::editor::{Edit, Part};
 use crate::scene::{PlanScene, draw_plan};
-use crate::texts::{text, text_with};
+use crate::texts::text;
 use ademan_core::kinematics::HandPose;
 
 /// Distance at which edges attract, in points.
@@ -426,7 +426,7 @@ fn show_names(ui: &egui::Ui, panel: &EditorPanel, (area, viewport): (egui::Rect,
         let corners = [min, max].map(|at| area.min + egui::vec2(at.x, at.y));
         let place = egui::Rect::from_two_pos(corners[0], corners[1]);
         let name = match item.part {
-            Part::Board(board) => text_with("editor-board", &[("number", (board + 1).into())]),
+            Part::Board(board) => panel.board_name(board),
             part => panel.editor.part_name(part).unwrap_or_default(),
         };
         let response = ui.interact(place, ui.scope_id().with(item.part), Sense::hover());
