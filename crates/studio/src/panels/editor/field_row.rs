@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, DragValue};
+use eframe::egui::{self, DragValue, Event};
 
 use super::EditorPanel;
 use super::form::DraggedField;
@@ -282,7 +282,8 @@ pub(super) fn number_cell(
     let is_changed = is_other_number(number.old, shown, number.decimals)
         || number.is_mixed && drag.lost_focus() && typed.is_some();
     let new = (shown * 1000.0).round() / 1000.0;
-    if drag.has_focus() || typed.is_some() {
+    // A field that is only passed through changes nothing.
+    if typed.is_some() || drag.has_focus() && (drag.changed() || has_typed(ui)) {
         let edit = is_changed.then(|| edit(parts.to_vec(), new));
         panel.form.drafts.set_number(id, shown, edit);
         if !drag.has_focus() {
@@ -294,6 +295,12 @@ pub(super) fn number_cell(
     if !drag.dragged() && panel.is_field_dragged(number.name) {
         panel.form.dragged = None;
     }
+}
+
+/// Returns `true` if a text was typed or pasted since the last frame.
+fn has_typed(ui: &egui::Ui) -> bool {
+    let is_text = |event: &Event| matches!(event, Event::Text(_) | Event::Paste(_));
+    ui.input(|input| input.events.iter().any(is_text))
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {

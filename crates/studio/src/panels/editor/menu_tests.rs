@@ -1,5 +1,6 @@
 //! Menus and the palette of the editor in a window without a display, and what is added where it is not seen.
 
+use eframe::egui::accesskit::Role;
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, ViewportCommand, ViewportId};
 use egui_kittest::kittest::Queryable;
 
@@ -205,4 +206,19 @@ fn a_board_is_called_by_its_name_everywhere() {
     assert!(window.harness.query_all_by_label("Pad").count() >= 1);
     let number = text_with("editor-board", &[("number", 1.into())]);
     assert_eq!(window.harness.query_all_by_label(&number).count(), 0);
+}
+
+#[test]
+fn a_mixed_number_that_is_passed_through_changes_nothing() {
+    let mut window = Window::open();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.click_field(Role::SpinButton, "X");
+    window.press(Modifiers::NONE, Key::Tab);
+    window.press(Modifiers::NONE, Key::Tab);
+    window.panel().commit_drafts();
+    assert_eq!(window.text(), TWO_KEYS);
+    window.click_field(Role::SpinButton, "Y");
+    window.write("7");
+    window.press(Modifiers::NONE, Key::Tab);
+    assert_eq!(window.text().matches(", 7)").count(), 2);
 }
