@@ -134,7 +134,15 @@ fn message_about(
 ) -> String {
     let address = free_address();
     let source = format!("udp:{address}?protocol={protocol}");
-    let mut command = ademan(["run", "--output", "none", "--source", &source]);
+    let mut command = ademan([
+        "run",
+        "--output",
+        "none",
+        "--control",
+        "off",
+        "--source",
+        &source,
+    ]);
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     let mut program = Process::start(&mut command).expect("the program starts");
     let stderr = BufReader::new(program.0.stderr.take().expect("it is piped"));

@@ -64,7 +64,9 @@ fn angles_are_in_radians_by_joint() {
 #[test]
 fn a_trace_without_results_says_what_became_of_the_readings() {
     let folder = tempfile::tempdir().unwrap();
-    let lines = text_lines("hi");
+    let mut lines = text_lines("hi");
+    // Of more of them, only the hand would not be trusted.
+    lines.truncate(8);
     // The wrist is bent further than any.
     let impossible = lines.iter().map(|line| {
         let mut values: Vec<_> = line.split_ascii_whitespace().collect();

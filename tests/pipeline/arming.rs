@@ -391,7 +391,7 @@ fn every_reading_is_accepted_or_rejected() {
         540
     );
     assert_eq!(wearer.pipeline.rejected().iter().sum::<u64>(), rejected);
-    assert!(rejected > 5);
+    assert!(rejected >= 10, "{rejected}");
 }
 
 impl Wearer {

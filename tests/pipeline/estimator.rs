@@ -165,17 +165,20 @@ fn an_implausible_position_is_accepted_at_the_third_consistent_reading() {
 #[test]
 fn implausible_positions_that_contradict_each_other_are_never_accepted() {
     let mut hand = GloveHand::unsmoothed();
-    let rest = hand.next().expect("a resting hand").angles;
+    hand.next().expect("a resting hand");
+    let mut unplaced = 0;
     for (number, count) in [160, 230].into_iter().cycle().take(50).enumerate() {
         match hand.set(ELBOW, count) {
             Err(reason) => assert_eq!(reason, Rejection::TooFast),
             Ok(estimate) => {
                 assert!(number >= 3, "a jump of one reading");
                 assert!(!estimate.is_placed, "the sensor is unreliable");
-                assert_eq!(estimate.angles, rest);
+                assert!(!estimate.angles.is_known(Dof::ElbowFlexion));
+                unplaced += 1;
             }
         }
     }
+    assert!(unplaced > 20, "{unplaced}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use ademan::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
 };
 use ademan::hand::{Dof, Finger, FingerSet, Side};
+use ademan::layout::Layout;
 use ademan::setup::LoadedSetup;
 
 use crate::support::press::{Posture, Press, glove_format, typing};
@@ -342,7 +343,57 @@ fn a_wire_that_comes_loose_while_a_hand_types_adds_no_key() {
             }
         }
     }
-    println!("{presses} presses, others: {others}");
     assert!(presses > 300);
     assert_eq!(others, "");
+}
+
+#[test]
+fn a_sensor_that_is_repaired_while_its_finger_is_on_a_key_presses_nothing() {
+    let press = Press::for_text("h");
+    let loaded = default_setup();
+    let map = &loaded.glove.as_ref().expect("a glove").map;
+    let of_index = |channel: &usize| map.fingers_affected_by(*channel).contains(Finger::Index);
+    for channel in map.rows().iter().map(|row| row.channel).filter(of_index) {
+        let mut random = fastrand::Rng::with_seed(channel as u64);
+        let mut wearer = GloveWearer::new(&loaded);
+        wearer.play(&[press.clear(); 60]);
+        wearer.play(&loose(&[press.clear(); 350], channel, &mut random));
+        wearer.play(&loose(&press.approach, channel, &mut random));
+        wearer.play(&[press.pressed(); 400]);
+        assert_eq!(wearer.take_events(), "", "channel {channel}");
+        wearer.play(&press.lift);
+        wearer.play(&press.approach);
+        assert_eq!(wearer.take_events(), "down H", "channel {channel}");
+    }
+}
+
+#[test]
+fn a_key_that_the_angle_of_the_wrist_holds_is_released_when_its_sensor_jumps() {
+    const WRIST: usize = 4;
+    let press = Press::for_text("h");
+    let mut loaded = default_setup();
+    let text = r#"Layout(name: "a", triggers: [(name: "Bow", action: Key("A"),
+        when: Angle(dof: "wrist-flexion", on_deg: 20, off_deg: 10))])"#;
+    loaded.layout = Layout::parse(text, "a.ron").expect("a layout");
+    let mut wearer = GloveWearer::new(&loaded);
+    wearer.play(&[with(&press.clear(), WRIST, 60); 100]);
+    // 40°, and then in each second reading something else.
+    let bent = with(&press.clear(), WRIST, 141);
+    wearer.play(&[bent; 100]);
+    assert_eq!(wearer.take_events(), "down A");
+    let mut random = fastrand::Rng::with_seed(1);
+    let half = (0..700).map(|number| match number % 2 {
+        0 => bent,
+        _ => with(&bent, WRIST, random.u8(..60)),
+    });
+    wearer.play(&half.collect::<Vec<_>>());
+    assert_eq!(wearer.take_events(), "up A");
+    let right = wearer.pipeline.implausible()[Side::Right.index()];
+    assert!(right.angles.contains(Dof::WristFlexion));
+    // The same angle is a new movement.
+    wearer.play(&[bent; 400]);
+    assert_eq!(wearer.take_events(), "");
+    wearer.play(&[with(&press.clear(), WRIST, 60); 100]);
+    wearer.play(&[bent; 100]);
+    assert_eq!(wearer.take_events(), "down A");
 }

@@ -110,7 +110,7 @@ fn the_event_loop_counts_every_reading_of_a_damaged_line() {
         pipeline_stats.accepted + rejected + source_stats.dropped
     );
     assert!(
-        pipeline_stats.accepted > 1_000 && rejected > 10,
+        pipeline_stats.accepted > 1_000 && rejected > 0,
         "{pipeline_stats:?}"
     );
 }

@@ -173,22 +173,20 @@ impl Estimator {
             &mut self.plausibility,
             &mut self.estimate,
         )?;
-        self.hold_unreliable();
+        self.remove_unreliable();
         let anchor = anchor(&self.estimate);
         let tips = Tips::measured(&self.estimate, anchor.map(|(_, position)| position));
         self.estimate.jumped |= self.check_speed(anchor, &tips)?;
         Ok((anchor, tips))
     }
 
-    /// Keeps unreliable angles where they were.
-    fn hold_unreliable(&mut self) {
+    fn remove_unreliable(&mut self) {
         let seconds = self.estimate.time.since(self.plausibility.time());
         let reach = self.settings.max_speed.map_or(f64::INFINITY, |max_speed| {
             plausible_rotation(max_speed, seconds.as_secs_f64())
         });
-        let last = self.last.as_ref().map(|last| &last.angles);
         self.plausibility
-            .hold(reach, &mut self.estimate.angles, last);
+            .remove_unreliable(reach, &mut self.estimate.angles);
     }
 
     /// Returns the parts of the hand that are not trusted because their readings are implausible.
@@ -212,7 +210,8 @@ impl Estimator {
         if was_unseen {
             converter.forget_excursions();
         }
-        converter.observe_ranges(reading.time, channels);
+        let unreliable = self.plausibility.implausible().angles;
+        converter.observe_ranges(reading.time, channels, unreliable);
     }
 
     /// Returns whether a sensor has been beyond its range, so that [`widen_ranges`](Self::widen_ranges) changes something.

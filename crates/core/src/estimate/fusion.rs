@@ -111,12 +111,19 @@ impl FusedEstimator {
         self.estimate.lose_hand();
     }
 
-    /// Returns the parts of the hand that are not trusted because their readings are implausible, unless their source is lost.
+    /// Returns the parts of the hand that are not trusted because their readings are implausible.
     pub(super) fn implausible(&self) -> Implausible {
-        let seen = self.parts.iter().filter(|part| part.seen_at.is_some());
-        seen.fold(Implausible::default(), |all, part| {
+        let parts = self.parts.iter();
+        parts.fold(Implausible::default(), |all, part| {
             all.union(part.estimator.implausible())
         })
+    }
+
+    /// Returns the sensor channel of an angle that is implausible, if a glove measures it.
+    pub(super) fn channel_of(&self, dof: Dof) -> Option<usize> {
+        let mut parts = self.parts.iter();
+        let part = parts.find(|part| part.estimator.implausible().angles.contains(dof))?;
+        part.estimator.channel_of(dof)
     }
 
     /// Returns the estimator of the arm, unless its source is lost.

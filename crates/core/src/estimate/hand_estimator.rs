@@ -99,9 +99,12 @@ impl HandEstimator {
         }
     }
 
-    /// Returns the sensor channel that measures an angle, if a glove does.
+    /// Returns the sensor channel of an angle that is implausible, if a glove measures it.
     pub fn channel_of(&self, dof: Dof) -> Option<usize> {
-        self.fingers().channel_of(dof)
+        match self {
+            Self::Single(estimator) => estimator.channel_of(dof),
+            Self::Fused(estimator) => estimator.channel_of(dof),
+        }
     }
 
     /// Returns the angles at which the fingers are straight and closed.

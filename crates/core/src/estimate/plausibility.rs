@@ -57,6 +57,20 @@ pub struct Implausible {
 }
 
 impl Implausible {
+    /// Returns `true` if the place of the hand is not trusted.
+    pub fn concerns_hand(self) -> bool {
+        self.is_hand || self.angles.iter().any(|dof| dof.finger().is_none())
+    }
+
+    /// Returns the fingers that are not trusted.
+    pub fn fingers(self) -> FingerSet {
+        if self.concerns_hand() {
+            return FingerSet::ALL;
+        }
+        let fingers = self.angles.iter().filter_map(Dof::finger);
+        fingers.fold(FingerSet::NONE, FingerSet::with)
+    }
+
     /// Returns the parts that are in either.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -78,16 +92,18 @@ pub(super) struct Plausibility {
     unreliable: DofSet,
     /// The angles that are implausible in the present reading.
     blamed: DofSet,
-    /// What the unreliable angles were in the reading before.
+    /// The angles that were removed from the present reading.
+    removed: DofSet,
+    /// The angles of the reading before, while some are unreliable.
     previous: JointAngles,
     /// A share is not negligible.
     is_active: bool,
-    /// An angle or the hand has become reliable with the latest reading.
+    /// An angle or the hand is trusted again.
     has_recovered: bool,
 }
 
 impl Plausibility {
-    /// Returns what is not trusted.
+    /// Returns the parts that are not trusted.
     pub fn implausible(&self) -> Implausible {
         Implausible {
             angles: self.unreliable,
@@ -116,24 +132,22 @@ impl Plausibility {
         self.time
     }
 
-    /// Replaces unreliable angles by the last accepted ones, so that they do not count as a movement, and notes those that differ by
-    /// more than `reach` radians from the reading before.
-    pub fn hold(&mut self, reach: f64, angles: &mut JointAngles, last: Option<&JointAngles>) {
-        if self.unreliable.is_empty() {
+    /// Removes the unreliable angles, so that neither they nor what follows from them is used, and notes those that differ by more than
+    /// `reach` radians from the reading before.
+    pub fn remove_unreliable(&mut self, reach: f64, angles: &mut JointAngles) {
+        let before = std::mem::replace(&mut self.removed, self.unreliable);
+        // An angle that is back may be anywhere.
+        self.has_recovered |= !before.difference(self.removed).is_empty();
+        if self.removed.is_empty() {
             return;
         }
-        let before = std::mem::replace(&mut self.previous, *angles);
-        for dof in self.unreliable.iter() {
-            if !angles.is_known(dof) {
-                continue;
-            }
-            let has_jumped = (angles.get(dof) - before.get(dof)).abs() > reach;
-            if before.is_known(dof) && has_jumped {
+        let previous = std::mem::replace(&mut self.previous, *angles);
+        for dof in self.removed.iter() {
+            let has_jumped = (angles.get(dof) - previous.get(dof)).abs() > reach;
+            if angles.is_known(dof) && previous.is_known(dof) && has_jumped {
                 self.blamed = self.blamed.with(dof);
             }
-            if let Some(last) = last.filter(|last| last.is_known(dof)) {
-                angles.set(dof, last.get(dof));
-            }
+            angles.remove(dof);
         }
     }
 
@@ -146,7 +160,7 @@ impl Plausibility {
             return;
         }
         let weight = (elapsed.as_secs_f64() / SPAN).min(MAX_WEIGHT);
-        let was = self.implausible();
+        let was_high = self.hand.is_high;
         self.hand.update(is_rejected, weight, &HAND);
         self.is_active = self.hand.level > NEGLIGIBLE;
         let mut unreliable = DofSet::NONE;
@@ -159,22 +173,18 @@ impl Plausibility {
             }
         }
         self.unreliable = unreliable;
-        self.has_recovered |=
-            !was.angles.difference(unreliable).is_empty() || was.is_hand && !self.hand.is_high;
+        self.has_recovered |= was_high && !self.hand.is_high;
     }
 
-    /// Distrusts what depends on an unreliable angle: its finger, or the place of the hand. After a recovery the estimate jumps.
+    /// Distrusts what depends on an angle that is unreliable or was removed: its finger, or the whole hand. Once it is trusted again, the
+    /// estimate jumps.
     pub fn distrust(&mut self, estimate: &mut Estimate) {
         estimate.jumped |= std::mem::take(&mut self.has_recovered);
-        if self.hand.is_high {
-            estimate.untrusted = FingerSet::ALL;
-            estimate.is_placed = false;
-        }
-        for dof in self.unreliable.iter() {
-            match dof.finger() {
-                Some(finger) => estimate.untrusted = estimate.untrusted.with(finger),
-                None => estimate.is_placed = false,
-            }
-        }
+        let implausible = Implausible {
+            angles: self.unreliable.union(self.removed),
+            is_hand: self.hand.is_high,
+        };
+        estimate.untrusted = estimate.untrusted.union(implausible.fingers());
+        estimate.is_placed &= !implausible.concerns_hand();
     }
 }

@@ -35,6 +35,12 @@ impl JointAngles {
         self.known |= 1 << dof.index();
     }
 
+    /// Makes an angle unknown.
+    pub(crate) fn remove(&mut self, dof: Dof) {
+        self.radians[dof.index()] = 0.0;
+        self.known &= !(1 << dof.index());
+    }
+
     /// Returns whether the angle is known.
     pub fn is_known(&self, dof: Dof) -> bool {
         self.known & (1 << dof.index()) != 0

@@ -322,6 +322,8 @@ impl Dof {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DofSet(u32);
 
+const _: () = assert!(Dof::COUNT <= 32);
+
 impl DofSet {
     /// The empty set.
     pub const NONE: Self = Self(0);

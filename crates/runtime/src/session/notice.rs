@@ -99,6 +99,8 @@ pub enum Notice {
     UntrustedFingers(FingerSet),
     /// Parts of this hand are not trusted because their readings are implausible again and again; their keys are released.
     Implausible(Side, ImplausibleParts),
+    /// The readings of this hand are plausible again.
+    Plausible(Side),
     /// This hand touches nothing, for this reason; what it held is released. Readings of something else still arrive.
     HandLost(Side, HandLoss),
     /// This hand is tracked again.
@@ -212,6 +214,9 @@ impl fmt::Display for Notice {
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
             Self::Implausible(side, parts) => write_implausible(f, *side, parts),
+            Self::Plausible(side) => {
+                write!(f, "the readings of the {side} hand are plausible again")
+            }
             Self::HandLost(side, loss) => write_lost(f, *side, *loss),
             Self::HandFound(side) => write!(f, "the {side} hand is tracked again"),
             Self::WatchdogLost => {

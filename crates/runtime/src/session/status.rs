@@ -85,7 +85,7 @@ impl Hints {
         let mut losses = pipeline.hand_losses();
         for (loss, parts) in losses.iter_mut().zip(&implausible) {
             // The notice of those parts says why.
-            loss.take_if(|loss| *loss == HandLoss::NotSeen && *parts != Implausible::default());
+            loss.take_if(|loss| *loss == HandLoss::NotSeen && parts.concerns_hand());
         }
         Self {
             bent: match pipeline.state() {
@@ -146,17 +146,17 @@ impl StatusLog {
         if step.state != PipelineState::Stopped {
             self.report_losses(step.stats, now, report);
         }
-        let is_explained = |side: Side| hints.implausible[side.index()] != Implausible::default();
         if let Some(pose) = step.pose
-            && !is_explained(pose.side)
+            && let explained = hints.implausible[pose.side.index()].fingers()
+            && let untrusted = pose.untrusted.difference(explained)
             && let reported = &mut self.untrusted[pose.side.index()]
-            && *reported != pose.untrusted
+            && *reported != untrusted
             && self.limits.admits(Topic::Untrusted(pose.side), now)
         {
-            *reported = pose.untrusted;
-            report(Notice::UntrustedFingers(pose.untrusted));
+            *reported = untrusted;
+            report(Notice::UntrustedFingers(untrusted));
         }
-        self.report_hands(&hints.losses, now, report);
+        self.report_hands(hints, now, report);
         if let Some(error) = step.source_error {
             let topic = Topic::Lost(error.source_name().to_owned());
             let notice = Notice::SourceLost(error.to_string());
@@ -193,7 +193,7 @@ impl StatusLog {
             }
             *reported = found;
             report(if found == Implausible::default() {
-                Notice::UntrustedFingers(FingerSet::NONE)
+                Notice::Plausible(side)
             } else {
                 let angles = found.angles.iter();
                 let with_channel = |dof| (dof, pipeline.channel_of(side, dof));
@@ -201,7 +201,7 @@ impl StatusLog {
                     side,
                     ImplausibleParts {
                         angles: angles.map(with_channel).collect(),
-                        is_hand: found.is_hand && found.angles.is_empty(),
+                        is_hand: found.is_hand,
                     },
                 )
             });
@@ -271,16 +271,13 @@ impl StatusLog {
     }
 
     /// Reports hands that are lost or found, by side. A loss does not delay the report that the hand is back.
-    fn report_hands(
-        &mut self,
-        losses: &[Option<HandLoss>; Side::COUNT],
-        now: Instant,
-        report: &mut impl FnMut(Notice),
-    ) {
+    fn report_hands(&mut self, hints: &Hints, now: Instant, report: &mut impl FnMut(Notice)) {
         for (&side, (loss, reported)) in
-            (Side::ALL.iter()).zip(losses.iter().zip(&mut self.lost_hands))
+            (Side::ALL.iter()).zip(hints.losses.iter().zip(&mut self.lost_hands))
         {
-            if *reported == loss.is_some() {
+            // A loss that another notice explains goes on.
+            let is_explained = hints.implausible[side.index()].concerns_hand();
+            if *reported == loss.is_some() || is_explained && loss.is_none() {
                 continue;
             }
             let (topic, notice) = match *loss {

@@ -11,7 +11,7 @@ use crate::estimate::{
     AffineMap, ChannelMap, Estimate, EstimatorSettings, InputRow, LearnedRange, Linearity,
     Rejection,
 };
-use crate::hand::{Dof, FingerSet, InputValues, JointAngles};
+use crate::hand::{Dof, DofSet, FingerSet, InputValues, JointAngles};
 use crate::time::Timestamp;
 
 /// The converter of one glove.
@@ -176,15 +176,23 @@ impl ChannelConverter {
         Some(row.channel)
     }
 
-    /// Adds an accepted reading to the learning of ranges. Does not allocate.
-    pub(in crate::estimate) fn observe_ranges(&mut self, time: Timestamp, channels: &Channels) {
+    /// Adds an accepted reading to the learning of ranges, except for sensors of `unreliable` angles. Does not allocate.
+    pub(in crate::estimate) fn observe_ranges(
+        &mut self,
+        time: Timestamp,
+        channels: &Channels,
+        unreliable: DofSet,
+    ) {
         for ChannelLearner { learner, health } in &mut self.learners {
             let health = &self.health[*health];
             if health.is_railed {
                 learner.note_fault();
             }
             // A count at a rail shows no joint: the sensor cannot say by how much it is beyond.
-            if is_unknown(channels, health.channel) || health.at_rail_since.is_some() {
+            if is_unknown(channels, health.channel)
+                || health.at_rail_since.is_some()
+                || unreliable.contains(learner.learned().dof)
+            {
                 learner.interrupt()
             } else {
                 learner.observe(time, f64::from(channels.counts[health.channel]))

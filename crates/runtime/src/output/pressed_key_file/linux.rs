@@ -249,19 +249,19 @@ impl AbandonedKeys {
         let _ = fs::remove_file(&self.path);
     }
 
-    /// Removes the files of a process that has exited, if all keys in them are among the `released` ones. The files stay if the
-    /// process still runs.
+    /// Removes the file of a process that has exited, if all keys in it are among the `released` ones. It stays if the process still
+    /// runs, has added keys to the keymap, or had several outputs, whose keys are released by other watchdogs.
     pub fn forget_released(process: u32, released: &PressedKeys) {
         let paths = (0..MAX_OUTPUTS).filter_map(|number| file_path(process, number));
-        for path in paths.filter(|path| path.exists()) {
-            if let Some(abandoned) = Self::wait_for(&path)
-                && abandoned
-                    .keys
-                    .release_order()
-                    .all(|key| released.contains(key))
-            {
-                abandoned.forget();
-            }
+        let mut paths = paths.filter(|path| path.exists());
+        let (Some(path), None) = (paths.next(), paths.next()) else {
+            return;
+        };
+        if let Some(abandoned) = Self::wait_for(&path)
+            && abandoned.character_keys.is_empty()
+            && (abandoned.keys.release_order()).all(|key| released.contains(key))
+        {
+            abandoned.forget();
         }
     }
 

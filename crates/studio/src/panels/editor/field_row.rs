@@ -297,10 +297,15 @@ pub(super) fn number_cell(
     }
 }
 
-/// Returns `true` if a text was typed or pasted since the last frame.
+/// Returns `true` if a digit was typed or pasted since the last frame.
 fn has_typed(ui: &egui::Ui) -> bool {
-    let is_text = |event: &Event| matches!(event, Event::Text(_) | Event::Paste(_));
-    ui.input(|input| input.events.iter().any(is_text))
+    let has_digit = |event: &Event| match event {
+        Event::Text(content) | Event::Paste(content) => {
+            content.contains(|c: char| c.is_ascii_digit())
+        }
+        _ => false,
+    };
+    ui.input(|input| input.events.iter().any(has_digit))
 }
 
 fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {

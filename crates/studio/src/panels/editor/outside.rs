@@ -270,8 +270,13 @@ pub(in super::super) fn keep_unfinished(ui: &egui::Ui, panel: &mut EditorPanel) 
 
 impl EditorPanel {
     /// Returns `true` while a button of the mouse is down or its drag is not finished.
-    fn is_dragging(&self, ui: &egui::Ui) -> bool {
-        ui.input(|input| input.pointer.any_down())
+    fn is_dragging(&mut self, ui: &egui::Ui) -> bool {
+        let is_down = ui.input(|input| input.pointer.any_down());
+        if !is_down {
+            // Its row may have gone during the drag.
+            self.form.dragged = None;
+        }
+        is_down
             || self.gesture.is_some()
             || self.dragged_radius.is_some()
             || self.form.dragged.is_some()

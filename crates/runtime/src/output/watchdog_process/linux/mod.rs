@@ -55,8 +55,11 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     while client.wait_for_loss() == ClientLoss::Hung {
         releases.release();
     }
-    if releases.finish() {
-        AbandonedKeys::forget_released(process, &record.lock().pressed);
+    let is_released = releases.finish();
+    let released = record.lock().pressed.clone();
+    // After an ordinary end nothing is pressed, and the program removes its file.
+    if is_released && released.count() > 0 {
+        AbandonedKeys::forget_released(process, &released);
     }
     Ok(())
 }
