@@ -53,7 +53,8 @@ impl InvalidDetector {
         let new = valid - first_valid;
         let is_bad = new > 0 && invalid - first_invalid > new * Self::MAX_RATIO;
         let is_due = is_bad && !self.has_warned;
-        self.has_warned = is_bad;
+        // A time without a valid packet is garbage, and says nothing about what was warned of.
+        self.has_warned = is_bad || self.has_warned && new == 0;
         is_due
     }
 }
@@ -106,6 +107,7 @@ mod tests {
             (8_000, 206, 175, true),
             // Packets that are all invalid are garbage.
             (10_000, 206, 275, false),
+            (12_000, 208, 333, false),
         ];
         for (millis, valid, invalid, is_due) in table {
             let now = start + Duration::from_millis(millis);

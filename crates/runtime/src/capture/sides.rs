@@ -126,7 +126,7 @@ impl Source for SidedSource {
                 return Ok(self.leave_out(*side, kind));
             }
         }
-        self.is_explained = true;
+        self.is_explained |= !sides.is_empty();
         if reading.side.is_some() {
             return Ok(SourceEvent::Reading(reading));
         }

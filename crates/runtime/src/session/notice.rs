@@ -133,13 +133,11 @@ pub struct ImplausibleParts {
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::PointerOnly { source, remedy } => {
-                write!(
-                    f,
-                    "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends or another sender follows",
-                    escape(&source.to_string())
-                )
-            }
+            Self::PointerOnly { source, remedy } => write!(
+                f,
+                "{} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type, and `ademan ctl allow-keys` does until the session ends or another sender follows",
+                escape(&source.to_string())
+            ),
             Self::WaitingForSource(reason) => {
                 write!(f, "waiting: {}; Ctrl-C ends", escape_line(reason))
             }

@@ -376,13 +376,22 @@ mod tests {
     fn the_return_of_a_hand_is_reported_although_its_loss_was_a_moment_ago() {
         let mut log = StatusLog::default();
         let start = Instant::now();
-        let mut report = |seconds, loss| {
+        let mut report_with = |seconds, loss, is_hand| {
             let mut notices = Vec::new();
             let now = start + Duration::from_secs(seconds);
-            let losses = [loss, None];
-            log.report_hands(&losses, now, &mut |notice| notices.push(notice.to_string()));
+            let mut implausible = [Implausible::default(); Side::COUNT];
+            implausible[0].is_hand = is_hand;
+            let hints = Hints {
+                bent: FingerSet::NONE,
+                awaits_start: false,
+                unreached: None,
+                implausible,
+                losses: [loss, None],
+            };
+            log.report_hands(&hints, now, &mut |notice| notices.push(notice.to_string()));
             notices.concat()
         };
+        let mut report = |seconds, loss| report_with(seconds, loss, false);
         let released = "what it held is released, and it touches nothing";
         assert_eq!(
             report(0, Some(HandLoss::NoReadings)),
@@ -395,6 +404,12 @@ mod tests {
         assert_eq!(
             report(11, Some(HandLoss::NotSeen)),
             format!("the left hand is not tracked: {released}")
+        );
+        // Another notice explains why the hand is still lost.
+        assert_eq!(report_with(22, None, true), "");
+        assert_eq!(
+            report_with(23, None, false),
+            "the left hand is tracked again"
         );
     }
 }

@@ -7,7 +7,7 @@ use crate::estimate::plausibility::Plausibility;
 use crate::estimate::{
     AffineMap, ChannelMap, ChannelRow, Estimate, EstimatorSettings, JointLimits, Rejection,
 };
-use crate::hand::{Dof, JointAngles};
+use crate::hand::{Dof, DofSet, JointAngles};
 use crate::time::Timestamp;
 
 /// Returns a map of random channels, and the same with a second row of one angle, which has no table.
@@ -122,7 +122,7 @@ fn a_learned_range_changes_the_table() {
         let before = convert(&mut converter);
         for index in 0..80 {
             let count = if index < 60 { 220 } else { 150 };
-            converter.observe_ranges(Timestamp(10_000 * index), &channels(count));
+            converter.observe_ranges(Timestamp(10_000 * index), &channels(count), DofSet::NONE);
         }
         assert!(converter.is_widening_due());
         converter.widen_ranges();

@@ -6,6 +6,7 @@ use eframe::egui::{self, Event, Key, Modifiers};
 use parry3d::math::Vec2;
 
 use super::EditorPanel;
+use crate::canvas::plan::PlanView;
 use crate::editor::Part;
 
 /// Distance of an arrow key with Shift, in millimetres. Without Shift, it is the spacing of the grid.
@@ -19,6 +20,8 @@ pub(super) struct Nudge {
     direction: Vec2,
     /// Distance so far, in millimetres.
     total: Vec2,
+    /// The view of all boards, whose axes are others.
+    view: Option<PlanView>,
     /// The parts as they were before.
     parts: Vec<Part>,
     /// Time of the last tap, in seconds.
@@ -118,8 +121,10 @@ impl EditorPanel {
     fn nudge(&mut self, way: Vec2, now: f64) {
         self.commit_drafts();
         let direction = way.normalize();
+        let view = self.plan.is_open.then_some(self.plan.view);
         let before = self.nudge.take().filter(|nudge| {
             nudge.direction == direction
+                && nudge.view == view
                 && now - nudge.time < NUDGE_PAUSE_S
                 && nudge.revision == self.editor.revision()
                 && nudge.selection == self.editor.selection()
@@ -142,6 +147,7 @@ impl EditorPanel {
             self.nudge = Some(Nudge {
                 direction,
                 total,
+                view,
                 parts,
                 time: now,
                 revision: self.editor.revision(),
