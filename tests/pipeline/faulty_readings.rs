@@ -376,10 +376,15 @@ fn a_key_that_the_angle_of_the_wrist_holds_is_released_when_its_sensor_jumps() {
         when: Angle(dof: "wrist-flexion", on_deg: 20, off_deg: 10))])"#;
     loaded.layout = Layout::parse(text, "a.ron").expect("a layout");
     let mut wearer = GloveWearer::new(&loaded);
-    wearer.play(&[with(&press.clear(), WRIST, 60); 100]);
+    let bend: Vec<Posture> = (60..=141)
+        .step_by(3)
+        .map(|count| with(&press.clear(), WRIST, count))
+        .collect();
+    wearer.play(&[bend[0]; 100]);
+    wearer.play(&bend);
     // 40°, and then in each second reading something else.
-    let bent = with(&press.clear(), WRIST, 141);
-    wearer.play(&[bent; 100]);
+    let bent = bend[bend.len() - 1];
+    wearer.play(&[bent; 50]);
     assert_eq!(wearer.take_events(), "down A");
     let mut random = fastrand::Rng::with_seed(1);
     let half = (0..700).map(|number| match number % 2 {
@@ -393,7 +398,11 @@ fn a_key_that_the_angle_of_the_wrist_holds_is_released_when_its_sensor_jumps() {
     // The same angle is a new movement.
     wearer.play(&[bent; 400]);
     assert_eq!(wearer.take_events(), "");
-    wearer.play(&[with(&press.clear(), WRIST, 60); 100]);
-    wearer.play(&[bent; 100]);
+    let mut back = bend.clone();
+    back.reverse();
+    wearer.play(&back);
+    wearer.play(&[bend[0]; 50]);
+    wearer.play(&bend);
+    wearer.play(&[bent; 50]);
     assert_eq!(wearer.take_events(), "down A");
 }
