@@ -38,6 +38,15 @@ pub fn add_marks(picture: &mut Picture, marks: &[FrontMark], view: &FrontView) {
     }
 }
 
+/// Returns half the width of a disc or a box, and 0 for other marks.
+pub fn half_width(shape: &MarkShape) -> f32 {
+    match shape {
+        MarkShape::Disc { radius, .. } => *radius,
+        MarkShape::Box { half, .. } => half.x,
+        _ => 0.0,
+    }
+}
+
 fn add_mark(picture: &mut Picture, mark: &FrontMark, view: &FrontView) -> Option<()> {
     let color = view.color(mark.role);
     match &mark.shape {

@@ -17,7 +17,8 @@ const ANGLE: Limits = Limits {
     low: 0.15,
 };
 
-/// The same for all readings of a hand that are rejected: 0.17 with a noise of 3 counts.
+/// The share of rejected readings above which a hand is not trusted, and below which it is trusted again. A glove with a noise of 3
+/// counts has 0.17.
 const HAND: Limits = Limits {
     high: 0.35,
     low: 0.2,
@@ -52,7 +53,7 @@ impl Share {
 pub struct Implausible {
     /// The angles that jump or are outside the range of their joint.
     pub angles: DofSet,
-    /// So many readings were rejected that the whole hand is not trusted.
+    /// The whole hand is not trusted, because too many of its readings were rejected.
     pub is_hand: bool,
 }
 

@@ -8,10 +8,10 @@ use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, bend};
-use crate::marks::{FrontView, add_marks};
+use crate::marks::{FrontView, add_marks, half_width};
 use crate::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::scene::SceneColors;
-use ademan_core::layout::{FrontMark, MarkRole, MarkShape};
+use ademan_core::layout::{FrontMark, MarkRole};
 
 /// Height of a label as a fraction of the smaller side of its item.
 const LABEL_HEIGHT: f32 = 0.36;
@@ -393,15 +393,6 @@ fn add_plain_polygon(triangles: &mut Triangles, corners: &[Vec2], color: Color) 
     for index in 1..(corners.len() as u32).saturating_sub(1) {
         let triangle = [first, first + index, first + index + 1];
         triangles.indices.extend(triangle);
-    }
-}
-
-/// Returns half the width of a disc or a box, and 0 for other marks.
-fn half_width(shape: &MarkShape) -> f32 {
-    match shape {
-        MarkShape::Disc { radius, .. } => *radius,
-        MarkShape::Box { half, .. } => half.x,
-        _ => 0.0,
     }
 }
 

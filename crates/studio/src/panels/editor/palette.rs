@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Key};
 
 use super::{EditorPanel, bar, plan};
-use crate::editor::{AlignEdge, BoardAxis, ControlKind, Edit};
+use crate::editor::{ControlKind, Edit, Part};
 use crate::texts::text;
 
 /// Width of the palette, in points.
@@ -125,13 +125,21 @@ fn item_commands(shown: &EditorPanel) -> Vec<Command> {
         commands.push(command("editor-repeat", "", |panel, _| {
             panel.repeat.is_asked = true;
         }));
-        commands.extend(bar::MIRRORS.map(|(name, axis)| mirror(name, axis)));
+        commands
+            .extend(bar::MIRRORS.map(|(name, axis)| {
+                edit_selected(name, move |parts| Edit::Mirror { parts, axis })
+            }));
     }
     if count >= 2 {
-        commands.extend(bar::ALIGNMENTS.map(|(name, edge)| align(name, edge)));
+        commands.extend(
+            bar::ALIGNMENTS
+                .map(|(name, edge)| edit_selected(name, move |parts| Edit::Align { parts, edge })),
+        );
     }
     if count >= 3 {
-        commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| distribute(name, axis)));
+        commands.extend(bar::DISTRIBUTIONS.map(|(name, axis)| {
+            edit_selected(name, move |parts| Edit::Distribute { parts, axis })
+        }));
     }
     if shown.editor.selected_keys().len() >= 2 {
         commands.push(command("editor-add-chord", "", |panel, _| {
@@ -179,24 +187,11 @@ pub(super) fn show_menu(response: &egui::Response, panel: &mut EditorPanel) {
     });
 }
 
-fn align(name: &'static str, edge: AlignEdge) -> Command {
+/// Returns a command that edits the controls that are selected.
+fn edit_selected(name: &'static str, edit: impl Fn(Vec<Part>) -> Edit + 'static) -> Command {
     command(name, "", move |panel, _| {
         let parts = panel.selected_parts();
-        panel.apply(&Edit::Align { parts, edge });
-    })
-}
-
-fn distribute(name: &'static str, axis: BoardAxis) -> Command {
-    command(name, "", move |panel, _| {
-        let parts = panel.selected_parts();
-        panel.apply(&Edit::Distribute { parts, axis });
-    })
-}
-
-fn mirror(name: &'static str, axis: BoardAxis) -> Command {
-    command(name, "", move |panel, _| {
-        let parts = panel.selected_parts();
-        panel.apply(&Edit::Mirror { parts, axis });
+        panel.apply(&edit(parts));
     })
 }
 
