@@ -116,6 +116,14 @@ fn bending_fingers_type_all_of_ascii_in_chords() {
 }
 
 #[test]
+fn a_phone_pad_types_letters_by_taps_in_a_row() {
+    let setup = load("phone-pad");
+    let text = "Hello, moon; a cab\n0123456789;=[]\\`'-./";
+    // Taps at 9600 baud take longer than the time-out.
+    assert_eq!(type_text(&setup, text, 115_200, 0.0), text);
+}
+
+#[test]
 fn two_hands_type_all_of_ascii_on_split_boards() {
     for layout in ["qwerty-two-flat", "qwerty-two-arc"] {
         let setup = load_for_two_hands(layout);

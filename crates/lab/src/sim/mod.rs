@@ -1,6 +1,6 @@
 //! Simulated people for demos, tests and the scoring of layouts.
 //!
-//! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
+//! A text ([`actions_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
 //! the targets of a layout. The intention (which finger goes where, when, and with what error) and the unsteadiness of a
 //! [`Person`](crate::layout::Person) give joint angles and positions; its [`Sensor`]s measure nothing else of the hands. A [`SimulatedWearer`] is a person in a glove that is not calibrated
 //! yet.
@@ -54,7 +54,7 @@ pub use settings::TypistSettings;
 pub use simulated_hand::GloveCounts;
 pub use task::HandTask;
 pub use text_field::UsTextField;
-pub use text_plan::{PlanError, taps_for_text};
+pub use text_plan::{PlanError, actions_for_text, taps_for_text};
 pub use tour::{TourStop, tour, tour_text};
 pub use typing_hand::{REACH_TOLERANCE, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};

@@ -3,7 +3,7 @@
 use super::action::HandAction;
 use super::disturbance;
 use super::script::Script;
-use super::text_plan::taps_for_text;
+use super::text_plan::actions_for_characters;
 use super::tour::{tour, tour_text};
 use crate::document::Document;
 use crate::layout::Layout;
@@ -82,22 +82,16 @@ impl HandTask {
 }
 
 fn text_steps(text: &str, layout: &Layout) -> Vec<TaskStep> {
-    let keys = layout.key_bindings();
-    let step = |character: char| {
-        let name = character.to_string();
-        let taps = taps_for_text(&name, &keys, layout.bend_chords());
-        let (actions, problem) = match taps {
-            Ok(actions) => (actions, None),
-            // A message never contains what is typed.
-            Err(_) => (Vec::new(), Some("no key of the layout types it".to_owned())),
-        };
-        TaskStep {
-            actions,
-            problem,
-            name: "a character".to_owned(),
-        }
-    };
-    text.chars().map(step).collect()
+    let planned = actions_for_characters(text, layout).into_iter();
+    let steps = planned.map(|planned| TaskStep {
+        // A message never contains what is typed.
+        problem: planned
+            .is_err()
+            .then(|| "no key of the layout types it".to_owned()),
+        actions: planned.unwrap_or_default(),
+        name: "a character".to_owned(),
+    });
+    steps.collect()
 }
 
 fn script_steps(script: &Script, layout: &Layout) -> Vec<TaskStep> {

@@ -1,11 +1,16 @@
 //! Translation of a text to the taps and chords that type it.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use super::action::HandAction;
 use crate::contact::TargetId;
 use crate::device::keyboard::{Chord, KeyBinding};
-use crate::device::{KeyAction, KeyCode, Latch};
+use crate::device::{KeyAction, KeyCode, Latch, Multitaps};
+use crate::layout::Layout;
+
+/// Time by which the pause between two letters of one multitap key is longer than its time-out.
+const PAUSE_MARGIN: Duration = Duration::from_millis(100);
 
 /// Reason why a layout cannot type a character.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,23 +44,46 @@ fn list(characters: &[char]) -> String {
     quoted.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the actions of a hand that type `text` for a receiver with a US keymap: taps, and the chords in `chords`, which are
-/// none unless the hand can play them. Shift and layers are activated by one-shots.
+/// Returns the actions of a hand that type `text` on a layout for a receiver with a US keymap: taps, chords, and pauses between two
+/// letters of one multitap key. Shift and layers are activated by one-shots.
+pub fn actions_for_text(text: &str, layout: &Layout) -> Result<Vec<HandAction>, PlanError> {
+    let characters = actions_for_characters(text, layout);
+    joined(text.chars().zip(characters))
+}
+
+/// Returns the same for each character. A character that the layout cannot type does not change the others.
+pub(super) fn actions_for_characters(
+    text: &str,
+    layout: &Layout,
+) -> Vec<Result<Vec<HandAction>, PlanError>> {
+    let keys = layout.key_bindings();
+    let planner = Planner::new(&keys, layout.bend_chords(), &layout.multitaps);
+    planner.characters(text)
+}
+
+/// Returns the actions of a hand that type `text` for a receiver with a US keymap without multitap keys, whose letters come and go:
+/// taps, and the chords in `chords`, which are none unless the hand can play them. Shift and layers are activated by one-shots.
 pub fn taps_for_text(
     text: &str,
     keys: &[KeyBinding],
     chords: &[Chord],
 ) -> Result<Vec<HandAction>, PlanError> {
-    let planner = Planner::new(keys, chords);
+    let multitaps = Multitaps::default();
+    let planner = Planner::new(keys, chords, &multitaps);
+    joined(text.chars().zip(planner.characters(text)))
+}
+
+/// Returns the actions of all characters, or the reasons why there are none for some.
+fn joined(
+    characters: impl Iterator<Item = (char, Result<Vec<HandAction>, PlanError>)>,
+) -> Result<Vec<HandAction>, PlanError> {
     let (mut actions, mut first, mut failed) = (Vec::new(), None, Vec::new());
-    for character in text.chars() {
-        let codes = KeyCode::for_us_character(character);
-        let mut strokes = codes.filter_map(|(code, is_shifted)| planner.strokes(code, is_shifted));
-        match strokes.next() {
-            Some(strokes) => actions.extend(strokes.into_iter().map(Stroke::action)),
-            None if failed.contains(&character) => {}
-            None => {
-                first = first.or_else(|| Some(planner.error_for(character)));
+    for (character, planned) in characters {
+        match planned {
+            Ok(planned) => actions.extend(planned),
+            Err(_) if failed.contains(&character) => {}
+            Err(error) => {
+                first = first.or(Some(error));
                 failed.push(character);
             }
         }
@@ -83,6 +111,12 @@ impl Stroke<'_> {
         own.or_else(|| self.actions.first().copied().flatten())
     }
 
+    /// Returns `true` if the stroke is a multitap key in a layer.
+    fn has_multitap(self) -> bool {
+        let mut actions = self.actions.iter().flatten();
+        actions.any(|action| matches!(action, KeyAction::Multitap(_)))
+    }
+
     fn action(self) -> HandAction {
         match *self.targets {
             [target] => HandAction::tap(target),
@@ -96,10 +130,11 @@ struct Planner<'a> {
     strokes: Vec<Stroke<'a>>,
     /// Layers, nearest first, with the strokes that activate each.
     layers: Vec<(usize, Vec<Stroke<'a>>)>,
+    multitaps: &'a Multitaps,
 }
 
 impl<'a> Planner<'a> {
-    fn new(keys: &'a [KeyBinding], chords: &'a [Chord]) -> Self {
+    fn new(keys: &'a [KeyBinding], chords: &'a [Chord], multitaps: &'a Multitaps) -> Self {
         let keys = keys.iter().map(|key| Stroke {
             targets: std::slice::from_ref(&key.target),
             actions: &key.actions,
@@ -111,6 +146,7 @@ impl<'a> Planner<'a> {
         let mut planner = Self {
             strokes: keys.chain(chords).collect(),
             layers: Vec::new(),
+            multitaps,
         };
         planner.find_layers();
         planner
@@ -131,21 +167,58 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`.
+    /// Returns the actions of each character of a text.
+    fn characters(&self, text: &str) -> Vec<Result<Vec<HandAction>, PlanError>> {
+        // The multitap key whose letter the next tap would replace.
+        let mut open = None;
+        let mut plan = |character: char| {
+            let codes = KeyCode::for_us_character(character);
+            let mut strokes = codes.filter_map(|(code, is_shifted)| self.strokes(code, is_shifted));
+            let strokes = strokes.next().ok_or_else(|| self.error_for(character))?;
+            let first = strokes.first().map(|stroke| stroke.targets);
+            let pause = (first.is_some() && first == open)
+                .then(|| HandAction::Wait(self.multitaps.timeout + PAUSE_MARGIN));
+            let last = strokes.last().filter(|stroke| stroke.has_multitap());
+            open = last.map(|stroke| stroke.targets);
+            let taps = strokes.into_iter().map(Stroke::action);
+            Ok(pause.into_iter().chain(taps).collect())
+        };
+        text.chars().map(&mut plan).collect()
+    }
+
+    /// Returns the strokes for a key, after a one-shot Shift if `is_shifted`. Of a key and a letter of a multitap key it is the key.
     fn strokes(&self, code: KeyCode, is_shifted: bool) -> Option<Vec<Stroke<'a>>> {
         let mut strokes = if is_shifted {
             vec![self.find(0, is_one_shot_shift)?]
         } else {
             Vec::new()
         };
-        let is_key = |action| action == KeyAction::Key(code);
-        let (path, stroke) = self
-            .layers
-            .iter()
-            .find_map(|(layer, path)| Some((path, self.find(*layer, is_key)?)))?;
+        let key = KeyAction::Key(code);
+        let taps_of = |action| self.taps(action, key);
+        let taps = |(layer, path): &'_ (usize, Vec<Stroke<'a>>)| {
+            let stroke = self.find(*layer, |action| action == key);
+            let single = stroke.map(|stroke| (path.clone(), stroke, 1));
+            single.or_else(|| {
+                let stroke = self.find(*layer, |action| taps_of(action).is_some())?;
+                let count = taps_of(stroke.action_in(*layer)?)?;
+                Some((path.clone(), stroke, count))
+            })
+        };
+        let plans = self.layers.iter().filter_map(taps);
+        let (path, stroke, count) = plans.min_by_key(|(path, _, count)| path.len() + count)?;
         strokes.extend(path);
-        strokes.push(stroke);
+        strokes.extend(std::iter::repeat_n(stroke, count));
         Some(strokes)
+    }
+
+    /// Returns the number of taps of a multitap key that choose a letter.
+    fn taps(&self, action: KeyAction, letter: KeyAction) -> Option<usize> {
+        let KeyAction::Multitap(id) = action else {
+            return None;
+        };
+        let key = self.multitaps.keys.get(usize::from(id.0))?;
+        let index = key.letters.iter().position(|other| *other == letter)?;
+        Some(index + 1)
     }
 
     /// Returns the first stroke with a matching action in a layer.
@@ -177,10 +250,9 @@ fn is_one_shot_shift(action: KeyAction) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
     use crate::device::keyboard::Activation;
+    use crate::device::{Multitap, MultitapId};
 
     fn key(id: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
@@ -245,6 +317,35 @@ mod tests {
         ];
         assert_eq!(ids("w", &chords), Ok(vec![vec![0, 1]]));
         assert_eq!(ids("x", &chords), Ok(vec![vec![2], vec![1, 2], vec![0, 1]]));
+    }
+
+    #[test]
+    fn letters_of_multitap_keys_take_taps_in_a_row_and_a_pause_before_another_one_of_the_key() {
+        let letters = ["A", "B", "2"].map(code).to_vec();
+        let multitaps = Multitaps {
+            keys: vec![Multitap {
+                label: "ab2".to_owned(),
+                letters,
+            }],
+            timeout: Duration::from_millis(800),
+        };
+        let mut keys = board();
+        keys.push(key(3, &[Some(KeyAction::Multitap(MultitapId(0)))]));
+        let planner = Planner::new(&keys, &[], &multitaps);
+        let words = |text: &str| {
+            let planned = planner.characters(text);
+            let actions = planned.into_iter().flat_map(Result::unwrap);
+            let words = actions.map(|action| match action {
+                HandAction::Tap(point) => point.target.0.to_string(),
+                HandAction::Wait(time) => format!("{} ms", time.as_millis()),
+                other => panic!("{other:?}"),
+            });
+            words.collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(words("baq"), "3 3 900 ms 3 0");
+        assert_eq!(words("aqa"), "3 0 3");
+        assert_eq!(words("aB"), "3 1 3 3");
+        assert_eq!(taps_for_text("a", &keys, &[]).ok(), None);
     }
 
     #[test]

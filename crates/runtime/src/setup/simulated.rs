@@ -67,8 +67,7 @@ impl LoadedSetup {
         settings: &TypistSettings,
         kind: SampleKind,
     ) -> Result<SimulatedTypist, SetupError> {
-        let actions =
-            sim::taps_for_text(text, &self.layout.key_bindings(), self.layout.bend_chords());
+        let actions = sim::actions_for_text(text, &self.layout);
         let actions = actions.map_err(TypistError::from)?;
         let hands = self.hands(kind)?;
         let hands = borrowed(&hands);

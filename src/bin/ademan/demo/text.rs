@@ -1,14 +1,18 @@
 //! The default text of the demo.
 
 use ademan::layout::Layout;
-use ademan::sim::taps_for_text;
+use ademan::sim::actions_for_text;
 
 use crate::failure::Failure;
 
-/// Texts for layouts with letters and for layouts with digits.
-const TEXTS: [&str; 2] = ["Hola! Typed by a hand, 1 tap each.", "3.14159*2-0.5"];
+/// Texts for layouts with letters and signs, with digits, and with few signs.
+const TEXTS: [&str; 3] = [
+    "Hola! Typed by a hand, 1 tap each.",
+    "3.14159*2-0.5",
+    "hola mundo",
+];
 /// Texts of a tour through all layouts.
-const SHORT_TEXTS: [&str; 2] = ["Hola!", "3.14"];
+const SHORT_TEXTS: [&str; 3] = ["Hola!", "3.14", "hola"];
 /// Length of the text for any other layout.
 const MAX_CHARACTERS: usize = 20;
 
@@ -35,10 +39,6 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
     }
     Err(Failure::wrong_use(match choice {
         TextChoice::Given(_) => "nothing to type: --text is empty".to_owned(),
-        _ if !layout.multitaps.keys.is_empty() => format!(
-            "the characters of `{}` take several taps of a key, which the simulated hand and practice do not have; choose another layout",
-            layout.name
-        ),
         _ => format!(
             "no key of `{}` writes a character; `ademan layout show` draws the keys",
             layout.name
@@ -46,9 +46,8 @@ pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
     }))
 }
 
-fn default_text(layout: &Layout, texts: [&str; 2]) -> String {
-    let keys = layout.key_bindings();
-    let can_type = |text: &str| taps_for_text(text, &keys, layout.bend_chords()).is_ok();
+fn default_text(layout: &Layout, texts: [&str; 3]) -> String {
+    let can_type = |text: &str| actions_for_text(text, layout).is_ok();
     if let Some(text) = texts.into_iter().find(|text| can_type(text)) {
         return text.to_owned();
     }
@@ -69,19 +68,23 @@ mod tests {
     }
 
     #[test]
-    fn letters_that_take_several_taps_are_the_reason_why_there_is_no_text() {
-        let reason = text_for("phone-pad").unwrap_err().to_string();
-        assert!(reason.contains("take several taps of a key"), "{reason}");
+    fn every_shipped_layout_with_characters_gets_a_text_that_it_can_type() {
+        assert_eq!(text_for("qwerty-flat").unwrap(), TEXTS[0]);
+        assert_eq!(text_for("qwerty-arc").unwrap(), TEXTS[0]);
+        assert_eq!(text_for("numpad").unwrap(), TEXTS[1]);
+        assert_eq!(text_for("phone-pad").unwrap(), TEXTS[0]);
         let other = text_for("arrows").unwrap_err().to_string();
         assert!(other.contains("writes a character"), "{other}");
     }
 
     #[test]
-    fn every_shipped_layout_with_characters_gets_a_text_that_it_can_type() {
-        assert_eq!(text_for("qwerty-flat").unwrap(), TEXTS[0]);
-        assert_eq!(text_for("qwerty-arc").unwrap(), TEXTS[0]);
-        assert_eq!(text_for("numpad").unwrap(), TEXTS[1]);
-        assert!(text_for("arrows").is_err());
+    fn a_pad_of_letters_gets_a_text_without_signs() {
+        let text = r#"Layout(name: "Pad", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 310, height_mm: -45), keys: [
+            (action: Multitap("A B C D E F H L"), name: "1", at_mm: (-20, 0)),
+            (action: Multitap("M N O U Space"), name: "2", at_mm: (20, 0)),
+        ])])"#;
+        let layout = Layout::parse(text, "pad.ron").unwrap();
+        assert_eq!(choose(TextChoice::Default, &layout).unwrap(), TEXTS[2]);
     }
 
     #[test]

@@ -95,9 +95,11 @@ impl Lesson {
         let strokes = taps_for_text(&text, &layout.key_bindings(), layout.bend_chords());
         strokes.map_err(|error| {
             let layout_name = escape(&layout.name);
-            Failure::wrong_use(format!(
-                "`{layout_name}` cannot type this text: {error}; `ademan layout show` draws its keys"
-            ))
+            Failure::wrong_use(if layout.multitaps.keys.is_empty() {
+                format!("`{layout_name}` cannot type this text: {error}; `ademan layout show` draws its keys")
+            } else {
+                format!("the characters of `{layout_name}` take several taps of a key, which practice does not have; choose another layout")
+            })
         })?;
         let chords = match args.lesson {
             Some(LessonKind::Chords) => legend(&text, layout),
