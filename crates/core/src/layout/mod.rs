@@ -58,7 +58,7 @@ pub(crate) use multitap::is_multitap;
 pub use outline::Outline;
 pub use person::{HandUse, Motion, Person, Scatter, Tremor, person_field_tables};
 pub use render::{
-    Cell, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes, Wearer,
-    heat_style,
+    Cell, CellMark, FrontMark, Grid, Heat, KeySize, MarkRole, MarkShape, ReachArea, TooManyShapes,
+    Wearer, heat_style,
 };
 pub use shape::{Shape, ShapeMove};

@@ -1,5 +1,6 @@
 //! Drawings of a layout: text for a terminal, SVG, and HTML.
 
+mod cell_marks;
 mod front;
 mod html;
 mod svg;
@@ -7,6 +8,7 @@ mod terminal;
 mod wearer;
 mod words;
 
+pub use cell_marks::CellMark;
 pub use front::{FrontMark, MarkRole, MarkShape};
 pub use svg::{Heat, TooManyShapes, heat_style};
 pub use terminal::{Cell, Grid, KeySize};

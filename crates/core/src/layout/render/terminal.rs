@@ -5,7 +5,7 @@ use parry3d::math::Vec2;
 use crate::contact::TargetId;
 use crate::contact::surface::Shape;
 use crate::layout::model::{Board, Face, Layout};
-use crate::layout::render::words;
+use crate::layout::render::{CellMark, words};
 use crate::message::escape;
 
 /// The size of a key as large as the pitch of its board.
@@ -171,7 +171,7 @@ impl Grid {
         let mut canvas = vec![vec![' '; self.columns]; self.rows];
         for cell in &self.cells {
             let label = layout.face(cell.target).map_or("", |face| &face.label);
-            cell.draw(label, &mut canvas);
+            cell.draw(label, &cell.marks(layout, |_| None), &mut canvas);
         }
         let line =
             |row: Vec<char>| row.into_iter().collect::<String>().trim_end().to_owned() + "\n";
@@ -180,7 +180,7 @@ impl Grid {
 }
 
 impl Cell {
-    fn draw(&self, label: &str, canvas: &mut [Vec<char>]) {
+    fn draw(&self, label: &str, marks: &[CellMark], canvas: &mut [Vec<char>]) {
         let corners = if self.round {
             ['╭', '╮', '╰', '╯']
         } else {
@@ -200,13 +200,39 @@ impl Cell {
                 };
             }
         }
-        let label = escape(label);
-        let max_length = self.width.saturating_sub(2).max(1);
-        let length = label.chars().count().min(max_length);
-        let start = self.column + (self.width - length) / 2;
-        for (column, character) in label.chars().take(max_length).enumerate() {
-            canvas[self.row + bottom / 2][start + column] = character;
+        let inside = self.column + 1..(self.column + right).max(self.column + 1);
+        for mark in marks {
+            match mark {
+                CellMark::Row(row) => canvas[*row][inside.clone()].fill('━'),
+                CellMark::Column(column) => {
+                    let rows = &mut canvas[self.row + 1..self.row + bottom];
+                    rows.iter_mut().for_each(|row| row[*column] = '┃');
+                }
+                CellMark::Point { column, row } | CellMark::Rim { column, row } => {
+                    canvas[*row][*column] = '●';
+                }
+                CellMark::Label { column, row, text } => write(text, &mut canvas[*row][*column..]),
+            }
         }
+        if marks
+            .iter()
+            .any(|mark| matches!(mark, CellMark::Label { .. }))
+        {
+            return;
+        }
+        let has_handle = marks.iter().any(CellMark::needs_inside);
+        let row = if has_handle { 0 } else { bottom / 2 };
+        let max_length = self.width.saturating_sub(2).max(1);
+        let label: String = escape(label).chars().take(max_length).collect();
+        let start = self.column + (self.width - label.chars().count()) / 2;
+        write(&label, &mut canvas[self.row + row][start..]);
+    }
+}
+
+/// Writes a text over the first characters of a part of a row.
+fn write(text: &str, row: &mut [char]) {
+    for (place, character) in row.iter_mut().zip(escape(text).chars()) {
+        *place = character;
     }
 }
 

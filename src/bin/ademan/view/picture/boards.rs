@@ -2,7 +2,7 @@
 
 use ademan::contact::TargetId;
 use ademan::hand::Side;
-use ademan::layout::{Cell, Grid, Handle, KeySize, Layout};
+use ademan::layout::{Cell, CellMark, Grid, Handle, KeySize, Layout};
 use ademan::message::escape;
 use ademan::session::view::Fingertip;
 use parry3d::math::Vec2;
@@ -117,107 +117,89 @@ fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, s
     let label = if is_drawable { &face.label } else { &face.name };
     let highlighted = label_of(picture.view, cell.target);
     let highlighted = highlighted.filter(|text| picture.look.is_unicode || text.is_ascii());
+    let mut marks = cell.marks(&picture.view.layout, |target| {
+        value_of(picture.view, target)
+    });
+    let is_label = |mark: &CellMark| matches!(mark, CellMark::Label { .. });
+    if highlighted.is_some() {
+        // The last label of a menu is its hub, which says what is highlighted.
+        let _ = marks.pop_if(|mark| is_label(mark));
+    }
+    let has_labels = highlighted.is_none() && marks.iter().any(is_label);
     let label = highlighted.unwrap_or(label);
-    let slider = slider_value(picture, cell.target);
-    let pad = pad_values(picture, cell.target);
-    if slider.is_none() && pad.is_none() {
+    if marks.iter().any(CellMark::needs_inside) {
+        // The handle needs the inside, so the label is in the border.
+        let top = Rect {
+            height: 1,
+            y: area.y,
+            ..inside
+        };
+        draw_label(label, top, is_bordered, buffer, style);
+    } else if !has_labels {
         draw_label(label, inside, is_bordered, buffer, style);
-        draw_rim_mark(picture, cell.target, area, buffer, style);
-        return;
     }
-    // The handle needs the inside, so the label is in the border.
-    let top = Rect {
-        height: 1,
-        y: area.y,
-        ..inside
-    };
-    draw_label(label, top, is_bordered, buffer, style);
-    if let Some(value) = slider {
-        draw_handle(value, inside, buffer, style);
-    }
-    if let Some([x, y]) = pad {
-        draw_mark(picture, inside, [x, 1.0 - y], buffer, style);
+    for mark in &marks {
+        draw_mark(picture, mark, (board, inside), buffer, style);
     }
 }
 
-/// Returns the values of an XY pad, 0..=1 each: to the right, away from the wearer; `None` for any other target.
-fn pad_values(picture: &Picture, target: TargetId) -> Option<[f32; 2]> {
-    let (control, _) = picture.view.layout.control_at(target)?;
-    if !matches!(control.kind.handle(), Handle::Pad { .. }) {
-        return None;
-    }
-    let values = control.value_targets().into_iter();
-    let values = values.filter_map(|own| value_of(picture.view, own));
-    let values: Vec<f32> = values.map(|value| value.clamp(0.0, 1.0)).collect();
-    values.try_into().ok()
-}
-
-/// Returns the value of a slider, 0..=1; `None` for any other target.
-fn slider_value(picture: &Picture, target: TargetId) -> Option<f32> {
-    let handle = handle(&picture.view.layout, target);
-    let is_slider = matches!(handle, Some(Handle::Line { .. }));
-    let value = value_of(picture.view, target).filter(|_| is_slider)?;
-    Some(value.clamp(0.0, 1.0))
-}
-
-/// Draws a mark at the value of a knob or ring on its edge.
-fn draw_rim_mark(
+/// Draws a mark of a control on its board.
+fn draw_mark(
     picture: &Picture,
-    target: TargetId,
-    area: Rect,
+    mark: &CellMark,
+    (board, inside): (Rect, Rect),
     buffer: &mut Buffer,
     style: Style,
 ) {
-    let Some(Handle::Turn { start, turns, .. }) = handle(&picture.view.layout, target) else {
-        return;
-    };
-    let Some(value) =
-        value_of(picture.view, target).filter(|_| area.width >= 3 && area.height >= 3)
-    else {
-        return;
-    };
-    let (sin, cos) = ((start + turns * value) * std::f32::consts::TAU).sin_cos();
-    let at = [(1.0 + sin) / 2.0, (1.0 - cos) / 2.0];
-    draw_mark(picture, area, at, buffer, style);
-}
-
-/// Draws a round mark at a part of an area, 0..=1 each: from the left, from the top.
-fn draw_mark(picture: &Picture, area: Rect, at: [f32; 2], buffer: &mut Buffer, style: Style) {
-    let offset =
-        |length: u16, part: f32| (part * f32::from(length.saturating_sub(1))).round() as u16;
-    let at = (
-        area.x + offset(area.width, at[0]),
-        area.y + offset(area.height, at[1]),
-    );
-    let mark = if picture.look.is_unicode { "●" } else { "o" };
-    if let Some(cell) = buffer.cell_mut(at) {
-        cell.set_symbol(mark).set_style(style);
+    let at = |column: usize, row: usize| (board.x + column as u16, board.y + row as u16);
+    match mark {
+        CellMark::Row(row) => {
+            let y = board.y + *row as u16;
+            fill(
+                Rect {
+                    y,
+                    height: 1,
+                    ..inside
+                },
+                "━",
+                buffer,
+                style,
+            );
+        }
+        CellMark::Column(column) => {
+            let x = board.x + *column as u16;
+            fill(
+                Rect {
+                    x,
+                    width: 1,
+                    ..inside
+                },
+                "┃",
+                buffer,
+                style,
+            );
+        }
+        CellMark::Point { column, row } | CellMark::Rim { column, row } => {
+            let symbol = if picture.look.is_unicode { "●" } else { "o" };
+            if let Some(cell) = buffer.cell_mut(at(*column, *row)) {
+                cell.set_symbol(symbol).set_style(style);
+            }
+        }
+        CellMark::Label { column, row, text } => {
+            let (x, y) = at(*column, *row);
+            let is_drawable = picture.look.is_unicode || text.is_ascii();
+            if is_drawable && inside.contains((x, y).into()) {
+                let room = usize::from(inside.right() - x);
+                buffer.set_stringn(x, y, escape(text), room, style);
+            }
+        }
     }
 }
 
-/// Draws the handle of a slider on its track.
-fn draw_handle(value: f32, inside: Rect, buffer: &mut Buffer, style: Style) {
-    // Characters are twice as high as wide.
-    let is_wide = inside.width >= 2 * inside.height;
-    let length = if is_wide { inside.width } else { inside.height };
-    let offset = (value * f32::from(length.saturating_sub(1))).round() as u16;
-    let handle = if is_wide {
-        Rect {
-            x: inside.x + offset,
-            width: 1,
-            ..inside
-        }
-    } else {
-        Rect {
-            y: inside.bottom().saturating_sub(1 + offset),
-            height: 1,
-            ..inside
-        }
-    };
-    for position in handle.intersection(buffer.area).positions() {
-        buffer[position]
-            .set_symbol(if is_wide { "┃" } else { "━" })
-            .set_style(style);
+/// Fills an area with a symbol.
+fn fill(area: Rect, symbol: &str, buffer: &mut Buffer, style: Style) {
+    for position in area.intersection(buffer.area).positions() {
+        buffer[position].set_symbol(symbol).set_style(style);
     }
 }
 
