@@ -139,17 +139,17 @@ impl CalibrationPose {
         }
     }
 
-    /// Returns whether the pose defines the angle of a joint well enough to calibrate it.
+    /// Returns `true` if the pose defines the angle of a joint well enough to calibrate it.
     pub fn defines(self, dof: Dof) -> bool {
         self.degrees(dof).1 <= DEFINED
     }
 
-    /// Returns whether the pose leaves a joint free, so that its angle may be any.
+    /// Returns `true` if the pose leaves a joint free, so that its angle may be any.
     pub fn leaves_free(self, dof: Dof) -> bool {
         self.degrees(dof).1 >= FREE
     }
 
-    /// Returns whether a glove with these channels is calibrated by this pose: it moves a joint that the glove measures, or is
+    /// Returns `true` if a glove with these channels is calibrated by this pose: it moves a joint that the glove measures, or is
     /// the zero of all.
     pub fn is_needed_for(self, map: &ChannelMap) -> bool {
         let moves = |dof: Dof| self.defines(dof) && self.expected(dof).radians != 0.0;

@@ -186,7 +186,7 @@ impl Recording {
         phases
     }
 
-    /// Returns whether all channels are still: a movement of the elbow changes only one.
+    /// Returns `true` if all channels are still: a movement of the elbow changes only one.
     fn is_still(&self, readings: Range<usize>) -> bool {
         self.observe(readings)
             .iter()

@@ -192,7 +192,7 @@ impl Command {
         }
     }
 
-    /// Returns whether a replay repeats the command: it changes what readings mean. A replay has its own pauses, and the
+    /// Returns `true` if a replay repeats the command: it changes what readings mean. A replay has its own pauses, and the
     /// layout files of its own session.
     pub const fn is_replayed(&self) -> bool {
         matches!(

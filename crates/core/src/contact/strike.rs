@@ -15,7 +15,7 @@ use crate::time::Timestamp;
 const LOOKUP: f32 = 1e-3;
 
 impl StepContext<'_> {
-    /// Returns whether the target of an entry is pressed by strokes.
+    /// Returns `true` if the target of an entry is pressed by strokes.
     pub(super) fn is_struck(&self, location: TargetLocation, index: u32) -> bool {
         let surface = self.scene.surfaces().get(location.surface);
         surface.is_some_and(|surface| surface.is_struck(index))

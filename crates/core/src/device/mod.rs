@@ -145,12 +145,12 @@ named_enum! {
 }
 
 impl Axis {
-    /// Returns whether it belongs to a gamepad, otherwise to a 6-DoF device.
+    /// Returns `true` if it belongs to a gamepad, otherwise to a 6-DoF device.
     pub const fn is_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
 
-    /// Returns whether its range is 0..=1 instead of −1..=1.
+    /// Returns `true` if its range is 0..=1 instead of −1..=1.
     pub const fn is_trigger(self) -> bool {
         matches!(
             self,
@@ -261,7 +261,7 @@ pub trait VirtualDevice: Send {
     /// Adds the capabilities that an output needs for every event the device can emit.
     fn add_capabilities(&self, required: &mut Capabilities);
 
-    /// Returns whether it depends on the [bends](DeviceInput::bends) of the fingers.
+    /// Returns `true` if it depends on the [bends](DeviceInput::bends) of the fingers.
     fn needs_bends(&self) -> bool {
         false
     }
@@ -283,7 +283,7 @@ pub trait VirtualDevice: Send {
         None
     }
 
-    /// Returns whether a hand points somewhere with it.
+    /// Returns `true` if a hand points somewhere with it.
     fn is_pointing(&self) -> bool {
         false
     }

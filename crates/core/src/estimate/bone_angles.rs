@@ -43,7 +43,7 @@ pub fn angles_from_bones(bones: &ArmRotations, side: Side) -> JointAngles {
     angles
 }
 
-/// Returns whether the bones that show an angle are known.
+/// Returns `true` if the bones that show an angle are known.
 fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
     let known = |bone| bones.is_known(bone);
     match dof {

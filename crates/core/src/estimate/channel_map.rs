@@ -183,7 +183,7 @@ impl ChannelMap {
             .apply(self.linearity(row.channel).apply(count))
     }
 
-    /// Returns whether counts are at the ends of their range in normal use.
+    /// Returns `true` if counts are at the ends of their range in normal use.
     pub fn uses_full_range(&self) -> bool {
         self.uses_full_range
     }

@@ -121,7 +121,7 @@ impl RangeLearner {
         self.learned.correction(self.ends)
     }
 
-    /// Returns whether an excursion waits to widen the range.
+    /// Returns `true` if an excursion waits to widen the range.
     pub(super) fn is_due(&self) -> bool {
         self.is_due.contains(&true)
     }
@@ -207,7 +207,7 @@ impl Excursion {
         }
     }
 
-    /// Returns whether a hand that stretches or makes a fist explains the excursion.
+    /// Returns `true` if a hand that stretches or makes a fist explains the excursion.
     fn is_stretch(&self) -> bool {
         let held = self.latest.since(self.since);
         (MIN_HOLD..=MAX_HOLD).contains(&held) && self.readings >= MIN_READINGS

@@ -112,7 +112,7 @@ impl Plausibility {
         }
     }
 
-    /// Notes that an angle of the present reading is outside the range of its joint. Returns whether it is unreliable, so that it is
+    /// Notes that an angle of the present reading is outside the range of its joint. Returns `true` if it is unreliable, so that it is
     /// no reason to reject the reading.
     pub fn note_outside(&mut self, dof: Dof) -> bool {
         self.blamed = self.blamed.with(dof);

@@ -59,7 +59,7 @@ impl InputValues {
         (self.known_angles & (1 << angle.index()) != 0).then(|| self.angles[angle.index()])
     }
 
-    /// Returns whether an angle of the body is known.
+    /// Returns `true` if an angle of the body is known.
     pub fn has_angles(&self) -> bool {
         self.known_angles != 0
     }

@@ -139,7 +139,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// Changes the values by one iteration. A variable that would leave its range stops at the limit, and the step is
-    /// solved again for the others. Returns whether a value has changed.
+    /// solved again for the others. Returns `true` if a value has changed.
     fn step(&self, jacobian: &Jacobian, error: DVec3, values: &mut Values) -> bool {
         let pulls = self.variables.iter().zip(&self.scales).zip(&*values);
         let pulls: Values = pulls

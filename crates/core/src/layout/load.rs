@@ -307,7 +307,7 @@ impl<'a> LayoutSchema<'a> {
 }
 
 impl<'a> BoardSchema<'a> {
-    /// Returns whether one hand can touch both boards.
+    /// Returns `true` if one hand can touch both boards.
     fn shares_hand(&self, other: &Self) -> bool {
         self.hand.is_none() || other.hand.is_none() || self.hand == other.hand
     }

@@ -256,7 +256,7 @@ impl Key {
 }
 
 impl Layout {
-    /// Returns whether a stick, trigger or button of a glove does something.
+    /// Returns `true` if a stick, trigger or button of a glove does something.
     pub fn uses_inputs(&self) -> bool {
         let mut triggers = self.triggers.iter();
         triggers.any(|(_, it)| it.held.is_some() || matches!(it.measure, Measure::Input(_)))
@@ -272,18 +272,18 @@ impl Layout {
         triggers.find(|(_, it)| it.target == target)?.1.side
     }
 
-    /// Returns whether an angle of the head, a foot or a knee does something.
+    /// Returns `true` if an angle of the head, a foot or a knee does something.
     pub fn uses_body(&self) -> bool {
         let mut triggers = self.triggers.iter();
         triggers.any(|(_, it)| matches!(it.measure, Measure::Body(_)))
     }
 
-    /// Returns whether a board, pointer or space is anchored at the other hand.
+    /// Returns `true` if a board, pointer or space is anchored at the other hand.
     pub fn follows_other_hand(&self) -> bool {
         self.scene.follows_other_hand() || self.has_frame_at(Anchor::OtherHand)
     }
 
-    /// Returns whether a board, pointer or space is anchored at a point of the body.
+    /// Returns `true` if a board, pointer or space is anchored at a point of the body.
     pub fn follows_body(&self) -> bool {
         self.followed_body_points().next().is_some()
     }
@@ -298,7 +298,7 @@ impl Layout {
         })
     }
 
-    /// Returns whether a pointer or space has this anchor.
+    /// Returns `true` if a pointer or space has this anchor.
     pub(crate) fn has_frame_at(&self, anchor: Anchor) -> bool {
         self.frames().any(|frame| frame.anchor == anchor)
     }

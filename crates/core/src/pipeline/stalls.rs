@@ -41,7 +41,7 @@ impl Pipeline {
     }
 
     /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
-    /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
+    /// [`stall_timeout`](Self::stall_timeout). Returns `true` if it did.
     ///
     /// The first later reading would detect the same gap with the same result, so that a replay emits the same events whether
     /// it waits for that reading or not.

@@ -151,12 +151,12 @@ fn points(channel: usize, dof: Dof, observations: &Observations, is_defined: boo
     poses.filter_map(point).collect()
 }
 
-/// Returns whether a pose moves a joint away from its angle in the flat hand.
+/// Returns `true` if a pose moves a joint away from its angle in the flat hand.
 fn moves(pose: CalibrationPose, dof: Dof) -> bool {
     pose.defines(dof) && pose.expected(dof).radians.abs() >= MIN_ANGLE
 }
 
-/// Returns whether points are far enough from each other to show a gain.
+/// Returns `true` if points are far enough from each other to show a gain.
 fn has_gain(points: &[Point]) -> bool {
     let angles = points.iter().map(|point| point.y);
     let (low, high) = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {

@@ -145,7 +145,7 @@ impl Sums {
         sums
     }
 
-    /// Returns whether the means of both halves of a window agree within the noise or a limit.
+    /// Returns `true` if the means of both halves of a window agree within the noise or a limit.
     fn is_still(&self, window: Range<usize>, limit: f64) -> bool {
         if window.len() < MIN_READINGS {
             return false;

@@ -153,7 +153,7 @@ impl<'a> Matching<'a> {
         used.filter_map(move |(index, is_used)| (!is_used).then_some((camera, index)))
     }
 
-    /// Returns whether there are too many rays to compare all of them.
+    /// Returns `true` if there are too many rays to compare all of them.
     fn is_crowd(&self, groups: &[Group]) -> bool {
         let cameras = self.cameras.len();
         let free: usize = (0..cameras).map(|camera| self.free(camera).count()).sum();
@@ -422,7 +422,7 @@ impl<'a> Matching<'a> {
         markers
     }
 
-    /// Returns whether the group could have another ray of one of its cameras, and lie elsewhere, at nearly the same cost.
+    /// Returns `true` if the group could have another ray of one of its cameras, and lie elsewhere, at nearly the same cost.
     fn is_ambiguous(&self, groups: &[Group], fits: &[Option<Fit>], index: usize) -> bool {
         let group = &groups[index];
         let Some(fit) = fits[index] else {

@@ -22,8 +22,8 @@ pub trait LineParser: Send {
     }
 }
 
-/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last line end may be
-/// missing.
+/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last
+/// line end may be missing.
 #[derive(Clone, Debug)]
 pub struct LineDecoder<P> {
     parser: P,

@@ -192,7 +192,7 @@ impl BestHands {
         }
     }
 
-    /// Returns whether a hand with this score would be chosen.
+    /// Returns `true` if a hand with this score would be chosen.
     pub fn admits(&self, side: Side, score: f64) -> bool {
         score > self.scores[side.index()]
     }

@@ -138,7 +138,7 @@ impl Chords {
         });
     }
 
-    /// Returns whether the press of a touch is gathered, or would be if it began now.
+    /// Returns `true` if the press of a touch is gathered, or would be if it began now.
     pub(super) fn is_or_would_be_gathered(&self, touch: &Touch, source: PressSource) -> bool {
         let is_pressed = self.pressed.iter().any(|chord| chord.has_finger(source));
         self.chord_keys.get(touch.target).is_some() && !is_pressed
@@ -170,7 +170,7 @@ impl Chords {
         Some(self.gathered.first()?.touch.time + self.window)
     }
 
-    /// Returns whether a layer has a chord that contains all gathered keys and more.
+    /// Returns `true` if a layer has a chord that contains all gathered keys and more.
     fn may_grow(&self, layer: usize) -> bool {
         let gathered = self.gathered_keys();
         let is_larger = |set: KeySet| set & gathered == gathered && set != gathered;

@@ -25,7 +25,7 @@ impl Debouncer {
         }
     }
 
-    /// Returns whether a press follows the release of its key within `debounce`. A press before the release
+    /// Returns `true` if a press follows the release of its key within `debounce`. A press before the release
     /// comes from another finger and is no bounce.
     pub(super) fn is_bounce(&self, index: usize, time: Timestamp, debounce: Duration) -> bool {
         let released_at = self.released_at.get(index).copied().flatten();

@@ -33,7 +33,7 @@ pub(super) enum PinchState {
 }
 
 impl PinchState {
-    /// Returns whether the fingers hold the knob with this index.
+    /// Returns `true` if the fingers hold the knob with this index.
     pub(super) fn holds(&self, knob: usize) -> bool {
         matches!(self, Self::Holding(grip) if grip.knob == knob)
     }

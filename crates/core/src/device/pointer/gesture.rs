@@ -131,7 +131,7 @@ impl GestureDetector {
         self.0 == State::On
     }
 
-    /// Returns whether the gesture may be about to begin, or has just ended.
+    /// Returns `true` if the gesture may be about to begin, or has just ended.
     pub(super) fn is_near(&self) -> bool {
         matches!(self.0, State::Near(_))
     }

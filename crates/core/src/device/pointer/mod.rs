@@ -104,7 +104,7 @@ impl Pointer {
         }
     }
 
-    /// Returns whether this hand is the one that points.
+    /// Returns `true` if this hand is the one that points.
     fn is_pointing_hand(&mut self, side: Side) -> bool {
         let configured = self.screen.as_ref().and_then(|it| it.settings.side);
         side == configured.unwrap_or(*self.side.get_or_insert(side))
@@ -210,7 +210,7 @@ impl ScreenPointer {
         self.cursor.emit(time, out);
     }
 
-    /// Returns whether the cursor stays, however the hand moves.
+    /// Returns `true` if the cursor stays, however the hand moves.
     fn is_held(&mut self, delta: Vec3, out: &DeviceOutput) -> bool {
         let is_pressing = self.gestures.is_pressing();
         if !is_pressing {

@@ -151,7 +151,7 @@ impl Selector {
         }
     }
 
-    /// Returns whether the cursor is outside all targets.
+    /// Returns `true` if the cursor is outside all targets.
     fn is_clear(&self, cursor: CursorPoint, pose: &HandPose) -> bool {
         self.spaces.iter().all(|space| {
             let point = cursor.in_space(space, pose);

@@ -1,7 +1,7 @@
 //! Tables of the fields of a file, read from the declarations of its schema.
 //!
-//! A structure or enumeration in [`schema!`](crate::schema) has a table. The doc comment of a field is its meaning; its last sentence may be
-//! `Default: ….`, for a default that the type of the field does not have.
+//! A structure or enumeration in [`schema!`](crate::schema) has a table. The doc comment of a field is its meaning; its last
+//! sentence may be `Default: ….`, for a default that the type of the field does not have.
 
 mod json;
 mod schema_macro;

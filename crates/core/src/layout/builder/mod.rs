@@ -312,7 +312,7 @@ impl<'a> LayoutBuilder<'a> {
         })
     }
 
-    /// Returns whether there is a key with this name.
+    /// Returns `true` if there is a key with this name.
     pub fn has_key(&self, name: &str) -> bool {
         self.key_index(name).is_ok()
     }

@@ -94,7 +94,8 @@ schema! {
         /// Rotations about x, then y, then z of the board at the key, right-handed.
         #[serde(default)]
         rotation_deg: (Rotation, Rotation, Rotation),
-        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required: the finger that bends.
+        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required:
+        /// the finger that bends.
         #[serde(default)]
         finger: Option<Finger>,
         /// Outline. Default: as the board.
