@@ -36,7 +36,7 @@ pub enum LayoutLinkError {
     NotText,
 }
 
-/// Returns whether a name is a link with a layout, not the name of a file.
+/// Returns `true` if a name is a link with a layout, not the name of a file.
 pub fn is_layout_link(name: &str) -> bool {
     let is_address = name.starts_with("https://") || name.starts_with("http://");
     is_address && name.contains(FRAGMENT)

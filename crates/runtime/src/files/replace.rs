@@ -18,8 +18,8 @@ pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
     replace_text_if(path, text, || true)
 }
 
-/// Replaces the content of a file as [`replace_text`] does, if `is_as_expected` returns `true` when the new text is on the disk. Otherwise it
-/// fails with [`FileError::Changed`].
+/// Replaces the content of a file as [`replace_text`] does, if `is_as_expected` returns `true` when the new text is on the disk.
+/// Otherwise it fails with [`FileError::Changed`].
 pub fn replace_text_if(
     path: &Path,
     text: &str,

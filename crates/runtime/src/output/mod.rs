@@ -183,7 +183,7 @@ pub trait Sink: Send {
     /// Sinks without a queue and without a watchdog ignore it.
     fn void_presses(&mut self) {}
 
-    /// Returns whether a press was dropped, or the watchdog has released keys, since the last call of
+    /// Returns `true` if a press was dropped, or the watchdog has released keys, since the last call of
     /// [`void_presses`](Self::void_presses). The receiver does not have the state that the events so far describe: a
     /// modifier may be up that counts as pressed. The sink drops presses until everything is released and
     /// `void_presses` is called.

@@ -122,7 +122,7 @@ impl Osc {
         self.has_due |= !message.send(&self.socket, value);
     }
 
-    /// Sends the messages that could not be sent before. Returns whether all are sent.
+    /// Sends the messages that could not be sent before. Returns `true` if all are sent.
     fn send_due(&mut self) -> bool {
         if self.has_due {
             let mut is_sent = true;
@@ -177,7 +177,7 @@ impl SignalMessages {
 }
 
 impl Message {
-    /// Sends a value, or keeps it. Returns whether it was sent.
+    /// Sends a value, or keeps it. Returns `true` if it was sent.
     fn send(&mut self, socket: &UdpSocket, value: f32) -> bool {
         let (low, high) = self.range;
         let number = low + value * (high - low);

@@ -81,7 +81,7 @@ pub(super) struct Sentence {
 }
 
 impl Sentence {
-    /// Returns whether a word starts a sentence; `reported` is the place as the field reports it.
+    /// Returns `true` if a word starts a sentence; `reported` is the place as the field reports it.
     pub(super) fn is_start(&self, reported: Place) -> bool {
         self.base.unwrap_or(reported).after(&self.tail) == Place::Start
     }

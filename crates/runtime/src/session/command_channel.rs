@@ -187,7 +187,7 @@ impl CommandReceiver {
         })
     }
 
-    /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.
+    /// Waits for `Stop`, at most for `timeout`. Returns `true` if it came. Other commands stay queued.
     pub(super) fn wait_for_stop(&self, timeout: Duration) -> bool {
         self.attach(WakeTarget::Parked(thread::current()));
         let deadline = Instant::now() + timeout;

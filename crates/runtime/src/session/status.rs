@@ -208,7 +208,7 @@ impl StatusLog {
         }
     }
 
-    /// Returns whether every counter has been reported, as in nearly all steps.
+    /// Returns `true` if every counter has been reported, as in nearly all steps.
     fn has_reported(&self, stats: &Stats) -> bool {
         self.rejected == stats.rejected
             && self.dropped == stats.source.dropped

@@ -285,7 +285,7 @@ impl LoadedSetup {
             .collect()
     }
 
-    /// Returns whether the first hand has a glove that measures its fingers only, and no source measures its arm.
+    /// Returns `true` if the first hand has a glove that measures its fingers only, and no source measures its arm.
     pub(super) fn measures_no_arm(&self) -> bool {
         if self.setup.arm_source.is_some() {
             return false;

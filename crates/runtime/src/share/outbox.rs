@@ -61,7 +61,7 @@ impl Outbox {
         }
     }
 
-    /// Returns whether no line waits.
+    /// Returns `true` if no line waits.
     pub fn is_empty(&self) -> bool {
         self.chunks.is_empty()
     }

@@ -70,7 +70,7 @@ pub(super) fn read(stream: &mut dyn Read, buffer: &mut [u8]) -> Input {
     }
 }
 
-/// Returns whether a stream without data failed with this kind of error.
+/// Returns `true` if a stream without data failed with this kind of error.
 pub(super) fn is_temporary(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }

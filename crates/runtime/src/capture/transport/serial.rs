@@ -203,7 +203,7 @@ pub fn listen(
     }
 }
 
-/// Returns whether a read may be tried again.
+/// Returns `true` if a read may be tried again.
 fn is_pause(error: &std::io::Error) -> bool {
     use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), Interrupted | TimedOut | WouldBlock)

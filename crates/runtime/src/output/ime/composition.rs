@@ -131,7 +131,7 @@ impl Composition {
         emit(Part::Key(event));
     }
 
-    /// Returns whether a modifier other than Shift is down.
+    /// Returns `true` if a modifier other than Shift is down.
     fn has_shortcut(&self) -> bool {
         self.modifiers.release_order().any(|key| !key.is_shift())
     }

@@ -116,7 +116,7 @@ impl Notes {
         })
     }
 
-    /// Returns whether a number waits.
+    /// Returns `true` if a number waits.
     pub fn has_motion(&self) -> bool {
         self.states.iter().any(|state| state.due.is_some())
     }

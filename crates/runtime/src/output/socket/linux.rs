@@ -252,7 +252,7 @@ impl SocketLock {
         Err(SocketError::InUse)
     }
 
-    /// Returns whether the locked file is the one at the path.
+    /// Returns `true` if the locked file is the one at the path.
     fn has_name(&self) -> bool {
         let own = self.file.metadata().ok();
         let own = own.map(|own| (own.dev(), own.ino()));

@@ -45,7 +45,7 @@ impl SessionHaptics {
         Ok(Self { hands })
     }
 
-    /// Returns whether no glove takes feedback.
+    /// Returns `true` if no glove takes feedback.
     pub fn is_empty(&self) -> bool {
         self.hands.is_empty()
     }

@@ -151,7 +151,7 @@ impl ShareHub {
         }
     }
 
-    /// Returns whether there is a client or a receiver.
+    /// Returns `true` if there is a client or a receiver.
     fn is_watched(&self) -> bool {
         self.has_receivers || self.clients.load(Ordering::Relaxed) > 0
     }

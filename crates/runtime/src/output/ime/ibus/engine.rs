@@ -334,7 +334,7 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// Returns whether this is the path of the context of the daemon itself.
+/// Returns `true` if this is the path of the context of the daemon itself.
 fn is_own_context(path: &Value) -> bool {
     match path {
         Value::Value(inner) => is_own_context(inner),
