@@ -174,7 +174,7 @@ fn lower(character: char) -> char {
     }
 }
 
-/// Returns whether a word is an empty key on purpose.
+/// Returns `true` if a word is an empty key on purpose.
 fn is_gap(word: &str) -> bool {
     matches!(word, "~" | "*")
 }

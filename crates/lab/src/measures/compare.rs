@@ -53,7 +53,7 @@ impl Measure {
         }
     }
 
-    /// Returns whether a higher figure is better.
+    /// Returns `true` if a higher figure is better.
     pub fn is_higher_better(self) -> bool {
         matches!(
             self,

@@ -50,7 +50,7 @@ impl Follower {
         &self.first_layout
     }
 
-    /// Returns whether the hand keeps still.
+    /// Returns `true` if the hand keeps still.
     pub(super) fn is_lifted(&self) -> bool {
         matches!(self.state, State::Lifted(_))
     }

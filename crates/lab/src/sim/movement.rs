@@ -94,12 +94,12 @@ impl ActiveMovement {
         }
     }
 
-    /// Returns whether the fingertip presses a target during a part of the movement.
+    /// Returns `true` if the fingertip presses a target during a part of the movement.
     pub(super) fn is_down(&self) -> bool {
         self.movement.is_down
     }
 
-    /// Returns whether the fingertip presses a target at the end.
+    /// Returns `true` if the fingertip presses a target at the end.
     pub(super) fn ends_down(&self) -> bool {
         self.movement.ends_down
     }

@@ -62,7 +62,7 @@ impl HandTask {
         }
     }
 
-    /// Returns whether two texts or scripts are the same.
+    /// Returns `true` if two texts or scripts are the same.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Text(text), Self::Text(other)) => text == other,

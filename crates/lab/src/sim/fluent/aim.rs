@@ -36,13 +36,13 @@ pub(super) struct Aim {
 }
 
 impl Aim {
-    /// Returns whether the finger reaches the target.
+    /// Returns `true` if the finger reaches the target.
     pub(super) fn is_reached(&self) -> bool {
         f64::from(self.miss) <= self.effector.limb.tolerance()
     }
 }
 
-/// Returns whether all fingers but one are above the keys of a board or beside it.
+/// Returns `true` if all fingers but one are above the keys of a board or beside it.
 fn is_clear(
     surface: &Surface,
     world_from_surface: &Pose,

@@ -64,7 +64,7 @@ impl HandState {
         }
     }
 
-    /// Returns whether the person changes the pointing finger on the way to a target.
+    /// Returns `true` if the person changes the pointing finger on the way to a target.
     pub(super) fn changes_fingers_on_the_way(&self, effector: Effector) -> bool {
         !self.motor.fingers.is_empty() && effector.limb == Limb::Arm
     }

@@ -224,7 +224,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
         from.lerp(to, crate::sim::minimum_jerk(t))
     }
 
-    /// Passes one reading on. Returns whether the left button went down.
+    /// Passes one reading on. Returns `true` if the left button went down.
     fn step(&mut self) -> bool {
         self.number += 1;
         let now = self.now();
