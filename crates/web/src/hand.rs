@@ -224,7 +224,7 @@ impl FollowedHand {
         })
     }
 
-    /// Returns whether it is the hand of this format, of a recording or of a sensor that measures now.
+    /// Returns `true` if it is the hand of this format, of a recording or of a sensor that measures now.
     pub fn is_of(&self, format: &str, is_live: bool) -> bool {
         self.format == format && self.live.is_some() == is_live
     }

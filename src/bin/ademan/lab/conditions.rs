@@ -131,7 +131,7 @@ impl ConditionArgs {
 }
 
 impl Prepared {
-    /// Returns whether a text decoder reads what is typed.
+    /// Returns `true` if a text decoder reads what is typed.
     pub fn has_decoder(&self) -> bool {
         self.decoder.is_some()
     }
