@@ -15,10 +15,10 @@
 //! - [`model`] is the language: letters, words, pairs of words and spelling in one block of bytes.
 //! - [`build`] makes its bytes.
 //! - [`keyboard`] holds keys and taps, in millimetres.
-//! - [`touch`] says where taps land that mean a key, and learns it for a person.
+//! - [`touch`] models where taps land that mean a key, and learns it for a person.
 //! - [`decoder`] finds the text that taps most probably mean.
 //! - [`swipe`] holds paths of fingers over letters, and finds the words that explain them.
-//! - [`correction`] turns it into edits of a text field.
+//! - [`correction`] turns the text into edits of a text field.
 //! - [`languages`] are the models that come with the crate.
 //! - [`filter`] puts all of it between the devices of a layout and the output of a pipeline of `ademan_core`.
 //!

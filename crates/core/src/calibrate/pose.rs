@@ -179,8 +179,8 @@ impl CalibrationPose {
 
     /// Returns the angle of a joint and its deviation, in degrees.
     ///
-    /// Ranges are the clinical ones of [`JointLimits::human`](crate::estimate::JointLimits::human). Their deviations are those of
-    /// Boone & Azen 1979 for wrist and forearm, 4° to 6.5°, and as much for the fingers. A table holds a joint to 3°.
+    /// Ranges are the clinical ones of [`JointLimits::human`](crate::estimate::JointLimits::human). Deviations
+    /// follow Boone & Azen 1979 for wrist and forearm, 4° to 6.5°; the fingers have the same. A table holds a joint to 3°.
     fn degrees(self, dof: Dof) -> (f64, f64) {
         match dof.finger() {
             None => self.arm_degrees(dof),

@@ -131,7 +131,8 @@ pub(super) fn elements_around(text: &str, offset: usize) -> Vec<Element> {
     elements
 }
 
-/// Returns the bytes of the value that starts at an offset: a token, with what is in its brackets or in those that follow a name.
+/// Returns the bytes of the value that starts at an offset: a token, with the content of its brackets or of the brackets that follow
+/// a name.
 pub(super) fn value_at(text: &str, offset: usize) -> Option<Range<usize>> {
     let mut tokens = tokens(&text[offset..]).peekable();
     let mut last = tokens.next()?;

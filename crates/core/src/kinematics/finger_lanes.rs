@@ -1,8 +1,8 @@
 //! Forward kinematics of four fingers at once: one finger in each lane of a vector register.
 //!
 //! The lanes are [`Vec4`]s, which have the operations of every machine with 128-bit vectors. The operations have the order
-//! of a product of two `Quat`s and of a `Quat` and a vector, without the terms that are 0: the results are equal to those of
-//! [`ArmModel::link_poses`](super::ArmModel::link_poses).
+//! of a product of two `Quat`s and of a `Quat` and a vector, without the terms that are 0: the results are equal to the
+//! results of [`ArmModel::link_poses`](super::ArmModel::link_poses).
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 use parry3d::math::Pose;

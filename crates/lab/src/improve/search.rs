@@ -105,7 +105,7 @@ pub enum ImproveError {
     /// Effort of tasks is not measured.
     #[error("the layout is scored by tasks, whose effort is not measured; use speed or errors")]
     Effort,
-    /// Nobody can use the original.
+    /// No simulated person can use the original layout.
     #[error("nobody can use the layout: it has no control within reach")]
     Nobody,
     /// The search was interrupted before the original was scored.

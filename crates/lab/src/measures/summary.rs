@@ -68,7 +68,7 @@ pub struct Summary {
     /// The mean time to set a value, in seconds.
     #[serde(default)]
     pub value_seconds: Interval,
-    /// Clicks on rings of targets; `None` if nobody has clicked.
+    /// Clicks on rings of targets; `None` if no person has clicked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointing: Option<PointingSummary>,
 }

@@ -105,7 +105,7 @@ impl Osc {
         Err(refused)
     }
 
-    /// Sends a value of the control of a target. `is_held` tells whether it is a press or a depth, which ends.
+    /// Sends a value of the control of a target. `part` is the kind of the value: a press and a depth are held until they return to 0.
     fn set(&mut self, target: TargetId, value: f32, part: Part) {
         let Some(index) = self.signals.index(target) else {
             return;
@@ -185,7 +185,7 @@ impl Message {
             *last = number.to_be_bytes();
         }
         let sent = match socket.send(&self.datagram) {
-            // The answer to an earlier message, when nobody listened; this one was not sent.
+            // The answer to an earlier message that no program received; this message was not sent.
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
                 match socket.send(&self.datagram) {
                     Err(again) if again.kind() == io::ErrorKind::ConnectionRefused => Ok(0),

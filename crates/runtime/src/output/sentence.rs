@@ -6,7 +6,7 @@ use arrayvec::ArrayString;
 
 use super::text_field::Text;
 
-/// The bytes of text that Backspace can take back before the place is no longer known.
+/// Number of bytes of text that Backspace can delete before the position in the sentence is no longer known.
 const MAX_TAIL: usize = 256;
 
 /// The place of the cursor in a sentence.

@@ -283,7 +283,7 @@ impl Session {
             self.report_status(Notice::Listening(uri.clone()));
         }
         let wants_socket = self.options.control_socket == ControlSocket::Default;
-        // Nobody can do anything about it where there are none.
+        // On a system without control sockets, the user cannot change it.
         if cfg!(unix) && self.control.is_none() && wants_socket {
             self.report_status(Notice::NoControlSocket);
         }

@@ -129,8 +129,8 @@ impl LoadedSetup {
         Ok(self.following(typist, HandTask::Script(script)))
     }
 
-    /// Returns a simulated hand that does a task as far as the layout permits, without end, and sends packets in `format`. It says what
-    /// it leaves out.
+    /// Returns a simulated hand that repeats a task as far as the layout permits, and sends packets in `format`. It reports the parts
+    /// that it leaves out.
     pub fn live_hand(
         &self,
         task: HandTask,

@@ -15,7 +15,7 @@ pub(super) enum Received {
     Request(Vec<u8>),
     /// Bytes to send to the client.
     Reply(Arc<[u8]>),
-    /// The client may not go on, for this reason.
+    /// The client is disconnected, for this reason.
     Refused(String),
     /// The client has gone, or there is no way to tell it what is wrong.
     Gone,

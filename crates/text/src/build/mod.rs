@@ -34,7 +34,7 @@ use counts::Counts;
 
 /// The size up to which pairs and threes of words are kept.
 const MAX_BYTES: usize = 4_000_000;
-/// The bytes up to which pairs and threes are kept whatever the words take.
+/// The size up to which pairs and threes are kept in any case, even if the words leave no room for them.
 const MIN_PAIR_BYTES: usize = 1_000_000;
 
 /// Lists and texts that make no model.

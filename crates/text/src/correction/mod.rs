@@ -59,7 +59,7 @@ pub const MAX_EDITS: usize = 84;
 /// At the end of a word, after this many taps, the text before is final.
 const SETTLED_TAPS: usize = 60;
 
-/// A correction that one Backspace takes back.
+/// A correction that one Backspace undoes.
 #[derive(Clone, Debug, Default)]
 struct Undo {
     is_possible: bool,
@@ -169,7 +169,7 @@ impl<'m> Corrector<'m> {
         self.is_partial || self.shown.ends_with(|last| !ends_word(last))
     }
 
-    /// Drops what is pending, and goes on behind text that ends inside a word or does not.
+    /// Drops what is pending, and continues after other text; `is_inside` is `true` if that text ends inside a word.
     pub fn set_inside_word(&mut self, is_inside: bool) {
         self.reset();
         self.is_partial = is_inside;

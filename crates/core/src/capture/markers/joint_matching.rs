@@ -14,8 +14,8 @@ pub const MAX_CAMERAS: usize = 16;
 /// Noise of a ray, as a fraction of the largest gap.
 const NOISE: f64 = 0.05;
 
-/// Largest cost of a point that is not where a marker was expected: five standard deviations. A marker that moves in a way that
-/// nobody could expect costs no more.
+/// Largest cost of a point that is not where a marker was expected: five standard deviations. An unexpected movement
+/// of a marker costs no more.
 const UNEXPECTED: f64 = 12.5;
 
 /// Worth of a ray that a marker explains: the cost of one that passes it at half of the largest gap.

@@ -34,7 +34,7 @@ const CONVOLVED_LAYERS: usize = 5;
 const DENSE_LAYERS: usize = 3;
 const CONVOLUTIONS: usize = 3;
 const CONVOLUTION: usize = 3;
-/// The pairs of pictures of which the larger value goes on behind the convolutions.
+/// Number of pairs of pictures after the convolutions. The larger value of each pair is passed on.
 const PAIRS: usize = PICTURES / 2;
 
 /// Reason why bytes are no model.

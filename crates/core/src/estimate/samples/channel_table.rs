@@ -73,8 +73,8 @@ impl ChannelTable {
         self.offsets[dof.index()] = calibration.offset;
     }
 
-    /// Sets the angles that the counts show, with `offsets` added, in radians. They mean nothing unless the result says that all
-    /// are accepted and no channel is unknown.
+    /// Sets the angles that the counts show, with `offsets` added, in radians. The angles are valid only if the result
+    /// states that all are accepted and no channel is unknown.
     pub fn convert(
         &self,
         channels: &Channels,

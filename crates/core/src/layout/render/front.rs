@@ -10,7 +10,7 @@ use crate::layout::model::Layout;
 /// the front.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontMark {
-    /// The part that it belongs to, which tells its color.
+    /// The part that it belongs to, which determines its color.
     pub role: MarkRole,
     /// Its outline.
     pub shape: MarkShape,
@@ -29,7 +29,7 @@ pub enum MarkRole {
     Cap,
     /// A line on a handle.
     OnHandle,
-    /// A line that tells the value, or what is on.
+    /// A line that shows the value, or the option that is on.
     Value,
     /// A scale and its lines.
     Scale,
@@ -79,7 +79,7 @@ pub enum MarkShape {
 
 impl Layout {
     /// Returns the marks on the front of a control other than a key, from below to above. `value` returns the value of a target,
-    /// which tells the position of a handle, of 0..=1, or 1 for on; the default is the position at the start. `None` if the target is
+    /// 0..=1 for the position of a handle, or 1 for on; the default is the position at the start. `None` if the target is
     /// no such control.
     pub fn front_marks(
         &self,

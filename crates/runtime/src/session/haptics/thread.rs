@@ -36,7 +36,7 @@ pub(super) struct FeedbackState {
     pub forces: [f32; Finger::COUNT],
     /// The latest pulse.
     pulse: Pulse,
-    /// Number of pulses so far, which tells a new one from the same.
+    /// Number of pulses so far, to recognize a new pulse that equals the last one.
     pulses: u32,
 }
 

@@ -62,8 +62,8 @@ impl Camera {
 
     /// Returns the landmarks in the world, in metres, for points of the image in multiples of its width from its center.
     ///
-    /// With `shape`, the world landmarks of a tracker, which it places relative to the hand, the hand is put where its
-    /// points show it. Without it, its size tells the distance. `None` if there is no such place.
+    /// `shape` has the world landmarks of a tracker, relative to the hand. With it, the hand has this shape at the position that
+    /// its points show; without it, its size in the image gives the distance. `None` if there is no such position.
     pub fn place(&self, points: &Landmarks, shape: Option<&Landmarks>) -> Option<Landmarks> {
         let placed = match shape {
             Some(shape) => {

@@ -284,8 +284,8 @@ impl<'a> Engine<'a> {
         self.execute_waiting()
     }
 
-    /// Asks something of which only the time of the answer counts: the daemon says what a field takes after it has the focus, and a
-    /// field for a password is none before.
+    /// Sends a question of which only the time of the answer counts: the daemon reports the purpose of a field after the field has
+    /// the focus, and until then a field for a password looks like any other.
     fn ask_field(&mut self) -> zbus::Result<()> {
         self.asked_field = Some(self.bus.ask_context()?);
         Ok(())
