@@ -47,9 +47,9 @@ pub struct Estimator {
     tip_speed: TipSpeed,
     plausibility: Plausibility,
     zero: Zero,
-    /// The meaning of the counts has changed since the latest reading, so that the next estimate jumps.
+    /// `true` if the meaning of the counts has changed since the latest reading, so that the next estimate jumps.
     has_jumped: bool,
-    /// The sensor measures joint angles.
+    /// `true` if the sensor measures joint angles.
     measures_angles: bool,
     bend_ranges: BendRanges,
 }
@@ -64,7 +64,7 @@ struct RawAngles {
     tips: Tips,
 }
 
-/// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
+/// A measured joint that moves with the whole hand: the wrist, else the first joint, else the displaced one.
 type Anchor = (Joint, Vec3);
 
 fn anchor(estimate: &Estimate) -> Option<Anchor> {
@@ -390,8 +390,8 @@ impl RawAngles {
         self.tips = tips;
     }
 
-    /// Returns `true` if neither the measured position of a later reading nor an angle is out of reach. Those that are known in
-    /// only one of both do not count.
+    /// Returns `true` if neither the measured position of a later reading nor an angle is out of reach. Positions and angles
+    /// that only one of both readings has do not count.
     ///
     /// Of measured fingertips at least one must be within reach. Their angles do not count: the angles of a straight finger
     /// change much when its measured length changes little.

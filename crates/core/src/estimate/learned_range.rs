@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 0.015;
 /// The time for which a channel must stay beyond an end. No movement of typing lasts as long.
 const MIN_HOLD: Duration = Duration::from_millis(500);
 
-/// The readings within that time: a slow source must not pass with one spike.
+/// Minimum number of readings of an excursion: a slow source must not pass with one spike.
 const MIN_READINGS: u32 = 10;
 
 /// The longest excursion. Hands do not stretch for longer; a sensor that does is stuck.
@@ -69,7 +69,7 @@ pub(super) struct RangeLearner {
     excursion: Option<Excursion>,
     /// Ends, low and high, that were exceeded and wait to be widened.
     is_due: [bool; 2],
-    /// The channel had a fault. It may be another sensor now, as after an exchange of plugs.
+    /// `true` if the channel had a fault. It may be another sensor now, as after an exchange of plugs.
     had_fault: bool,
 }
 

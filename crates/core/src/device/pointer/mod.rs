@@ -85,9 +85,9 @@ struct ScreenPointer {
     scroll_remainder: Vec2,
     depth: Option<ValueEmitter>,
     axes: ArmAxesState,
-    /// A mode that [starts at rest](PointingMode::starts_at_rest) was not at rest since the hand was lost.
+    /// `true` if a mode that [starts at rest](PointingMode::starts_at_rest) has not been at rest since the hand was lost.
     awaits_rest: bool,
-    /// The hand points into the range of the mode, and not beside it.
+    /// `true` if the hand points into the range of the mode, and not beside it.
     is_in_range: bool,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
@@ -161,7 +161,7 @@ impl ScreenPointer {
         true
     }
 
-    /// Returns a velocity of 0 until the mode was at rest.
+    /// Returns the velocity, which is 0 until the mode has been at rest.
     fn after_rest(&mut self, aim: Aim) -> Aim {
         self.awaits_rest &= aim != Aim::Velocity(Vec3::ZERO);
         if self.awaits_rest {

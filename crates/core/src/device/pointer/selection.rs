@@ -68,7 +68,7 @@ pub(super) struct Selector {
     /// The last position of the cursor in each space.
     before: Vec<Option<Vec3>>,
     time: Timestamp,
-    /// True if the cursor has been outside all targets.
+    /// `true` if the cursor has been outside all targets.
     is_armed: bool,
     selected: Option<Selected>,
     /// A target whose unselect event is not emitted yet.
@@ -81,7 +81,7 @@ struct Selected {
     /// The index of the volume in its space.
     volume: usize,
     target: TargetId,
-    /// The depth emitted last.
+    /// The depth that was emitted last.
     depth: f32,
 }
 
