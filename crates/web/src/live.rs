@@ -43,7 +43,7 @@ struct LiveNews {
     holding: Option<u8>,
     /// The request to the person.
     advice: Option<&'static str>,
-    /// The boards are under the hands.
+    /// `true` if the boards are under the hands.
     is_placed: bool,
 }
 

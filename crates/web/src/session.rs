@@ -43,7 +43,7 @@ pub struct PageSession {
     pub(crate) left: ArmModel,
     /// The readings of the hands at rest.
     pub(crate) idle: [(Side, Sample); Side::COUNT],
-    /// No hand was seen on this layout yet, so that its boards have no places in the world.
+    /// `true` if no hand was seen on this layout yet, so that its boards have no places in the world.
     is_unseen: bool,
     pub(crate) fit: Fit,
     pub(crate) layout: Arc<Layout>,

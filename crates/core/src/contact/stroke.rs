@@ -68,7 +68,7 @@ pub(super) struct Stroke {
     deepening: [f32; 2],
     /// The time at which it passed the press depth.
     pub passed: Option<Timestamp>,
-    /// It presses nothing until it is above the front again.
+    /// `true` if it presses nothing until it is above the front again.
     pub is_spent: bool,
 }
 

@@ -44,9 +44,9 @@ pub struct DocumentFault {
 /// A range of characters within one line of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct TextPosition {
-    /// From 1.
+    /// Number of the line, from 1.
     line: usize,
-    /// In characters, from 1.
+    /// Number of the first character in the line, from 1.
     column: usize,
     /// Number of underlined characters, at least 1.
     width: usize,

@@ -62,9 +62,9 @@ fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
 struct Arm<'a> {
     bones: &'a ArmRotations,
     side: Side,
-    /// From the frame of the lower arm to the frame of the upper arm.
+    /// The rotation from the frame of the lower arm to the frame of the upper arm.
     lower_arm: DQuat,
-    /// From the frame of the hand to the frame of the upper arm.
+    /// The rotation from the frame of the hand to the frame of the upper arm.
     hand: DQuat,
 }
 

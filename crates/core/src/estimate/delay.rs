@@ -43,7 +43,7 @@ pub enum DelayError {
     /// One of the sources saw nothing move.
     #[error("the {} source saw no movement", if *.is_first { "first" } else { "second" })]
     NoMovement {
-        /// It is the first source.
+        /// `true` if it is the first source.
         is_first: bool,
     },
     /// The movements are not the same.

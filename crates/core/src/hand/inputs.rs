@@ -36,7 +36,7 @@ named_enum! {
 pub struct InputValues {
     values: [f32; Input::COUNT],
     known: u16,
-    /// In radians.
+    /// The angles of the body, in radians.
     angles: [f32; BodyAngle::COUNT],
     known_angles: u8,
 }

@@ -26,7 +26,7 @@ const MAX_ROWS: usize = 6;
 pub(super) struct FingerLanes {
     /// The index of the link that all fingers grow from.
     pub palm: usize,
-    /// From the palm to the fingertips. A finger with fewer links than another begins with rows that do not move it.
+    /// The links, from the palm to the fingertips. A finger with fewer links than another begins with rows that do not move it.
     rows: Vec<Row>,
     /// The distance of each fingertip from the pivot of its last link, in metres.
     tip_lengths: Vec4,
@@ -38,7 +38,7 @@ struct Row {
     /// The positions of the pivots in the frames of the parents, in metres: x, y and z of all fingers.
     offset: [Vec4; 3],
     has_offset: bool,
-    /// All offsets lie along X.
+    /// `true` if all offsets lie along X.
     is_straight: bool,
     axis: PrincipalAxis,
     /// The senses of rotation about the axis, ±1.

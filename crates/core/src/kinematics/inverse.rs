@@ -194,8 +194,8 @@ struct Chain {
     base: Pose,
     /// The links after it.
     links: ArrayVec<ChainLink, MAX_LINKS>,
-    /// For each variable and link that it turns, in this order and from the fingertip to the root: their indices, the latter in
-    /// `links`, and the gain.
+    /// The index of a variable, the index in `links` of a link that it turns, and the gain; by variable, and from the fingertip to
+    /// the root.
     turns: Vec<(usize, usize, f64)>,
     /// The length of the last link, in metres.
     length: f32,

@@ -76,9 +76,9 @@ pub struct StepOutput {
 /// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings produce the
 /// same events.
 pub struct Pipeline {
-    /// One or two hands.
+    /// The hands, one or two.
     hands: Vec<HandPipeline>,
-    /// At least one profile.
+    /// The profiles, at least one.
     profiles: Vec<Profile>,
     active_profile: usize,
     settings: PipelineSettings,

@@ -11,7 +11,7 @@ use crate::hand::{FingerSet, Joint};
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RoomState {
-    /// The source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
+    /// `true` if the source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
     /// measures none.
     is_measured: bool,
     /// The number of times that the hand was found at another place.

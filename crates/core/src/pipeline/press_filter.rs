@@ -28,7 +28,7 @@ pub struct FilterInput<'a> {
     pub time: Timestamp,
     /// The hand.
     pub side: Side,
-    /// The source of the hand may cause keys and characters. What a filter emits in a step of another hand is suppressed.
+    /// `true` if the source of the hand may cause keys and characters. What a filter emits in a step of another hand is suppressed.
     pub may_type: bool,
     /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as the
     /// press of a chord.

@@ -32,7 +32,7 @@ pub struct Unreached {
 pub struct NearestControl {
     /// The target; `None` for the range of the pointer.
     pub target: Option<TargetId>,
-    /// It is on a board, which can be moved to the hand.
+    /// `true` if it is on a board, which can be moved to the hand.
     pub is_on_board: bool,
     /// The vector from the fingertip to its center: to the right, up, towards the wearer, in metres.
     pub way: Vec3,

@@ -51,7 +51,7 @@ struct Grid {
     origin: String,
     /// The physical rows: digits, three rows of letters, thumbs.
     rows: [ImportedRow; 5],
-    /// Rows are not shifted against each other.
+    /// `true` if rows are not shifted against each other.
     is_ortho: bool,
     notes: Vec<String>,
 }

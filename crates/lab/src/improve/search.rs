@@ -86,7 +86,7 @@ pub struct Found {
     pub tried: u32,
     /// States that were not.
     pub refused: Refused,
-    /// The search was cancelled.
+    /// `true` if the search was cancelled.
     pub is_cancelled: bool,
 }
 

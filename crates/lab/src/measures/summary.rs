@@ -93,7 +93,7 @@ pub struct PointingSummary {
     pub path_efficiency: Interval,
     /// Targets that were given up, by targets.
     pub given_up: Interval,
-    /// For each width of targets, the widest first: the width in pixels, the throughput, and the part of the clicks that slipped.
+    /// The width in pixels, the throughput, and the part of the clicks that slipped, for each width of targets, the widest first.
     pub by_width: Vec<(f64, Interval, Interval)>,
 }
 

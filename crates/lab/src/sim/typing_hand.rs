@@ -56,7 +56,7 @@ pub struct TypingHand {
     start: StartPlace,
     /// The wrist of a hand that carries a board of this one (world, metres).
     other_wrist: Option<Vec3>,
-    /// The sensor shows the hand as a whole and not its joints.
+    /// `true` if the sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
 }
 

@@ -30,7 +30,7 @@ pub struct Camera {
 /// The position of a point in an image, and its changes with the parameters of the camera and with the place of the point.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
-    /// In pixels.
+    /// The position in the image, in pixels.
     pub pixel: DVec2,
     /// The derivatives by the turn in the axes of the camera, the translation, the focal lengths, the centre and the distortion.
     pub by_camera: [DVec2; PARAMETERS],

@@ -85,15 +85,15 @@ pub struct Backend {
     pub name: &'static str,
     /// The placeholder of the optional argument in `NAME:ARGUMENT`, such as `PATH`.
     pub argument: Option<&'static str>,
-    /// The argument may not be left out.
+    /// `true` if the argument may not be left out.
     pub is_argument_required: bool,
     /// One line for help texts, in lower case and without a full stop.
     pub summary: &'static str,
     /// Returns what the backend can send on this operating system.
     pub capabilities: fn() -> Capabilities,
-    /// The backend logs events: it receives every event, and it carries a capability only if all outputs are logs.
+    /// `true` if the backend logs events: it receives every event, and it carries a capability only if all outputs are logs.
     pub is_log: bool,
-    /// The capabilities are fixed when the output is opened; a layout that requires more needs a restart.
+    /// `true` if the capabilities are fixed when the output is opened; a layout that requires more needs a restart.
     pub is_fixed_when_open: bool,
     /// Uses the backend for a second without a visible effect and returns what worked, for
     /// `ademan doctor --test NAME`. `None` if there is nothing to test.

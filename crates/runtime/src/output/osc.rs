@@ -49,9 +49,9 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
 pub struct Osc {
     socket: UdpSocket,
     signals: Signals,
-    /// In the order of the signals.
+    /// The messages, in the order of the signals.
     messages: Vec<SignalMessages>,
-    /// A message could not be sent.
+    /// `true` if a message could not be sent.
     has_due: bool,
     dropped_presses: u64,
 }
@@ -68,7 +68,7 @@ struct Message {
     /// The datagram. Its last four bytes are the number.
     datagram: Vec<u8>,
     range: (f32, f32),
-    /// The value sent last ends with the session: a press or a depth.
+    /// `true` if the value sent last ends with the session: a press or a depth.
     is_held: bool,
     /// The value that could not be sent.
     due: Option<f32>,

@@ -75,7 +75,7 @@ pub enum Notice {
     Unreached(Side, Option<NearestTarget>),
     /// Touches become events.
     Armed {
-        /// The events reach other programs.
+        /// `true` if the events reach other programs.
         has_effect: bool,
     },
     /// A pause with this origin was requested.
@@ -127,7 +127,7 @@ pub enum Notice {
 pub struct ImplausibleParts {
     /// The angles, and the sensor channels that measure them.
     pub angles: Vec<(Dof, Option<usize>)>,
-    /// The whole hand is not trusted.
+    /// `true` if the whole hand is not trusted.
     pub is_hand: bool,
 }
 

@@ -29,7 +29,7 @@ const PLAIN_KINDS: [LineKind; 4] = [
 pub(super) struct Line {
     /// Its kind.
     pub kind: LineKind,
-    /// The next line of the kind replaces it.
+    /// `true` if the next line of the kind replaces it.
     pub is_continuous: bool,
     /// Its bytes, with the line end.
     pub bytes: Arc<[u8]>,

@@ -36,7 +36,7 @@ pub(super) struct Subscription {
     period: Option<Duration>,
     /// The time from which the next one is due: of each hand, and of readings of both.
     due_at: [Option<Timestamp>; Side::COUNT + 1],
-    /// The present step is due.
+    /// `true` if the present step is due.
     is_due: bool,
     /// The number of the layout that was sent.
     layout: u64,

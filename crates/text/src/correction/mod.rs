@@ -67,7 +67,7 @@ struct Undo {
     corrected: usize,
     /// The text that they replaced.
     typed: String,
-    /// That text ends inside a word.
+    /// `true` if that text ends inside a word.
     is_inside: bool,
 }
 
@@ -82,7 +82,7 @@ pub struct Corrector<'m> {
     shown: String,
     target: String,
     undo: Undo,
-    /// The decoder has not seen the beginning of the word.
+    /// `true` if the decoder has not seen the beginning of the word.
     is_partial: bool,
     /// The last word was swiped.
     swiped: Option<Swiped>,

@@ -22,7 +22,7 @@ struct Word {
     state: u16,
     /// The log-probability of the spelling.
     spelled: f32,
-    /// The word has digits or signs.
+    /// `true` if the word has digits or signs.
     has_sign: bool,
 }
 

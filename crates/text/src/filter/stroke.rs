@@ -46,11 +46,11 @@ pub(super) struct Stroke {
     start: Timestamp,
     seen: Timestamp,
     above_since: Option<Timestamp>,
-    /// It has gone far enough to be no tap.
+    /// `true` if it has gone too far to be a tap.
     pub(super) is_swipe: bool,
-    /// The letter was typed.
+    /// `true` if the letter was typed.
     is_typed: bool,
-    /// It is too long for a word.
+    /// `true` if it is too long for a word.
     is_void: bool,
 }
 

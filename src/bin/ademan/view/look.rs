@@ -17,7 +17,7 @@ const HOT: f64 = 1.0 / 3.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     pub has_colors: bool,
-    /// The locale has box characters.
+    /// `true` if the locale has box characters.
     pub is_unicode: bool,
 }
 

@@ -22,9 +22,9 @@ pub(super) struct ChannelFit {
     pub(super) dof: Dof,
     /// The range of the medians of all poses; `None` if the channel was not measured.
     pub(super) range: Option<(f64, f64)>,
-    /// The counts never change, although the poses move the joint.
+    /// `true` if the counts never change, although the poses move the joint.
     pub(super) is_dead: bool,
-    /// The counts fall where the counts of the starting glove rise.
+    /// `true` if the counts fall where the counts of the starting glove rise.
     pub(super) is_inverted: bool,
     /// The joints with a new calibration.
     pub(super) rows: Vec<(Dof, AffineMap)>,

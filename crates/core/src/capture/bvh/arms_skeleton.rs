@@ -52,9 +52,9 @@ pub struct ArmsSkeleton {
     rest: Vec<DVec3>,
     rotations: Vec<DMat3>,
     half_width: f64,
-    /// The body turns with the line of the shoulders. Otherwise it is upright.
+    /// `true` if the body turns with the line of the shoulders. Otherwise it is upright.
     is_turned: bool,
-    /// Arms begin at the shoulders of the body. Otherwise they have positions of their own.
+    /// `true` if arms begin at the shoulders of the body. Otherwise they have positions of their own.
     is_joined: bool,
 }
 

@@ -57,7 +57,7 @@ struct Track {
     id: u64,
     label: Option<String>,
     position: DVec3,
-    /// In units per second; unknown after the first position.
+    /// The velocity, in units per second; unknown after the first position.
     velocity: Option<DVec3>,
     /// The time at which it was seen last, in seconds.
     seen: f64,

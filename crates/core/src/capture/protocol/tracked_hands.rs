@@ -113,7 +113,7 @@ pub(super) struct TrackedHands {
     times: LineTimes,
     rate_hz: f64,
     lines: u64,
-    /// By side: the hand was seen since the start.
+    /// `true` for each side whose hand was seen since the start.
     was_seen: [bool; Side::COUNT],
 }
 

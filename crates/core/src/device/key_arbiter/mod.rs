@@ -51,7 +51,7 @@ pub struct KeyArbiter {
     cycle: Option<Cycle>,
     /// The number of presses that replaced letters.
     replacing_presses: usize,
-    /// In order of pressing.
+    /// The presses, in the order in which they began.
     presses: ArrayVec<Press, MAX_PRESSES>,
     one_shots: OneShots,
     locks: Locks,

@@ -16,8 +16,8 @@ use crate::time::Timestamp;
 pub struct Multitap {
     /// The letters as displays write them.
     pub label: String,
-    /// At least one, in the order of the taps: [`KeyAction::Key`] with a key that types a character, or [`KeyAction::Text`] with one
-    /// character.
+    /// The letters, at least one, in the order of the taps: [`KeyAction::Key`] with a key that types a character, or
+    /// [`KeyAction::Text`] with one character.
     pub letters: Vec<KeyAction>,
 }
 

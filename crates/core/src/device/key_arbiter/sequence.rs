@@ -60,9 +60,9 @@ pub struct SequenceHand {
     pub side: Side,
     /// The time of its reading.
     pub time: Timestamp,
-    /// Its position is known.
+    /// `true` if its position is known.
     pub is_placed: bool,
-    /// A finger is measured.
+    /// `true` if a finger is measured.
     pub is_seen: bool,
     /// Time between two presses of a sequence.
     pub press_gap: Duration,

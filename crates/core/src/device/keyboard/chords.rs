@@ -51,7 +51,7 @@ type KeySet = u64;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
     chords: Vec<(KeySet, Chord)>,
-    /// From a target to the number of its chord key.
+    /// The number of the chord key of each target.
     chord_keys: TargetIndex,
     window: Duration,
     /// Gathered presses, in order; each finger has one at most.

@@ -40,9 +40,9 @@ impl SelectionSpace {
 /// The position of the cursor, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CursorPoint {
-    /// In the world.
+    /// A position in the world.
     InWorld(Vec3),
-    /// In the frame of every space.
+    /// A position in the frame of every space.
     InEachSpace(Vec3),
 }
 

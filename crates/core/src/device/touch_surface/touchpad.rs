@@ -52,9 +52,9 @@ pub(super) struct Touchpad {
     began: Timestamp,
     max_fingers: usize,
     has_moved: bool,
-    /// True if a finger slid off or was lost: the rest of the gesture has no effect.
+    /// `true` if a finger slid off or was lost: the rest of the gesture has no effect.
     is_cancelled: bool,
-    /// True if the gesture began soon after a click.
+    /// `true` if the gesture began soon after a click.
     may_drag: bool,
     is_dragging: bool,
     last_click: Option<Timestamp>,

@@ -28,9 +28,9 @@ pub(super) struct ChannelTable {
 
 /// The result of a conversion.
 pub(super) struct Conversion {
-    /// All angles are finite, and none is farther outside its range than a calibration error explains.
+    /// `true` if all angles are finite, and none is farther outside its range than a calibration error explains.
     pub are_accepted: bool,
-    /// A channel is unknown, or at an end of its range.
+    /// `true` if a channel is unknown, or at an end of its range.
     pub has_exceptions: bool,
 }
 

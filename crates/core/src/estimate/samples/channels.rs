@@ -23,11 +23,11 @@ pub(in crate::estimate) struct ChannelConverter {
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
     health: Vec<ChannelHealth>,
-    /// A channel was at an end of its range in the latest reading.
+    /// `true` if a channel was at an end of its range in the latest reading.
     was_at_rail: bool,
     /// All rows at once, for readings without exceptions.
     table: Option<ChannelTable>,
-    /// A count at an end of the range is not a broken wire.
+    /// `true` if a count at an end of the range is not a broken wire.
     uses_full_range: bool,
     /// The learners of channels with a calibrated range; none unless ranges are learned.
     learners: Vec<ChannelLearner>,

@@ -35,7 +35,7 @@ struct Held {
     time: Timestamp,
     angles: JointAngles,
     untrusted: FingerSet,
-    /// It has not been seen for longer than the hold time.
+    /// `true` if it has not been seen for longer than the hold time.
     is_lost: bool,
 }
 

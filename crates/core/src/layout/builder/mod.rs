@@ -77,7 +77,7 @@ const MAX_FAILED: usize = 200;
 
 #[derive(Clone, Copy)]
 struct NamedTarget<'a> {
-    /// For messages: "key", "slider".
+    /// The kind in messages: "key", "slider".
     kind: &'static str,
     /// Slice of the document.
     source: &'a str,

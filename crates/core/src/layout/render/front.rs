@@ -46,7 +46,7 @@ pub enum MarkShape {
         center: Vec2,
         /// Radius.
         radius: f32,
-        /// Only its edge is drawn.
+        /// `true` if only its edge is drawn.
         is_hollow: bool,
     },
     /// A rectangle with round corners.

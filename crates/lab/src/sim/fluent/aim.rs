@@ -31,7 +31,7 @@ pub(super) struct Aim {
     tip_radius: f32,
     /// The remaining distance of the shown fingertip, in metres.
     pub(super) miss: f32,
-    /// No other finger is at a key of the board.
+    /// `true` if no other finger is at a key of the board.
     pub(super) is_clear: bool,
 }
 

@@ -95,7 +95,7 @@ pub struct FluentHand {
 pub enum StartPosture {
     /// Above the keys.
     Relaxed,
-    /// With straight fingers, to press by bending them.
+    /// Straight fingers, which press by bending.
     Straight,
     /// Open and still, where a board is placed below it.
     Open,

@@ -144,7 +144,7 @@ impl ByteStream for Box<dyn SerialPort> {
 /// Writer to a port.
 struct PortWriter {
     port: Box<dyn SerialPort>,
-    /// The device did not read the latest bytes.
+    /// `true` if the device did not read the latest bytes.
     is_blocked: bool,
 }
 

@@ -63,7 +63,7 @@ pub struct Worker<'a, C> {
     watchdog: Option<WatchdogClient>,
     reporter: KeyReporter,
     direct: DirectAnswers,
-    /// The watchdog did not accept a message, or has exited.
+    /// `true` if the watchdog did not accept a message, or has exited.
     is_watchdog_lost: bool,
     liveness: Liveness,
 }

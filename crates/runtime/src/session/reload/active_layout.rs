@@ -26,7 +26,7 @@ pub(super) struct ActiveLayout {
     layout: Layout,
     /// Index of the profile.
     profile: usize,
-    /// `layout` is an edited text that is not in the file.
+    /// `true` if `layout` is an edited text that is not in the file.
     is_trial: bool,
 }
 

@@ -37,7 +37,7 @@ pub struct ShareHub {
     targets: Vec<ShareTarget>,
     /// `None` while the hub is dropped.
     steps: Option<Sender<SharedStep>>,
-    /// Steps are sent somewhere even if there is no client.
+    /// `true` if steps are sent somewhere even if there is no client.
     has_receivers: bool,
     clients: Arc<AtomicUsize>,
     scene: SceneState,

@@ -46,7 +46,7 @@ impl Mount {
 pub(super) struct Camera {
     /// Place of the camera.
     pub mount: Mount,
-    /// The image was flipped left to right before the hand was found in it.
+    /// `true` if the image was flipped left to right before the hand was found in it.
     pub is_mirrored: bool,
     /// Focal length divided by the width of the image.
     pub focal: f64,

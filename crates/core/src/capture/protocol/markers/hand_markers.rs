@@ -21,7 +21,7 @@ pub(super) enum MarkerSite {
 pub(super) struct SeenMarker {
     pub site: MarkerSite,
     pub position: DVec3,
-    /// The position continues the motion before the marker was hidden.
+    /// `true` if the position continues the motion before the marker was hidden.
     pub is_predicted: bool,
 }
 
