@@ -98,7 +98,7 @@ pub struct FollowedHand {
 }
 
 impl Hand {
-    /// The state of the hands.
+    /// Returns the state of the hands.
     pub fn state(&self) -> HandState {
         match self {
             Self::Resting => HandState::Resting,

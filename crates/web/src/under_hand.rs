@@ -64,7 +64,7 @@ impl BoardsUnderHand {
         Ok(Self { fit, hands })
     }
 
-    /// The fit of layouts to the measured hands.
+    /// Returns the fit of layouts to the measured hands.
     pub fn fit(&self) -> Fit {
         self.fit
     }

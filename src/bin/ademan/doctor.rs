@@ -135,7 +135,7 @@ fn as_json(findings: &[Finding], tests: &[TestResult], is_ok: bool) -> Value {
     json!({"ok": is_ok, "checks": findings, "tests": tests})
 }
 
-/// A row for each check and test, then the commands that add what is missing, for a terminal of this width.
+/// Returns a row for each check and test, then the commands that add what is missing, for a terminal of this width.
 fn as_text(findings: &[Finding], tests: &[TestResult], columns: usize) -> String {
     let mut text = String::new();
     for finding in findings {

@@ -197,7 +197,7 @@ pub struct DeviceOutput<'a> {
 }
 
 impl DeviceOutput<'_> {
-    /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and has no effect, if
+    /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and presses nothing, if
     /// there is no room. A [`KeyAction::Command`] is issued even if the event list is full, so that a full
     /// list cannot suppress a pause; one that types, by a hand that may only point, is dropped like a key.
     pub fn press(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {

@@ -94,12 +94,12 @@ impl LayoutDraft {
         inside.map(|(target, _)| target).collect()
     }
 
-    /// The layout, to be drawn and edited. It may be used only if there are no [`faults`](Self::faults).
+    /// Returns the layout, to be drawn and edited. It may be used only if there are no [`faults`](Self::faults).
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The faults, in the order of the file.
+    /// Returns the faults, in the order of the file.
     pub fn faults(&self) -> &[LayoutFault] {
         &self.faults
     }

@@ -137,7 +137,7 @@ impl ActiveMovement {
     }
 }
 
-/// The minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
+/// Returns the minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
 pub(crate) fn minimum_jerk(t: f32) -> f32 {
     t.powi(3) * (10.0 + t * (-15.0 + 6.0 * t))
 }

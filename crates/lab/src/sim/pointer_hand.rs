@@ -67,7 +67,7 @@ impl PointerHand {
         }
     }
 
-    /// The side of the hand.
+    /// Returns the side of the hand.
     pub fn side(&self) -> Side {
         self.side
     }

@@ -329,7 +329,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// A failure to open `output`.
+    /// Creates the failure to open `output`.
     fn open(output: impl Into<String>, reason: impl ToString) -> Self {
         Self::Open {
             output: output.into(),
@@ -337,7 +337,7 @@ impl OutputError {
         }
     }
 
-    /// A failure to send to `output`.
+    /// Creates the failure to send to `output`.
     fn send(output: impl Into<String>, reason: impl ToString) -> Self {
         Self::Send {
             output: output.into(),

@@ -370,7 +370,7 @@ impl Session {
         output::open_with_watchdog(names, &required, &settings)
     }
 
-    /// The source that this session opens itself.
+    /// Returns the source that this session opens itself.
     fn opened_uri(&self) -> Option<&SourceUri> {
         self.setup.setup.source.as_ref()
     }

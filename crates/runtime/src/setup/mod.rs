@@ -384,7 +384,7 @@ impl Setup {
         names
     }
 
-    /// The name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
+    /// Returns the name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
     fn glove_name(&self, side: Side) -> Option<&str> {
         glove_name(&self.glove, self.source.as_ref(), side)
     }
@@ -424,8 +424,8 @@ impl Setup {
 }
 
 impl OtherHand {
-    /// The name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a hand without
-    /// one of its own.
+    /// Returns the name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a
+    /// hand without one of its own.
     fn glove_name(&self, first: Option<&SourceUri>, side: Side) -> Option<&str> {
         let source = self.source.as_ref().or(first);
         glove_name(&self.glove, source, side)

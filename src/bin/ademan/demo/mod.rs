@@ -182,7 +182,7 @@ fn play_on_line(
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
-/// The result of the demo. An interruption is the way to end one that repeats.
+/// Returns the result of the demo. An interruption is the way to end one that repeats.
 fn outcome(is_done: bool, is_cancelled: bool, repeats: bool) -> Result<(), Failure> {
     if is_done || (is_cancelled && repeats) {
         Ok(())

@@ -187,7 +187,7 @@ impl PracticeTask for PracticeLine {
         true
     }
 
-    /// As many characters are typed as the text has.
+    /// Returns `true` if as many characters are typed as the text has.
     fn is_complete(&self) -> bool {
         self.typed_length() >= self.text.len()
     }

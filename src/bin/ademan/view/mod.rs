@@ -98,7 +98,7 @@ impl LiveView {
         }
     }
 
-    /// The lines of the command.
+    /// Returns the lines of the command.
     pub fn task(&self) -> &TaskLines {
         &self.task
     }

@@ -161,7 +161,7 @@ impl<'a> LayoutBuilder<'a> {
         };
     }
 
-    /// The settings of the board that was started last.
+    /// Returns the settings of the board that was started last.
     pub fn board(&self) -> BoardSettings {
         self.board.settings
     }

@@ -223,7 +223,7 @@ impl<'a> RowSchema<'a> {
 }
 
 impl<'a> KeySchema<'a> {
-    /// The name of the key in layers and chords.
+    /// Returns the name of the key in layers and chords.
     pub fn name(&self) -> &'a str {
         match (self.fields.name, self.action) {
             (None, Action::Key(code)) => {

@@ -20,7 +20,7 @@ pub enum KeySize {
 }
 
 impl KeySize {
-    /// Width and height in characters.
+    /// Returns width and height in characters.
     const fn characters(self) -> Vec2 {
         match self {
             Self::Labelled | Self::Bordered => Vec2::new(5.0, 3.0),

@@ -213,7 +213,7 @@ pub(super) fn tilt(radians: f32) -> String {
     }
 }
 
-/// The functions of a key beside its press, in a few characters; empty if there are none.
+/// Returns the functions of a key beside its press, in a few characters; empty if there are none.
 pub(super) fn key_notes(layout: &Layout, key: &Key) -> Vec<String> {
     let words = Words(layout);
     let mut notes: Vec<String> = Vec::new();

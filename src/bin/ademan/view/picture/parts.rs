@@ -25,7 +25,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
-    /// The name of one that is left out.
+    /// Returns the name of one that is left out.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Board(..) => "a board",

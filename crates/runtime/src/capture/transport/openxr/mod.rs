@@ -164,7 +164,7 @@ impl HandLines {
 }
 
 impl ByteStream for HandLines {
-    /// A read waits for the next instant, and for the runtime.
+    /// Returns `true`: a read waits for the next instant, and for the runtime.
     fn may_block(&self) -> bool {
         true
     }
