@@ -83,7 +83,7 @@ pub enum Command {
     },
     /// Takes a candidate of the text decoder in place of what was typed of a word, with a space behind it.
     Candidate {
-        /// Its position, 1 to 3, the most probable one first.
+        /// The position, 1 to 3, the most probable one first.
         #[serde(deserialize_with = "whole_number")]
         number: u8,
     },

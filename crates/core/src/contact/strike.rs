@@ -134,11 +134,11 @@ impl FingerState {
     }
 }
 
-/// The fate of a stroke behind the press depth.
+/// The decision about a stroke behind the press depth.
 enum Decision {
-    /// It presses a target, at a point in the frame of that target.
+    /// The stroke presses a target, at a point in the frame of that target.
     Press(TargetLocation, Vec3),
-    /// It is not known yet.
+    /// The target is not known yet.
     Wait,
     /// Ignore the fingertip until it is above the front again.
     Never,

@@ -249,10 +249,10 @@ pub const MAX_CURSOR_SPACES: usize = 4;
 /// The position of the cursor of a pointer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CursorPosition {
-    /// Its position in its whole range, 0..=1: to the right, up, towards the wearer. `None` without a cursor on the
+    /// The position in the whole range, 0..=1: to the right, up, towards the wearer. `None` without a cursor on the
     /// screen, and while the hand points nowhere.
     pub fractions: Option<Vec3>,
-    /// Its position in the frame of each space of the layout, in metres; `None` while it is unknown.
+    /// The position in the frame of each space of the layout, in metres; `None` while it is unknown.
     pub in_spaces: ArrayVec<Option<Vec3>, MAX_CURSOR_SPACES>,
 }
 

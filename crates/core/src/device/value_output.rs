@@ -55,7 +55,7 @@ impl ValueOutput {
 /// A value of a control that has several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedValue {
-    /// Its name, which no other target has.
+    /// The name, which no other target has.
     pub name: String,
     /// The subject of its [`EventKind::Value`] events, which no fingertip touches.
     pub target: TargetId,

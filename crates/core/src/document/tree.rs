@@ -10,7 +10,7 @@ const MAX_DEPTH: usize = 128;
 /// A value in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Node {
-    /// Its bytes, including the name before its parentheses.
+    /// The bytes, including the name before its parentheses.
     pub range: Range<usize>,
     /// The content of its brackets; `None` for a number, a name or a text.
     pub group: Option<Group>,

@@ -15,7 +15,7 @@ const TOLERANCE: f32 = 1e-5;
 pub struct BoardOverlap<'a> {
     /// The numbers of the boards in the file, from 1.
     pub boards: (usize, usize),
-    /// Their names in messages.
+    /// The names of the boards in messages.
     board_names: [String; 2],
     /// The names of the controls that overlap most, one of each board.
     pub names: (&'a str, &'a str),

@@ -109,7 +109,7 @@ pub struct Face {
     pub name: String,
     /// The text drawn on it.
     pub label: String,
-    /// Its target in the scene.
+    /// The target in the scene.
     pub target: TargetId,
     /// The center in row coordinates: x along its row, y away from the wearer, in metres, including the scale of the board.
     pub row_position: Vec2,
@@ -120,7 +120,7 @@ pub struct Face {
 /// A key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Its front.
+    /// The front.
     pub face: Face,
     /// The action in each layer, base layer first; see [`KeyBinding::actions`].
     pub actions: Vec<Option<KeyAction>>,
@@ -141,7 +141,7 @@ pub struct Key {
 pub struct Control {
     /// The fronts of its targets.
     pub faces: Vec<Face>,
-    /// Its kind and settings.
+    /// The kind and settings.
     pub kind: ControlKind,
 }
 
@@ -224,7 +224,7 @@ impl Control {
 pub struct SpaceTargets {
     /// Names of the targets, in the order of the volumes.
     pub names: Vec<String>,
-    /// Their frame, volumes and actions.
+    /// The frame, volumes and actions of the targets.
     pub space: SelectionSpace,
 }
 

@@ -11,11 +11,11 @@ use crate::time::Timestamp;
 /// The reason why a hand touches nothing although the session goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandLoss {
-    /// Its source sends nothing.
+    /// The source of the hand sends nothing.
     NoReadings,
-    /// Its source sends, but does not show it, or not all of it.
+    /// The source of the hand sends, but does not show the hand, or not all of it.
     NotSeen,
-    /// It has pressed faster than the rate limit.
+    /// The hand has pressed faster than the rate limit.
     TooFast,
 }
 

@@ -29,7 +29,7 @@ pub struct Task<'a> {
     pub document: &'a Document,
     /// The people of the search.
     pub people: &'a [Participant],
-    /// Their phrases.
+    /// The phrases that the people type.
     pub corpus: &'a Corpus,
     /// The phrases of each person.
     pub phrases: usize,
@@ -76,7 +76,7 @@ pub struct Refused {
 /// The best layout of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// Its text; the original if nothing is better.
+    /// The text; the original if nothing is better.
     pub text: String,
     /// Numbers and keys that differ from the original.
     pub changes: (usize, usize),

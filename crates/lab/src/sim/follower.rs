@@ -23,11 +23,11 @@ pub(super) struct Follower {
 /// The state of a hand between two layouts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// It performs its task.
+    /// The hand performs its task.
     Busy,
-    /// It lifts.
+    /// The hand lifts.
     Lifting,
-    /// It has been clear of all targets for this number of packets, at most [`SETTLING_PACKETS`].
+    /// The hand has been clear of all targets for this number of packets, at most [`SETTLING_PACKETS`].
     Lifted(u32),
 }
 

@@ -65,9 +65,9 @@ impl Requirements {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckStatus {
-    /// It exists and the user may use it.
+    /// The permission or service exists, and the user may use it.
     Ok,
-    /// It does not exist, or the user may not use it.
+    /// The permission or service does not exist, or the user may not use it.
     Missing,
     /// Unknown: only a use would show it.
     Unknown,

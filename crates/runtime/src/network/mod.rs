@@ -73,7 +73,7 @@ impl TokenRole {
 pub struct TokenEntry {
     /// The name.
     pub name: String,
-    /// Its permission.
+    /// The permission.
     pub role: TokenRole,
 }
 

@@ -35,7 +35,7 @@ pub const AWAITING_HAND: &str =
 /// The control that is nearest to a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearestTarget {
-    /// Its name; `None` for the range of the pointer.
+    /// The name; `None` for the range of the pointer.
     pub name: Option<String>,
     /// The vector to it: to the right, up, towards the wearer, in metres.
     pub way: Vec3,

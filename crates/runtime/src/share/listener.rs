@@ -21,7 +21,7 @@ const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 pub(super) struct Connection {
     /// The index of the server.
     pub server: usize,
-    /// Its bytes. No call blocks: without data or room, it fails with [`WouldBlock`](io::ErrorKind::WouldBlock).
+    /// The bytes. No call blocks: without data or room, it fails with [`WouldBlock`](io::ErrorKind::WouldBlock).
     pub stream: Box<dyn Stream>,
 }
 

@@ -17,7 +17,7 @@ const CORRECTED_TRUST: f32 = 0.4;
 /// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Word {
-    /// Its letters.
+    /// The letters.
     prefix: Prefix,
     state: u16,
     /// The log-probability of the spelling.

@@ -43,11 +43,11 @@ struct LetterKeys {
 /// A key near a tap.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
-    /// Its character.
+    /// The character.
     pub character: char,
-    /// Its letter, if it types one.
+    /// The letter, if it types one.
     pub symbol: Option<Symbol>,
-    /// Its index.
+    /// The index.
     pub key: usize,
 }
 

@@ -42,7 +42,7 @@ struct Place {
     center: Millimetres,
     /// Its own center in that plane.
     own_center: Millimetres,
-    /// Its smaller extent, in millimetres.
+    /// The smaller extent, in millimetres.
     width: f32,
     /// The index of its board, if fingers swipe over the board.
     swiped_board: Option<usize>,

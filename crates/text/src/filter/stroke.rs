@@ -59,9 +59,9 @@ pub(super) struct Stroke {
 pub(super) enum Progress {
     /// The finger is down.
     Down,
-    /// It was lifted.
+    /// The finger was lifted.
     Lifted,
-    /// It is not known any more.
+    /// The finger is no longer known.
     Lost,
 }
 

@@ -65,11 +65,11 @@ pub enum ModelError {
 /// A word found in the lexicon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// Its node.
+    /// The node.
     pub node: u32,
-    /// Its log-probability.
+    /// The log-probability.
     pub log_probability: f32,
-    /// Its case.
+    /// The case.
     pub case: Case,
 }
 

@@ -100,11 +100,11 @@ pub struct Exercise {
 
 /// The actions of a simulated hand in a task.
 pub enum SimulatedTask {
-    /// It types a text.
+    /// The hand types a text.
     Text(String),
-    /// It points at the targets of the ring.
+    /// The hand points at the targets of the ring.
     Ring,
-    /// It plays a script.
+    /// The hand plays a script.
     Script(String),
 }
 

@@ -37,15 +37,15 @@ const CONVOLUTION: usize = 3;
 /// Number of pairs of pictures after the convolutions. The larger value of each pair is passed on.
 const PAIRS: usize = PICTURES / 2;
 
-/// Reason why bytes are no model.
+/// The reason why bytes are not a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TapModelError {
-    /// It is not such a file.
+    /// The bytes are not such a file.
     #[error(
         "not a model of finger taps; make one with `train.py`, which stands beside the weights"
     )]
     NotAModel,
-    /// It ends early, has bytes left, or layers that do not fit to each other.
+    /// The file ends early, has bytes left, or has layers that do not fit each other.
     #[error(
         "the model of finger taps is damaged; make it again with `train.py`, which stands beside the weights"
     )]

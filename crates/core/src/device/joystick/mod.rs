@@ -17,7 +17,7 @@ use crate::time::Timestamp;
 pub struct Joystick {
     /// The target that is its cap.
     pub target: TargetId,
-    /// Its full deflection in every direction, in metres, more than 0.
+    /// The full deflection in every direction, in metres, more than 0.
     pub max_deflection: f32,
     /// Radius of the dead zone, as a fraction of the full deflection: 0..1.
     pub dead_zone: f32,

@@ -21,7 +21,7 @@ pub const MAX_CHORD_KEYS: usize = KeySet::BITS as usize;
 /// Several keys that are pressed together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chord {
-    /// Its keys, each once.
+    /// The keys, each once.
     pub keys: Vec<TargetId>,
     /// The action in each layer, base layer first, as of a [`KeyBinding`](super::KeyBinding). In a layer without an action in
     /// any way it is no chord.

@@ -21,11 +21,11 @@ const DEPTH_STEPS: f32 = 100.0;
 /// Targets in space that share a frame.
 #[derive(Clone, Debug)]
 pub struct SelectionSpace {
-    /// Their frame.
+    /// The frame of the targets.
     pub frame: AnchoredFrame,
     /// The id of the first target; the others have consecutive ids.
     pub first_target: TargetId,
-    /// Their volumes.
+    /// The volumes of the targets.
     pub volumes: VolumeSet,
     /// The action held while a target is selected, one entry per volume.
     pub actions: Vec<Option<KeyAction>>,

@@ -128,11 +128,11 @@ pub enum Handle {
 
 /// One front of a control that is drawn.
 pub(crate) struct Front<'a> {
-    /// Its layout.
+    /// The layout.
     pub layout: &'a Layout,
-    /// Its outline and label.
+    /// The outline and label.
     pub face: &'a Face,
-    /// Its index among the fronts of the control.
+    /// The index among the fronts of the control.
     pub index: usize,
     /// `true` if the control is a switch that is on.
     pub is_on: bool,

@@ -12,7 +12,7 @@ use crate::layout::model::Layout;
 pub struct FrontMark {
     /// The part that it belongs to, which determines its color.
     pub role: MarkRole,
-    /// Its outline.
+    /// The outline.
     pub shape: MarkShape,
 }
 

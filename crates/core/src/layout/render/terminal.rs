@@ -67,7 +67,7 @@ pub struct Cell {
     pub width: usize,
     /// Height in characters including the border, at least 1.
     pub height: usize,
-    /// It has round corners.
+    /// `true` if the box has round corners.
     pub round: bool,
 }
 

@@ -112,7 +112,7 @@ impl Layout {
 pub(super) struct ChordWords<'a> {
     /// The chord.
     pub chord: &'a Chord,
-    /// Its keys.
+    /// The keys.
     pub keys: String,
     /// The label of its action.
     pub action: String,

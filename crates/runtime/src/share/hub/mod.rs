@@ -42,7 +42,7 @@ pub struct ShareHub {
     clients: Arc<AtomicUsize>,
     scene: SceneState,
     started_at: Instant,
-    /// They accept connections until they are dropped.
+    /// The threads that accept connections, until they are dropped.
     _listeners: Vec<AcceptThread>,
     /// `None` without targets.
     thread: Option<JoinHandle<()>>,
