@@ -79,7 +79,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Checks that the outputs can send what the layouts require. A name that is no output is an error.
+/// Checks that the outputs can send what the layouts require. A name that is not an output is an error.
 fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
     let (status, text) = match output::check(outputs, &setup.required_capabilities()) {

@@ -56,7 +56,7 @@ impl Failure {
         }
     }
 
-    /// Prints the message on standard error. A reader that closed standard output is no failure.
+    /// Prints the message on standard error. A reader that closed standard output is not a failure.
     pub fn report(self) -> ExitCode {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;

@@ -368,7 +368,7 @@ mod tests {
             let tree = read_tree(&text).unwrap();
             let layout = Layout::parse(&text, name).unwrap();
             let parts = targets(&text, &tree);
-            // Values of pads, the last ones, are no parts of their own.
+            // Values of pads, the last ones, are not parts of their own.
             let values = layout.controls.iter().flat_map(Control::value_targets);
             let values = values.filter(|value| layout.control_at(*value).is_none());
             let count = layout.target_names().iter().count() - values.count();

@@ -201,7 +201,7 @@ impl Estimator {
     }
 
     /// Adds an accepted reading to the learning of ranges. A hand that was not seen before it may have done anything. A change of a
-    /// range is no reason to forget the excursions of other sensors.
+    /// range is not a reason to forget the excursions of other sensors.
     fn observe_ranges(&mut self, reading: &Reading, was_unseen: bool) {
         let (Sample::Channels(channels), Some(converter)) =
             (&reading.sample, self.converter.channels_mut())

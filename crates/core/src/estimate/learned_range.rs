@@ -16,7 +16,7 @@ const MAX_WIDENING: f64 = 0.15;
 /// The widening that one excursion gives, as a fraction of the calibrated range: 1° of a finger joint.
 const STEP: f64 = 0.01;
 
-/// The distance beyond an end that is no excursion, as a fraction of the calibrated range: noise, and the difference between
+/// The distance beyond an end that is not an excursion, as a fraction of the calibrated range: noise, and the difference between
 /// two stretches of one hand.
 const TOLERANCE: f64 = 0.015;
 

@@ -170,7 +170,7 @@ fn depth(one: &Block, other: &Block) -> f32 {
         .iter()
         .flat_map(|axis| other_axes.map(|edge| axis.cross(edge)));
     let all = axes.iter().copied().chain(other_axes).chain(across);
-    // The product of parallel edges is no axis.
+    // The product of parallel edges is not an axis.
     let depths = all.filter_map(Vec3::try_normalize).map(|axis| {
         one.half_extent_along(axis) + other.half_extent_along(axis) - offset.dot(axis).abs()
     });

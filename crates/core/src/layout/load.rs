@@ -212,7 +212,7 @@ impl Layout {
 }
 
 impl LayoutDraft {
-    /// Reads a document for the hands of a setup, with its faults. Fails only on a text that is no layout: its brackets, fields or
+    /// Reads a document for the hands of a setup, with its faults. Fails only on a text that is not a layout: its brackets, fields or
     /// values are wrong.
     pub fn read(document: &Document, fit: Fit) -> Result<Self, DocumentError> {
         let schema: LayoutSchema = document.parse_as(&FORMAT)?;

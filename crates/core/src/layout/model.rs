@@ -351,7 +351,7 @@ impl Layout {
         })
     }
 
-    /// Returns the control of a value and the index of the value in [`Control::value_targets`]; `None` if the target is no value.
+    /// Returns the control of a value and the index of the value in [`Control::value_targets`]; `None` if the target is not a value.
     pub fn value_at(&self, target: TargetId) -> Option<(&Control, usize)> {
         self.controls.iter().find_map(|control| {
             let mut targets = control.value_targets().into_iter();

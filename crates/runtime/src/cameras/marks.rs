@@ -37,7 +37,7 @@ pub struct FoundMark {
     pub pixels: usize,
 }
 
-/// The marks of an image, and the numbers of shapes that are no marks.
+/// The marks of an image, and the numbers of shapes that are not marks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FoundMarks {
     /// The marks, from the left to the right.

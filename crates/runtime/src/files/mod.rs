@@ -40,7 +40,7 @@ pub enum FileError {
     /// The path leads to a directory.
     #[error("this is a directory, name a file in it")]
     IsDirectory,
-    /// The path leads to something else that is no regular file.
+    /// The path leads to something else than a regular file.
     #[error("this is not a regular file but {0}, name a file")]
     NotRegular(&'static str),
     /// The path is a symbolic link.

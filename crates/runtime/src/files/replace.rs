@@ -109,7 +109,7 @@ pub fn check_destination(path: &Path) -> Result<(), FileError> {
     Ok(system::check_folder_access(folder_of(path))?)
 }
 
-/// Fails for what a rename would replace although it is no file: a device such as `/dev/full`, a pipe.
+/// Fails for what a rename would replace although it is not a file: a device such as `/dev/full`, a pipe.
 fn check_replaceable(path: &Path) -> Result<(), FileError> {
     match fs::symlink_metadata(path) {
         Ok(metadata) if !metadata.is_symlink() => check_regular(metadata.file_type()),

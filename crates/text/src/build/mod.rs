@@ -91,7 +91,7 @@ impl Builder {
     ///
     /// # Errors
     ///
-    /// Fails at the first line whose weight is no finite number from 0; nothing of the list is added then.
+    /// Fails at the first line whose weight is not a finite number of 0 or more; nothing of the list is added then.
     pub fn words(&mut self, list: &str) -> Result<(), LineError> {
         let mut words = Vec::new();
         let list = list.trim_start_matches(BYTE_ORDER_MARK);

@@ -141,7 +141,7 @@ impl<'m> Corrector<'m> {
     /// Learns where the person taps from the text in the field, which is final. Returns `true` if the decoder knows that text.
     fn learn(&mut self) -> bool {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
-        // A text that stays although another one is more probable is no evidence.
+        // A text that stays although another one is more probable is not evidence.
         if is_known && same_letters(self.decoder.best(), &self.shown) {
             self.decoder.commit();
         }
@@ -286,7 +286,7 @@ impl<'m> Corrector<'m> {
         // A space that may mean nothing, or a letter, is kept until it is clear where the word ends.
         let is_clear = self.target.ends_with(ends_word);
         if is_clear && !self.replace() {
-            // A word that stays as it was typed is no evidence for what follows.
+            // A word that stays as it was typed is not evidence for what follows.
             self.decoder.commit_typed();
             self.count_words();
             self.shown.clear();
@@ -345,7 +345,7 @@ impl<'m> Corrector<'m> {
             self.target.extend(self.shown.chars().take(kept));
             self.target.push_str(&self.undo.typed);
             self.shown.clear();
-            // The rest of a word is no word, and its beginning is no word to be learned.
+            // The rest of a word is not a word, and its beginning is not a word to be learned.
             self.is_partial = self.undo.is_inside;
             if let Some(swiped) = self.swiped.take() {
                 self.decoder.start_behind(swiped.before);

@@ -232,7 +232,7 @@ impl Expansion<'_, '_> {
         self.push(next);
     }
 
-    /// Returns the hypothesis with its word complete, or `None` if it is no word or too unlikely for the tap.
+    /// Returns the hypothesis with its word complete, or `None` if it is not a word, or too unlikely for the tap.
     fn ended(&self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         let contents = self.model.lexicon.node(node);

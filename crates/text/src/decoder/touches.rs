@@ -354,7 +354,7 @@ impl Touches {
         };
         for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
             let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
-            // A slip to another key is no drift.
+            // A slip to another key is not drift.
             if residual.abs() < key.reach[axis] {
                 *shift += key.gain[axis] * residual;
             }

@@ -93,7 +93,7 @@ impl Stroke {
         })
     }
 
-    /// Notes that a character was typed. Returns `false` if it is not the pressed one, so that it is no letter to be replaced.
+    /// Notes that a character was typed. Returns `false` if it is not the pressed one, so that it is not a letter to be replaced.
     pub(super) fn note_typed(&mut self, character: char) -> bool {
         let is_own = !self.is_typed && lower(character) == self.character;
         self.is_typed |= is_own;

@@ -294,7 +294,7 @@ mod tests {
         let line = typed("hola", &["H", "P", "Backspace", "O", "L", "A"]);
         assert_eq!(line.score(true).error_rate, 0.0);
         assert_eq!(worst(&line, "hola"), [('o', 1, 2)]);
-        // A correct character that is deleted is no error.
+        // A correct character that is deleted is not an error.
         let retyped = typed("hola", &["H", "O", "Backspace", "O", "L", "A"]);
         assert_eq!(worst(&retyped, "hola"), []);
     }

@@ -10,7 +10,7 @@
 //! | MakeHuman | `upperarm01.L lowerarm01.L wrist.L`, `UpArm_L LoArm_L Hand_L`, `upperarm_l lowerarm_l hand_l` | `metacarpal1.L finger2-1.L`, `Index1_L`, `index_01_l`, `LeftHandFinger1` |
 //!
 //! Case, blanks, `_`, `-` and `.` do not matter, nor does a namespace before a colon. The side is `left` or `right` at the
-//! start or end, or `l` or `r`. A name that starts with `__` is no joint: MakeHuman adds such a node at the end of a bone if the
+//! start or end, or `l` or `r`. A name that starts with `__` is not a joint: MakeHuman adds such a node at the end of a bone if the
 //! bone with the rest of the name does not start there.
 
 use crate::hand::{Finger, Joint, Side};

@@ -10,7 +10,7 @@ const MAGIC: &[u8; 8] = b"ademtap2";
 /// The shipped weights.
 const SHIPPED: &[u8] = include_bytes!("weights.bin");
 
-/// The largest number of inputs and outputs of a layer; more is no file of this program.
+/// The largest number of inputs and outputs of a layer; a file with more is not of this program.
 const MAX_WIDTH: usize = 1_024;
 /// The largest number of networks of a kind.
 const MAX_NETWORKS: usize = 16;

@@ -24,7 +24,7 @@ pub struct Chord {
     /// The keys, each once.
     pub keys: Vec<TargetId>,
     /// The action in each layer, base layer first, as of a [`KeyBinding`](super::KeyBinding). In a layer without an action in
-    /// any way it is no chord.
+    /// any way it is not a chord.
     pub actions: Vec<Option<KeyAction>>,
     /// The moment at which the action fires; not [`Activation::Dwell`].
     pub activation: Activation,

@@ -316,7 +316,7 @@ mod tests {
             sink.send(&[]).unwrap();
             thread::sleep(Duration::from_millis(1));
         }
-        // The press of C was dropped, so its release is no line.
+        // The press of C was dropped, so its release is not a line.
         sink.send(&[up(30_000, "C"), up(30_000, "B")]).unwrap();
         sink.close().unwrap();
         let text = reader.join().unwrap();

@@ -34,7 +34,7 @@ impl FollowedField {
         }
         match before.take() {
             Some(before) if mode == TextMode::Literal => Some(before),
-            // Text that was typed elsewhere is no part of this text.
+            // Text that was typed elsewhere is not part of this text.
             _ => is_left.then_some(mode),
         }
     }

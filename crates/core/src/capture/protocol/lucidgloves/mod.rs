@@ -4,7 +4,7 @@
 //! Keys of buttons have no number. Keys of splay and joints are in parentheses: `(BB)2047(BAC)120`. A legacy line has 13
 //! numbers with `&` between them. A line ends with LF or CR LF.
 //!
-//! A line that names no finger is no packet: blank lines, boot messages and device information are skipped. A line with a
+//! A line that names no finger is not a packet: blank lines, boot messages and device information are skipped. A line with a
 //! key twice is skipped too, because it consists of two lines of which the first was cut. Unknown keys are ignored.
 
 mod alpha;
@@ -145,7 +145,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Reads a line without its line end, in either encoding. An error states why it is no packet.
+    /// Reads a line without its line end, in either encoding. An error states why it is not a packet.
     pub fn parse(line: &[u8]) -> Result<Self, PacketError> {
         let line = line.trim_ascii();
         let fields = if is_legacy(line) {
