@@ -184,7 +184,7 @@ impl FrontGrid {
             return;
         };
         for row in rows[0]..=rows[1] {
-            // The lists of neighbours in a row follow each other.
+            // The lists of neighbors in a row follow each other.
             let cell = row * self.columns;
             let start = self.starts[cell + columns[0]] as usize;
             let end = self.starts[cell + columns[1] + 1] as usize;

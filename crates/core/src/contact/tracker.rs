@@ -465,7 +465,7 @@ impl FingerState {
         None
     }
 
-    /// Returns `true` if the finger slid off a target and has not yet left its neighbourhood.
+    /// Returns `true` if the finger slid off a target and has not yet left its neighborhood.
     fn is_locked_out(&mut self, finger: Finger, step: &StepContext) -> bool {
         let Some(location) = self.slid_off else {
             return false;

@@ -44,7 +44,7 @@ pub struct PointGroup {
 /// The parameters that are adjusted.
 #[derive(Clone, Copy, Debug)]
 pub struct Adjusted {
-    /// `true` if focal lengths, centres and distortions are adjusted.
+    /// `true` if focal lengths, centers and distortions are adjusted.
     pub has_lenses: bool,
     /// `true` if the first camera stays where it is.
     pub is_first_fixed: bool,

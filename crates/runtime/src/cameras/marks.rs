@@ -1,6 +1,6 @@
-//! Marks in images: bright or coloured discs, with their centres to a fraction of a pixel.
+//! Marks in images: bright or coloured discs, with their centers to a fraction of a pixel.
 //!
-//! The centre of the first pixel is (0, 0), as in OpenCV.
+//! The center of the first pixel is (0, 0), as in OpenCV.
 
 use glam::DVec2;
 
@@ -42,7 +42,7 @@ pub struct FoundMark {
 pub struct FoundMarks {
     /// The marks, from the left to the right.
     pub marks: Vec<FoundMark>,
-    /// Shapes at the edge of the image, whose centre cannot be seen.
+    /// Shapes at the edge of the image, whose center cannot be seen.
     pub cut: usize,
     /// Shapes that are too long: marks that touch each other, or reflections.
     pub long: usize,
@@ -115,14 +115,14 @@ impl MarkImage {
     }
 
     /// Returns the centroid of a shape with its edge, weighted by the values above the surroundings. Pixels at the edge that a mark
-    /// covers in part are below the threshold: without them the centre would be off by a tenth of a pixel.
+    /// covers in part are below the threshold: without them the center would be off by a tenth of a pixel.
     fn centroid(&self, shape: &[usize], level: f32) -> DVec2 {
         let mut inside = shape.to_vec();
         inside.sort_unstable();
         let is_other = |pixel: usize, own: &[usize]| {
             self.values[pixel] >= level && own.binary_search(&pixel).is_err()
         };
-        // The edge of a neighbouring mark belongs to the neighbour.
+        // The edge of a neighboring mark belongs to the neighbor.
         let mut edge = self.around(&inside);
         edge.retain(|&pixel| !self.neighbours(pixel).any(|pixel| is_other(pixel, &inside)));
         let shape_pixels = inside.len();
@@ -168,7 +168,7 @@ impl MarkImage {
         let weighted = || {
             shape.iter().map(|&pixel| {
                 let place = DVec2::new((pixel % self.width) as f64, (pixel / self.width) as f64);
-                // A flat mark at the threshold has a centre too.
+                // A flat mark at the threshold has a center too.
                 (place, f64::from(self.values[pixel] - level) + 1e-6)
             })
         };
@@ -198,7 +198,7 @@ impl MarkImage {
 /// Finds the marks of an image.
 ///
 /// A shape that is longer than a mark is divided at the lowest level at which it falls into several marks. If there is no such level, it
-/// is left out and counted, because the centre of marks that overlap is not known. A shape of more than `max_px` pixels is not divided.
+/// is left out and counted, because the center of marks that overlap is not known. A shape of more than `max_px` pixels is not divided.
 pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
     let mut found = FoundMarks {
         brightest: image.values.iter().copied().fold(0.0, f32::max),

@@ -8,7 +8,7 @@ pub(super) const PARALLEL_SIN_SQUARED: f64 = 1e-12;
 /// The half-line from a camera through a point that it sees: `origin + k · direction` with `k > 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// The optical centre of the camera.
+    /// The optical center of the camera.
     pub origin: DVec3,
     /// The direction of sight, of any length except 0.
     pub direction: DVec3,

@@ -178,7 +178,7 @@ impl AssignedGesture {
 }
 
 /// Returns the finger whose tip is nearest to the tip of the thumb. When one finger moves to the thumb, its
-/// neighbour moves along; only the nearest one is intended.
+/// neighbor moves along; only the nearest one is intended.
 fn nearest_to_thumb(hand: &TrustedHand) -> Option<Finger> {
     let thumb = hand.tip(Finger::Thumb)?;
     let others = Finger::ALL.iter().filter(|&&it| it != Finger::Thumb);

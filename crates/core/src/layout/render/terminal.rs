@@ -108,7 +108,7 @@ impl Grid {
             .iter()
             .map(|face| half(face).x)
             .fold(f32::INFINITY, f32::min);
-        // Keys are enlarged by half of the gap between them, so that neighbours touch on the grid.
+        // Keys are enlarged by half of the gap between them, so that neighbors touch on the grid.
         let gap = (board.pitch / 2.0 - min_half_width).max(0.0);
         let min = faces
             .iter()
