@@ -125,8 +125,8 @@ impl Board {
         scene
     }
 
-    /// Returns a keyboard with other keys side by side: each code that is printed on a keyboard, again and again. Without modifiers, so that nothing is
-    /// suppressed.
+    /// Returns a keyboard with other keys side by side: each code that is printed on a keyboard, again and again. Without
+    /// modifiers, so that nothing is suppressed.
     fn keyboard(self) -> Keyboard {
         let is_plain = |code: &KeyCode| {
             code.kind() == KeyKind::Keyboard && !code.is_system_key() && !code.is_modifier()

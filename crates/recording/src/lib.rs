@@ -2,9 +2,8 @@
 //!
 //! A recording is an [MCAP](https://mcap.dev/spec) file. Its records, in order: a metadata record [`FORMAT_RECORD`], a
 //! metadata record [`SETUP_RECORD`] per setup text, the channels, and chunks of [messages](message). Of several setup texts of
-//! a kind the first one counts. Readings are on the
-//! channel [`READINGS_TOPIC`]. A chunk has the messages of less than a second, so a truncated file keeps all but those of
-//! its last second.
+//! one kind the first one counts. Readings are on the channel [`READINGS_TOPIC`]. A chunk has the messages of less than a second,
+//! so a truncated file loses at most the messages of its last second.
 //!
 //! Recordings of format 1 have messages in JSON outside chunks. They are read and no longer written.
 //!
@@ -43,7 +42,7 @@ pub const READINGS_TOPIC: &str = "/readings";
 /// Topic of the channel of commands.
 pub const COMMANDS_TOPIC: &str = "/commands";
 
-/// The `origin` in JSON of a command from outside the layout, which no reading repeats.
+/// The `origin`, in JSON, of a command from outside the layout. A replay of the readings does not issue it again.
 pub const EXTERNAL_ORIGIN: &str = "external";
 
 /// Encoding of the messages of all channels, and of the schemas.
@@ -58,7 +57,7 @@ pub const FORMAT_RECORD: &str = "ademan";
 /// Version of the format that this program writes.
 pub const FORMAT_VERSION: &str = "2";
 
-/// Version of the format with messages in JSON, which this program reads, too.
+/// Version of the format with messages in JSON, which this program also reads.
 pub const JSON_FORMAT_VERSION: &str = "1";
 
 /// Metadata record with a setup text: the keys `kind`, `name` and `text`.

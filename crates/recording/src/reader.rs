@@ -31,11 +31,11 @@ pub struct Truncation {
 pub enum RecordedEvent {
     /// A reading.
     Reading(Reading),
-    /// A command that no reading repeats.
+    /// A command that the readings do not issue again.
     Command(Command),
 }
 
-/// Reason why a recording cannot be read on.
+/// Reason why reading a recording cannot continue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecordingError {
     /// The bytes cannot be read.
@@ -46,17 +46,17 @@ pub enum RecordingError {
         /// Description by the system.
         reason: String,
     },
-    /// The bytes are no recording, or a damaged one.
+    /// The bytes are not a recording, or the recording is damaged.
     #[error("at byte {offset}, {reason}")]
     Malformed {
         /// Offset of the damaged record, in bytes.
         offset: u64,
-        /// Cause, and what to do if there is something.
+        /// Cause and, if there is one, remedy.
         reason: String,
     },
 }
 
-/// A recording that is read piece by piece, so its size does not matter.
+/// A recording that is read record by record, so that its size does not matter.
 ///
 /// The times of its readings never decrease, as in every recording of this program: a time that goes back would stop the clock by
 /// which a gap is noticed.
@@ -74,7 +74,7 @@ pub struct Recording<R> {
     /// The channel of commands.
     commands: Option<MessageChannel>,
     pending: Option<RecordedEvent>,
-    /// The first reading or command was read, so that the setup is complete.
+    /// `true` once the first reading or command was read: the setup is complete.
     has_started: bool,
     /// Time of the latest reading.
     time: Timestamp,
@@ -115,12 +115,12 @@ impl<R: Read> Recording<R> {
         &self.setup
     }
 
-    /// Removes the recorded packet period, which raises the stall timeout.
+    /// Removes the recorded packet period, which would raise the stall timeout.
     pub fn remove_packet_period(&mut self) {
         self.setup.remove_packet_period();
     }
 
-    /// Returns the truncation of the recording, once it was reached.
+    /// Returns the truncation of the recording once the reader has reached it.
     pub fn truncation(&self) -> Option<&Truncation> {
         self.truncation.as_ref()
     }
@@ -282,7 +282,7 @@ impl MessageChannel {
         Ok(Some(RecordedEvent::Reading(reading)))
     }
 
-    /// Returns a command that no reading repeats.
+    /// Decodes a command; `None` for a command that the readings issue again, and for an unknown or damaged one.
     fn decode_command(self, data: &[u8]) -> Result<Option<RecordedEvent>, String> {
         let command = if self.is_json {
             json::decode_external_command(data)

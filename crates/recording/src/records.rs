@@ -42,7 +42,7 @@ pub(super) struct Records<R> {
     bytes_read: u64,
     record_start: u64,
     complete_end: u64,
-    /// The record with the checksum over all data was read.
+    /// `true` if the record with the checksum over all data was read.
     is_checked: bool,
     /// A record of the file, or the records of a chunk.
     buffer: Vec<u8>,

@@ -22,10 +22,10 @@ const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz
 /// The reason why a link has no layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutLinkError {
-    /// It is longer than any layout makes it.
+    /// The link is longer than any layout makes it.
     #[error("the link is longer than {MAX_LINK_BYTES} bytes; ask for the file of the layout")]
     TooLong,
-    /// It was cut or changed on its way.
+    /// The link was cut or changed on its way.
     #[error("the layout in the link is damaged; copy the whole link, in quotes")]
     Damaged,
     /// The layout is larger than a file may be.
@@ -36,7 +36,7 @@ pub enum LayoutLinkError {
     NotText,
 }
 
-/// Returns whether a name is a link with a layout, not the name of a file.
+/// Returns `true` if a name is a link with a layout, not the name of a file.
 pub fn is_layout_link(name: &str) -> bool {
     let is_address = name.starts_with("https://") || name.starts_with("http://");
     is_address && name.contains(FRAGMENT)

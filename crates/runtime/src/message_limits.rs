@@ -32,9 +32,9 @@ struct Interval<K, M> {
 /// Messages that were held back in one interval.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HeldBack<M> {
-    /// The latest of them.
+    /// The latest message.
     pub latest: M,
-    /// Their number.
+    /// The number of messages.
     pub count: u64,
 }
 

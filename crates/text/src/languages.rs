@@ -1,4 +1,4 @@
-//! The models that come with this crate. `languages/README.md` says what they are made of and how to make them again.
+//! The models that come with this crate. `languages/README.md` states their sources and how to build them.
 
 /// English: 130 000 words.
 pub const ENGLISH: &[u8] = include_bytes!("../languages/en.adm");

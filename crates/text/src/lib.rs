@@ -15,10 +15,10 @@
 //! - [`model`] is the language: letters, words, pairs of words and spelling in one block of bytes.
 //! - [`build`] makes its bytes.
 //! - [`keyboard`] holds keys and taps, in millimetres.
-//! - [`touch`] says where taps land that mean a key, and learns it for a person.
+//! - [`touch`] models where taps land that mean a key, and learns it for a person.
 //! - [`decoder`] finds the text that taps most probably mean.
 //! - [`swipe`] holds paths of fingers over letters, and finds the words that explain them.
-//! - [`correction`] turns it into edits of a text field.
+//! - [`correction`] turns the text into edits of a text field.
 //! - [`languages`] are the models that come with the crate.
 //! - [`filter`] puts all of it between the devices of a layout and the output of a pipeline of `ademan_core`.
 //!
@@ -51,9 +51,9 @@
 //!
 //! # Time and memory
 //!
-//! A tap takes 13 µs (median) at 3 mm of scatter and 110 µs at 10 mm with missed and spurious taps; with candidates, that is 0.06 to 0.41 of a search for the
-//! nearest word of the same length in the flat list, in the same run (`benches/taps.rs`). A model is checked in 2.8 ms. A tap allocates
-//! nothing. A decoder has about 3 MB for hypotheses and their characters.
+//! A tap takes 13 µs (median) at 3 mm of scatter and 110 µs at 10 mm with missed and spurious taps; with candidates, that is 0.06
+//! to 0.41 of a search for the nearest word of the same length in the flat list, in the same run (`benches/taps.rs`). A model is
+//! checked in 2.8 ms. A tap allocates nothing. A decoder has about 3 MB for hypotheses and their characters.
 
 pub mod logarithm;
 pub mod model;

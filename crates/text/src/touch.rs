@@ -207,7 +207,7 @@ pub struct ErrorSums {
 /// The errors of a text that was committed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ErrorCounts {
-    /// Its taps.
+    /// The taps.
     pub taps: usize,
     /// Taps that mean nothing.
     pub spurious: usize,

@@ -98,7 +98,7 @@ pub struct FollowedHand {
 }
 
 impl Hand {
-    /// The state of the hands.
+    /// Returns the state of the hands.
     pub fn state(&self) -> HandState {
         match self {
             Self::Resting => HandState::Resting,
@@ -224,7 +224,7 @@ impl FollowedHand {
         })
     }
 
-    /// Returns whether it is the hand of this format, of a recording or of a sensor that measures now.
+    /// Returns `true` if it is the hand of this format, of a recording or of a sensor that measures now.
     pub fn is_of(&self, format: &str, is_live: bool) -> bool {
         self.format == format && self.live.is_some() == is_live
     }

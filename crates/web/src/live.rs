@@ -20,7 +20,7 @@ use crate::under_hand::BoardsUnderHand;
 /// page.
 pub const MAX_SILENCE: Duration = Duration::from_millis(600);
 
-/// The part of the second for which the other hand has to be held, too, when one hand is done.
+/// The fraction of the second for which the other hand must have been held, too, when one hand is done.
 const OTHER_HAND: f32 = 0.6;
 
 /// The state of a sensor that measures now.
@@ -30,20 +30,20 @@ pub struct Live {
     holding: Option<[OpenHand; Side::COUNT]>,
     advice: Option<HoldAdvice>,
     placement: Option<BoardsUnderHand>,
-    /// The hands were lost because the sensor is silent.
+    /// `true` if the hands were lost because the sensor is silent.
     is_silent: bool,
-    /// The news that the page knows.
+    /// The news that the page has received.
     told: LiveNews,
 }
 
 /// The news about the place of the boards for the page.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct LiveNews {
-    /// The part of the second for which the hand has been held, in percent; `None` if the boards are not to be placed.
+    /// The fraction of the second for which the hand has been held, in percent; `None` if the boards are not to be placed.
     holding: Option<u8>,
     /// The request to the person.
     advice: Option<&'static str>,
-    /// The boards are under the hands.
+    /// `true` if the boards are under the hands.
     is_placed: bool,
 }
 
@@ -67,7 +67,7 @@ impl PageSession {
     pub fn push_live(&mut self, format: &str, bytes: &[u8]) -> Result<Pushed, String> {
         if !matches!(&self.hand, Hand::Followed(hand) if hand.is_of(format, true)) {
             let hand = FollowedHand::live(format, self.time)?;
-            // Other options of the same sensor keep the place of the boards, and a person may have asked for one before.
+            // A change of options of the same sensor keeps the placement of the boards, and a request of the person for one.
             let live = std::mem::take(&mut self.live);
             self.release();
             self.live = live;
@@ -166,7 +166,7 @@ impl PageSession {
         }
     }
 
-    /// Ends what a sensor began: the boards go back to where the layout has them.
+    /// Ends the placement by a sensor: the boards return to the poses of the layout.
     pub(crate) fn end_live(&mut self) {
         let live = std::mem::take(&mut self.live);
         self.live.told = live.told;
@@ -178,10 +178,10 @@ impl PageSession {
         self.tell_live();
     }
 
-    /// Uses the same layout at another place.
+    /// Replaces the layout by the same layout with other poses of its boards.
     pub(crate) fn move_boards(&mut self, layout: Layout) {
         self.adopt(Arc::new(layout));
-        // Until a hand is seen, a viewer shows the boards where the layout has them, and no more where they were.
+        // Until a hand is seen, a viewer shows the boards at the poses of the layout, not at their previous poses.
         self.scene = SceneState::default();
         let lines = self.layout_lines();
         self.lines.bytes_mut().extend_from_slice(lines.as_bytes());

@@ -32,7 +32,7 @@ impl Lines {
         self.0.push(b'\n');
     }
 
-    /// The bytes, to which lines may be appended.
+    /// Returns the bytes, to which lines may be appended.
     pub fn bytes_mut(&mut self) -> &mut Vec<u8> {
         &mut self.0
     }

@@ -45,7 +45,7 @@ impl PageSession {
     /// Lets a recording move the hands: the bytes of an MCAP file. The boards fit its hands until other ones move.
     ///
     /// # Errors
-    /// The file is no recording, has no readings, or has a glove or arm that cannot be read.
+    /// The file is not a recording, has no readings, or has a glove or arm that cannot be read.
     pub fn play_recording(&mut self, bytes: &[u8]) -> Result<PlayedRecording, String> {
         let mut recorded = RecordedHands::read(bytes)?;
         recorded.shift_to(self);

@@ -28,13 +28,13 @@ use crate::words::Words;
 /// The name of the layout in messages.
 pub(crate) const NAME: &str = "layout.ron";
 
-/// Longest time that one call catches up with: a page in the background stops.
+/// Longest time that one call catches up with: a browser does not run a page in the background.
 const MAX_ELAPSED: Duration = Duration::from_millis(100);
 
 /// Most bytes of text that the text field keeps.
 const MAX_TEXT_BYTES: usize = 4096;
 
-/// The time of the first reading, so that a hand may show times before it.
+/// The time of the first reading. It is not 0, so that a hand may show earlier times.
 pub(crate) const START: Timestamp = Timestamp(1_000_000);
 
 /// The session of a page: a layout, hands, and what they type.
@@ -43,7 +43,7 @@ pub struct PageSession {
     pub(crate) left: ArmModel,
     /// The readings of the hands at rest.
     pub(crate) idle: [(Side, Sample); Side::COUNT],
-    /// No hand was seen on this layout yet, so that its boards have no places in the world.
+    /// `true` if no hand was seen on this layout yet, so that its boards have no places in the world.
     is_unseen: bool,
     pub(crate) fit: Fit,
     pub(crate) layout: Arc<Layout>,
@@ -111,7 +111,7 @@ impl PageSession {
         })
     }
 
-    /// Exchanges the layout, unless the text has faults; a simulated person goes on with the rest of its text. Returns lines: the
+    /// Replaces the layout, unless the text has faults. A simulated person continues with the rest of its text. Returns lines: the
     /// faults and the boards in the plane, and the object of the layout.
     pub fn set_layout(&mut self, text: &str) -> String {
         match self.layout_of(text) {
@@ -174,7 +174,7 @@ impl PageSession {
         edit_targets(&self.layout.text, targets, edit).map_err(|error| error.to_string())
     }
 
-    /// Exchanges the person who is simulated: the text of a person file, or an empty text for one without errors.
+    /// Replaces the simulated person: `text` is a person file, or empty for a person without errors. Returns the faults of the file.
     pub fn set_person(&mut self, text: &str) -> Vec<Fault> {
         if text.is_empty() {
             self.person = Person::default();
@@ -189,12 +189,12 @@ impl PageSession {
         }
     }
 
-    /// Lets a simulated person type a text as far as the layout permits. Returns the reasons why it cannot.
+    /// Starts a simulated person who types a text as far as the layout permits. Returns the reasons why that is not possible.
     pub fn type_text(&mut self, text: &str) -> Vec<Fault> {
         self.simulate(HandTask::Text(text.to_owned()))
     }
 
-    /// Lets a simulated person play a script. Returns its faults.
+    /// Starts a simulated person who plays a script. Returns the faults of the script.
     pub fn play(&mut self, script: &str) -> Vec<Fault> {
         match Script::from_text(script, &self.layout.target_names()) {
             Ok(script) => self.simulate(HandTask::Script(script)),
@@ -249,8 +249,8 @@ impl PageSession {
         }
     }
 
-    /// Lets a recording move the hands: the bytes of a file, in place of the one before. Returns the number of readings, and the
-    /// error in what was left out.
+    /// Replays the bytes of a recording, in place of the previous one. Returns the number of readings and, if some were left out, the
+    /// error.
     pub fn play_file(
         &mut self,
         protocol: &str,
@@ -263,7 +263,7 @@ impl PageSession {
         Ok((count, error))
     }
 
-    /// Lets a sensor move the hands.
+    /// Makes a sensor move the hands.
     pub(crate) fn follow(&mut self, hand: FollowedHand) {
         // An estimator that has seen the elbow of a simulated arm does not trust the fingers of a hand without one.
         self.renew_pipeline();
@@ -291,22 +291,23 @@ impl PageSession {
         self.field = UsTextField::with_capacity(MAX_TEXT_BYTES);
     }
 
-    /// The typed text.
+    /// Returns the typed text.
     pub fn text(&self) -> &str {
         self.field.text()
     }
 
-    /// The layout in use.
+    /// Returns the layout in use.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The state of the hands.
+    /// Returns the state of the hands.
     pub fn hand_state(&self) -> HandState {
         self.hand.state()
     }
 
-    /// Moves the hands on. Returns lines: touches and events, the scene, the poses, messages, and what was typed.
+    /// Advances the hands by `elapsed`, at most 100 ms. Returns lines: touches and events, the scene, the poses, messages, and the typed
+    /// text.
     pub fn advance(&mut self, elapsed: Duration) -> String {
         self.rest = (self.rest + elapsed).min(MAX_ELAPSED);
         let mut readings = Vec::new();
@@ -387,7 +388,7 @@ impl PageSession {
         }
     }
 
-    /// Follows events of a step without a reading.
+    /// Writes the events of a step without a reading, and updates the scene and the text field.
     pub(crate) fn write_events(&mut self, events: &Events) {
         let names = self.pipeline.target_names();
         for event in events {
@@ -471,7 +472,7 @@ pub(crate) fn estimator(rest_pose: &JointAngles) -> Estimator {
     })
 }
 
-/// The hands of a page appear above the keys, and what they type stays in it.
+/// Returns the settings of the pipeline of a page: no delay before output is armed, because nothing that is typed leaves the page.
 pub(crate) fn pipeline_settings() -> PipelineSettings {
     PipelineSettings {
         arm_delay: Duration::ZERO,

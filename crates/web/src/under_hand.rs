@@ -15,8 +15,8 @@ use parry3d::math::Pose;
 /// Length of the forearm as a multiple of the hand length, as `measure_lengths` assumes it.
 const FOREARM: f64 = 0.25 / 0.18;
 
-/// The height of the index fingertip of a typing hand above the middle of its board, in metres: as the layout has it, within these limits. It is
-/// low because cameras show less of a movement towards them than there is.
+/// The height of the index fingertip of a typing hand above the middle of its board, in metres: as the layout has it, within these
+/// limits. It is low because cameras show less of a movement towards them than there is.
 const HEIGHTS: (f32, f32) = (0.008, 0.015);
 
 /// The place of boards under measured hands, and their scale.
@@ -64,7 +64,7 @@ impl BoardsUnderHand {
         Ok(Self { fit, hands })
     }
 
-    /// The fit of layouts to the measured hands.
+    /// Returns the fit of layouts to the measured hands.
     pub fn fit(&self) -> Fit {
         self.fit
     }

@@ -54,7 +54,7 @@ impl Words {
 }
 
 impl PageSession {
-    /// Uses a text decoder, and releases everything. It changes nothing until a [mode](Self::set_text_mode) says so.
+    /// Uses a text decoder, and releases everything. It changes nothing until a [mode](Self::set_text_mode) is set.
     pub fn use_decoder(&mut self, decoder: DecoderOf) {
         self.words.decoder = Some(decoder);
         self.adopt(Arc::clone(&self.layout));

@@ -73,7 +73,7 @@ pub fn socket_path(given: Option<PathBuf>) -> Result<PathBuf, Failure> {
 }
 
 impl Subcommand for Request {
-    /// One subcommand per command of the session, from its table.
+    /// Adds one subcommand for each command of the session, from its table.
     fn augment_subcommands(parent: Command) -> Command {
         let subscribe = Command::new(SUBSCRIBE)
             .about("Print all events, including everything that is typed, until the session ends")
@@ -153,7 +153,7 @@ impl FromArgMatches for Request {
     }
 }
 
-/// A reply for a person.
+/// Returns a reply for a person.
 fn reply_text(command: &str, reply: &Value) -> String {
     match command {
         "state" => state_text(reply),
@@ -251,7 +251,7 @@ fn non_zero(counts: &Value) -> impl Iterator<Item = (&String, &Value)> {
     counts.filter(|(_, count)| **count != 0)
 }
 
-/// A string without quotes and escaped, any other value as JSON, `None` for null.
+/// Returns a string without quotes and escaped, any other value as JSON, and `None` for null.
 fn plain_text(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,
@@ -270,7 +270,7 @@ fn print_notifications(mut client: Client, as_json: bool) -> Result<(), Failure>
     Ok(())
 }
 
-/// The time in ms if there is one, the event, and its other fields.
+/// Returns the time in ms if there is one, the event, and its other fields.
 fn notification_text(fields: &Map<String, Value>) -> String {
     let time = fields.get("time_us").and_then(Value::as_u64);
     let time = time.map_or(String::new(), |time| {

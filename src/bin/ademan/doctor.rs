@@ -79,7 +79,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Checks that the outputs can send what the layouts require. A name that is no output is an error.
+/// Checks that the outputs can send what the layouts require. A name that is not an output is an error.
 fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
     let outputs = &setup.setup.output;
     let (status, text) = match output::check(outputs, &setup.required_capabilities()) {
@@ -135,7 +135,7 @@ fn as_json(findings: &[Finding], tests: &[TestResult], is_ok: bool) -> Value {
     json!({"ok": is_ok, "checks": findings, "tests": tests})
 }
 
-/// A row for each check and test, then the commands that add what is missing, for a terminal of this width.
+/// Returns a row for each check and test, then the commands that add what is missing, for a terminal of this width.
 fn as_text(findings: &[Finding], tests: &[TestResult], columns: usize) -> String {
     let mut text = String::new();
     for finding in findings {

@@ -29,22 +29,22 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// The job failed.
+    /// Creates the failure of a job.
     pub fn job(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), JOB)
     }
 
-    /// The arguments, a file or a device are unusable.
+    /// Creates the failure of a command whose arguments, file or device are unusable.
     pub fn wrong_use(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), USE)
     }
 
-    /// The recording is damaged; everything before the damage was used.
+    /// Creates the failure of a damaged recording, of which everything before the damage was used.
     pub fn damaged(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), DAMAGED)
     }
 
-    /// The operating system refuses to start a thread.
+    /// Creates the failure of a thread that the operating system refuses to start.
     pub fn no_thread(error: io::Error) -> Self {
         Self::job(advice::no_thread(&error).to_string())
     }
@@ -56,7 +56,7 @@ impl Failure {
         }
     }
 
-    /// Prints the message on standard error. A reader that closed standard output is no failure.
+    /// Prints the message on standard error. A reader that closed standard output is not a failure.
     pub fn report(self) -> ExitCode {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;

@@ -37,8 +37,8 @@ pub fn renamed(text: &str, old_name: &str, path: &Path) -> String {
     text.replacen(&field(old_name), &field(&name_of(path)), 1)
 }
 
-/// Creates a file, says what it is, and the commands that use it. Fails if it exists. Writes only the text to the standard output,
-/// `-`.
+/// Creates a file, and prints its origin and the commands that use it. Fails if the file exists. Writes only the text to the
+/// standard output, `-`.
 pub fn create(path: &Path, text: &str, original: &str, next: &str) -> Result<(), Failure> {
     write(path, text)?;
     announce(path, original, next)

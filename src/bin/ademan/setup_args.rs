@@ -85,7 +85,7 @@ impl SetupArgs {
         }
     }
 
-    /// Returns whether a layout is named.
+    /// Returns `true` if a layout is named.
     pub fn names_layout(&self) -> bool {
         self.layout.is_some()
     }

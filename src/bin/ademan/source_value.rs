@@ -33,7 +33,7 @@ impl TypedValueParser for SourceValue {
     }
 }
 
-/// Help of a flag for a source: the protocols of streams with their options and defaults.
+/// Returns the help of a flag for a source: the protocols of streams with their options and defaults.
 pub fn help() -> String {
     let protocols: Vec<String> = PROTOCOLS
         .iter()

@@ -34,7 +34,7 @@ pub fn check_cut(stats: &Stats) -> Result<(), Failure> {
     }
 }
 
-/// Received, accepted, rejected and dropped readings, losses and suppressed events.
+/// Returns a line of received, accepted, rejected and dropped readings, losses and suppressed events.
 pub fn line(stats: &Stats) -> String {
     let rejected = Rejection::ALL
         .iter()
@@ -71,7 +71,7 @@ pub fn line(stats: &Stats) -> String {
     line + &suppressed(&stats.suppressed)
 }
 
-/// Suppressed events with the setup field that suppressed them; empty if there are none.
+/// Returns the suppressed events with the setup field that suppressed them; empty if there are none.
 fn suppressed(suppressed: &Suppressed) -> String {
     let reasons = [
         (suppressed.rate_limited, "beyond `max_presses_per_second`"),

@@ -228,7 +228,7 @@ pub(super) fn observe(
     channels.iter().enumerate().filter_map(observe).collect()
 }
 
-/// Returns whether counts neither drift nor jump: the medians of both halves agree within the noise.
+/// Returns `true` if counts neither drift nor jump: the medians of both halves agree within the noise.
 fn is_still(counts: &[f64], full_scale: f64) -> bool {
     let (first, second) = counts.split_at(counts.len() / 2);
     if first.is_empty() {

@@ -1,8 +1,8 @@
 //! Discovery: the joint that each channel of an unknown glove measures.
 //!
 //! Each joint has two poses that differ in it. A channel belongs to the joint between whose poses it changes most. Channels of one
-//! finger change together, as the poses bend all joints of a finger: they are taken from the knuckle outwards in the order of their
-//! indices. Channels that no packet carries, and those that repeat another one, are none of the glove.
+//! finger change together, as the poses bend all joints of a finger: they are assigned from the knuckle outwards in the
+//! order of their indices. Channels that no packet carries, and channels that repeat another one, are ignored.
 
 use super::error::CalibrationError;
 use super::observation::Observations;
@@ -10,7 +10,7 @@ use super::pose::CalibrationPose as Pose;
 use crate::estimate::{AffineMap, ChannelRow};
 use crate::hand::{Dof, Finger};
 
-/// The smallest change of a channel that is a movement, as a fraction of the full scale.
+/// The smallest change of a channel that counts as a movement, as a fraction of the full scale.
 const MIN_CHANGE: f64 = 0.06;
 
 /// The largest change between the poses of another joint, as a fraction of the change between its own.
@@ -35,7 +35,7 @@ pub const DISCOVERY_POSES: &[Pose] = &[
     Pose::ElbowBent,
 ];
 
-/// The channels of a glove that was unknown.
+/// The joints of the channels of an unknown glove.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discovery {
     /// A row for each joint that was found, in the order of [`Dof::ALL`].
@@ -83,7 +83,7 @@ const PARTS: [(Part, Pose, Pose); 10] = [
     ),
 ];
 
-/// Finds the joint of each channel, with counts up to `full_scale`.
+/// Returns the joint of each channel, with counts up to `full_scale`.
 ///
 /// # Errors
 /// Fails if no channel follows the index finger, without which nothing can be typed.
@@ -138,8 +138,8 @@ fn channels(observations: &Observations) -> Vec<usize> {
     channels
 }
 
-/// Returns the part of the hand that a channel follows: `None` for a channel that does not change, an error for one that follows
-/// several parts.
+/// Returns the part of the hand that a channel follows: `None` for a channel that does not change, and an error for a channel that
+/// follows several parts.
 fn part(observations: &Observations, channel: usize, full_scale: f64) -> Option<Result<Part, ()>> {
     let mut changes: Vec<(Part, f64)> = PARTS
         .iter()

@@ -139,17 +139,17 @@ impl CalibrationPose {
         }
     }
 
-    /// Returns whether the pose defines the angle of a joint well enough to calibrate it.
+    /// Returns `true` if the pose defines the angle of a joint well enough to calibrate it.
     pub fn defines(self, dof: Dof) -> bool {
         self.degrees(dof).1 <= DEFINED
     }
 
-    /// Returns whether the pose leaves a joint free, so that its angle may be any.
+    /// Returns `true` if the pose leaves a joint free, so that its angle may be any.
     pub fn leaves_free(self, dof: Dof) -> bool {
         self.degrees(dof).1 >= FREE
     }
 
-    /// Returns whether a glove with these channels is calibrated by this pose: it moves a joint that the glove measures, or is
+    /// Returns `true` if a glove with these channels is calibrated by this pose: it moves a joint that the glove measures, or is
     /// the zero of all.
     pub fn is_needed_for(self, map: &ChannelMap) -> bool {
         let moves = |dof: Dof| self.defines(dof) && self.expected(dof).radians != 0.0;
@@ -179,8 +179,8 @@ impl CalibrationPose {
 
     /// Returns the angle of a joint and its deviation, in degrees.
     ///
-    /// Ranges are the clinical ones of [`JointLimits::human`](crate::estimate::JointLimits::human). Their deviations are those of
-    /// Boone & Azen 1979 for wrist and forearm, 4° to 6.5°, and as much for the fingers. A table holds a joint to 3°.
+    /// Ranges are the clinical ones of [`JointLimits::human`](crate::estimate::JointLimits::human). Deviations
+    /// follow Boone & Azen 1979 for wrist and forearm, 4° to 6.5°; the fingers have the same. A table holds a joint to 3°.
     fn degrees(self, dof: Dof) -> (f64, f64) {
         match dof.finger() {
             None => self.arm_degrees(dof),

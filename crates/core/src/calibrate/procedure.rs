@@ -55,7 +55,7 @@ impl Procedure {
         self
     }
 
-    /// Creates the procedure for a glove of which nothing is known: the flat hand and single fingers, with all channels but those of
+    /// Creates the procedure for an unknown glove: the flat hand and single fingers, with all channels except the channels of
     /// `inputs`, which measure no joint.
     pub fn for_unknown_glove(
         poses: &[CalibrationPose],

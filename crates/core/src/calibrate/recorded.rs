@@ -65,8 +65,8 @@ const SHORTEST: Duration = Duration::from_millis(800);
 
 /// Finds the poses in the readings of a recording, in the order of their times.
 ///
-/// With marks, each pose is the time that they state. Without, the still phases are the poses of the procedure for this glove, in
-/// its order.
+/// In a recording with marks, each pose is the time that they state. In others, the still phases are the poses of the procedure
+/// for this glove, in its order.
 ///
 /// # Errors
 /// Fails if the recording has no channels, other counts than the glove, or another number of still phases than poses.
@@ -186,7 +186,7 @@ impl Recording {
         phases
     }
 
-    /// Returns whether all channels are still: a movement of the elbow changes only one.
+    /// Returns `true` if all channels are still: a movement of the elbow changes only one.
     fn is_still(&self, readings: Range<usize>) -> bool {
         self.observe(readings)
             .iter()

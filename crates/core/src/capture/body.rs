@@ -9,7 +9,7 @@ pub const BODY_LANDMARKS: usize = 33;
 
 /// Positions of the landmarks of a body at one moment.
 ///
-/// In metres: x to the right of the image, y down, z away from the camera. The origin does not matter.
+/// Positions are in metres: x to the right of the image, y down, z away from the camera. The origin does not matter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyLandmarks {
     /// The landmarks, [`BODY_LANDMARKS`] of them.
@@ -19,7 +19,7 @@ pub struct BodyLandmarks {
 
 /// A position with a confidence. As JSON `[x,y,z,confidence]`, or `[x,y,z]` with the confidence 1.
 ///
-/// In single precision, as the models give it: it keeps readings small.
+/// Its numbers have single precision, as the models give them, which keeps readings small.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ArrayVec<f32, 4>", into = "[f32; 4]")]
 pub struct Landmark {

@@ -36,12 +36,12 @@ impl Haptics {
         }
     }
 
-    /// Returns whether fingers are held.
+    /// Returns `true` if fingers are held.
     pub const fn has_force(self) -> bool {
         matches!(self, Self::Force | Self::Both)
     }
 
-    /// Returns whether touches are felt as pulses.
+    /// Returns `true` if touches are felt as pulses.
     pub const fn has_pulses(self) -> bool {
         matches!(self, Self::Pulse | Self::Both)
     }

@@ -139,7 +139,7 @@ impl Sample {
 pub struct Channels {
     /// Largest count of the converter (255 for 8 bits).
     pub full_scale: u16,
-    /// One count per channel, 0..=`full_scale`; [`UNKNOWN`](Self::UNKNOWN) for one that was not measured.
+    /// One count for each channel, 0..=`full_scale`; [`UNKNOWN`](Self::UNKNOWN) for a channel that was not measured.
     #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
     /// Channels that the packet does not carry: they have the counts of a sensor at rest.
@@ -179,13 +179,13 @@ impl ChannelSet {
         self.0
     }
 
-    /// Adds a channel. A reading has none of 64 or more.
+    /// Adds a channel, which must be less than [`MAX_CHANNELS`].
     pub fn insert(&mut self, channel: usize) {
         debug_assert!(channel < MAX_CHANNELS);
         self.0 |= 1 << (channel % MAX_CHANNELS);
     }
 
-    /// Returns whether a channel is in the set.
+    /// Returns `true` if a channel is in the set.
     pub const fn contains(self, channel: usize) -> bool {
         channel < MAX_CHANNELS && self.0 >> channel & 1 == 1
     }
@@ -214,12 +214,12 @@ pub struct SourceStats {
     pub dropped: u64,
     /// Number of times that the device was lost.
     pub losses: u64,
-    /// Readings of a hand that the setup does not use, which are not among the returned ones.
+    /// Readings of a hand that the setup does not use. They are not counted in `readings`.
     #[serde(skip)]
     pub left_out: u64,
-    /// Number of times that a sender has followed another one, of a source that several can send to.
+    /// Number of times that another sender has followed the previous one, for a source that accepts several senders.
     #[serde(skip)]
     pub sender_changes: u64,
-    /// The byte at which the recording that is read is cut off, once it was reached.
+    /// The offset of the byte at which a recording is cut off, once the reader has reached it.
     pub cut_at: Option<u64>,
 }

@@ -83,7 +83,7 @@ pub enum Command {
     },
     /// Takes a candidate of the text decoder in place of what was typed of a word, with a space behind it.
     Candidate {
-        /// Its position, 1 to 3, the most probable one first.
+        /// The position, 1 to 3, the most probable one first.
         #[serde(deserialize_with = "whole_number")]
         number: u8,
     },
@@ -164,7 +164,7 @@ impl Command {
             .check(&serde_json::from_str(&text).map_err(syntax)?)
     }
 
-    /// Name in JSON and on the command line.
+    /// Returns the name in JSON and on the command line.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::State => "state",
@@ -192,7 +192,7 @@ impl Command {
         }
     }
 
-    /// Returns whether a replay repeats the command: it changes what readings mean. A replay has its own pauses, and the
+    /// Returns `true` if a replay repeats the command: it changes what readings mean. A replay has its own pauses, and the
     /// layout files of its own session.
     pub const fn is_replayed(&self) -> bool {
         matches!(
@@ -224,7 +224,7 @@ impl Command {
         )
     }
 
-    /// Name, fields and description.
+    /// Returns the name, the fields and the description.
     pub fn spec(&self) -> &'static CommandSpec {
         let spec = SPECS.iter().find(|spec| spec.name == self.name());
         spec.expect("every command is listed, as a test shows")
@@ -301,7 +301,7 @@ impl fmt::Display for Command {
 }
 
 impl CommandSpec {
-    /// The command with this name.
+    /// Returns the command with this name.
     pub fn find(name: &str) -> Result<&'static Self, UnknownName> {
         SPECS
             .iter()
@@ -388,7 +388,7 @@ impl fmt::Display for FieldKind {
     }
 }
 
-/// A misspelled `command` is reported as such.
+/// Returns the error of an object without the field `command`; a misspelled one is reported as such.
 fn no_command(fields: &Map<String, Value>) -> InvalidCommand {
     let misspelled = fields
         .keys()

@@ -26,7 +26,7 @@ named_enum! {
 }
 
 impl CommandOrigin {
-    /// Returns whether a command from here may end a pause that `pause` has requested.
+    /// Returns `true` if a command from here may end a pause that `pause` has requested.
     pub const fn may_end_pause_of(self, pause: Self) -> bool {
         self.strength() >= pause.strength()
     }

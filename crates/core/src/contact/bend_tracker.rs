@@ -89,7 +89,7 @@ impl BendTracker {
         self.time = time;
     }
 
-    /// Returns whether no finger presses a target.
+    /// Returns `true` if no finger presses a target.
     pub fn is_idle(&self) -> bool {
         self.pressed().next().is_none()
     }

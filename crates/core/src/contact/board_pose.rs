@@ -52,7 +52,7 @@ impl BoardPose {
         }
     }
 
-    /// Returns whether a layout file accepts the position: at most [`MAX_DISTANCE`] along each axis.
+    /// Returns `true` if a layout file accepts the position: at most [`MAX_DISTANCE`] along each axis.
     pub fn is_distance_valid(&self) -> bool {
         // `all` and `<=`, so that NaN is invalid.
         [self.right, self.height, self.forward]
@@ -60,7 +60,7 @@ impl BoardPose {
             .all(|distance| distance.abs() <= MAX_DISTANCE)
     }
 
-    /// Returns whether a layout file accepts the tilt: −90° to 90°.
+    /// Returns `true` if a layout file accepts the tilt: −90° to 90°.
     pub fn is_tilt_valid(&self) -> bool {
         /// Covers the rounding of a quarter turn.
         const ROUNDING: f32 = 1e-5;

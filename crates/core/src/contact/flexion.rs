@@ -83,7 +83,7 @@ impl Flexion {
         }
     }
 
-    /// Returns whether a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
+    /// Returns `true` if a finger follows another one, which bends at least twice as far, or has done so if it touches a key.
     pub fn follows(&self, finger: Finger, touching: FingerSet) -> bool {
         let own = finger.index();
         let is_less = |[way, furthest]: [f32; 2]| furthest > LEAST_WAY && way < FOLLOWS * furthest;

@@ -1,4 +1,4 @@
-//! A grid over fronts that lie parallel to their surface: the fronts near a position in a time that does not depend on
+//! A grid over fronts that are parallel to their surface. It finds the fronts near a position in a time that does not depend on
 //! their number.
 
 use parry3d::math::{Mat3, Vec2, Vec3};
@@ -13,17 +13,17 @@ const PADDING: f32 = 1e-5;
 /// than the padding.
 const MAX_TILT: f32 = 1e-6;
 
-/// The number of cells along the edge of a key's share of the board. With two, a cell of a regular board meets at most four
-/// keys and fewer than two on average; a finer grid takes more memory than it saves time.
+/// The number of cells along the mean pitch of the fronts. With two, a cell of a regular board meets at most four keys and fewer
+/// than two on average; a finer grid takes more memory than it saves time.
 const CELLS_PER_PITCH: f32 = 2.0;
 
-/// The most cells and entries for each front. A board that needs more has fronts of very different sizes or large gaps.
+/// Maximum number of cells, and of entries, per front. A board that needs more has fronts of very different sizes or large gaps.
 const MAX_PER_FRONT: usize = 16;
 
-/// The cells and entries that any board may have.
+/// Number of cells, and of entries, that every board may have.
 const MIN_CAPACITY: usize = 1_024;
 
-/// The most fronts of a cell. Overlapping or crowded fronts are found faster in a tree.
+/// Maximum number of fronts in a cell. Overlapping or crowded fronts are found faster in a tree.
 const MAX_FRONTS_OF_CELL: usize = 12;
 
 /// Lists of the fronts that meet each cell of a grid in the plane of a surface.
@@ -128,7 +128,7 @@ impl FrontGrid {
         true
     }
 
-    /// Calls `visit` with the index of each front that a pad may enter on a straight way, at least once for each. The
+    /// Calls `visit` with the index of each front that a pad may enter on a straight path, at least once for each. The
     /// positions of the pad are in the surface's frame, in metres.
     #[inline]
     pub fn for_each_entered(&self, from: Vec3, to: Vec3, visit: impl FnMut(u32)) {
@@ -137,7 +137,7 @@ impl FrontGrid {
         if from.z < lowest || to.z > highest {
             return;
         }
-        // Only the part between the highest and the lowest front counts, mostly less than a hair's breadth.
+        // Only the part between the highest and the lowest front counts.
         let descent = (from.z - to.z).max(0.0);
         // NaN if the pad moves in one of the two planes.
         let start = ((from.z - highest) / descent).max(0.0);
@@ -160,8 +160,8 @@ impl FrontGrid {
     }
 
     /// Calls `visit` with the index of each front whose padded bounding box is within `distance` metres of a position along
-    /// each axis of the grid, at least once for each. All fronts count as high as the lowest to the highest. The position is
-    /// in the surface's frame, in metres.
+    /// each axis of the grid, at least once for each. Along Z, only the heights of the lowest and the highest front are
+    /// compared. The position is in the surface's frame, in metres.
     pub fn for_each_near(&self, position: Vec3, distance: f32, visit: impl FnMut(u32)) {
         let [lowest, highest] = self.heights;
         if position.z + distance >= lowest && position.z - distance <= highest {
@@ -184,7 +184,7 @@ impl FrontGrid {
             return;
         };
         for row in rows[0]..=rows[1] {
-            // The lists of neighbours in a row follow each other.
+            // The lists of neighbors in a row follow each other.
             let cell = row * self.columns;
             let start = self.starts[cell + columns[0]] as usize;
             let end = self.starts[cell + columns[1] + 1] as usize;

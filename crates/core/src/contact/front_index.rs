@@ -17,9 +17,9 @@ const AABB_PADDING: f32 = 1e-5;
 
 /// An index of the fronts of one surface. Fronts are identified by the index of their target on the surface.
 ///
-/// All searches find every front that they are to find, and may also find fronts that are only near, or a front several
-/// times. They do not allocate: the iterator of parry keeps its open branches, at most one for each level of the tree, inline
-/// up to 32; a tree of 10 000 fronts has half as many levels.
+/// No search misses a front; a search may also find fronts that are only near, or a front several times. Searches do not allocate:
+/// the iterator of parry keeps its open branches, at most one for each level of the tree, inline up to 32; a tree of 10 000 fronts
+/// has half as many levels.
 #[derive(Clone, Debug)]
 pub enum FrontIndex {
     /// Fronts parallel to the surface.
@@ -103,7 +103,7 @@ fn tree(targets: &[Target]) -> Bvh {
     Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)
 }
 
-/// Returns the padded bounding box of a target's front at rest, with its share of the gaps, in the surface's frame.
+/// Returns the padded bounding box of a target's front at rest, including its share of the gaps, in the surface's frame.
 fn front_aabb(target: &Target) -> Aabb {
     let (shift, half) = target.entrance();
     let axes = Mat3::from_quat(target.surface_from_target.rotation);

@@ -82,7 +82,7 @@ impl Crossing {
         }
     }
 
-    /// Returns whether this crossing takes precedence over `other`: the earlier one; on a tie, the one nearer to its
+    /// Returns `true` if this crossing takes precedence over `other`: the earlier one; on a tie, the one nearer to its
     /// outline, then to its center.
     pub fn precedes(&self, other: &Self) -> bool {
         if (self.t - other.t).abs() > COPLANAR_TOLERANCE {
@@ -119,7 +119,7 @@ pub fn first_crossing(
     first
 }
 
-/// Returns whether a fingertip is behind the front of any target of `surface`, inside its outline and at
+/// Returns `true` if a fingertip is behind the front of any target of `surface`, inside its outline and at
 /// most 0.1 m deep; center and radius are in the surface's frame (metres).
 pub fn is_inside_any_target(surface: &Surface, center: Vec3, radius: f32) -> bool {
     let mut is_inside = false;
@@ -135,7 +135,7 @@ pub fn is_inside_any_target(surface: &Surface, center: Vec3, radius: f32) -> boo
     is_inside
 }
 
-/// Returns whether a fingertip may be within `distance` metres of a front of `surface`; center and radius
+/// Returns `true` if a fingertip may be within `distance` metres of a front of `surface`; center and radius
 /// are in the surface's frame (metres). Conservative: tests the bounding boxes of the fronts.
 pub fn is_near_any_target(surface: &Surface, center: Vec3, radius: f32, distance: f32) -> bool {
     let mut is_near = false;

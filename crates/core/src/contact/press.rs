@@ -1,4 +1,4 @@
-//! The evidence of a press: what a decoder or a score needs to know beside the target that counts.
+//! The evidence of a press, which a decoder or a score needs in addition to the pressed target.
 
 use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
@@ -9,7 +9,7 @@ use super::{TargetId, Touch};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
-/// The most neighbors of a press that are listed.
+/// Maximum number of neighbors that a press lists.
 pub const MAX_NEIGHBORS: usize = 3;
 
 /// The largest distance of a neighbor from the point of a press, in metres: a little more than the pitch of a keyboard.
@@ -30,7 +30,8 @@ pub struct Press {
     pub point: Vec3,
     /// The depth at that time, in metres behind the front.
     pub depth: f32,
-    /// The speed of the pad into the target between the two poses, in metres per second; 0 if they have the same time.
+    /// The speed of the pad into the target between the two poses, in metres per second, 0 or more; 0 if the poses have the same
+    /// time.
     pub speed: f32,
     /// The other targets of the board nearby, the nearest first.
     pub neighbors: ArrayVec<Neighbor, MAX_NEIGHBORS>,
@@ -45,12 +46,12 @@ pub struct Neighbor {
     pub distance: f32,
 }
 
-/// The presses of one step. A finger begins at most one contact in a step, and ends the one before.
+/// The presses of one step. In a step a finger ends at most one contact and begins at most one.
 pub type Presses = ArrayVec<Press, { 2 * Finger::COUNT }>;
 
 impl Press {
-    /// Describes a press whose fingertip moved between two centers, in the frame of the surface that the target lies on, in the
-    /// time between two poses.
+    /// Creates the press of a fingertip whose center moved from `centers[0]` to `centers[1]`, in the frame of the surface of the
+    /// target, within `seconds`.
     pub(super) fn new(
         touch: &Touch,
         (surface, target): (&Surface, &Target),

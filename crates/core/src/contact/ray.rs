@@ -80,7 +80,7 @@ impl Ray {
 }
 
 impl FrontHit {
-    /// Returns whether the ray means this front rather than `other`: it passes this one with a smaller distance, or this one
+    /// Returns `true` if the ray means this front rather than `other`: it passes this one with a smaller distance, or this one
     /// hides the other.
     pub fn precedes(&self, other: &Self) -> bool {
         (self.beside, self.distance) < (other.beside, other.distance)

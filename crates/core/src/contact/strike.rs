@@ -15,7 +15,7 @@ use crate::time::Timestamp;
 const LOOKUP: f32 = 1e-3;
 
 impl StepContext<'_> {
-    /// Returns whether the target of an entry is pressed by strokes.
+    /// Returns `true` if the target of an entry is pressed by strokes.
     pub(super) fn is_struck(&self, location: TargetLocation, index: u32) -> bool {
         let surface = self.scene.surfaces().get(location.surface);
         surface.is_some_and(|surface| surface.is_struck(index))
@@ -134,11 +134,11 @@ impl FingerState {
     }
 }
 
-/// The fate of a stroke behind the press depth.
+/// The decision about a stroke behind the press depth.
 enum Decision {
-    /// It presses a target, at a point in the frame of that target.
+    /// The stroke presses a target, at a point in the frame of that target.
     Press(TargetLocation, Vec3),
-    /// It is not known yet.
+    /// The target is not known yet.
     Wait,
     /// Ignore the fingertip until it is above the front again.
     Never,

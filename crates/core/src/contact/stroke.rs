@@ -68,7 +68,7 @@ pub(super) struct Stroke {
     deepening: [f32; 2],
     /// The time at which it passed the press depth.
     pub passed: Option<Timestamp>,
-    /// It presses nothing until it is above the front again.
+    /// `true` if it presses nothing until it is above the front again.
     pub is_spent: bool,
 }
 
@@ -112,12 +112,12 @@ impl Stroke {
         -self.deepest.z
     }
 
-    /// Returns whether it is fast enough for a tap.
+    /// Returns `true` if it is fast enough for a tap.
     pub fn is_fast(&self) -> bool {
         self.fastest >= SLOWEST
     }
 
-    /// Returns whether the fingertip has turned, comes to rest, or has gone on for so long that its present point counts.
+    /// Returns `true` if the fingertip has turned, comes to rest, or has gone on for so long that its present point counts.
     pub fn has_turned(&self, finger: Finger, at: Vec3, now: Timestamp) -> bool {
         let is_late = self
             .passed
@@ -127,7 +127,7 @@ impl Stroke {
         is_late || at.z > self.deepest.z + RISE || is_slow
     }
 
-    /// Returns whether the fingertip has passed below the plane of the keys on its way along the board, instead of going down.
+    /// Returns `true` if the fingertip has passed below the plane of the keys on its way along the board, instead of going down.
     pub fn is_pass(&self, finger: Finger) -> bool {
         let [inward, along] = self.deepening;
         let way = (self.deepest - self.entry).truncate().length();
@@ -167,7 +167,7 @@ impl Stroke {
     }
 }
 
-/// Returns whether a point on the front of a target is clear of the edge of its part of the board.
+/// Returns `true` if a point on the front of a target is clear of the edge of its part of the board.
 pub(super) fn is_clear_of_edge(target: &Target, point: Vec2) -> bool {
     let (center, half) = target.entrance();
     (point - center).abs().cmplt(half - CLEAR_OF_EDGE).all()

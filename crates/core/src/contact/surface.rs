@@ -69,7 +69,7 @@ impl Surface {
         ))
     }
 
-    /// Returns whether the hand may touch the surface once the surface has its place, at the start, at the other hand or at the body.
+    /// Returns `true` if the hand may touch the surface once the surface has its place, at the start, at the other hand or at the body.
     pub fn waits_for_place(&self, pose: &HandPose) -> bool {
         let has_place = matches!(self.anchor, Anchor::World | Anchor::Joint(_));
         !has_place
@@ -103,7 +103,7 @@ impl Surface {
         (first..).map(TargetId).zip(&self.targets)
     }
 
-    /// Returns whether fingers press its targets by bending, wherever the hand is. Then its place only matters for drawings.
+    /// Returns `true` if fingers press its targets by bending, wherever the hand is. Then its place only matters for drawings.
     pub fn is_bent(&self) -> bool {
         !self.bent_by.is_empty()
     }
@@ -120,12 +120,12 @@ impl Surface {
         Some((self.target_id(index as u32), &self.targets[index]))
     }
 
-    /// Returns whether the target with this index on the surface is pressed by strokes.
+    /// Returns `true` if the target with this index on the surface is pressed by strokes.
     pub(super) fn is_struck(&self, index: u32) -> bool {
         self.struck.get(index as usize).is_some_and(|it| *it)
     }
 
-    /// Returns whether any target is pressed by strokes.
+    /// Returns `true` if any target is pressed by strokes.
     pub fn has_struck_targets(&self) -> bool {
         !self.struck.is_empty()
     }
@@ -135,7 +135,7 @@ impl Surface {
         &self.fronts
     }
 
-    /// Returns whether all fronts are parallel to the surface, so that a fingertip enters one from above only.
+    /// Returns `true` if all fronts are parallel to the surface, so that a fingertip enters one from above only.
     pub fn is_flat(&self) -> bool {
         matches!(self.fronts, FrontIndex::Grid(_))
     }
@@ -245,25 +245,25 @@ impl Scene {
         TargetId(first)
     }
 
-    /// Returns whether a surface is anchored at the place of the hand at the start.
+    /// Returns `true` if a surface is anchored at the place of the hand at the start.
     pub fn starts_at_hand(&self) -> bool {
         let mut surfaces = self.surfaces.iter();
         surfaces.any(|surface| surface.anchor == Anchor::Start)
     }
 
-    /// Returns whether a surface is anchored at the other hand.
+    /// Returns `true` if a surface is anchored at the other hand.
     pub fn follows_other_hand(&self) -> bool {
         let mut surfaces = self.surfaces.iter();
         surfaces.any(|surface| surface.anchor == Anchor::OtherHand)
     }
 
-    /// Returns whether a surface is anchored at a point of the body.
+    /// Returns `true` if a surface is anchored at a point of the body.
     pub fn follows_body(&self) -> bool {
         let mut surfaces = self.surfaces.iter();
         surfaces.any(|surface| matches!(surface.anchor, Anchor::Body(_)))
     }
 
-    /// Returns whether a finger presses a target by bending.
+    /// Returns `true` if a finger presses a target by bending.
     pub fn has_bend_targets(&self) -> bool {
         self.surfaces.iter().any(Surface::is_bent)
     }
@@ -327,7 +327,7 @@ impl Scene {
         self.target_count as usize
     }
 
-    /// Returns whether there are no targets.
+    /// Returns `true` if there are no targets.
     pub fn is_empty(&self) -> bool {
         self.target_count == 0
     }

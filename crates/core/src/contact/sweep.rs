@@ -13,7 +13,7 @@ pub fn pad_position(target: &Target, center: Vec3, radius: f32) -> Vec3 {
     target.surface_from_target.inverse_transform_point(center) - Vec3::Z * radius
 }
 
-/// Returns whether a point in the plane of the front is inside the outline widened by `margin` metres. Points on the
+/// Returns `true` if a point in the plane of the front is inside the outline widened by `margin` metres. Points on the
 /// outline are outside: a point on the shared edge of two targets is on neither.
 pub fn is_inside(shape: Shape, point: Vec2, margin: f32) -> bool {
     match shape {
@@ -22,7 +22,7 @@ pub fn is_inside(shape: Shape, point: Vec2, margin: f32) -> bool {
     }
 }
 
-/// Returns whether a point in the plane of the front is inside the outline widened by the target's share and by `margin`
+/// Returns `true` if a point in the plane of the front is inside the outline widened by the target's share and by `margin`
 /// metres.
 fn is_inside_share((shape, share): (Shape, Share), point: Vec2, margin: f32) -> bool {
     match shape {

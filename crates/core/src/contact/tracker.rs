@@ -121,8 +121,9 @@ impl ContactTracker {
         }
     }
 
-    /// Does the same as [`update`](Self::update) for one finger, whose centers on each surface, in the last pose and in this
-    /// one, the caller has computed. Whether a finger follows another one is not known then. Returns whether a later update has no effect unless the fingertip enters a front.
+    /// Updates one finger as [`update`](Self::update) does. The caller has computed its centers on each surface, in the last pose
+    /// and in this one. A finger that follows another one is not recognized as such. Returns `true` if a later update has no effect
+    /// unless the fingertip enters a front.
     pub fn update_finger(
         &mut self,
         finger: Finger,
@@ -212,7 +213,7 @@ impl ContactTracker {
         }
     }
 
-    /// Returns whether no fingertip touches a target.
+    /// Returns `true` if no fingertip touches a target.
     pub fn is_idle(&self) -> bool {
         self.fingers.iter().all(|state| state.contact.is_none())
     }
@@ -224,9 +225,10 @@ impl ContactTracker {
         pressed.map(|contact| contact.location.target)
     }
 
-    /// Returns whether the hand is clear of all targets: no fingertip touches one, no trusted fingertip
+    /// Returns `true` if the hand is clear of all targets: no fingertip touches one, no trusted fingertip
     /// is behind a front (inside its outline, at most 0.1 m deep), and at least one trusted fingertip is
-    /// known. A surface that waits for its place has no targets yet, and surfaces of the other hand have none for this one. Does not allocate.
+    /// known. A surface that waits for its place has no targets yet, and surfaces of the other hand have none for this one. Does
+    /// not allocate.
     pub fn is_clear(&self, scene: &Scene, pose: &HandPose) -> bool {
         if !self.is_idle() {
             return false;
@@ -463,7 +465,7 @@ impl FingerState {
         None
     }
 
-    /// Returns whether the finger slid off a target and has not yet left its neighbourhood.
+    /// Returns `true` if the finger slid off a target and has not yet left its neighborhood.
     fn is_locked_out(&mut self, finger: Finger, step: &StepContext) -> bool {
         let Some(location) = self.slid_off else {
             return false;
@@ -478,7 +480,7 @@ impl FingerState {
     }
 }
 
-/// Returns whether a pad is further from the edge of a target than the target is wide, so that it cannot have just slid
+/// Returns `true` if a pad is further from the edge of a target than the target is wide, so that it cannot have just slid
 /// off. Without this test, a board that bends away from the hand locks a
 /// finger out behind the plane of a target that it left long ago.
 fn is_well_beside(target: &Target, pad: Vec3) -> bool {

@@ -104,7 +104,7 @@ pub struct VolumeEntry {
 }
 
 impl VolumeEntry {
-    /// Returns whether this entry takes precedence over `other`: the earlier one; on a tie, the one nearer to its
+    /// Returns `true` if this entry takes precedence over `other`: the earlier one; on a tie, the one nearer to its
     /// center.
     pub fn precedes(&self, other: &Self) -> bool {
         (self.t, self.center_distance) < (other.t, other.center_distance)
@@ -136,7 +136,7 @@ impl VolumeSet {
         self.volumes.len()
     }
 
-    /// Returns whether there are no volumes.
+    /// Returns `true` if there are no volumes.
     pub fn is_empty(&self) -> bool {
         self.volumes.is_empty()
     }

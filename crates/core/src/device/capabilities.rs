@@ -88,13 +88,13 @@ impl Capabilities {
         }
     }
 
-    /// Returns whether the set contains keys, not only buttons, or characters.
+    /// Returns `true` if the set contains keys, not only buttons, or characters.
     pub fn include_typing(&self) -> bool {
         let is_key = |code: &KeyCode| code.kind() == KeyKind::Keyboard;
         self.text || self.keys.iter().any(is_key)
     }
 
-    /// Returns whether the set contains a capability.
+    /// Returns `true` if the set contains a capability.
     pub fn contains(&self, capability: Capability) -> bool {
         match capability {
             Capability::Key(code) => self.keys.contains(&code),

@@ -253,33 +253,33 @@ impl KeyCode {
         }
     }
 
-    /// Returns whether this is a modifier key.
+    /// Returns `true` if this is a modifier key.
     pub fn is_modifier(self) -> bool {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
-    /// Returns whether this is a Shift key.
+    /// Returns `true` if this is a Shift key.
     pub const fn is_shift(self) -> bool {
         matches!(self.0, 42 | 54)
     }
 
-    /// Returns whether this is a Control key.
+    /// Returns `true` if this is a Control key.
     pub const fn is_control(self) -> bool {
         matches!(self.0, 29 | 97)
     }
 
-    /// Returns whether this is an Alt key. The right one is AltGr on many keymaps, and Alt on a US one.
+    /// Returns `true` if this is an Alt key. The right one is AltGr on many keymaps, and Alt on a US one.
     pub const fn is_alt(self) -> bool {
         matches!(self.0, 56 | 100)
     }
 
-    /// Returns whether this key on its own acts on the system instead of the focused program: it opens the
+    /// Returns `true` if this key on its own acts on the system instead of the focused program: it opens the
     /// desktop menu (Meta), or sends commands to the kernel (PrintScreen, which is also SysRq).
     pub const fn is_system_key(self) -> bool {
         matches!(self.0, 99 | 125 | 126)
     }
 
-    /// Returns whether this key acts on the system together with Control and Alt: F1 to F12 switch the
+    /// Returns `true` if this key acts on the system together with Control and Alt: F1 to F12 switch the
     /// console, Delete restarts the machine, Backspace ends an X server.
     pub const fn is_system_key_with_ctrl_alt(self) -> bool {
         matches!(self.0, 14 | 59..=68 | 83 | 87 | 88 | 111)

@@ -145,12 +145,12 @@ named_enum! {
 }
 
 impl Axis {
-    /// Returns whether it belongs to a gamepad, otherwise to a 6-DoF device.
+    /// Returns `true` if it belongs to a gamepad, otherwise to a 6-DoF device.
     pub const fn is_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
 
-    /// Returns whether its range is 0..=1 instead of −1..=1.
+    /// Returns `true` if its range is 0..=1 instead of −1..=1.
     pub const fn is_trigger(self) -> bool {
         matches!(
             self,
@@ -197,7 +197,7 @@ pub struct DeviceOutput<'a> {
 }
 
 impl DeviceOutput<'_> {
-    /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and has no effect, if
+    /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and presses nothing, if
     /// there is no room. A [`KeyAction::Command`] is issued even if the event list is full, so that a full
     /// list cannot suppress a pause; one that types, by a hand that may only point, is dropped like a key.
     pub fn press(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {
@@ -249,10 +249,10 @@ pub const MAX_CURSOR_SPACES: usize = 4;
 /// The position of the cursor of a pointer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CursorPosition {
-    /// Its position in its whole range, 0..=1: to the right, up, towards the wearer. `None` without a cursor on the
+    /// The position in the whole range, 0..=1: to the right, up, towards the wearer. `None` without a cursor on the
     /// screen, and while the hand points nowhere.
     pub fractions: Option<Vec3>,
-    /// Its position in the frame of each space of the layout, in metres; `None` while it is unknown.
+    /// The position in the frame of each space of the layout, in metres; `None` while it is unknown.
     pub in_spaces: ArrayVec<Option<Vec3>, MAX_CURSOR_SPACES>,
 }
 
@@ -261,7 +261,7 @@ pub trait VirtualDevice: Send {
     /// Adds the capabilities that an output needs for every event the device can emit.
     fn add_capabilities(&self, required: &mut Capabilities);
 
-    /// Returns whether it depends on the [bends](DeviceInput::bends) of the fingers.
+    /// Returns `true` if it depends on the [bends](DeviceInput::bends) of the fingers.
     fn needs_bends(&self) -> bool {
         false
     }
@@ -283,7 +283,7 @@ pub trait VirtualDevice: Send {
         None
     }
 
-    /// Returns whether a hand points somewhere with it.
+    /// Returns `true` if a hand points somewhere with it.
     fn is_pointing(&self) -> bool {
         false
     }

@@ -51,7 +51,7 @@ pub enum Sector {
     Menu {
         /// The text drawn on it.
         label: String,
-        /// Its sectors, 2 to [`MAX_SECTORS`].
+        /// The sectors, 2 to [`MAX_SECTORS`].
         choices: Vec<Choice>,
     },
 }

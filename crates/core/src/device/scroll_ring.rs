@@ -25,7 +25,7 @@ pub struct ScrollRing {
     pub dead_radius: f32,
     /// Number of detents of a turn, at least 1.
     pub detents: u16,
-    /// Counter-clockwise increases the value, instead of clockwise.
+    /// `true` if the value increases counter-clockwise, instead of clockwise.
     pub is_reversed: bool,
     /// The value at the start, 0..=1.
     pub initial: f32,

@@ -13,7 +13,7 @@ pub struct Signal {
     pub range: (f32, f32),
     /// Channel of its MIDI messages, 0..=15: one less than musicians count.
     pub channel: u8,
-    /// Its MIDI messages; `None` if it sends none.
+    /// The MIDI messages; `None` if it sends none.
     pub midi: Option<MidiKind>,
 }
 

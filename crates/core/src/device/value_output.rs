@@ -55,7 +55,7 @@ impl ValueOutput {
 /// A value of a control that has several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedValue {
-    /// Its name, which no other target has.
+    /// The name, which no other target has.
     pub name: String,
     /// The subject of its [`EventKind::Value`] events, which no fingertip touches.
     pub target: TargetId,
@@ -71,9 +71,9 @@ pub(super) struct ValueEmitter {
     rest: Option<f32>,
     /// Whole units, pixels or steps emitted so far.
     emitted: i32,
-    /// The axis value emitted last.
+    /// The axis value that was emitted last; 0 before the first one.
     axis: f32,
-    /// An axis from −1 to 1 is 0 for the value 0.
+    /// `true` if an axis from −1 to 1 is 0 for the value 0.
     is_one_sided: bool,
 }
 
@@ -99,7 +99,8 @@ impl ValueEmitter {
         Self { rest, ..self }
     }
 
-    /// Sets every axis to the value, as a control that rests at 0 would deflect an axis from −1 to 1 otherwise.
+    /// Maps the value 0 to the center of an axis from −1 to 1, for a control that rests at 0: at −1 it would deflect the axis all
+    /// the time.
     pub(super) fn with_axis_at_rest_for_zero(self) -> Self {
         Self {
             is_one_sided: true,
@@ -107,7 +108,7 @@ impl ValueEmitter {
         }
     }
 
-    /// Returns whether it returns to a rest value on release.
+    /// Returns `true` if it returns to a rest value on release.
     pub(super) fn springs_back(&self) -> bool {
         self.rest.is_some()
     }

@@ -44,9 +44,9 @@ pub struct DocumentFault {
 /// A range of characters within one line of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct TextPosition {
-    /// From 1.
+    /// Number of the line, from 1.
     line: usize,
-    /// In characters, from 1.
+    /// Number of the first character in the line, from 1.
     column: usize,
     /// Number of underlined characters, at least 1.
     width: usize,
@@ -122,49 +122,49 @@ impl DocumentError {
         self.listed.is_empty()
     }
 
-    /// The file, as its user named it.
+    /// Returns the file, as its user named it.
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// The errors, in the order of the file.
+    /// Returns the errors, in the order of the file.
     pub fn errors(&self) -> &[DocumentFault] {
         &self.listed
     }
 
-    /// The message of the first error, without its position.
+    /// Returns the message of the first error, without its position.
     pub fn message(&self) -> &str {
         self.listed.first().map_or("", DocumentFault::message)
     }
 
-    /// The line of the first error, from 1, if it has a position.
+    /// Returns the line of the first error, from 1, if it has a position.
     pub fn line(&self) -> Option<usize> {
         self.listed.first()?.line()
     }
 
-    /// The column of the first error in characters, from 1, if it has a position.
+    /// Returns the column of the first error in characters, from 1, if it has a position.
     pub fn column(&self) -> Option<usize> {
         self.listed.first()?.column()
     }
 }
 
 impl DocumentFault {
-    /// The message without the position.
+    /// Returns the message without the position.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The line, from 1, if the error has a position.
+    /// Returns the line, from 1, if the error has a position.
     pub fn line(&self) -> Option<usize> {
         self.position.as_ref().map(|position| position.line)
     }
 
-    /// The column in characters, from 1, if the error has a position.
+    /// Returns the column in characters, from 1, if the error has a position.
     pub fn column(&self) -> Option<usize> {
         self.position.as_ref().map(|position| position.column)
     }
 
-    /// The number of underlined characters, from 1 if the error has a position, otherwise 0.
+    /// Returns the number of underlined characters, from 1 if the error has a position, otherwise 0.
     pub fn width(&self) -> usize {
         self.position.as_ref().map_or(0, |position| position.width)
     }

@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error as _, Visitor};
 /// A structure of a file, and the fields that it has.
 #[derive(Clone, Copy, Debug)]
 pub struct Structure {
-    /// Its name in the RON text, which is usually omitted.
+    /// The name in the RON text, which is usually omitted.
     pub name: &'static str,
     /// The field that contains it, such as `rows`.
     pub place: &'static str,

@@ -5,9 +5,9 @@ use std::ops::Range;
 /// A part of the text that is neither blank nor comment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Token {
-    /// Its kind.
+    /// The kind.
     pub kind: TokenKind,
-    /// Its bytes.
+    /// The bytes.
     pub range: Range<usize>,
 }
 
@@ -35,7 +35,7 @@ pub(super) enum TokenKind {
 pub(super) struct Element {
     /// The bracket around it.
     pub bracket: u8,
-    /// Its bytes, with the comma behind it.
+    /// The bytes, with the comma behind it.
     pub range: Range<usize>,
     /// The bytes between the brackets around it.
     pub inside: Range<usize>,
@@ -131,7 +131,8 @@ pub(super) fn elements_around(text: &str, offset: usize) -> Vec<Element> {
     elements
 }
 
-/// Returns the bytes of the value that starts at an offset: a token, with what is in its brackets or in those that follow a name.
+/// Returns the bytes of the value that starts at an offset: a token, with the content of its brackets or of the brackets that follow
+/// a name.
 pub(super) fn value_at(text: &str, offset: usize) -> Option<Range<usize>> {
     let mut tokens = tokens(&text[offset..]).peekable();
     let mut last = tokens.next()?;

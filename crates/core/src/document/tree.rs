@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use super::scan::{Token, TokenKind, tokens};
 
-/// The maximum nesting that is read, the same as in [`parse_ron`](super::parse_ron).
+/// The maximum depth of nesting, as in [`parse_ron`](super::parse_ron).
 const MAX_DEPTH: usize = 128;
 
 /// A value in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Node {
-    /// Its bytes, with the name before its parentheses.
+    /// The bytes, including the name before its parentheses.
     pub range: Range<usize>,
     /// The content of its brackets; `None` for a number, a name or a text.
     pub group: Option<Group>,
@@ -19,7 +19,7 @@ pub struct Node {
 /// The content of a pair of brackets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// The opening bracket.
+    /// The opening bracket: `(`, `[` or `{`.
     pub bracket: u8,
     /// The bytes between the brackets.
     pub inside: Range<usize>,
@@ -34,7 +34,7 @@ pub struct Item {
     pub key: Option<Range<usize>>,
     /// The value.
     pub value: Node,
-    /// Offset of the comma behind it.
+    /// Offset of the comma after it.
     pub comma: Option<usize>,
 }
 
@@ -193,7 +193,7 @@ impl Node {
         })
     }
 
-    /// Returns the number, if it is one.
+    /// Returns the value as a number, if it is a finite one.
     pub fn number(&self, text: &str) -> Option<f64> {
         let digits = self.in_some(text).text(text).replace('_', "");
         digits

@@ -52,7 +52,7 @@ pub enum Slot {
 }
 
 impl Binding {
-    /// Returns the multitap key with these letters, or `None` if they are no list of letters.
+    /// Returns the multitap key with these letters, or `None` if they are not a list of letters.
     pub fn multitap(letters: &str) -> Option<Self> {
         is_multitap(letters).then(|| Self::Multitap(letters.to_owned()))
     }

@@ -38,12 +38,12 @@ impl Draft {
         })
     }
 
-    /// The text without the pending replacements.
+    /// Returns the text without the pending replacements.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The tree of [`text`](Self::text).
+    /// Returns the tree of [`text`](Self::text).
     pub fn tree(&self) -> &Node {
         &self.tree
     }
@@ -179,8 +179,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds values at the end of a list, which is a field of `part` and is written if it is missing. Lines of a value are indented
-    /// with it.
+    /// Adds values at the end of a list, a field of `part` that is written if it is missing. All lines of a value are indented.
     pub fn push(&mut self, part: Part, list: &str, values: &[String]) -> Result<(), EditError> {
         if values.is_empty() {
             return Ok(());
@@ -242,7 +241,7 @@ impl Draft {
     }
 }
 
-/// Returns a number as it is written: two decimals at most.
+/// Returns a number as it is written, with at most two decimals.
 pub(super) fn written(number: f64) -> String {
     ((number * 100.0).round() / 100.0 + 0.0).to_string()
 }
@@ -253,7 +252,7 @@ fn is_named(text: &str, item: &Item, name: &str) -> bool {
         .is_some_and(|key| &text[key.clone()] == name)
 }
 
-/// Returns the bytes of an item, with its key.
+/// Returns the offset of an item: of its key if it has one, or else of its value.
 fn item_start(item: &Item) -> usize {
     item.key
         .as_ref()
@@ -281,7 +280,7 @@ fn indent_of_line(text: &str, offset: usize) -> String {
     " ".repeat(text[line..].len() - rest.len())
 }
 
-/// Returns values in lines of their own within a list whose line has this indentation.
+/// Returns the values of a list, each in a line of its own; `indent` is the indentation of the line of the list.
 fn lines(values: &[String], indent: &str) -> String {
     let inner = format!("{indent}    ");
     let values = values.iter();
@@ -291,7 +290,7 @@ fn lines(values: &[String], indent: &str) -> String {
     format!("{lines}\n{indent}")
 }
 
-/// Returns a value with its lines but the first one indented.
+/// Returns a value with all lines except the first one indented.
 fn indented(value: &str, indent: &str) -> String {
     value.replace('\n', &format!("\n{indent}"))
 }
@@ -330,7 +329,7 @@ fn appended(text: &str, group: &Node, new: &str) -> (Range<usize>, String) {
     }
 }
 
-/// Returns the bytes to remove for an item of a group: whole lines where it has them for itself.
+/// Returns the bytes to remove for an item of a group: whole lines if nothing else is in them.
 fn removed(text: &str, group: &Node, index: usize) -> Range<usize> {
     let items = group.items();
     let item = &items[index];

@@ -64,14 +64,14 @@ pub enum Edit {
     },
     /// Aligns controls of one board along their outlines.
     Align {
-        /// At least two.
+        /// The controls, at least two.
         parts: Vec<Part>,
         /// Common line.
         edge: AlignEdge,
     },
     /// Makes the gaps between controls of one board equal. The outermost stay.
     Distribute {
-        /// At least three.
+        /// The controls, at least three.
         parts: Vec<Part>,
         /// Direction of the gaps.
         axis: BoardAxis,

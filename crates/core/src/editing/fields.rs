@@ -14,11 +14,11 @@ use crate::layout::field_tables;
 /// A field that a part can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldSpec {
-    /// Name, as [`Edit::SetField`](super::Edit::SetField) expects it. Its end is the unit: `_mm`, `_deg`, `_ms`.
+    /// Name, as [`Edit::SetField`](super::Edit::SetField) expects it. It ends with the unit: `_mm`, `_deg`, `_ms`.
     pub name: &'static str,
     /// Type of its value.
     pub field_type: FieldType,
-    /// Unit as it is written behind a number, such as ` mm`; empty without one.
+    /// Unit as it is written after a number, with its blank, such as ` mm`; empty without one.
     pub unit: &'static str,
     /// The value if the field is not written, as its description gives it; empty if there is none.
     pub default: &'static str,
@@ -40,7 +40,7 @@ pub enum FieldType {
     Bool,
     /// A text in quotes.
     Text,
-    /// One of these words, as they are written. What follows a word in parentheses is edited in fields of its own.
+    /// One of these words, as they are written. The fields in the parentheses after a word are edited separately.
     Choice(&'static [&'static str]),
     /// Numbers in parentheses.
     Point {
@@ -57,7 +57,7 @@ pub enum FieldType {
     Ron,
 }
 
-/// The tables of a layout file.
+/// Returns the tables of a layout file.
 fn tables() -> &'static [Table] {
     static TABLES: LazyLock<Vec<Table>> = LazyLock::new(field_tables);
     &TABLES
@@ -94,8 +94,8 @@ pub fn can_turn(part: Part) -> bool {
     is_on_board && field_row(table_of(part), "rotation_deg").is_some()
 }
 
-/// Returns the fields that a part can have, those with its name and position first. Lists of other parts are not among them. A
-/// sequence has the kinds of its steps, each with one value.
+/// Returns the fields that a part can have, its name and position first, without the lists of other parts. The fields of a
+/// sequence are the kinds of its steps, each with one value.
 pub fn fields_of(part: Part) -> Vec<FieldSpec> {
     static FIELDS: LazyLock<BTreeMap<&str, Vec<FieldSpec>>> = LazyLock::new(|| {
         let tables = tables().iter();
@@ -143,7 +143,7 @@ fn fields(table: &'static Table) -> Vec<FieldSpec> {
     fields
 }
 
-/// Returns the shapes of a board, curved ones with a radius that suits a forearm.
+/// Returns the shapes of a board, with a radius that suits a forearm for the curved ones.
 fn board_shapes() -> impl Iterator<Item = String> {
     let is_shape = |row: &&Row| !row.name.contains('(');
     let table = tables().iter().find(|table| table.name == "BoardShape");
@@ -191,7 +191,7 @@ fn field(row: &'static Row, path: &str) -> Option<FieldSpec> {
     })
 }
 
-/// Returns a choice of words, which are kept for the rest of the run: each schema is read once.
+/// Returns a choice of words. The words are leaked: each schema is read once in a run.
 fn choice(words: impl Iterator<Item = String>) -> FieldType {
     let words: Vec<&'static str> = words.map(|word| &*word.leak()).collect();
     FieldType::Choice(words.leak())

@@ -26,7 +26,7 @@ pub struct Place {
     pub size_mm: [f64; 2],
     /// Rotation about the center, counter-clockwise.
     pub rotation_deg: f64,
-    /// The outline is a disc.
+    /// `true` if the outline is a disc.
     pub is_round: bool,
 }
 

@@ -93,7 +93,7 @@ macro_rules! control_kind {
             /// All kinds, in the order in which a layout numbers their targets.
             pub const ALL: &[Self] = &[Self::Key, $(Self::$kind),+];
 
-            /// The field of a board that lists them.
+            /// Returns the field of a board that lists them.
             pub const fn list(self) -> &'static str {
                 match self {
                     Self::Key => "keys",
@@ -101,7 +101,7 @@ macro_rules! control_kind {
                 }
             }
 
-            /// Names, the table of fields, and a new control.
+            /// Returns the names, the table of fields, and the text of a new control.
             pub const fn spec(self) -> KindSpec {
                 match self {
                     Self::Key => KEY,
@@ -114,14 +114,14 @@ macro_rules! control_kind {
 with_control_kinds!(control_kind);
 
 impl ControlKind {
-    /// The name in messages.
+    /// Returns the name in messages.
     pub const fn name(self) -> &'static str {
         self.spec().name
     }
 }
 
 impl Part {
-    /// Returns the board that it is, or is on.
+    /// Returns the index of the board: its own, or of the board that it is on.
     pub const fn board(self) -> Option<usize> {
         match self {
             Self::Board(board)
@@ -133,7 +133,7 @@ impl Part {
         }
     }
 
-    /// The name of its kind in messages.
+    /// Returns the name of its kind in messages.
     pub const fn kind_name(self) -> &'static str {
         match self {
             Self::Layout => "layout",
@@ -152,7 +152,7 @@ impl Part {
         }
     }
 
-    /// Returns what contains it: the board of a control, the row of a key in it.
+    /// Returns the part that contains it: the board of a control, the row of a key.
     pub fn parent(self) -> Option<Self> {
         match self {
             Self::Layout => None,
@@ -251,7 +251,8 @@ pub fn targets(text: &str, tree: &Node) -> Vec<Part> {
     targets
 }
 
-/// Returns the parts of targets, by id. `sources` are their names in the text; a part that could not be built has no target.
+/// Returns the parts of targets, by id. `sources` are the ranges of their names in the text; a part that could not be built has no
+/// target.
 pub fn parts_of(text: &str, tree: &Node, sources: &[std::ops::Range<usize>]) -> Vec<Part> {
     let all = targets(text, tree);
     if all.len() == sources.len() {
@@ -367,7 +368,7 @@ mod tests {
             let tree = read_tree(&text).unwrap();
             let layout = Layout::parse(&text, name).unwrap();
             let parts = targets(&text, &tree);
-            // Values of pads, the last ones, are no parts of their own.
+            // Values of pads, the last ones, are not parts of their own.
             let values = layout.controls.iter().flat_map(Control::value_targets);
             let values = values.filter(|value| layout.control_at(*value).is_none());
             let count = layout.target_names().iter().count() - values.count();

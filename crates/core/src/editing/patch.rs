@@ -24,7 +24,7 @@ impl Patch {
         self.replacements.push(Replacement { range, text });
     }
 
-    /// The replacements.
+    /// Returns the replacements.
     pub fn replacements(&self) -> &[Replacement] {
         &self.replacements
     }

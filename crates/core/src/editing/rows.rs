@@ -106,7 +106,7 @@ impl SourceRow {
         })
     }
 
-    /// The number of its keys.
+    /// Returns the number of its keys.
     pub fn len(&self) -> usize {
         self.words.len()
     }

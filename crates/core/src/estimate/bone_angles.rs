@@ -43,7 +43,7 @@ pub fn angles_from_bones(bones: &ArmRotations, side: Side) -> JointAngles {
     angles
 }
 
-/// Returns whether the bones that show an angle are known.
+/// Returns `true` if the bones that show an angle are known.
 fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
     let known = |bone| bones.is_known(bone);
     match dof {
@@ -62,9 +62,9 @@ fn is_shown(bones: &ArmRotations, dof: Dof) -> bool {
 struct Arm<'a> {
     bones: &'a ArmRotations,
     side: Side,
-    /// From the frame of the lower arm to the frame of the upper arm.
+    /// The rotation from the frame of the lower arm to the frame of the upper arm.
     lower_arm: DQuat,
-    /// From the frame of the hand to the frame of the upper arm.
+    /// The rotation from the frame of the hand to the frame of the upper arm.
     hand: DQuat,
 }
 

@@ -6,7 +6,7 @@ use super::linearity::Linearity;
 use crate::capture::MAX_CHANNELS;
 use crate::hand::{Dof, FingerSet, Input};
 
-/// The most rows of a channel map: two for each degree of freedom, more than any glove needs.
+/// Maximum number of rows of a channel map: two for each degree of freedom, more than any glove needs.
 pub const MAX_ROWS: usize = 2 * Dof::COUNT;
 
 /// The assignment of one sensor channel to one angle. Several rows may share a channel.
@@ -106,7 +106,7 @@ impl ChannelMap {
         Self { ranges, ..self }
     }
 
-    /// Returns the map with what was learned of the ranges of its channels.
+    /// Returns the map with the learned ranges of its channels.
     #[must_use]
     pub fn with_learned_ranges(mut self, learned: &[LearnedRange]) -> Self {
         for range in learned {
@@ -183,7 +183,7 @@ impl ChannelMap {
             .apply(self.linearity(row.channel).apply(count))
     }
 
-    /// Returns whether counts are at the ends of their range in normal use.
+    /// Returns `true` if counts are at the ends of their range in normal use.
     pub fn uses_full_range(&self) -> bool {
         self.uses_full_range
     }

@@ -43,7 +43,7 @@ pub enum DelayError {
     /// One of the sources saw nothing move.
     #[error("the {} source saw no movement", if *.is_first { "first" } else { "second" })]
     NoMovement {
-        /// It is the first source.
+        /// `true` if it is the first source.
         is_first: bool,
     },
     /// The movements are not the same.
@@ -115,7 +115,7 @@ fn change(before: &Estimate, after: &Estimate) -> f64 {
 
 /// Returns the delay of `second` behind `first`: the shift at which the speeds of both correlate best, at most 0.5 s.
 ///
-/// The method is the normalized cross-correlation, with a parabola through the highest value and its neighbours.
+/// The method is the normalized cross-correlation, with a parabola through the highest value and its neighbors.
 pub fn estimate_delay(first: &Activity, second: &Activity) -> Result<Delay, DelayError> {
     let (Some(a), Some(b)) = (first.span(), second.span()) else {
         return Err(DelayError::TooShort);

@@ -47,9 +47,9 @@ pub struct Estimator {
     tip_speed: TipSpeed,
     plausibility: Plausibility,
     zero: Zero,
-    /// The meaning of the counts has changed since the latest reading, so that the next estimate jumps.
+    /// `true` if the meaning of the counts has changed since the latest reading, so that the next estimate jumps.
     has_jumped: bool,
-    /// The sensor measures joint angles.
+    /// `true` if the sensor measures joint angles.
     measures_angles: bool,
     bend_ranges: BendRanges,
 }
@@ -64,7 +64,7 @@ struct RawAngles {
     tips: Tips,
 }
 
-/// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
+/// A measured joint that moves with the whole hand: the wrist, else the first joint, else the displaced one.
 type Anchor = (Joint, Vec3);
 
 fn anchor(estimate: &Estimate) -> Option<Anchor> {
@@ -109,7 +109,8 @@ impl Estimator {
         &self.bend_ranges
     }
 
-    /// Returns where a point of the body is by the latest accepted reading, in the frame of the hand (metres); `None` if it was not measured.
+    /// Returns the position of a point of the body in the latest accepted reading, in metres in the frame of the hand; `None` if it
+    /// was not measured.
     pub fn body_point(&self, point: BodyPoint) -> Option<Vec3> {
         match point {
             BodyPoint::Shoulder => self.estimate.measured.get(Joint::Shoulder),
@@ -200,7 +201,7 @@ impl Estimator {
     }
 
     /// Adds an accepted reading to the learning of ranges. A hand that was not seen before it may have done anything. A change of a
-    /// range is no reason to forget the excursions of other sensors.
+    /// range is not a reason to forget the excursions of other sensors.
     fn observe_ranges(&mut self, reading: &Reading, was_unseen: bool) {
         let (Sample::Channels(channels), Some(converter)) =
             (&reading.sample, self.converter.channels_mut())
@@ -214,7 +215,7 @@ impl Estimator {
         converter.observe_ranges(reading.time, channels, unreliable);
     }
 
-    /// Returns whether a sensor has been beyond its range, so that [`widen_ranges`](Self::widen_ranges) changes something.
+    /// Returns `true` if a sensor has been beyond its range, so that [`widen_ranges`](Self::widen_ranges) changes something.
     pub fn is_widening_due(&self) -> bool {
         let converter = self.converter.channels();
         converter.is_some_and(ChannelConverter::is_widening_due)
@@ -308,7 +309,7 @@ impl Estimator {
         last.is_none_or(|last| last.angles.has_same_dofs(&self.estimate.angles))
     }
 
-    /// Returns whether the hand was re-acquired at another position; an error until consecutive readings agree on it.
+    /// Returns `true` if the hand was re-acquired at another position; an error until consecutive readings agree on it.
     fn check_speed(&mut self, anchor: Option<Anchor>, tips: &Tips) -> Result<bool, Rejection> {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
@@ -389,8 +390,8 @@ impl RawAngles {
         self.tips = tips;
     }
 
-    /// Returns whether neither the measured position of a later reading nor an angle is out of reach. Those that are known in
-    /// only one of both do not count.
+    /// Returns `true` if neither the measured position of a later reading nor an angle is out of reach. Positions and angles
+    /// that only one of both readings has do not count.
     ///
     /// Of measured fingertips at least one must be within reach. Their angles do not count: the angles of a straight finger
     /// change much when its measured length changes little.

@@ -18,10 +18,10 @@ const MIN_COSINE: f64 = 0.2;
 ///
 /// Directions of the palm: along it from the wrist to the knuckle of the middle finger, across it from the knuckle of the
 /// little finger to the knuckle of the index finger. Supination is 0 if the palm faces away from the direction in which the
-/// elbow bends, as on a table, and unknown while the arm is straight; the two sides of the wrist show it better than the palm does,
-/// and without one. Shoulder angles describe the upper arm in the
-/// world, 0 if it points straight forward. The angle of a hinge joint, one beyond the knuckle of a finger or the base of the
-/// thumb, is that between its two bones, whatever the direction of its axis; the palm decides only which way is flexion.
+/// elbow bends, as on a table, and unknown while the arm is straight. If the two sides of the wrist are known, they are used instead
+/// of the palm. Shoulder angles describe the upper arm in the world, 0 if it points straight forward. The angle of a hinge joint (any
+/// joint beyond the knuckle of a finger or the base of the thumb) is the angle between its two bones, for any direction of its axis;
+/// the palm decides only the sign of flexion.
 pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
     let sign = sign(side);
     let mut angles = JointAngles::default();

@@ -63,7 +63,7 @@ impl HandEstimator {
         self.fingers().zeroed()
     }
 
-    /// Returns whether a sensor has been beyond its range: see [`Estimator::is_widening_due`].
+    /// Returns `true` if a sensor has been beyond its range: see [`Estimator::is_widening_due`].
     pub fn is_widening_due(&self) -> bool {
         self.fingers().is_widening_due()
     }

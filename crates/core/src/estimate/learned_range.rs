@@ -16,14 +16,14 @@ const MAX_WIDENING: f64 = 0.15;
 /// The widening that one excursion gives, as a fraction of the calibrated range: 1° of a finger joint.
 const STEP: f64 = 0.01;
 
-/// The distance beyond an end that is no excursion, as a fraction of the calibrated range: noise, and the difference between
+/// The distance beyond an end that is not an excursion, as a fraction of the calibrated range: noise, and the difference between
 /// two stretches of one hand.
 const TOLERANCE: f64 = 0.015;
 
 /// The time for which a channel must stay beyond an end. No movement of typing lasts as long.
 const MIN_HOLD: Duration = Duration::from_millis(500);
 
-/// The readings within that time: a slow source must not pass with one spike.
+/// Minimum number of readings of an excursion: a slow source must not pass with one spike.
 const MIN_READINGS: u32 = 10;
 
 /// The longest excursion. Hands do not stretch for longer; a sensor that does is stuck.
@@ -69,7 +69,7 @@ pub(super) struct RangeLearner {
     excursion: Option<Excursion>,
     /// Ends, low and high, that were exceeded and wait to be widened.
     is_due: [bool; 2],
-    /// The channel had a fault. It may be another sensor now, as after an exchange of plugs.
+    /// `true` if the channel had a fault. It may be another sensor now, as after an exchange of plugs.
     had_fault: bool,
 }
 
@@ -121,7 +121,7 @@ impl RangeLearner {
         self.learned.correction(self.ends)
     }
 
-    /// Returns whether an excursion waits to widen the range.
+    /// Returns `true` if an excursion waits to widen the range.
     pub(super) fn is_due(&self) -> bool {
         self.is_due.contains(&true)
     }
@@ -207,7 +207,7 @@ impl Excursion {
         }
     }
 
-    /// Returns whether a hand that stretches or makes a fist explains the excursion.
+    /// Returns `true` if a hand that stretches or makes a fist explains the excursion.
     fn is_stretch(&self) -> bool {
         let held = self.latest.since(self.since);
         (MIN_HOLD..=MAX_HOLD).contains(&held) && self.readings >= MIN_READINGS

@@ -6,8 +6,8 @@ use crate::hand::Dof;
 /// The largest excess over a range that a calibration error explains, as a fraction of the range.
 const TOLERANCE: f64 = 0.1;
 
-/// The smallest excess that is tolerated, in radians: 12°, for joints with a small range. Calibrated joints are up to 8° off in 95 of 100 cases, and more at the
-/// ends of their range for people who do not reach as far as most.
+/// The smallest excess that is tolerated, in radians: 12°, for joints with a small range. Calibrated joints are up to 8° off in 95
+/// of 100 cases, and more at the ends of their range for people who do not reach as far as most.
 const MIN_TOLERANCE: f64 = 0.21;
 
 /// The range of motion of every degree of freedom, in radians.

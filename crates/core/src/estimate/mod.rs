@@ -154,7 +154,7 @@ impl MeasuredJoints {
         self.known |= 1 << joint.index();
     }
 
-    /// Returns whether no joint was measured.
+    /// Returns `true` if no joint was measured.
     pub fn is_empty(&self) -> bool {
         self.known == 0
     }

@@ -53,7 +53,7 @@ impl Share {
 pub struct Implausible {
     /// The angles that jump or are outside the range of their joint.
     pub angles: DofSet,
-    /// The whole hand is not trusted, because too many of its readings were rejected.
+    /// `true` if the whole hand is not trusted, because too many of its readings were rejected.
     pub is_hand: bool,
 }
 
@@ -97,9 +97,9 @@ pub(super) struct Plausibility {
     removed: DofSet,
     /// The angles of the reading before, while some are unreliable.
     previous: JointAngles,
-    /// A share is not negligible.
+    /// `true` if a share is not negligible.
     is_active: bool,
-    /// An angle or the hand is trusted again.
+    /// `true` if an angle or the hand is trusted again.
     has_recovered: bool,
 }
 
@@ -112,7 +112,7 @@ impl Plausibility {
         }
     }
 
-    /// Notes that an angle of the present reading is outside the range of its joint. Returns whether it is unreliable, so that it is
+    /// Notes that an angle of the present reading is outside the range of its joint. Returns `true` if it is unreliable, so that it is
     /// no reason to reject the reading.
     pub fn note_outside(&mut self, dof: Dof) -> bool {
         self.blamed = self.blamed.with(dof);

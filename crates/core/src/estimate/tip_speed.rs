@@ -39,7 +39,7 @@ impl Tips {
         tips
     }
 
-    /// Returns whether no fingertip was measured.
+    /// Returns `true` if no fingertip was measured.
     pub(super) fn is_empty(&self) -> bool {
         self.known.is_empty()
     }
@@ -72,7 +72,7 @@ impl Tips {
         })
     }
 
-    /// Returns whether every fingertip that both readings have moved further than a hand does while a joint turns by `rotation`
+    /// Returns `true` if every fingertip that both readings have moved further than a hand does while a joint turns by `rotation`
     /// radians: a tracker has taken another hand for this one.
     pub(super) fn are_all_out_of_reach(&self, later: &Self, rotation: f64) -> bool {
         let reach = (rotation * HAND_LENGTH) as f32;

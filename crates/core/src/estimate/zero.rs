@@ -54,7 +54,7 @@ pub struct Zeroed {
     pub count: usize,
     /// The angle with the largest offset.
     pub largest: Dof,
-    /// Its offset, in radians.
+    /// The offset, in radians.
     pub radians: f64,
 }
 

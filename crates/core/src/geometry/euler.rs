@@ -79,7 +79,7 @@ impl EulerOrder {
         about(first, angles[0]) * about(middle, angles[1]) * about(last, angles[2])
     }
 
-    /// Returns whether the last axis is the first one again.
+    /// Returns `true` if the last axis is the first one again.
     pub const fn is_proper(self) -> bool {
         matches!(
             self,

@@ -23,7 +23,7 @@ named_enum! {
 }
 
 impl BodyAngle {
-    /// Returns whether the angle is one of the head, which moves to both sides of 0.
+    /// Returns `true` if the angle is one of the head, which moves to both sides of 0.
     pub const fn is_of_head(self) -> bool {
         matches!(self, Self::HeadYaw | Self::HeadPitch | Self::HeadRoll)
     }

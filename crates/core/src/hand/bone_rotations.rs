@@ -76,7 +76,8 @@ impl ArmBone {
 /// The rotations of the bones of one arm, some of which may not be known.
 ///
 /// Each is the rotation from the T pose in the frame of the parent, with the axes of the world: X to the right of the body,
-/// Y up, −Z forward. The upper arm has no parent: its rotation is in the world. As JSON a map of quaternions x, y, z, w: `{"hand":[0.0,0.0,0.0,1.0]}`.
+/// Y up, −Z forward. The upper arm has no parent: its rotation is in the world. As JSON a map of quaternions x, y, z, w:
+/// `{"hand":[0.0,0.0,0.0,1.0]}`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(
     from = "BTreeMap<ArmBone, [f32; 4]>",
@@ -100,12 +101,12 @@ impl ArmRotations {
         self.is_known(bone).then_some(rotation)
     }
 
-    /// Returns whether the rotation of a bone is known.
+    /// Returns `true` if the rotation of a bone is known.
     pub fn is_known(&self, bone: ArmBone) -> bool {
         self.known & (1 << bone.index()) != 0
     }
 
-    /// Returns whether no rotation is known.
+    /// Returns `true` if no rotation is known.
     pub fn is_empty(&self) -> bool {
         self.known == 0
     }

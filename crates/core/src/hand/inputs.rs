@@ -36,7 +36,7 @@ named_enum! {
 pub struct InputValues {
     values: [f32; Input::COUNT],
     known: u16,
-    /// In radians.
+    /// The angles of the body, in radians.
     angles: [f32; BodyAngle::COUNT],
     known_angles: u8,
 }
@@ -59,7 +59,7 @@ impl InputValues {
         (self.known_angles & (1 << angle.index()) != 0).then(|| self.angles[angle.index()])
     }
 
-    /// Returns whether an angle of the body is known.
+    /// Returns `true` if an angle of the body is known.
     pub fn has_angles(&self) -> bool {
         self.known_angles != 0
     }

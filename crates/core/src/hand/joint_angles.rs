@@ -41,22 +41,22 @@ impl JointAngles {
         self.known &= !(1 << dof.index());
     }
 
-    /// Returns whether the angle is known.
+    /// Returns `true` if the angle is known.
     pub fn is_known(&self, dof: Dof) -> bool {
         self.known & (1 << dof.index()) != 0
     }
 
-    /// Returns whether no angle is known.
+    /// Returns `true` if no angle is known.
     pub fn is_empty(&self) -> bool {
         self.known == 0
     }
 
-    /// Returns whether the same angles are known in `other`.
+    /// Returns `true` if the same angles are known in `other`.
     pub fn has_same_dofs(&self, other: &Self) -> bool {
         self.known == other.known
     }
 
-    /// Returns whether no angle that is known in both differs by more than `radians`.
+    /// Returns `true` if no angle that is known in both differs by more than `radians`.
     pub(crate) fn is_within(&self, radians: f64, other: &Self) -> bool {
         let is_near = |a: f64, b: f64| (a - b).abs() <= radians;
         if self.has_same_dofs(other) {

@@ -47,7 +47,7 @@ impl JointPositions {
         self.predicted |= 1 << joint.index();
     }
 
-    /// Returns whether the position of a joint is predicted.
+    /// Returns `true` if the position of a joint is predicted.
     pub fn is_predicted(&self, joint: Joint) -> bool {
         self.predicted & (1 << joint.index()) != 0
     }
@@ -78,7 +78,7 @@ impl JointPositions {
         (self.known & (1 << joint.index()) != 0).then(|| self.positions[joint.index()])
     }
 
-    /// Returns whether no position is known.
+    /// Returns `true` if no position is known.
     pub fn is_empty(&self) -> bool {
         self.known == 0
     }

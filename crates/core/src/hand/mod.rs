@@ -103,12 +103,12 @@ impl FingerSet {
         Self(self.0 & !other.0)
     }
 
-    /// Returns whether `finger` is in the set.
+    /// Returns `true` if `finger` is in the set.
     pub fn contains(self, finger: Finger) -> bool {
         self.0 & (1 << finger.index()) != 0
     }
 
-    /// Returns whether the set has no finger.
+    /// Returns `true` if the set has no finger.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -346,12 +346,12 @@ impl DofSet {
         Self(self.0 & !other.0)
     }
 
-    /// Returns whether `dof` is in the set.
+    /// Returns `true` if `dof` is in the set.
     pub fn contains(self, dof: Dof) -> bool {
         self.0 & (1 << dof.index()) != 0
     }
 
-    /// Returns whether the set is empty.
+    /// Returns `true` if the set is empty.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }

@@ -47,7 +47,7 @@ impl StillTip {
     }
 }
 
-/// Returns whether a finger is straight. `joints` are the positions from its knuckle to its tip; those that are not known are left
+/// Returns `true` if a finger is straight. `joints` are the positions from its knuckle to its tip; those that are not known are left
 /// out. A finger without a length is not straight.
 pub fn is_straight(joints: impl IntoIterator<Item = Vec3>) -> bool {
     let mut joints = joints.into_iter();

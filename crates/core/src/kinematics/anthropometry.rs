@@ -13,7 +13,7 @@ use crate::hand::{Dof, Finger, Joint, Side};
 const BREADTH: f64 = 0.456;
 /// Upper arm length as a multiple of forearm length: 0.186 and 0.146 of the stature (Drillis & Contini 1966).
 const UPPER_ARM: f64 = 0.186 / 0.146;
-/// The ratios of forearm and hand length that are no mistake: a third more or less than the average.
+/// The ratios of forearm and hand length that are not a mistake: a third more or less than the average.
 pub(crate) const FOREARM_PER_HAND: RangeInclusive<f64> = 0.9..=1.8;
 /// Distance of the finger CMC joints from the wrist as a fraction of hand length (Buchholz 1992).
 const CARPUS: f64 = 0.073;

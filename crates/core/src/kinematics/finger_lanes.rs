@@ -1,8 +1,8 @@
 //! Forward kinematics of four fingers at once: one finger in each lane of a vector register.
 //!
 //! The lanes are [`Vec4`]s, which have the operations of every machine with 128-bit vectors. The operations have the order
-//! of a product of two `Quat`s and of a `Quat` and a vector, without the terms that are 0: the results are equal to those of
-//! [`ArmModel::link_poses`](super::ArmModel::link_poses).
+//! of a product of two `Quat`s and of a `Quat` and a vector, without the terms that are 0: the results are equal to the
+//! results of [`ArmModel::link_poses`](super::ArmModel::link_poses).
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 use parry3d::math::Pose;
@@ -26,7 +26,7 @@ const MAX_ROWS: usize = 6;
 pub(super) struct FingerLanes {
     /// The index of the link that all fingers grow from.
     pub palm: usize,
-    /// From the palm to the fingertips. A finger with fewer links than another begins with rows that do not move it.
+    /// The links, from the palm to the fingertips. A finger with fewer links than another begins with rows that do not move it.
     rows: Vec<Row>,
     /// The distance of each fingertip from the pivot of its last link, in metres.
     tip_lengths: Vec4,
@@ -38,7 +38,7 @@ struct Row {
     /// The positions of the pivots in the frames of the parents, in metres: x, y and z of all fingers.
     offset: [Vec4; 3],
     has_offset: bool,
-    /// All offsets lie along X.
+    /// `true` if all offsets lie along X.
     is_straight: bool,
     axis: PrincipalAxis,
     /// The senses of rotation about the axis, ±1.

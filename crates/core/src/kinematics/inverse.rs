@@ -139,7 +139,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// Changes the values by one iteration. A variable that would leave its range stops at the limit, and the step is
-    /// solved again for the others. Returns whether a value has changed.
+    /// solved again for the others. Returns `true` if a value has changed.
     fn step(&self, jacobian: &Jacobian, error: DVec3, values: &mut Values) -> bool {
         let pulls = self.variables.iter().zip(&self.scales).zip(&*values);
         let pulls: Values = pulls
@@ -194,8 +194,8 @@ struct Chain {
     base: Pose,
     /// The links after it.
     links: ArrayVec<ChainLink, MAX_LINKS>,
-    /// For each variable and link that it turns, in this order and from the fingertip to the root: their indices, the latter in
-    /// `links`, and the gain.
+    /// The index of a variable, the index in `links` of a link that it turns, and the gain; by variable, and from the fingertip to
+    /// the root.
     turns: Vec<(usize, usize, f64)>,
     /// The length of the last link, in metres.
     length: f32,

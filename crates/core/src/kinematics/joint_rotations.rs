@@ -78,7 +78,8 @@ fn rotation(axis: Vec3, (sine, cosine): (f32, f32)) -> Quat {
     Quat::from_vec4((axis * sine).extend(cosine))
 }
 
-/// Returns the sine and cosine of an angle in radians: the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to the nearest quarter turn.
+/// Returns the sine and cosine of an angle in radians: the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to
+/// the nearest quarter turn.
 pub fn sin_cos(angle: f32) -> (f32, f32) {
     let shifted = angle * FRAC_2_PI + ROUND;
     let quarters = shifted - ROUND;

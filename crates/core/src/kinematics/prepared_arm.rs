@@ -79,7 +79,7 @@ impl PreparedArm {
         }
     }
 
-    /// Returns whether four fingers are computed at once.
+    /// Returns `true` if four fingers are computed at once.
     #[cfg(test)]
     pub fn has_lanes(&self) -> bool {
         self.fingers.is_some()

@@ -15,7 +15,7 @@ const TOLERANCE: f32 = 1e-5;
 pub struct BoardOverlap<'a> {
     /// The numbers of the boards in the file, from 1.
     pub boards: (usize, usize),
-    /// Their names in messages.
+    /// The names of the boards in messages.
     board_names: [String; 2],
     /// The names of the controls that overlap most, one of each board.
     pub names: (&'a str, &'a str),
@@ -170,7 +170,7 @@ fn depth(one: &Block, other: &Block) -> f32 {
         .iter()
         .flat_map(|axis| other_axes.map(|edge| axis.cross(edge)));
     let all = axes.iter().copied().chain(other_axes).chain(across);
-    // The product of parallel edges is no axis.
+    // The product of parallel edges is not an axis.
     let depths = all.filter_map(Vec3::try_normalize).map(|axis| {
         one.half_extent_along(axis) + other.half_extent_along(axis) - offset.dot(axis).abs()
     });

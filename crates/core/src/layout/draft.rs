@@ -7,7 +7,7 @@ use super::model::Layout;
 use crate::contact::TargetId;
 use crate::document::{Document, DocumentError, DocumentFault, Node, read_tree};
 
-/// A layout as far as its text tells, and the faults that keep it from being used.
+/// A layout as far as its text could be read, and the faults that prevent its use.
 ///
 /// Controls that overlap, have the name of another one or no action are in the layout. A control without a valid place is not.
 #[derive(Clone, Debug)]
@@ -94,12 +94,12 @@ impl LayoutDraft {
         inside.map(|(target, _)| target).collect()
     }
 
-    /// The layout, to be drawn and edited. It may be used only if there are no [`faults`](Self::faults).
+    /// Returns the layout, to be drawn and edited. It may be used only if there are no [`faults`](Self::faults).
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The faults, in the order of the file.
+    /// Returns the faults, in the order of the file.
     pub fn faults(&self) -> &[LayoutFault] {
         &self.faults
     }

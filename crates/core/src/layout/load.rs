@@ -212,7 +212,7 @@ impl Layout {
 }
 
 impl LayoutDraft {
-    /// Reads a document for the hands of a setup, with its faults. Fails only on a text that is no layout: its brackets, fields or
+    /// Reads a document for the hands of a setup, with its faults. Fails only on a text that is not a layout: its brackets, fields or
     /// values are wrong.
     pub fn read(document: &Document, fit: Fit) -> Result<Self, DocumentError> {
         let schema: LayoutSchema = document.parse_as(&FORMAT)?;
@@ -307,7 +307,7 @@ impl<'a> LayoutSchema<'a> {
 }
 
 impl<'a> BoardSchema<'a> {
-    /// Returns whether one hand can touch both boards.
+    /// Returns `true` if one hand can touch both boards.
     fn shares_hand(&self, other: &Self) -> bool {
         self.hand.is_none() || other.hand.is_none() || self.hand == other.hand
     }

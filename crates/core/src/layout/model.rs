@@ -109,7 +109,7 @@ pub struct Face {
     pub name: String,
     /// The text drawn on it.
     pub label: String,
-    /// Its target in the scene.
+    /// The target in the scene.
     pub target: TargetId,
     /// The center in row coordinates: x along its row, y away from the wearer, in metres, including the scale of the board.
     pub row_position: Vec2,
@@ -120,7 +120,7 @@ pub struct Face {
 /// A key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Its front.
+    /// The front.
     pub face: Face,
     /// The action in each layer, base layer first; see [`KeyBinding::actions`].
     pub actions: Vec<Option<KeyAction>>,
@@ -141,7 +141,7 @@ pub struct Key {
 pub struct Control {
     /// The fronts of its targets.
     pub faces: Vec<Face>,
-    /// Its kind and settings.
+    /// The kind and settings.
     pub kind: ControlKind,
 }
 
@@ -224,7 +224,7 @@ impl Control {
 pub struct SpaceTargets {
     /// Names of the targets, in the order of the volumes.
     pub names: Vec<String>,
-    /// Their frame, volumes and actions.
+    /// The frame, volumes and actions of the targets.
     pub space: SelectionSpace,
 }
 
@@ -256,7 +256,7 @@ impl Key {
 }
 
 impl Layout {
-    /// Returns whether a stick, trigger or button of a glove does something.
+    /// Returns `true` if a stick, trigger or button of a glove does something.
     pub fn uses_inputs(&self) -> bool {
         let mut triggers = self.triggers.iter();
         triggers.any(|(_, it)| it.held.is_some() || matches!(it.measure, Measure::Input(_)))
@@ -272,18 +272,18 @@ impl Layout {
         triggers.find(|(_, it)| it.target == target)?.1.side
     }
 
-    /// Returns whether an angle of the head, a foot or a knee does something.
+    /// Returns `true` if an angle of the head, a foot or a knee does something.
     pub fn uses_body(&self) -> bool {
         let mut triggers = self.triggers.iter();
         triggers.any(|(_, it)| matches!(it.measure, Measure::Body(_)))
     }
 
-    /// Returns whether a board, pointer or space is anchored at the other hand.
+    /// Returns `true` if a board, pointer or space is anchored at the other hand.
     pub fn follows_other_hand(&self) -> bool {
         self.scene.follows_other_hand() || self.has_frame_at(Anchor::OtherHand)
     }
 
-    /// Returns whether a board, pointer or space is anchored at a point of the body.
+    /// Returns `true` if a board, pointer or space is anchored at a point of the body.
     pub fn follows_body(&self) -> bool {
         self.followed_body_points().next().is_some()
     }
@@ -298,7 +298,7 @@ impl Layout {
         })
     }
 
-    /// Returns whether a pointer or space has this anchor.
+    /// Returns `true` if a pointer or space has this anchor.
     pub(crate) fn has_frame_at(&self, anchor: Anchor) -> bool {
         self.frames().any(|frame| frame.anchor == anchor)
     }
@@ -351,7 +351,7 @@ impl Layout {
         })
     }
 
-    /// Returns the control of a value and the index of the value in [`Control::value_targets`]; `None` if the target is no value.
+    /// Returns the control of a value and the index of the value in [`Control::value_targets`]; `None` if the target is not a value.
     pub fn value_at(&self, target: TargetId) -> Option<(&Control, usize)> {
         self.controls.iter().find_map(|control| {
             let mut targets = control.value_targets().into_iter();

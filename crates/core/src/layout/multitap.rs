@@ -31,7 +31,7 @@ pub(super) fn build_multitap<'a>(
     builder.add_multitap(multitap, text)
 }
 
-/// Returns whether a text is a list of 2 to 12 letters of a multitap key.
+/// Returns `true` if a text is a list of 2 to 12 letters of a multitap key.
 pub fn is_multitap(letters: &str) -> bool {
     let is_letter = |word: &str| match word.parse::<KeyCode>() {
         Ok(code) => types_character(code),
@@ -41,13 +41,13 @@ pub fn is_multitap(letters: &str) -> bool {
     (2..=MAX_LETTERS).contains(&count) && letters.split_whitespace().all(is_letter)
 }
 
-/// Returns whether a key types a character, which a further tap can replace.
+/// Returns `true` if a key types a character, which a further tap can replace.
 fn types_character(code: KeyCode) -> bool {
     let character = code.us_character(false);
     character.is_some_and(|character| !character.is_control())
 }
 
-/// Returns whether a word is one character.
+/// Returns `true` if a word is one character.
 fn is_character(word: &str) -> bool {
     let mut characters = word.chars();
     characters.next().is_some_and(|first| !first.is_control()) && characters.next().is_none()

@@ -155,9 +155,11 @@ schema! {
         Wrist,
         /// The index fingertip of your open hand, held still for a second at the start. From then on it does not move.
         Start,
-        /// The wrist of your other hand, for a source that measures both hands in one room, such as a camera or a headset. Without that hand nothing is touched.
+        /// The wrist of your other hand, for a source that measures both hands in one room, such as a camera or a headset. Without
+        /// that hand nothing is touched.
         Other,
-        /// The shoulder of the hand, for a source that measures it: body landmarks, a BVH file, or markers. While it is not seen nothing is touched.
+        /// The shoulder of the hand, for a source that measures it: body landmarks, a BVH file, or markers. While it is not seen
+        /// nothing is touched.
         Shoulder,
         /// The head, between the ears, for body landmarks. While it is not seen nothing is touched.
         Head,
@@ -248,7 +250,8 @@ schema! {
         Layer(Spanned<'a>),
         /// Types a text of 1 to 32 characters, whatever the receiver's keymap is.
         Text(Spanned<'a>),
-        /// Types the first of 2 to 12 keys or characters; another tap within `multitap_timeout_ms` replaces it by the next one: `Multitap("A B C 2")`.
+        /// Types the first of 2 to 12 keys or characters; another tap within `multitap_timeout_ms` replaces it by the next one:
+        /// `Multitap("A B C 2")`.
         Multitap(Spanned<'a>),
         /// Starts one of the `sequences` of the layout: keys, texts and waits.
         Sequence(Spanned<'a>),

@@ -148,7 +148,7 @@ impl RecenteredBoard {
     }
 }
 
-/// Returns whether a fingertip is near any front that its hand can touch.
+/// Returns `true` if a fingertip is near any front that its hand can touch.
 fn is_near(scene: &Scene, pose: &HandPose) -> bool {
     let is_near_surface = |surface: &Surface| {
         let Some(world_from_surface) = surface.world_from_surface(pose) else {

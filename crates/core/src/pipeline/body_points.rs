@@ -4,7 +4,8 @@ use super::hand_pipeline::HandPipeline;
 use crate::hand::{BodyPoint, FingerSet};
 
 impl HandPipeline {
-    /// Sets the points of the body in the pose of the hand; those that are not seen have no place, and neither has any if the hand is lost.
+    /// Sets the points of the body in the pose of the hand. A point that is not seen has no position; if the hand is lost, no point
+    /// has one.
     pub(super) fn update_body_points(&mut self) {
         let estimate = &self.output.estimate;
         let is_lost = !estimate.is_placed || estimate.untrusted == FingerSet::ALL;

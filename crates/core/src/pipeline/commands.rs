@@ -8,7 +8,7 @@ use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
 impl Pipeline {
-    /// Returns whether the pipeline executes a command. The session executes the others.
+    /// Returns `true` if the pipeline executes a command. The session executes the others.
     pub const fn handles(command: &Command) -> bool {
         match command {
             Command::Pause
@@ -93,14 +93,14 @@ impl Pipeline {
         }
     }
 
-    /// Releases everything, and changes what all sources may cause: a key that is touched is pressed by the next touch.
+    /// Releases everything and sets the role of all sources. A key that is touched now is pressed by the next touch.
     fn set_role(&mut self, role: SourceRole, events: &mut Events) {
         self.release_all(self.time, events);
         self.gate.set_role(role);
     }
 
-    /// Ends what [`Command::AllowKeys`] has allowed, as another sender than the person has seen may follow: releases everything,
-    /// and returns all sources to their configured roles. Returns `false` if they have no other.
+    /// Ends the permission of [`Command::AllowKeys`], because another sender may follow the one that the person has allowed:
+    /// releases everything, and returns all sources to their configured roles. Returns `false` if they have these roles already.
     pub fn withdraw_allowed_keys(&mut self, events: &mut Events) -> bool {
         if !self.gate.exceeds_configured_roles() {
             return false;

@@ -92,12 +92,12 @@ impl HandPipeline {
         }
     }
 
-    /// Returns whether the hand was tracked and is lost.
+    /// Returns `true` if the hand was tracked and is lost.
     pub(super) fn is_lost(&self) -> bool {
         self.was_placed && !self.output.estimate.is_placed
     }
 
-    /// Returns whether output may not be armed yet because of this hand: it is tracked, and not clear of every control.
+    /// Returns `true` if output may not be armed yet because of this hand: it is tracked, and not clear of every control.
     pub(super) fn blocks_arming(&self) -> bool {
         self.last_accepted.is_some() && self.output.estimate.is_placed && !self.is_clear
     }

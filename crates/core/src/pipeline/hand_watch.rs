@@ -6,11 +6,11 @@ use crate::hand::FingerSet;
 /// The tracking of a hand, as of its last step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HandWatch {
-    /// The position of the hand was known.
+    /// `true` if the position of the hand was known.
     was_placed: bool,
-    /// A finger was measured.
+    /// `true` if a finger was measured.
     was_seen: bool,
-    /// A source of the hand was lost after the last step.
+    /// `true` if a source of the hand was lost after the last step.
     has_lost_source: bool,
 }
 

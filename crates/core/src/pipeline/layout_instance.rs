@@ -36,9 +36,9 @@ pub struct LayoutInstance {
     pub(super) scene: Scene,
     target_names: TargetNames,
     trackers: [ContactTracker; Side::COUNT],
-    /// Fingers press targets by bending, instead of by touch.
+    /// `true` if fingers press targets by bending instead of by touch.
     is_bent: bool,
-    /// Targets or devices depend on the bends of the fingers.
+    /// `true` if targets or devices depend on the bends of the fingers.
     needs_bends: bool,
     bend_trackers: [BendTracker; Side::COUNT],
     /// The tracking of each hand, by side.
@@ -47,11 +47,11 @@ pub struct LayoutInstance {
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
     layout: Option<Arc<Layout>>,
-    /// Something is anchored at the start.
+    /// `true` if something is anchored at the start.
     starts_at_hand: bool,
-    /// Something is anchored at the other hand.
+    /// `true` if something is anchored at the other hand.
     follows_other_hand: bool,
-    /// Something is anchored at a point of the body.
+    /// `true` if something is anchored at a point of the body.
     follows_body: bool,
     /// The text decoder.
     filter: Option<Box<dyn PressFilter>>,
@@ -109,7 +109,8 @@ impl LayoutInstance {
         }
     }
 
-    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId).
+    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId). Discards sequences and multitap keys that were set
+    /// before.
     #[must_use]
     pub fn with_texts(self, texts: Vec<String>) -> Self {
         Self {
@@ -164,7 +165,8 @@ impl LayoutInstance {
         self.filter.as_deref_mut()
     }
 
-    /// Returns the text decoder, the targets, and who knows which keys the devices hold and which hand has pressed them.
+    /// Returns the text decoder, the targets, and the arbiter, which knows the keys that the devices hold and the hand that pressed
+    /// each.
     pub(super) fn filter_parts(
         &mut self,
     ) -> (
@@ -188,7 +190,7 @@ impl LayoutInstance {
         &self.target_names
     }
 
-    /// Returns what its controls send to music and stage programs.
+    /// Returns the signals that its controls send to music and stage programs.
     pub fn signals(&self) -> Signals {
         let layout = self.layout.as_ref();
         layout.map_or_else(Signals::default, |layout| layout.signals.clone())
@@ -199,22 +201,22 @@ impl LayoutInstance {
         self.layout.as_ref()
     }
 
-    /// Returns whether a board, pointer or space is anchored at the place of the hand at the start.
+    /// Returns `true` if a board, pointer or space is anchored at the place of the hand at the start.
     pub fn starts_at_hand(&self) -> bool {
         self.starts_at_hand
     }
 
-    /// Returns whether a board, pointer or space is anchored at the other hand.
+    /// Returns `true` if a board, pointer or space is anchored at the other hand.
     pub(super) fn follows_other_hand(&self) -> bool {
         self.follows_other_hand
     }
 
-    /// Returns whether a board, pointer or space is anchored at a point of the body.
+    /// Returns `true` if a board, pointer or space is anchored at a point of the body.
     pub(super) fn follows_body(&self) -> bool {
         self.follows_body
     }
 
-    /// Returns whether a device points somewhere.
+    /// Returns `true` if a device points somewhere.
     pub(super) fn is_pointing(&self) -> bool {
         self.devices.iter().any(|device| device.is_pointing())
     }
@@ -257,7 +259,7 @@ impl LayoutInstance {
         tracker.add_presses(&self.scene, &step.touches, &mut step.presses);
     }
 
-    /// Returns whether the hand is clear of every control.
+    /// Returns `true` if the hand is clear of every control.
     pub(super) fn is_clear(&self, pose: &HandPose, bends: &FingerBends) -> bool {
         if self.is_bent {
             bent_fingers(&self.scene, pose, bends) == (FingerSet::NONE, true)
@@ -275,7 +277,7 @@ impl LayoutInstance {
         }
     }
 
-    /// Returns whether a fingertip touches a target or a control holds a key.
+    /// Returns `true` if a fingertip touches a target or a control holds a key.
     pub(super) fn is_in_use(&self) -> bool {
         self.is_touched() || !self.key_arbiter.is_idle()
     }

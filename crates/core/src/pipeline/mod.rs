@@ -76,9 +76,9 @@ pub struct StepOutput {
 /// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings produce the
 /// same events.
 pub struct Pipeline {
-    /// One or two.
+    /// The hands, one or two.
     hands: Vec<HandPipeline>,
-    /// At least one.
+    /// The profiles, at least one.
     profiles: Vec<Profile>,
     active_profile: usize,
     settings: PipelineSettings,
@@ -168,8 +168,8 @@ impl Pipeline {
 
     /// Processes one reading and appends the resulting events to `events`.
     ///
-    /// A rejected reading is counted and changes nothing else. The third consecutive one releases everything, because
-    /// the state of the hand is no longer known.
+    /// The time of every reading, even of a rejected one, ends hands whose readings have stopped. Otherwise a rejected reading is
+    /// only counted. The third consecutive one releases everything, because the state of the hand is no longer known.
     pub fn step(
         &mut self,
         reading: &Reading,
@@ -263,7 +263,7 @@ impl Pipeline {
         self.clear_since = None;
     }
 
-    /// Returns whether a pause was requested and has not ended.
+    /// Returns `true` if a pause was requested and has not ended.
     pub fn is_paused(&self) -> bool {
         self.paused_by.is_some()
     }
@@ -346,7 +346,7 @@ impl Pipeline {
         }
     }
 
-    /// Returns whether readings are expected: one was accepted, and no stall followed.
+    /// Returns `true` if readings are expected: one was accepted, and no stall followed.
     pub fn expects_readings(&self) -> bool {
         self.hands.iter().any(|hand| hand.last_accepted.is_some())
     }

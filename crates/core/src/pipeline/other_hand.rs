@@ -11,7 +11,8 @@ use crate::hand::{FingerSet, Joint};
 /// The relation of a hand to the room, in which both hands are measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RoomState {
-    /// The source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove measures none.
+    /// `true` if the source measures positions in the room. Positions of a body have their origin at the shoulder of each arm, and a glove
+    /// measures none.
     is_measured: bool,
     /// The number of times that the hand was found at another place.
     jumps: u32,
@@ -42,8 +43,8 @@ impl HandPipeline {
 }
 
 impl Pipeline {
-    /// Sets the wrist of the other hand in the pose of a hand, if the layout needs it. After a jump of the other hand the wrist is unknown for
-    /// one step, as the way in between was not seen.
+    /// Sets the wrist of the other hand in the pose of a hand, if the layout needs it. After a jump of the other hand the wrist is
+    /// unknown for one step, as the way in between was not seen.
     pub(super) fn update_other_wrist(&mut self, index: usize) {
         let mut others = self.hands.iter().enumerate();
         let other = others.find(|(other, _)| *other != index);

@@ -58,12 +58,12 @@ impl SourceRole {
         }
     }
 
-    /// Returns whether the source may cause keys and characters.
+    /// Returns `true` if the source may cause keys and characters.
     pub const fn allows_keys(self) -> bool {
         !matches!(self, Self::Pointer)
     }
 
-    /// Returns whether the source may cause events of this class.
+    /// Returns `true` if the source may cause events of this class.
     pub(super) const fn allows(self, class: EventClass) -> bool {
         match class {
             EventClass::Keys => self.allows_keys(),

@@ -21,14 +21,14 @@ use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
-/// The input of a filter beside the events: one hand in one step.
+/// The input of a filter in addition to the events: one hand in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct FilterInput<'a> {
     /// The time of the step.
     pub time: Timestamp,
     /// The hand.
     pub side: Side,
-    /// The source of the hand may cause keys and characters. What a filter emits in a step of another hand is suppressed.
+    /// `true` if the source of the hand may cause keys and characters. What a filter emits in a step of another hand is suppressed.
     pub may_type: bool,
     /// The presses of the fingertips in this step, with their evidence. An event may belong to an earlier press, such as the
     /// press of a chord.
@@ -60,7 +60,7 @@ pub trait PressFilter: Send {
     /// Forgets the presses that it holds.
     fn reset(&mut self);
 
-    /// Changes how much it changes, if it decodes text.
+    /// Sets the mode, if it decodes text.
     fn set_mode(&mut self, _: TextMode) {}
 
     /// Forgets what it has learned of the person, and what is pending.
@@ -79,7 +79,7 @@ pub trait PressFilter: Send {
         None
     }
 
-    /// Goes on behind text that ends inside a word or does not, and that another filter has seen.
+    /// Continues after text that another filter has seen; `is_inside` is `true` if the text ends inside a word.
     fn set_inside_word(&mut self, _is_inside: bool) {}
 
     /// Takes over the mode and what is known of the person from the filter of the layout that this one replaces. May allocate.
@@ -91,10 +91,10 @@ pub trait PressFilter: Send {
     }
 }
 
-/// The most candidates that displays show.
+/// Maximum number of candidates that displays show.
 pub const MAX_CANDIDATES: usize = 3;
 
-/// A candidate for the word that is typed. What does not fit is cut.
+/// A candidate for the word that is typed, cut to its capacity of 48 bytes.
 pub type CandidateText = ArrayString<48>;
 
 /// The state of a text decoder for displays.

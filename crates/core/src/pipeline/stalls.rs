@@ -11,11 +11,11 @@ use crate::time::Timestamp;
 /// The reason why a hand touches nothing although the session goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandLoss {
-    /// Its source sends nothing.
+    /// The source of the hand sends nothing.
     NoReadings,
-    /// Its source sends, but does not show it, or not all of it.
+    /// The source of the hand sends, but does not show the hand, or not all of it.
     NotSeen,
-    /// It has pressed faster than the rate limit.
+    /// The hand has pressed faster than the rate limit.
     TooFast,
 }
 
@@ -41,7 +41,7 @@ impl Pipeline {
     }
 
     /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
-    /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
+    /// [`stall_timeout`](Self::stall_timeout). Returns `true` if it did.
     ///
     /// The first later reading would detect the same gap with the same result, so that a replay emits the same events whether
     /// it waits for that reading or not.

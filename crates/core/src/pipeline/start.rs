@@ -64,7 +64,7 @@ fn open_fingertip(pose: &HandPose) -> Option<Vec3> {
     FINGERS.iter().all(is_open).then_some(tip)
 }
 
-/// Returns whether a finger is straight; `None` if it is not known. Joints that the arm model lacks count as straight.
+/// Returns `true` if a finger is straight; `None` if it is not known. Joints that the arm model lacks count as straight.
 fn is_extended(pose: &HandPose, finger: Finger) -> Option<bool> {
     trusted_fingertip(pose, finger)?;
     let joints = &finger.joints()[1..];
@@ -75,7 +75,7 @@ fn is_extended(pose: &HandPose, finger: Finger) -> Option<bool> {
 }
 
 impl Pipeline {
-    /// Returns whether output is enabled and the layout waits for an open hand that is held still.
+    /// Returns `true` if output is enabled and the layout waits for an open hand that is held still.
     pub fn awaits_start(&self) -> bool {
         let is_placed = |pose: &HandPose| pose.start.own.is_some();
         self.state() == PipelineState::Running

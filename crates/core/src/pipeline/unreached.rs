@@ -32,13 +32,13 @@ pub struct Unreached {
 pub struct NearestControl {
     /// The target; `None` for the range of the pointer.
     pub target: Option<TargetId>,
-    /// It is on a board, which can be moved to the hand.
+    /// `true` if it is on a board, which can be moved to the hand.
     pub is_on_board: bool,
-    /// The way from the fingertip to its center: to the right, up, towards the wearer, in metres.
+    /// The vector from the fingertip to its center: to the right, up, towards the wearer, in metres.
     pub way: Vec3,
 }
 
-/// Watches whether a hand moves without an effect.
+/// The watch of a hand for movement without an effect.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ReachWatch {
     since: Option<(Timestamp, Vec3)>,
@@ -97,7 +97,7 @@ impl Pipeline {
 }
 
 impl LayoutInstance {
-    /// Returns whether the layout has controls that a hand reaches by its place, or a pointer.
+    /// Returns `true` if the layout has controls that a hand reaches by its place, or a pointer.
     fn has_place(&self) -> bool {
         let mut surfaces = self.scene().surfaces().iter();
         let has_board = surfaces.any(|surface| !surface.is_bent());
@@ -153,7 +153,7 @@ impl LayoutInstance {
     }
 }
 
-/// Returns the way to the nearest point of a box, or to the center of another range.
+/// Returns the vector from a fingertip to the nearest point of a box, or to the center of another range.
 fn way_to_range(mode: &PointingMode, pose: &HandPose, tip: Vec3) -> Option<Vec3> {
     let frame = mode
         .frame()

@@ -31,7 +31,7 @@ struct LaneSurface {
     surface_from_world: LaneRotation,
     /// Heights below and above all fronts, in metres.
     heights: [f32; 2],
-    /// The fronts are parallel to the surface: a fingertip enters one from above only.
+    /// `true` if the fronts are parallel to the surface: a fingertip enters one from above only.
     is_flat: bool,
     tip_radius: f32,
     has_no_place: bool,

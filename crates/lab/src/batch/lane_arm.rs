@@ -51,7 +51,7 @@ pub(super) struct LaneHands {
 struct Turn {
     sines: f32x8,
     cosines: f32x8,
-    /// All angles are 0, as in a glove that does not measure them.
+    /// `true` if all angles are 0, as in a glove that does not measure them.
     is_none: bool,
 }
 
@@ -87,7 +87,7 @@ struct LaneLink {
     turn: Option<(PrincipalAxis, f32, usize)>,
     joint: Option<Joint>,
     tip: Option<(Finger, f32)>,
-    /// A link that does not follow this one directly is attached to it.
+    /// `true` if a link that does not follow this one directly is attached to it.
     is_branch: bool,
 }
 

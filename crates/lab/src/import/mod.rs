@@ -51,7 +51,7 @@ struct Grid {
     origin: String,
     /// The physical rows: digits, three rows of letters, thumbs.
     rows: [ImportedRow; 5],
-    /// Rows are not shifted against each other.
+    /// `true` if rows are not shifted against each other.
     is_ortho: bool,
     notes: Vec<String>,
 }
@@ -174,7 +174,7 @@ fn lower(character: char) -> char {
     }
 }
 
-/// Returns whether a word is an empty key on purpose.
+/// Returns `true` if a word is an empty key on purpose.
 fn is_gap(word: &str) -> bool {
     matches!(word, "~" | "*")
 }

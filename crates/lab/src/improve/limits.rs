@@ -52,7 +52,7 @@ impl Limits {
         })
     }
 
-    /// Returns whether a layout keeps inside the outlines of its boards, and no more boards share space than before.
+    /// Returns `true` if a layout keeps inside the outlines of its boards, and no more boards share space than before.
     pub fn allow_shape(&self, layout: &Layout) -> bool {
         let boards = layout.boards.iter().zip(&self.corners);
         let is_inside = boards.into_iter().all(|(board, (low, high))| {
@@ -62,7 +62,7 @@ impl Limits {
         is_inside && layout.board_overlaps().len() <= self.overlaps
     }
 
-    /// Returns whether the people reach everything that they reached on the original.
+    /// Returns `true` if the people reach everything that they reached on the original.
     pub fn allow_reach(&self, document: &Document) -> Result<bool, TrialError> {
         for (person, before) in &self.reach {
             if !missed(document, person)?.is_subset(before) {

@@ -20,7 +20,7 @@ pub struct Objective {
     pub effort: f64,
 }
 
-/// Reason why a text is no objective.
+/// Reason why a text is not an objective.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ObjectiveError {
     /// A name that is none.
@@ -28,7 +28,7 @@ pub enum ObjectiveError {
         "unknown objective `{}`; write speed, errors or effort, or weights such as speed=1,errors=2", escape(.0)
     )]
     Name(String),
-    /// A weight that is no number of 0 or more.
+    /// A weight that is not a number of 0 or more.
     #[error("the weight `{}` is no number from 0 to 1000", escape(.0))]
     Weight(String),
     /// All weights are 0.

@@ -29,7 +29,7 @@ pub struct Task<'a> {
     pub document: &'a Document,
     /// The people of the search.
     pub people: &'a [Participant],
-    /// Their phrases.
+    /// The phrases that the people type.
     pub corpus: &'a Corpus,
     /// The phrases of each person.
     pub phrases: usize,
@@ -76,7 +76,7 @@ pub struct Refused {
 /// The best layout of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// Its text; the original if nothing is better.
+    /// The text; the original if nothing is better.
     pub text: String,
     /// Numbers and keys that differ from the original.
     pub changes: (usize, usize),
@@ -86,7 +86,7 @@ pub struct Found {
     pub tried: u32,
     /// States that were not.
     pub refused: Refused,
-    /// The search was cancelled.
+    /// `true` if the search was cancelled.
     pub is_cancelled: bool,
 }
 
@@ -105,7 +105,7 @@ pub enum ImproveError {
     /// Effort of tasks is not measured.
     #[error("the layout is scored by tasks, whose effort is not measured; use speed or errors")]
     Effort,
-    /// Nobody can use the original.
+    /// No simulated person can use the original layout.
     #[error("nobody can use the layout: it has no control within reach")]
     Nobody,
     /// The search was interrupted before the original was scored.

@@ -19,7 +19,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Returns whether 0 is outside the interval.
+    /// Returns `true` if 0 is outside the interval.
     pub fn excludes_zero(&self) -> bool {
         self.low > 0.0 || self.high < 0.0
     }

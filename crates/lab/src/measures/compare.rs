@@ -53,7 +53,7 @@ impl Measure {
         }
     }
 
-    /// Returns whether a higher figure is better.
+    /// Returns `true` if a higher figure is better.
     pub fn is_higher_better(self) -> bool {
         matches!(
             self,
@@ -108,7 +108,7 @@ pub struct Comparison {
 /// Reason why two layouts cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotComparable {
-    /// One types and the other does not.
+    /// One layout types and the other does not.
     #[error(
         "{typing} types the phrases and {other} does not; compare {typing} with a layout that types, or {other} with one that is scored by tasks"
     )]

@@ -58,7 +58,7 @@ pub struct Movement {
     pub way: f64,
     /// Time from one click to the next, in seconds.
     pub seconds: f64,
-    /// The click is within the target.
+    /// `true` if the click is within the target.
     pub is_hit: bool,
 }
 

@@ -96,15 +96,15 @@ pub struct Partial {
 /// The reason why a result file cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReadError {
-    /// It is not JSON of this form.
+    /// The file is not JSON of this form.
     #[error("this is no file of the lab of this kind: {0}")]
     NoResult(String),
-    /// It has another version of the format.
+    /// The file has another version of the format.
     #[error(
         "it has version {found} of the format, and this program reads version {VERSION}; run the lab again"
     )]
     OtherFormat {
-        /// Its version.
+        /// The version of the file.
         found: u32,
     },
     /// Another version of the program wrote it.
@@ -112,7 +112,7 @@ pub enum ReadError {
         "version {found} of the program wrote it, and this is {own}, which may give other figures; run the lab again"
     )]
     OtherProgram {
-        /// Its version.
+        /// The version of the program that wrote the file.
         found: String,
         /// The version of this program.
         own: String,

@@ -153,7 +153,7 @@ pub struct KeyScore {
     pub nothing: u64,
     /// The mean place of presses from its center, in millimetres: to the right, away from the wearer.
     pub bias_mm: [f64; 2],
-    /// Their standard deviation.
+    /// The standard deviation of these places, in millimetres.
     pub spread_mm: [f64; 2],
     /// The number of presses with a place.
     pub places: u64,

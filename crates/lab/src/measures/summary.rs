@@ -68,7 +68,7 @@ pub struct Summary {
     /// The mean time to set a value, in seconds.
     #[serde(default)]
     pub value_seconds: Interval,
-    /// Clicks on rings of targets; `None` if nobody has clicked.
+    /// Clicks on rings of targets; `None` if no person has clicked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pointing: Option<PointingSummary>,
 }
@@ -93,7 +93,7 @@ pub struct PointingSummary {
     pub path_efficiency: Interval,
     /// Targets that were given up, by targets.
     pub given_up: Interval,
-    /// For each width of targets, the widest first: the width in pixels, the throughput, and the part of the clicks that slipped.
+    /// The width in pixels, the throughput, and the part of the clicks that slipped, for each width of targets, the widest first.
     pub by_width: Vec<(f64, Interval, Interval)>,
 }
 

@@ -97,7 +97,7 @@ pub fn watch_worst_phrase(
     Ok(worst)
 }
 
-/// Returns whether a stroke pressed something else than it meant, or nothing.
+/// Returns `true` if a stroke pressed something else than it meant, or nothing.
 fn has_failed(stroke: &Stroke) -> bool {
     let is_meant = |(target, _): &(crate::contact::TargetId, _)| *target == stroke.target;
     match stroke.kind {

@@ -1,7 +1,8 @@
-//! Simulated people: populations that are drawn from published ranges, and persons of files.
+//! Simulated people: populations that are drawn from published ranges, and persons from files.
 //!
 //! A [`Participant`] knows nothing of the pipeline. The pipeline assumes [`assumed`](Participant::assumed) lengths of bones; the
-//! [`own`](Participant::own) ones differ by up to 5 %. Ranges marked `?` are remembered from the literature and unchecked.
+//! [`own`](Participant::own) ones differ by up to 5 %. Ranges marked `?` are quoted from memory and not checked against the
+//! literature.
 
 mod draw;
 mod population;
@@ -18,16 +19,16 @@ pub use tier::Tier;
 use crate::hand::{Finger, FingerSet};
 use crate::kinematics::BoneLengths;
 
-/// One simulated person. Lengths in millimetres unless stated otherwise.
+/// One simulated person. Lengths are in millimetres, except the lengths of bones, which are in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Participant {
-    /// The number in its population, from 0.
+    /// The index in its population, from 0.
     pub number: u32,
-    /// The seed of everything that is random about this person.
+    /// The seed of all random values of this person.
     pub seed: u64,
-    /// The lengths that the pipeline assumes.
+    /// The lengths that the pipeline assumes, in metres.
     pub assumed: BoneLengths,
-    /// The lengths of this person.
+    /// The lengths of this person, in metres.
     pub own: BoneLengths,
     /// The fingers of each hand that press, by name; empty if the layout decides.
     pub fingers: Vec<String>,
@@ -37,9 +38,9 @@ pub struct Participant {
     pub pace_wpm: f64,
     /// The coefficient of variation of the log-normal times between keystrokes.
     pub interval_cv: f64,
-    /// The shortest movement to a target: intercept in milliseconds.
+    /// The intercept a of Fitts's law for the shortest time of a movement, in milliseconds.
     pub fitts_a_ms: f64,
-    /// The shortest movement to a target: milliseconds a bit.
+    /// The slope b of Fitts's law for the shortest time of a movement, in milliseconds per bit.
     pub fitts_b_ms: f64,
     /// The time from above a key to the lowest point, in milliseconds.
     pub press_ms: f64,
@@ -47,11 +48,11 @@ pub struct Participant {
     pub dwell_ms: f64,
     /// The intended depth beyond the travel of a target.
     pub depth: f64,
-    /// The deviation of the depth.
+    /// The standard deviation of the depth.
     pub depth_scatter: f64,
-    /// The deviation of end points along the X and Y of a target, whatever its size.
+    /// The standard deviation of end points along the X and Y of a target, for any size of the target.
     pub scatter: [f64; 2],
-    /// The parts of the squared size of a target in the variance (dual Gaussian).
+    /// The fractions of the squared size of a target, along X and Y, that are added to the variance (dual Gaussian).
     pub scatter_parts: [f64; 2],
     /// The stretch of the scatter along the movement: 0 for none.
     pub elongation: f64,
@@ -59,7 +60,7 @@ pub struct Participant {
     pub offsets: [[f64; 2]; Finger::COUNT],
     /// The step of the random walk of the hand at each keystroke.
     pub drift: f64,
-    /// The part of the drift that remains at each keystroke: below 1 if the person sees the hand.
+    /// The fraction of the drift that remains at each keystroke: below 1 if the person sees the hand.
     pub drift_kept: f64,
     /// The amplitude of the tremor at the fingertips.
     pub tremor: f64,
@@ -69,13 +70,13 @@ pub struct Participant {
     pub sway: f64,
     /// The longest slip sideways while a key is down.
     pub slip: f64,
-    /// The part of the published shares by which neighbors follow a pressing finger, 0..=1.
+    /// The factor of the published fractions by which neighbors follow a pressing finger, 0..=1.
     pub enslaving: f64,
     /// The probability that a tap is left out or too shallow.
     pub missed: f64,
     /// The probability of a further tap within 1.5 keys of an intended one.
     pub spurious: f64,
-    /// The part of the difference between the own hand and the hand that the pipeline shows to which the person has adapted,
+    /// The fraction of the difference between the own hand and the hand that the pipeline shows to which the person has adapted,
     /// 0..=1.
     pub adaptation: f64,
     /// The error of each gain of a glove, 1 for none: drawn again for each channel.
@@ -107,7 +108,7 @@ impl Participant {
         Vec2::new(at(0, size.x), at(1, size.y))
     }
 
-    /// Returns the median time between two keystrokes at the intended pace, in seconds.
+    /// Returns the median time between two keystrokes at the intended pace, in seconds: five keystrokes are a word.
     pub fn interval(&self) -> f64 {
         12.0 / self.pace_wpm
     }

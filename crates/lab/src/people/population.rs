@@ -23,7 +23,7 @@ pub enum People {
     Person(Box<Person>, u32),
 }
 
-/// Draws people. The same seed draws the same people, whatever their number.
+/// Draws people. The same seed gives the same people, for any number of people.
 pub fn population(people: &People, tier: Option<Tier>, seed: u64) -> Vec<Participant> {
     let (count, person) = match people {
         People::Drawn(count) => (*count, None),

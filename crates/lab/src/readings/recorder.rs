@@ -19,7 +19,7 @@ use crate::time::Timestamp;
 pub(crate) struct Recorder {
     decoder: Box<dyn PressFilter>,
     keys: KeyPlaces,
-    /// From the frame of its board to the frame of each key.
+    /// The transform of each key from the frame of its board to the frame of the key.
     centers: Vec<(TargetId, parry3d::math::Pose)>,
     literal: UsTextField,
     touches: Vec<Touch>,

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use crate::measures::{KeyScore, PersonScore};
 
-/// The keys of all people together, in the order of their names.
+/// Returns the keys of all people together, in the order of their names.
 pub fn keys_of_all(people: &[PersonScore]) -> Vec<KeyScore> {
     let mut all: BTreeMap<&str, KeyScore> = BTreeMap::new();
     for key in people.iter().flat_map(|person| &person.keys) {
@@ -48,7 +48,7 @@ pub fn keys_of_all(people: &[PersonScore]) -> Vec<KeyScore> {
     all.into_values().collect()
 }
 
-/// The presses of wrong targets of all people: meant, pressed, number; the most frequent first.
+/// Returns the presses of wrong targets of all people: meant, pressed, number; the most frequent first.
 pub fn wrong_of_all(people: &[PersonScore]) -> Vec<(&str, &str, u64)> {
     let mut all: BTreeMap<(&str, &str), u64> = BTreeMap::new();
     for wrong in people.iter().flat_map(|person| &person.wrong) {

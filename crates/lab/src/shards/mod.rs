@@ -57,7 +57,7 @@ pub struct ShardScores {
     plan: String,
     /// The index of the shard.
     shard: usize,
-    /// For each layout of the plan, the scores of the people of the shard.
+    /// The scores of the people of the shard, for each layout of the plan.
     pub scores: Vec<Vec<PersonScore>>,
 }
 

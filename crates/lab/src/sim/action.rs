@@ -1,4 +1,4 @@
-//! Actions of a simulated hand. Texts and scripts are translated to a list of them.
+//! Actions of a simulated hand. Texts and scripts are translated to lists of actions.
 
 use std::time::Duration;
 
@@ -61,7 +61,7 @@ impl HandAction {
         Self::Tap(TargetPoint::center(target))
     }
 
-    /// Returns the action with the position in space where a hand with this fit finds it, as it finds targets in space.
+    /// Returns the action with its position in space fitted to the hand, as targets in space are.
     pub fn placed(self, fit: &Fit) -> Self {
         match self {
             Self::Point(position, time) => Self::Point(fit.position_from_elbow(position), time),

@@ -32,7 +32,7 @@ pub enum ActionErrorKind {
          that it measures"
     )]
     NotOnBoard,
-    /// A press at which a finger would press another target, too or instead.
+    /// A press in which a finger would press another target, in addition or instead.
     #[error("the {finger} would press another target", finger = .finger.in_words())]
     WouldPress {
         /// The finger.
@@ -45,7 +45,7 @@ pub enum ActionErrorKind {
         "the fingertip would not press it; another control is in front of it, or its travel is too long"
     )]
     WouldMiss(TargetId),
-    /// A target to which every way touches another one.
+    /// A target to which every path touches another target.
     #[error("no way to it is free of other controls")]
     NoWay,
     /// A chord of a key that is pressed by touch.
@@ -88,7 +88,7 @@ pub enum ActionErrorKind {
 }
 
 impl ActionErrorKind {
-    /// Returns `true` if the hand can move like this, and does not reach the target or has no free way to it.
+    /// Returns `true` if the action is possible in itself, but the hand does not reach the target or has no free path to it.
     pub(crate) fn is_out_of_reach(&self) -> bool {
         matches!(
             self,

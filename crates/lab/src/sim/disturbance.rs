@@ -21,7 +21,7 @@ pub(super) fn targets(layout: &Layout) -> BTreeSet<TargetId> {
     keys.chain(controls).chain(triggers).collect()
 }
 
-/// Returns whether a target in space has such an action. The arm passes through targets that it does not aim at.
+/// Returns `true` if a target in space has such an action. The arm passes through targets that it does not aim at.
 pub(super) fn is_in_space(layout: &Layout) -> bool {
     let spaces = layout.spaces.iter();
     let mut actions = spaces.flat_map(|targets| targets.space.actions.iter().flatten());

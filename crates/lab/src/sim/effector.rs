@@ -44,13 +44,13 @@ impl Effector {
         limb: Limb::Arm,
     };
 
-    /// Returns whether the finger is half flexed before it goes to a key with the arm, as the index finger is at rest.
+    /// Returns `true` if the finger is half flexed before it goes to a key with the arm, as the index finger is at rest.
     pub(super) fn flexes(self) -> bool {
         let is_long = matches!(self.finger, Finger::Middle | Finger::Ring | Finger::Little);
         is_long && self.limb == Limb::Arm
     }
 
-    /// Returns whether an angle moves the fingertip on purpose. The index finger with the whole arm does not move sideways.
+    /// Returns `true` if an angle moves the fingertip on purpose. The index finger with the whole arm does not move sideways.
     pub(super) fn uses(self, dof: Dof) -> bool {
         if self == Self::INDEX && dof == Dof::IndexMcpAbduction {
             return false;

@@ -6,7 +6,7 @@ use super::layout_feed::{LayoutFeed, LayoutFollower, LayoutNews};
 use super::task::HandTask;
 use crate::layout::Layout;
 
-/// Packets for which a lifted hand keeps still before it says so: what was sent before has arrived by then.
+/// Number of packets for which a lifted hand keeps still before it reports that it has lifted: earlier packets have arrived by then.
 const SETTLING_PACKETS: u32 = 4;
 
 /// The task of a hand, and the changes of its layout.
@@ -23,11 +23,11 @@ pub(super) struct Follower {
 /// The state of a hand between two layouts.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// It performs its task.
+    /// The hand performs its task.
     Busy,
-    /// It lifts.
+    /// The hand lifts.
     Lifting,
-    /// It has been clear of all targets for this number of packets, at most [`SETTLING_PACKETS`].
+    /// The hand has been clear of all targets for this number of packets, at most [`SETTLING_PACKETS`].
     Lifted(u32),
 }
 
@@ -50,7 +50,7 @@ impl Follower {
         &self.first_layout
     }
 
-    /// Returns whether the hand keeps still.
+    /// Returns `true` if the hand keeps still.
     pub(super) fn is_lifted(&self) -> bool {
         matches!(self.state, State::Lifted(_))
     }
@@ -60,8 +60,8 @@ impl Follower {
         self.follower.say(message);
     }
 
-    /// Learns of changes before each packet; `is_down` if a fingertip presses. Returns the layout on which the hand goes on, after
-    /// a change.
+    /// Handles a change of the layout before each packet; `is_down` is `true` while a fingertip presses. After a change, returns the
+    /// layout on which the hand continues.
     pub(super) fn update(&mut self, is_down: bool) -> Option<Arc<Layout>> {
         match self.follower.news() {
             Some(LayoutNews::Changing) => self.state = State::Lifting,

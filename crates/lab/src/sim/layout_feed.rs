@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::layout::Layout;
 
-/// Longest time that a change waits for a hand to lift: a tap takes 0.2 s.
+/// Longest time that a change waits for the hands to lift: a tap takes 0.2 s.
 const LIFT_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// A function that receives messages for the user.
@@ -44,7 +44,7 @@ struct FeedState {
 #[must_use]
 pub struct LayoutChange(LayoutFeed);
 
-/// News for a hand.
+/// The change that a hand is notified of.
 #[derive(Clone, Debug)]
 pub(super) enum LayoutNews {
     /// The layout is about to change: the hand lifts.
@@ -82,7 +82,7 @@ impl LayoutFeed {
         LayoutChange(self.clone())
     }
 
-    /// Returns whether a change was announced that has not ended.
+    /// Returns `true` if a change was announced that has not ended.
     pub fn is_changing(&self) -> bool {
         lock(&self.0.state).is_changing
     }
@@ -93,7 +93,7 @@ impl LayoutFeed {
         state.hands += 1;
         LayoutFollower {
             feed: self.clone(),
-            // A layout that was activated before is news.
+            // So that the hand is notified of a layout that was activated before.
             seen: 0,
             has_lifted: false,
         }
@@ -151,7 +151,7 @@ impl LayoutFollower {
         }
     }
 
-    /// Passes a message to the user.
+    /// Passes a message for the user to the receiver, if there is one.
     pub(super) fn say(&self, message: String) {
         if let Some(receiver) = &*lock(&self.feed.0.receiver) {
             receiver(message);

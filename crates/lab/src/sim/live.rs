@@ -157,7 +157,7 @@ impl LiveTask {
         live
     }
 
-    /// Returns whether the hands are between two steps, and press nothing.
+    /// Returns `true` if the hands are between two steps, and press nothing.
     pub(super) fn is_between_steps(&self, hands: &[SensedHand]) -> bool {
         let is_idle = |hand: &SensedHand| !hand.hand.has_movements() && !hand.hand.is_down();
         self.movements.is_empty() && hands.iter().all(is_idle)
@@ -170,7 +170,7 @@ impl LiveTask {
         }
     }
 
-    /// Returns whether the step before the next one is complete.
+    /// Returns `true` if the step before the next one is complete.
     fn is_step_done(&self, hands: &[SensedHand]) -> bool {
         let is_idle = hands.iter().all(|hand| !hand.hand.has_movements());
         let is_lifting = hands.iter().any(|hand| hand.hand.is_lifting());

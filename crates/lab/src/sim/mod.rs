@@ -2,8 +2,8 @@
 //!
 //! A text ([`actions_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
 //! the targets of a layout. The intention (which finger goes where, when, and with what error) and the unsteadiness of a
-//! [`Person`](crate::layout::Person) give joint angles and positions; its [`Sensor`]s measure nothing else of the hands. A [`SimulatedWearer`] is a person in a glove that is not calibrated
-//! yet.
+//! [`Person`](crate::layout::Person) give joint angles and positions; its [`Sensor`]s measure nothing else of the hands. A
+//! [`SimulatedWearer`] is a person in a glove that is not calibrated yet.
 
 mod action;
 mod action_error;

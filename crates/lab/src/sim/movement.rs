@@ -94,12 +94,12 @@ impl ActiveMovement {
         }
     }
 
-    /// Returns whether the fingertip presses a target during a part of the movement.
+    /// Returns `true` if the fingertip presses a target during a part of the movement.
     pub(super) fn is_down(&self) -> bool {
         self.movement.is_down
     }
 
-    /// Returns whether the fingertip presses a target at the end.
+    /// Returns `true` if the fingertip presses a target at the end.
     pub(super) fn ends_down(&self) -> bool {
         self.movement.ends_down
     }
@@ -137,7 +137,7 @@ impl ActiveMovement {
     }
 }
 
-/// The minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
+/// Returns the minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
 pub(crate) fn minimum_jerk(t: f32) -> f32 {
     t.powi(3) * (10.0 + t * (-15.0 + 6.0 * t))
 }

@@ -25,7 +25,7 @@ pub struct Pointed {
     pub normal: Vec3,
     /// The travel of the key there, in metres.
     pub travel: f32,
-    /// The button or finger is down.
+    /// `true` if the button or finger is down.
     pub is_down: bool,
 }
 
@@ -37,9 +37,9 @@ pub struct PointerHand {
     pointed: Option<Pointed>,
     /// The point below the pad of the fingertip, and the height of the pad above it.
     pad: Option<(Vec3, f32)>,
-    /// A press that has not reached its bottom: a click may be shorter than the way there.
+    /// `true` if a press has not reached its bottom: a click may be shorter than the way there.
     is_pressing: bool,
-    /// The finger rises before a new press: it would slide into a key from the side.
+    /// `true` if the finger rises before a new press, as it would slide into a key from the side.
     is_rising: bool,
 }
 
@@ -67,7 +67,7 @@ impl PointerHand {
         }
     }
 
-    /// The side of the hand.
+    /// Returns the side of the hand.
     pub fn side(&self) -> Side {
         self.side
     }

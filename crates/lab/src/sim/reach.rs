@@ -27,13 +27,13 @@ pub struct TapPath {
 /// The way from the nearest position of the fingertip to a position out of reach, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Miss {
-    /// Its length; infinity if the scene or the arm lacks the target or its anchor.
+    /// The length; infinity if the scene or the arm lacks the target or its anchor.
     pub distance: f64,
-    /// Horizontally away from the elbow; negative if the position is too near.
+    /// The part horizontally away from the elbow; negative if the position is too near.
     pub outward: f32,
-    /// Upwards.
+    /// The part upwards.
     pub up: f32,
-    /// To the right, seen from the elbow.
+    /// The part to the right, seen from the elbow.
     pub right: f32,
 }
 

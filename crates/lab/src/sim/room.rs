@@ -14,9 +14,10 @@ use crate::kinematics::HandPose;
 /// times are multiples, so that the carried board comes to each key at another place.
 const SWAY: [(f64, f64); 3] = [(0.02, 4.1), (0.008, 2.3), (0.012, 5.3)];
 
-/// From the wrist of a hand that carries a board to the fingertip of the other one, which rests above it, in metres: up by half of a
-/// wrist and the board, and away from the elbow, as a finger has more room to bend than to stretch.
+/// Height of the fingertip of a hand that rests above a carried board, over the wrist of the hand that carries it, in metres: half of a
+/// wrist and the board.
 const CARRIED_BELOW: f32 = 0.04;
+/// Distance of that fingertip from that wrist, away from the elbow, in metres: a finger has more room to bend than to stretch.
 const CARRIED_NEARER: f32 = 0.035;
 
 /// Returns the wrist of the hand that carries a board for a hand in the pose `rest` (world, metres); `None` if a joint is not known.

@@ -124,7 +124,7 @@ impl BodyPosture {
     }
 }
 
-/// From between the shoulders to the middle of the ears, to the right, up and backwards, in metres.
+/// The vector from the middle of the shoulders to the middle of the ears, to the right, up and backwards, in metres.
 const NECK: Vec3 = Vec3::new(0.0, 0.22, 0.0);
 
 /// Nose, both eyes and both ears from the middle of the ears: the nose is as far below the level of the ears as the eyes are above.
@@ -136,11 +136,13 @@ const HEAD: [(usize, [f32; 3]); 5] = [
     (8, [0.075, 0.0, 0.0]),
 ];
 
-/// Lengths of the leg of a person of 1.75 m, in metres (Winter 2009, table 4.1).
+/// Length of the thigh of a person of 1.75 m, in metres (Winter 2009, table 4.1).
 const THIGH: f32 = 0.43;
+/// Length of the shank, in metres; from the same table.
 const SHANK: f32 = 0.43;
+/// Length of the foot, in metres; from the same table.
 const FOOT: f32 = 0.26;
-/// From the ankle to the heel.
+/// Distance from the ankle to the heel, in metres.
 const HEEL: f32 = 0.06;
 
 /// Index of the landmark of the left knee. Ankles, heels and toes follow, left before right.
@@ -148,8 +150,9 @@ const FIRST_LEG: usize = 25;
 
 /// Half of the distance between the shoulders, in metres.
 const HALF_SHOULDERS: f32 = 0.18;
-/// From a shoulder down to the hip, and to the elbow of an arm model without a shoulder, in metres.
+/// Distance from a shoulder down to the hip, in metres.
 const TRUNK: f32 = 0.5;
+/// Distance from a shoulder to the elbow of an arm model without a shoulder, in metres.
 const UPPER_ARM: f32 = 0.3;
 
 /// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.

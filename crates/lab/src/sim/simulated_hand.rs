@@ -36,14 +36,15 @@ pub(super) struct SimulatedHand {
     active: Option<ActiveMovement>,
     /// Number of packets of the active movement so far.
     packet: u32,
-    /// The fingertip presses a target after the movements so far.
+    /// `true` if the fingertip presses a target after the movements so far.
     is_pressed: bool,
     /// The finger of the active or last movement.
     finger: Finger,
     motor: Motor,
     unsteadiness: Unsteadiness,
-    /// Number of samples so far, and the time between two.
+    /// Number of samples so far.
     samples: u64,
+    /// Time between two samples.
     period: Duration,
     sensor: HandSensor,
     /// The angles of head and legs.
@@ -167,7 +168,7 @@ impl SimulatedHand {
         }
     }
 
-    /// Returns whether the first `actions` actions are done, also if the hand moves on.
+    /// Returns `true` if the first `actions` actions are done, also if the hand moves on.
     pub(super) fn has_done(&self, actions: usize) -> bool {
         let last = actions.checked_sub(1);
         let end = last.and_then(|last| self.action_ends.get(last));
@@ -179,7 +180,7 @@ impl SimulatedHand {
         &self.hand
     }
 
-    /// Returns the intention of the person.
+    /// Returns the motor model of the person.
     pub(super) fn motor(&self) -> &Motor {
         &self.motor
     }
@@ -189,12 +190,13 @@ impl SimulatedHand {
         &self.values
     }
 
-    /// Goes to a posture at once, before the hand is shown.
+    /// Sets the posture at once, before the first sample.
     pub(super) fn set_posture(&mut self, values: &[f64]) {
         self.values.copy_from_slice(values);
     }
 
-    /// Takes the posture, the inputs and the time of another hand. Returns `false` if it has another sensor.
+    /// Copies the posture, the inputs and the time of another hand. Returns `false`, and copies nothing, if its channels differ in
+    /// number.
     pub(super) fn continue_from(&mut self, other: &Self) -> bool {
         if self.values.len() != other.values.len() {
             return false;
@@ -209,14 +211,14 @@ impl SimulatedHand {
         true
     }
 
-    /// Returns whether the fingertip presses a target, or is on its way down to one or up from it.
+    /// Returns `true` if the fingertip presses a target, or is on its way down to one or up from it.
     pub(super) fn is_down(&self) -> bool {
         self.active
             .as_ref()
             .map_or(self.is_pressed, ActiveMovement::is_down)
     }
 
-    /// Returns whether the fingertip has pressed and only has to lift.
+    /// Returns `true` if the fingertip has pressed and only has to lift.
     pub(super) fn is_lifting(&self) -> bool {
         let lifts = |movement: &Movement| movement.is_down && !movement.ends_down;
         match &self.active {
@@ -225,7 +227,7 @@ impl SimulatedHand {
         }
     }
 
-    /// Returns whether movements are left.
+    /// Returns `true` if movements are left.
     pub(super) fn has_movements(&self) -> bool {
         self.active.is_some() || self.movements.len() > 0
     }
@@ -236,7 +238,7 @@ impl SimulatedHand {
         self.action_ends = vec![0];
     }
 
-    /// Gives up all movements and keeps the present posture.
+    /// Drops all movements and keeps the present posture.
     pub(super) fn stop(&mut self) {
         self.append(Vec::new());
         self.active = None;
@@ -244,14 +246,14 @@ impl SimulatedHand {
         self.is_pressed = false;
     }
 
-    /// Returns whether the first `actions` actions are done.
+    /// Returns `true` if the first `actions` actions are done.
     pub(super) fn has_finished(&self, actions: usize) -> bool {
         let last = actions.checked_sub(1);
         let end = last.and_then(|last| self.action_ends.get(last));
         self.active.is_none() && end.is_none_or(|&end| self.begun >= end)
     }
 
-    /// Returns what the sensor measures of the hand in the next packet.
+    /// Returns the sample of the next packet.
     pub(super) fn sample(&mut self) -> Sample {
         let seconds = self.period.as_secs_f64() * self.samples as f64;
         self.samples += 1;

@@ -23,11 +23,11 @@ pub enum HandTask {
 /// The part of a task that is done as a whole or not at all: a character of a text, a step of a script.
 #[derive(Clone, Debug)]
 pub(super) struct TaskStep {
-    /// Its actions; none if there is a problem.
+    /// The actions; none if there is a problem.
     pub(super) actions: Vec<HandAction>,
     /// The reason why the layout does not permit it.
     pub(super) problem: Option<String>,
-    /// Its words, for messages.
+    /// The words, for messages.
     pub(super) name: String,
 }
 
@@ -62,7 +62,7 @@ impl HandTask {
         }
     }
 
-    /// Returns whether two texts or scripts are the same.
+    /// Returns `true` if two texts or scripts are the same.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Text(text), Self::Text(other)) => text == other,

@@ -23,7 +23,7 @@ pub enum PlanError {
     NoKey {
         /// The character.
         character: char,
-        /// Its key on a US keymap.
+        /// The key on a US keymap.
         key: KeyCode,
     },
     /// A shifted character on a layout without a one-shot Shift.

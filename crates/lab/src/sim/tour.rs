@@ -40,7 +40,7 @@ const STICK: &str = "the stick";
 const ARM: &str = "the arm";
 
 impl TourStop {
-    /// Returns whether the stop only moves a cursor or passes through space.
+    /// Returns `true` if the stop only moves a cursor or passes through space.
     pub(crate) fn moves_cursor(&self) -> bool {
         [STICK, ARM].contains(&self.name.as_str())
     }

@@ -56,7 +56,7 @@ pub struct TypingHand {
     start: StartPlace,
     /// The wrist of a hand that carries a board of this one (world, metres).
     other_wrist: Option<Vec3>,
-    /// The sensor shows the hand as a whole and not its joints.
+    /// `true` if the sensor shows the hand as a whole and not its joints.
     is_stiff: bool,
 }
 
@@ -120,7 +120,7 @@ impl TypingHand {
         .at_rest()
     }
 
-    /// Returns whether the glove has this stick, trigger or button.
+    /// Returns `true` if the glove has this stick, trigger or button.
     pub fn has_input(&self, input: Input) -> bool {
         self.inputs.contains(&input)
     }
@@ -134,7 +134,7 @@ impl TypingHand {
         }
     }
 
-    /// Returns whether the sensor shows head and legs.
+    /// Returns `true` if the sensor shows head and legs.
     pub fn shows_body(&self) -> bool {
         self.shows_body
     }
@@ -152,7 +152,7 @@ impl TypingHand {
         }
     }
 
-    /// Returns whether only the path of the index fingertip counts.
+    /// Returns `true` if only the path of the index fingertip counts.
     pub(super) fn is_stiff(&self) -> bool {
         self.is_stiff
     }
@@ -281,7 +281,7 @@ impl TypingHand {
         distance
     }
 
-    /// Returns whether pointing with the index finger moves a channel.
+    /// Returns `true` if pointing with the index finger moves a channel.
     pub(super) fn is_used_to_reach(&self, index: usize) -> bool {
         self.is_used_by(Effector::INDEX, index)
     }

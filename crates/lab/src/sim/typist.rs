@@ -181,8 +181,8 @@ impl SimulatedTypist {
         }
     }
 
-    /// Becomes another person, or one with other noise, at the end of the present step, or of the press to which that belongs. The hands go on
-    /// from where they are. `hands` are as at the start. Only for a person who plans while performing.
+    /// Becomes another person, or one with other noise, at the end of the present step, or of the press to which that belongs. The
+    /// hands go on from where they are. `hands` are as at the start. Only for a person who plans while performing.
     pub fn change(
         &mut self,
         settings: &TypistSettings,
@@ -338,7 +338,7 @@ impl SimulatedTypist {
         }
     }
 
-    /// Returns whether the hands keep still, clear of all targets, because the layout is about to change.
+    /// Returns `true` if the hands keep still, clear of all targets, because the layout is about to change.
     fn is_lifted(&self) -> bool {
         let follower = self.follower.as_ref();
         follower.is_some_and(Follower::is_lifted)
@@ -372,7 +372,7 @@ impl SimulatedTypist {
         self.part = Part::Live(Box::new(live));
     }
 
-    /// Returns whether the first `actions` actions are done and no hand is moving.
+    /// Returns `true` if the first `actions` actions are done and no hand is moving.
     pub fn has_finished(&self, actions: usize) -> bool {
         match &self.part {
             Part::Planned(planned) => planned.has_finished(actions, &self.hands),
@@ -403,7 +403,7 @@ impl Planned {
         true
     }
 
-    /// Returns whether the first `actions` actions are done and no hand is moving.
+    /// Returns `true` if the first `actions` actions are done and no hand is moving.
     fn has_finished(&self, actions: usize, hands: &[SensedHand]) -> bool {
         let mut hands = hands.iter().enumerate();
         hands.all(|(index, hand)| hand.hand.has_finished(self.own_actions(index, actions)))

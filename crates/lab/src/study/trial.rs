@@ -46,7 +46,7 @@ pub struct Trial {
     pub task: Option<usize>,
     /// The time of its end, in UTC.
     pub time: String,
-    /// A simulated hand did it.
+    /// `true` if a simulated hand did the trial.
     pub is_simulated: bool,
     /// The version of the program.
     pub program_version: String,

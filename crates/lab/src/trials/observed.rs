@@ -13,11 +13,11 @@ use crate::sim::fluent::Load;
 /// The reason for a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrokeKind {
-    /// It was meant.
+    /// The stroke was meant.
     Meant,
-    /// It was meant and did not reach the target.
+    /// The stroke was meant and did not reach the target.
     Shallow,
-    /// It was not meant.
+    /// The stroke was not meant.
     Spurious,
 }
 

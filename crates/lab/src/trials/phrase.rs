@@ -49,7 +49,7 @@ pub struct Strokes {
 }
 
 impl Strokes {
-    /// Returns whether some text can be typed: at least one letter or digit.
+    /// Returns `true` if some text can be typed: at least one letter or digit.
     pub fn can_type(&self) -> bool {
         self.known
             .keys()
@@ -381,7 +381,7 @@ fn width(target: &Target) -> f64 {
     })
 }
 
-/// Returns whether two targets of one board are less than half a key apart.
+/// Returns `true` if two targets of one board are less than half a key apart.
 fn are_neighbors(layout: &Layout, a: TargetId, b: TargetId) -> bool {
     let (Some(a), Some(b)) = (layout.face(a), layout.face(b)) else {
         return false;

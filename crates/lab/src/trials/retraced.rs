@@ -55,7 +55,7 @@ pub struct NearMiss {
 /// The path of the fingertips of one finger, of both hands, over the boards.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FingerPath {
-    /// Its length over boards, in millimetres.
+    /// The length over boards, in millimetres.
     pub length_mm: f64,
     /// The keys that it passed, one after the other.
     pub keys: Vec<String>,

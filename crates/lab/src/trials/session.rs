@@ -32,7 +32,7 @@ pub(super) struct Session<'a> {
     pub(super) keystrokes: usize,
     pub(super) span: Option<(Timestamp, Timestamp)>,
     pub(super) draw: Draw,
-    /// With a decoder: the plainest detector of taps.
+    /// The plainest detector of taps; `None` without a decoder.
     pub(super) plane: Option<PlaneCrossing>,
     /// The time of the lowest point of the last stroke, and when the last finger is up.
     pub(super) bottom: f64,

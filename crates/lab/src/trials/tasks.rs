@@ -45,7 +45,7 @@ pub struct TaskResult {
     pub name: String,
     /// The kind.
     pub kind: TaskKind,
-    /// The control was within reach and did what it should.
+    /// `true` if the control was within reach and did what it should.
     pub is_done: bool,
     /// Presses of other controls.
     pub wrong: usize,

@@ -408,7 +408,8 @@ struct Reach {
 }
 
 impl Reach {
-    /// Draws reaches for a time in seconds: over 50 cm to the side, 40 cm up and ahead, as fast as people reach for a cup and not faster than needed.
+    /// Draws reaches for a time in seconds: over 50 cm to the side, 40 cm up and ahead, as fast as people reach for a cup and not
+    /// faster than needed.
     fn draw(seconds: f64, draw: &mut Draw) -> Vec<Self> {
         let mut reaches: Vec<Self> = Vec::new();
         let (mut begin, mut from, mut bends) = (0.0, DVec3::ZERO, [0.35; Finger::COUNT]);

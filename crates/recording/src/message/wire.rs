@@ -21,19 +21,19 @@ pub enum WireError {
     /// A field or a number is longer than the rest of the message.
     #[error("a field is longer than its message")]
     TooLong,
-    /// The number of a field or the kind of its value is not valid.
+    /// The number of a field, or the type of its value, is not valid. The byte is the first one of the tag.
     #[error("byte {0} of a message is not the start of a field")]
     InvalidTag(u8),
     /// A field has another type than in the schema.
     #[error("field {0} has a value of another type")]
     WrongType(u32),
-    /// A value is not one that the schema or the program knows.
+    /// A value that the schema or the program does not know.
     #[error("field {0} has an unknown value")]
     UnknownValue(u32),
     /// A list has more elements than the program accepts.
     #[error("field {0} has too many elements")]
     TooMany(u32),
-    /// A field is missing.
+    /// A reading without a sample.
     #[error("it has no sample")]
     NoSample,
 }
@@ -94,7 +94,7 @@ impl<'a> Iterator for Fields<'a> {
     }
 }
 
-/// Splits off a number of variable length.
+/// Splits a number of variable length off the front of `bytes`.
 pub fn take_varint(bytes: &mut &[u8]) -> Result<u64, WireError> {
     let mut number = 0;
     for (index, &byte) in bytes.iter().take(10).enumerate() {

@@ -24,7 +24,7 @@ pub struct Mark {
     pub camera: usize,
     /// Index of the point in its group.
     pub point: usize,
-    /// In pixels, as the lens shows it.
+    /// The position in the image, in pixels, as the lens shows it.
     pub pixel: DVec2,
 }
 
@@ -44,7 +44,7 @@ pub struct PointGroup {
 /// The parameters that are adjusted.
 #[derive(Clone, Copy, Debug)]
 pub struct Adjusted {
-    /// Focal lengths, centres and distortions.
+    /// `true` if focal lengths, centers and distortions are adjusted.
     pub has_lenses: bool,
     /// `true` if the first camera stays where it is.
     pub is_first_fixed: bool,

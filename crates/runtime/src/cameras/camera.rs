@@ -17,7 +17,7 @@ pub struct Camera {
     pub size: DVec2,
     /// Focal lengths in pixels.
     pub focal: DVec2,
-    /// The centre of the image in pixels.
+    /// The center of the image in pixels.
     pub center: DVec2,
     /// The distortion of the lens: k1, k2, p1, p2.
     pub distortion: [f64; 4],
@@ -30,9 +30,9 @@ pub struct Camera {
 /// The position of a point in an image, and its changes with the parameters of the camera and with the place of the point.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
-    /// In pixels.
+    /// The position in the image, in pixels.
     pub pixel: DVec2,
-    /// The derivatives by the turn in the axes of the camera, the translation, the focal lengths, the centre and the distortion.
+    /// The derivatives by the turn in the axes of the camera, the translation, the focal lengths, the center and the distortion.
     pub by_camera: [DVec2; PARAMETERS],
     /// The derivatives by the three coordinates of the point.
     pub by_point: [DVec2; 3],

@@ -54,7 +54,7 @@ struct Table {
     fisheye: bool,
 }
 
-/// A reason why a text is no file of cameras.
+/// A reason why a text is not a file of cameras.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CamerasFileError {
     /// The text has another form.

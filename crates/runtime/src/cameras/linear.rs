@@ -164,7 +164,7 @@ fn null_vector(rows: &DMatrix<f64>) -> Vec<f64> {
     found.eigenvectors.column(least).iter().copied().collect()
 }
 
-/// Returns whether one map between planes takes the points of the first camera into the points of the second one, as it does if
+/// Returns `true` if one map between planes takes the points of the first camera into the points of the second one, as it does if
 /// the points lie in a plane or on a line.
 fn is_flat(directions: &[(DVec2, DVec2)]) -> bool {
     let mut rows = DMatrix::<f64>::zeros(2 * directions.len(), 9);

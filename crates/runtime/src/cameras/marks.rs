@@ -1,13 +1,13 @@
-//! Marks in images: bright or coloured discs, with their centres to a fraction of a pixel.
+//! Marks in images: bright or coloured discs, with their centers to a fraction of a pixel.
 //!
-//! The centre of the first pixel is (0, 0), as OpenCV has it.
+//! The center of the first pixel is (0, 0), as in OpenCV.
 
 use glam::DVec2;
 
-/// Steps between the threshold and the brightest pixel at which a shape may fall into several marks.
+/// Number of levels between the threshold and the brightest pixel at which a shape is tested for several marks.
 const LEVELS: usize = 24;
 
-/// An image whose pixels state by how much they belong to a mark.
+/// An image whose pixels have values from 0 to 1: the degree to which they belong to a mark.
 #[derive(Clone, Debug)]
 pub struct MarkImage {
     width: usize,
@@ -30,18 +30,19 @@ pub struct MarkSettings {
 /// A mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundMark {
-    /// The centroid of its pixels and those around it, weighted by their values above the surroundings.
+    /// The centroid, in pixels. A mark on its own is weighted with the pixels around it, by their values above the surroundings; a mark
+    /// of a divided shape by its values above the level of the division.
     pub center: DVec2,
-    /// Number of its pixels above the threshold.
+    /// Number of its pixels at or above the threshold or, for a mark of a divided shape, the level of the division.
     pub pixels: usize,
 }
 
-/// The marks of an image, and the shapes that are none.
+/// The marks of an image, and the numbers of shapes that are not marks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FoundMarks {
     /// The marks, from the left to the right.
     pub marks: Vec<FoundMark>,
-    /// Shapes at the edge of the image, whose centre cannot be seen.
+    /// Shapes at the edge of the image, whose center cannot be seen.
     pub cut: usize,
     /// Shapes that are too long: marks that touch each other, or reflections.
     pub long: usize,
@@ -52,7 +53,8 @@ pub struct FoundMarks {
 }
 
 impl MarkImage {
-    /// Creates an image from values from 0 to 1, row by row; values that are not finite count as 0. `None` if the rows are not complete.
+    /// Creates an image from values from 0 to 1, row by row. Values that are not finite count as 0. `None` if `values` is empty or the
+    /// last row is not complete.
     pub fn new(width: usize, mut values: Vec<f32>) -> Option<Self> {
         if width == 0 || values.is_empty() || !values.len().is_multiple_of(width) {
             return None;
@@ -112,15 +114,15 @@ impl MarkImage {
         x == 0 || y == 0 || x + 1 == self.width || (y + 1) * self.width == self.values.len()
     }
 
-    /// Returns the centroid of a shape with its edge, weighted by the values above the surroundings. Pixels at the edge that are
-    /// half a mark are below the threshold: without them the centre would be off by a tenth of a pixel.
+    /// Returns the centroid of a shape with its edge, weighted by the values above the surroundings. Pixels at the edge that a mark
+    /// covers in part are below the threshold: without them the center would be off by a tenth of a pixel.
     fn centroid(&self, shape: &[usize], level: f32) -> DVec2 {
         let mut inside = shape.to_vec();
         inside.sort_unstable();
         let is_other = |pixel: usize, own: &[usize]| {
             self.values[pixel] >= level && own.binary_search(&pixel).is_err()
         };
-        // The edge of a mark beside this one belongs to that one.
+        // The edge of a neighboring mark belongs to the neighbor.
         let mut edge = self.around(&inside);
         edge.retain(|&pixel| !self.neighbours(pixel).any(|pixel| is_other(pixel, &inside)));
         let shape_pixels = inside.len();
@@ -166,7 +168,7 @@ impl MarkImage {
         let weighted = || {
             shape.iter().map(|&pixel| {
                 let place = DVec2::new((pixel % self.width) as f64, (pixel / self.width) as f64);
-                // A flat mark at the threshold has a centre too.
+                // A flat mark at the threshold has a center too.
                 (place, f64::from(self.values[pixel] - level) + 1e-6)
             })
         };
@@ -195,8 +197,8 @@ impl MarkImage {
 
 /// Finds the marks of an image.
 ///
-/// A shape that is longer than a mark is divided at the lowest level at which it falls into several marks; if there is none, it is left out
-/// and counted, because the centre of marks that overlap is not known.
+/// A shape that is longer than a mark is divided at the lowest level at which it falls into several marks. If there is no such level, it
+/// is left out and counted, because the center of marks that overlap is not known. A shape of more than `max_px` pixels is not divided.
 pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
     let mut found = FoundMarks {
         brightest: image.values.iter().copied().fold(0.0, f32::max),
@@ -219,7 +221,7 @@ pub fn find_marks(image: &MarkImage, settings: &MarkSettings) -> FoundMarks {
     found
 }
 
-/// Adds a shape as a mark, as several marks, or as one that is none.
+/// Adds a shape as a mark or as several marks, or counts it as too long.
 fn add_shape(image: &MarkImage, shape: &[usize], settings: &MarkSettings, found: &mut FoundMarks) {
     let mark_at = |part: &[usize], level: f32| {
         let (center, elongation) = image.moments(part, level);

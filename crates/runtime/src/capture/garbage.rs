@@ -20,7 +20,7 @@ impl GarbageDetector {
             *self = Self::default();
             return false;
         }
-        // A silence is no sign of a wrong format.
+        // A silence is not a sign of a wrong format.
         let is_silence = |last: Instant| now.saturating_duration_since(last) >= Self::TIMEOUT;
         let span = self.span.filter(|&(_, last)| !is_silence(last));
         let since = span.map_or(now, |(first, _)| first);

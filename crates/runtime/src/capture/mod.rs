@@ -129,19 +129,18 @@ pub trait Source: Send {
         let _ = cancel;
     }
 
-    /// Makes [`next`](Self::next) return at once, with [`Idle`](SourceEvent::Idle) if nothing has arrived. Its caller waits
-    /// as [`wait`](Self::wait) says. Returns `false` if the source has to block and needs a thread of its own, which is the
-    /// default.
+    /// Makes [`next`](Self::next) return at once, with [`Idle`](SourceEvent::Idle) if nothing has arrived. The caller then waits
+    /// as described by [`wait`](Self::wait). Returns `false`, the default, if the source has to block and needs a thread of its own.
     fn set_polled(&mut self) -> bool {
         false
     }
 
-    /// Returns what a [polled](Self::set_polled) source waits for, or `None` if [`next`](Self::next) has something already.
+    /// Returns the wait of a [polled](Self::set_polled) source, or `None` if [`next`](Self::next) has an event already.
     fn wait(&self) -> Option<SourceWait<'_>> {
         None
     }
 
-    /// Returns the device that measures the fingers of a hand, if feedback can be sent to it. It is returned once. The
+    /// Returns the device that measures the fingers of a hand, if feedback can be sent to it; only the first call returns it. The
     /// default is `None`.
     fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
         let _ = side;

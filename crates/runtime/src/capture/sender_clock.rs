@@ -74,7 +74,7 @@ impl SenderClock {
         self.max_age = age;
     }
 
-    /// Returns whether a reading that arrives `now` is older than the largest age. `sent_at` is the time that it states.
+    /// Returns `true` if a reading that arrives `now` is older than the largest age. `sent_at` is the time that it states.
     pub fn is_too_old(&mut self, now: Instant, sent_at: Timestamp) -> bool {
         let arrival = self.arrival(now);
         self.refused_since = None;
@@ -132,7 +132,7 @@ impl Trial {
         smallest: [i64::MAX; 2],
     };
 
-    /// Adds a reading. Returns whether the clock has kept pace; otherwise a new trial starts at the end of this one.
+    /// Adds a reading. Returns `true` if the clock has kept pace; otherwise a new trial starts at the end of this one.
     fn is_passed(&mut self, arrival: i64, delay: i64) -> bool {
         if self.started_at == i64::MIN {
             self.started_at = arrival;

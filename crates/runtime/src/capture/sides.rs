@@ -16,7 +16,7 @@ use ademan_core::hand::Side;
 pub struct SidedSource {
     source: Box<dyn Source>,
     sides: ArrayVec<Side, { Side::COUNT }>,
-    /// Readings have the sensor channels of both gloves.
+    /// `true` if readings have the sensor channels of both gloves.
     has_two_gloves: bool,
     /// The latest reading, and the sides for which it was not returned.
     pending: Option<Reading>,

@@ -47,7 +47,7 @@ pub enum DeviceNode {
     Denied(AccessDenied),
     /// The user may read and write it.
     Usable,
-    /// It cannot be inspected, for this reason.
+    /// The node cannot be inspected, for this reason.
     Error(String),
 }
 

@@ -65,11 +65,11 @@ impl Requirements {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckStatus {
-    /// It exists and the user may use it.
+    /// The permission or service exists, and the user may use it.
     Ok,
-    /// It does not exist, or the user may not use it.
+    /// The permission or service does not exist, or the user may not use it.
     Missing,
-    /// Only a test can tell.
+    /// Unknown: only a use would show it.
     Unknown,
 }
 
@@ -92,18 +92,18 @@ pub struct Finding {
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,
-    /// `true` if the setup needs it.
+    /// `true` if the setup needs the subject.
     pub needed: bool,
     /// Explanation.
     pub text: String,
-    /// Shell commands that provide it, in order; may be empty.
+    /// Shell commands that provide the subject, in order; may be empty.
     pub commands: Vec<String>,
     /// Step after the commands, or instead of them; may be empty.
     pub next_step: String,
 }
 
 impl Finding {
-    /// Returns whether the setup works with this status.
+    /// Returns `true` if the setup works with this status.
     pub fn is_satisfied(&self) -> bool {
         !self.needed || self.status == CheckStatus::Ok
     }
@@ -115,7 +115,7 @@ pub fn gather_facts(requirements: &Requirements) -> Facts {
     probe::gather_facts(Path::new("/"), &environment, requirements)
 }
 
-/// Returns whether this process runs as root; `false` on systems other than Linux.
+/// Returns `true` if this process runs as root; `false` on systems other than Linux.
 pub fn is_running_as_root() -> bool {
     probe::is_running_as_root()
 }

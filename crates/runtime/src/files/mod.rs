@@ -1,5 +1,5 @@
-//! Access to the files of a person: only regular files are read, what a person types is written only to files that no
-//! one else can read, and files that decide what is typed are read only if no one else can write them.
+//! Access to the files of a person. Only regular files are read. Files with what a person types can be read by this person only,
+//! and files that decide what is typed are read only if no other user can write them.
 //!
 //! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
 //! refused before it is opened, and checked again on the open file.
@@ -40,7 +40,7 @@ pub enum FileError {
     /// The path leads to a directory.
     #[error("this is a directory, name a file in it")]
     IsDirectory,
-    /// The path leads to something else that is no regular file.
+    /// The path leads to something else than a regular file.
     #[error("this is not a regular file but {0}, name a file")]
     NotRegular(&'static str),
     /// The path is a symbolic link.
@@ -55,7 +55,7 @@ pub enum FileError {
     /// The file belongs to another user, who could read what is written or change what is read.
     #[error("this file belongs to another user, use one of your own")]
     OtherOwner,
-    /// The file has several names, so that it may lie where another user put it.
+    /// The file has several names (hard links): another user may have linked it to this path.
     #[error("this file has {0} names (hard links), use one that has a single name")]
     HardLinks(u64),
     /// Other users may change what is read.
@@ -84,7 +84,7 @@ pub enum FileError {
     Io(#[from] io::Error),
 }
 
-/// Opens a regular file for reading. Follows symbolic links, and never waits.
+/// Opens a regular file for reading. Follows symbolic links, and never blocks: a named pipe is refused.
 pub fn open_regular(path: &Path) -> Result<File, FileError> {
     check_regular(fs::metadata(path)?.file_type())?;
     let file = system::open_without_waiting(path)?;
@@ -140,7 +140,7 @@ pub fn replace(path: &Path) -> Result<File, FileError> {
     }
 }
 
-/// Returns the file, or the reason why a new one cannot be created: what there is at its path.
+/// Returns the file, or the reason why it cannot be created: the kind of file that exists at its path.
 fn created(path: &Path, created: io::Result<File>) -> Result<File, FileError> {
     match created {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
@@ -151,7 +151,8 @@ fn created(path: &Path, created: io::Result<File>) -> Result<File, FileError> {
     }
 }
 
-/// Fails with the reason why a new file cannot be created if there is anything at its path, before work whose result it keeps.
+/// Checks that nothing exists at the path of a new file, before the work whose result the file will hold. Fails with the reason why
+/// the file cannot be created.
 pub fn check_absent(path: &Path) -> Result<(), FileError> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -188,15 +189,15 @@ pub fn replace_private(path: &Path) -> Result<File, FileError> {
     Ok(file)
 }
 
-/// Opens a file as [`open_private`] does, to write at its end.
+/// Opens a file as [`open_private`] does, at its end.
 pub fn append_private(path: &Path) -> Result<File, FileError> {
     let mut file = open_private(path)?;
     file.seek(SeekFrom::End(0))?;
     Ok(file)
 }
 
-/// Returns the bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does not
-/// tell.
+/// Returns the number of bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does
+/// not report it.
 pub fn free_bytes(path: &Path) -> Option<u64> {
     system::free_bytes(folder_of(path))
 }
@@ -208,7 +209,7 @@ pub fn folder_of(path: &Path) -> &Path {
     folder.unwrap_or(Path::new("."))
 }
 
-/// Creates a folder that only its owner can access. An existing one must be such a folder.
+/// Creates a folder that only its owner can access. An existing folder must be private to this user.
 pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
     match system::create_folder(path) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error.into()),

@@ -18,8 +18,8 @@ pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
     replace_text_if(path, text, || true)
 }
 
-/// Replaces the content of a file as [`replace_text`] does, if `is_as_expected` returns `true` when the new text is on the disk. Otherwise it
-/// fails with [`FileError::Changed`].
+/// Replaces the content of a file as [`replace_text`] does, if `is_as_expected` returns `true` when the new text is on the disk.
+/// Otherwise it fails with [`FileError::Changed`].
 pub fn replace_text_if(
     path: &Path,
     text: &str,
@@ -109,7 +109,7 @@ pub fn check_destination(path: &Path) -> Result<(), FileError> {
     Ok(system::check_folder_access(folder_of(path))?)
 }
 
-/// Fails for what a rename would replace although it is no file: a device such as `/dev/full`, a pipe.
+/// Fails for what a rename would replace although it is not a file: a device such as `/dev/full`, a pipe.
 fn check_replaceable(path: &Path) -> Result<(), FileError> {
     match fs::symlink_metadata(path) {
         Ok(metadata) if !metadata.is_symlink() => check_regular(metadata.file_type()),

@@ -133,7 +133,7 @@ pub fn check_folder_writers(metadata: &Metadata) -> Result<(), FileError> {
     }
 }
 
-/// Returns whether others than the owner may write. The group with the number of the user is the user's own: many systems
+/// Returns `true` if others than the owner may write. The group with the number of the user is the user's own: many systems
 /// create one for each user, and make new files writable by it.
 fn is_writable_by_others(metadata: &Metadata) -> bool {
     let (user, group) = (geteuid().as_raw(), getegid().as_raw());
@@ -172,12 +172,12 @@ pub fn check_folder_access(folder: &Path) -> io::Result<()> {
     Ok(access(folder, Access::WRITE_OK | Access::EXEC_OK)?)
 }
 
-/// Returns whether this is a folder that only the user of this process can access.
+/// Returns `true` if this is a folder that only the user of this process can access.
 pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir() && check_owner(metadata).is_ok() && metadata.mode() & 0o077 == 0
 }
 
-/// Returns whether only its owner can access a file.
+/// Returns `true` if only its owner can access a file.
 pub fn is_private_file(metadata: &Metadata) -> bool {
     metadata.mode() & 0o077 == 0
 }

@@ -11,8 +11,8 @@
 //!   `refused`; what follows `ok` is the shared data. Nothing of a client is parsed before that.
 //!
 //! A token has 256 random bits, so that a fast hash protects it as well as a slow one. Handshakes run on threads of their
-//! own with a deadline and a limit per address, and failed tries are followed by a growing pause. All of this needs the
-//! feature `tls`; a program without it refuses the addresses.
+//! own with a deadline and a limit per address. After several wrong tokens an address is refused for a time that grows. All of
+//! this needs the feature `tls`; a program without it refuses the addresses.
 
 mod address;
 mod deadline;
@@ -73,7 +73,7 @@ impl TokenRole {
 pub struct TokenEntry {
     /// The name.
     pub name: String,
-    /// Its permission.
+    /// The permission.
     pub role: TokenRole,
 }
 
@@ -89,9 +89,9 @@ impl Stream for TcpStream {
     }
 }
 
-/// A client that has shown a token.
+/// A client with a valid token.
 pub struct Admitted {
-    /// The connection behind the answer `ok`.
+    /// The connection after the answer `ok`.
     pub stream: Box<dyn Stream>,
     /// The token.
     pub token: TokenEntry,

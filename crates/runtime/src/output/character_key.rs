@@ -19,7 +19,7 @@ pub struct CharacterKey {
 pub enum KeymapChange {
     /// A key was added.
     Added,
-    /// It was removed.
+    /// A key was removed.
     Removed,
 }
 

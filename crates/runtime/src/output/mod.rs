@@ -85,15 +85,15 @@ pub struct Backend {
     pub name: &'static str,
     /// The placeholder of the optional argument in `NAME:ARGUMENT`, such as `PATH`.
     pub argument: Option<&'static str>,
-    /// The argument may not be left out.
+    /// `true` if the argument may not be left out.
     pub is_argument_required: bool,
     /// One line for help texts, in lower case and without a full stop.
     pub summary: &'static str,
     /// Returns what the backend can send on this operating system.
     pub capabilities: fn() -> Capabilities,
-    /// The backend logs events: it receives every event, and it carries a capability only if all outputs are logs.
+    /// `true` if the backend logs events: it receives every event, and it carries a capability only if all outputs are logs.
     pub is_log: bool,
-    /// The capabilities are fixed when the output is opened; a layout that requires more needs a restart.
+    /// `true` if the capabilities are fixed when the output is opened; a layout that requires more needs a restart.
     pub is_fixed_when_open: bool,
     /// Uses the backend for a second without a visible effect and returns what worked, for
     /// `ademan doctor --test NAME`. `None` if there is nothing to test.
@@ -183,7 +183,7 @@ pub trait Sink: Send {
     /// Sinks without a queue and without a watchdog ignore it.
     fn void_presses(&mut self) {}
 
-    /// Returns whether a press was dropped, or the watchdog has released keys, since the last call of
+    /// Returns `true` if a press was dropped, or the watchdog has released keys, since the last call of
     /// [`void_presses`](Self::void_presses). The receiver does not have the state that the events so far describe: a
     /// modifier may be up that counts as pressed. The sink drops presses until everything is released and
     /// `void_presses` is called.
@@ -329,7 +329,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// A failure to open `output`.
+    /// Creates the failure to open `output`.
     fn open(output: impl Into<String>, reason: impl ToString) -> Self {
         Self::Open {
             output: output.into(),
@@ -337,7 +337,7 @@ impl OutputError {
         }
     }
 
-    /// A failure to send to `output`.
+    /// Creates the failure to send to `output`.
     fn send(output: impl Into<String>, reason: impl ToString) -> Self {
         Self::Send {
             output: output.into(),

@@ -49,9 +49,9 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
 pub struct Osc {
     socket: UdpSocket,
     signals: Signals,
-    /// In the order of the signals.
+    /// The messages, in the order of the signals.
     messages: Vec<SignalMessages>,
-    /// A message could not be sent.
+    /// `true` if a message could not be sent.
     has_due: bool,
     dropped_presses: u64,
 }
@@ -68,7 +68,7 @@ struct Message {
     /// The datagram. Its last four bytes are the number.
     datagram: Vec<u8>,
     range: (f32, f32),
-    /// The value sent last ends with the session: a press or a depth.
+    /// `true` if the value sent last ends with the session: a press or a depth.
     is_held: bool,
     /// The value that could not be sent.
     due: Option<f32>,
@@ -105,7 +105,7 @@ impl Osc {
         Err(refused)
     }
 
-    /// Sends a value of the control of a target. `is_held` tells whether it is a press or a depth, which ends.
+    /// Sends a value of the control of a target. `part` is the kind of the value: a press and a depth are held until they return to 0.
     fn set(&mut self, target: TargetId, value: f32, part: Part) {
         let Some(index) = self.signals.index(target) else {
             return;
@@ -122,7 +122,7 @@ impl Osc {
         self.has_due |= !message.send(&self.socket, value);
     }
 
-    /// Sends the messages that could not be sent before. Returns whether all are sent.
+    /// Sends the messages that could not be sent before. Returns `true` if all are sent.
     fn send_due(&mut self) -> bool {
         if self.has_due {
             let mut is_sent = true;
@@ -177,7 +177,7 @@ impl SignalMessages {
 }
 
 impl Message {
-    /// Sends a value, or keeps it. Returns whether it was sent.
+    /// Sends a value, or keeps it. Returns `true` if it was sent.
     fn send(&mut self, socket: &UdpSocket, value: f32) -> bool {
         let (low, high) = self.range;
         let number = low + value * (high - low);
@@ -185,7 +185,7 @@ impl Message {
             *last = number.to_be_bytes();
         }
         let sent = match socket.send(&self.datagram) {
-            // The answer to an earlier message, when nobody listened; this one was not sent.
+            // The answer to an earlier message that no program received; this message was not sent.
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
                 match socket.send(&self.datagram) {
                     Err(again) if again.kind() == io::ErrorKind::ConnectionRefused => Ok(0),

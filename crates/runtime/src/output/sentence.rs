@@ -6,7 +6,7 @@ use arrayvec::ArrayString;
 
 use super::text_field::Text;
 
-/// The bytes of text that Backspace can take back before the place is no longer known.
+/// Number of bytes of text that Backspace can delete before the position in the sentence is no longer known.
 const MAX_TAIL: usize = 256;
 
 /// The place of the cursor in a sentence.
@@ -81,7 +81,7 @@ pub(super) struct Sentence {
 }
 
 impl Sentence {
-    /// Returns whether a word starts a sentence; `reported` is the place as the field reports it.
+    /// Returns `true` if a word starts a sentence; `reported` is the place as the field reports it.
     pub(super) fn is_start(&self, reported: Place) -> bool {
         self.base.unwrap_or(reported).after(&self.tail) == Place::Start
     }

@@ -1,4 +1,4 @@
-//! The share of the processors that threads get: those that press and release keys, and the one that draws a window.
+//! The priority of the threads that press and release keys, and of the thread that draws a window.
 //!
 //! On a busy machine a thread of normal priority waits for others, and a key stays pressed for as long. The threads that
 //! press and release keys sleep nearly all the time, so that a higher priority delays no other program. A process may have

@@ -149,7 +149,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
 }
 
 impl CommandReceiver {
-    /// A receiver without senders, for a loop that ends with its source.
+    /// Creates a receiver without senders, for a loop that ends with its source.
     pub fn disconnected() -> Self {
         command_channel().1
     }
@@ -161,7 +161,7 @@ impl CommandReceiver {
         manager_end
     }
 
-    /// The link to the layout manager.
+    /// Returns the link to the layout manager.
     pub(super) fn layouts(&self) -> Option<&LoopLayoutLink> {
         self.layouts.as_ref()
     }
@@ -176,7 +176,7 @@ impl CommandReceiver {
         self.stop.load(Ordering::Acquire)
     }
 
-    /// The next message, if there is one. Never waits.
+    /// Returns the next message, if there is one. Never waits.
     pub(super) fn try_next(&self) -> Option<Message> {
         self.waker.receive(|| {
             let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
@@ -187,7 +187,7 @@ impl CommandReceiver {
         })
     }
 
-    /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.
+    /// Waits for `Stop`, at most for `timeout`. Returns `true` if it came. Other commands stay queued.
     pub(super) fn wait_for_stop(&self, timeout: Duration) -> bool {
         self.attach(WakeTarget::Parked(thread::current()));
         let deadline = Instant::now() + timeout;

@@ -59,7 +59,7 @@ impl SessionHandle {
         })
     }
 
-    /// The channel for commands.
+    /// Returns the channel for commands.
     pub fn commands(&self) -> &CommandSender {
         &self.commands
     }
@@ -70,7 +70,7 @@ impl SessionHandle {
         &self.snapshots
     }
 
-    /// The channel for layouts that are tried before they are saved. `None` if the session cannot change its layouts.
+    /// Returns the channel for layouts that are tried before they are saved. `None` if the session cannot change its layouts.
     pub fn layout_trial(&self) -> Option<&LayoutTrial> {
         self.trial.as_ref()
     }

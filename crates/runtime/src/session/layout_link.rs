@@ -18,7 +18,7 @@ use ademan_core::layout::Layout;
 use ademan_core::pipeline::LayoutInstance;
 use ademan_text::filter::Learned;
 
-/// Requests that wait for a busy layout manager: one of each client of the control socket.
+/// Maximum number of requests that wait for a busy layout manager: one for each client of the control socket.
 const QUEUE_LENGTH: usize = 16;
 
 /// Work for the layout manager.
@@ -35,7 +35,8 @@ pub(crate) enum LayoutOperation {
 }
 
 impl LayoutOperation {
-    /// Returns the operation that a command stands for. The loop fills in the board poses, and what was learned.
+    /// Returns the operation of a command, if it is one for the layout manager. The loop fills in the board poses and what was
+    /// learned.
     pub(super) fn from_command(command: &Command) -> Option<Self> {
         match command {
             Command::Scale { factor } => Some(Self::Scale(*factor)),
@@ -70,7 +71,7 @@ pub(super) struct LayoutSwap {
     pub retired: Sender<Box<LayoutInstance>>,
 }
 
-/// The session has ended.
+/// The error of a call after the end of the session.
 pub(crate) struct SessionEnded;
 
 /// The layout manager's end of the link.
@@ -112,18 +113,18 @@ impl LayoutLink {
         (manager_end, loop_end)
     }
 
-    /// Tells simulated hands of the layouts that become active.
+    /// Sets the feed that notifies simulated hands of layouts that become active.
     #[must_use]
     pub(super) fn with_hands(self, hands: LayoutFeed) -> Self {
         Self { hands, ..self }
     }
 
-    /// Requests of the loop; disconnected when the session has ended.
+    /// Returns the channel of requests of the loop; disconnected when the session has ended.
     pub(crate) fn requests(&self) -> &Receiver<LayoutRequest> {
         &self.requests
     }
 
-    /// Layouts that are tried. Not disconnected before the requests are.
+    /// Returns the channel of layouts to try. It is not disconnected before the channel of requests.
     pub(super) fn trials(&self) -> &Receiver<TrialRequest> {
         &self.trials
     }
@@ -164,7 +165,7 @@ impl LayoutLink {
     }
 }
 
-/// Moves the boards of a layout to where they were, as the loop does if their number is the same.
+/// Copies the board poses of a layout to another one if both have the same number of boards, as the loop does.
 fn copy_board_poses(old: &LayoutInstance, layout: &mut Layout) {
     let old = old.scene().surfaces();
     if old.len() == layout.scene.surfaces().len() {
@@ -193,22 +194,22 @@ impl LoopLayoutLink {
             .map_err(|_| RequestError::QueueFull)
     }
 
-    /// Notes the active profile: a change of another one does not concern the hands.
+    /// Stores the index of the active profile: hands do not follow a change of another profile.
     pub fn set_active_profile(&self, profile: usize) {
         self.active_profile.store(profile, Ordering::Relaxed);
     }
 
-    /// The sending end for layouts that are tried.
+    /// Returns the sending end for layouts to try.
     pub fn trial(&self) -> &LayoutTrial {
         &self.trial
     }
 
-    /// Layouts that are ready.
+    /// Returns the channel of layouts that are ready.
     pub fn swaps(&self) -> &Receiver<LayoutSwap> {
         &self.swaps
     }
 
-    /// The next layout, if one is ready.
+    /// Returns the next layout, if one is ready.
     pub fn try_swap(&self) -> Option<LayoutSwap> {
         self.swaps.try_recv().ok()
     }

@@ -283,7 +283,7 @@ impl Session {
             self.report_status(Notice::Listening(uri.clone()));
         }
         let wants_socket = self.options.control_socket == ControlSocket::Default;
-        // Nobody can do anything about it where there are none.
+        // On a system without control sockets, the user cannot change it.
         if cfg!(unix) && self.control.is_none() && wants_socket {
             self.report_status(Notice::NoControlSocket);
         }
@@ -370,7 +370,7 @@ impl Session {
         output::open_with_watchdog(names, &required, &settings)
     }
 
-    /// The source that this session opens itself.
+    /// Returns the source that this session opens itself.
     fn opened_uri(&self) -> Option<&SourceUri> {
         self.setup.setup.source.as_ref()
     }

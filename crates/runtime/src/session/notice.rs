@@ -21,10 +21,11 @@ use ademan_core::hand::{Dof, Finger, FingerSet, Side};
 use ademan_core::message::{escape, escape_line};
 use ademan_core::pipeline::HandLoss;
 
-/// Notices that wait for the receiver of the user.
+/// Maximum number of notices that wait for the user's receiver.
 const QUEUE_LENGTH: usize = 64;
 
-/// Longest wait at the end of a session for notices that the user's receiver has not handled yet.
+/// Longest wait at the end of a session for room in the queue, and again for the notices that the user's receiver has not handled
+/// yet.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The instruction at the start of a layout that is placed by the hand.
@@ -34,11 +35,11 @@ pub const AWAITING_HAND: &str =
 /// The control that is nearest to a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearestTarget {
-    /// Its name; `None` for the range of the pointer.
+    /// The name; `None` for the range of the pointer.
     pub name: Option<String>,
-    /// The way to it: to the right, up, towards the wearer, in metres.
+    /// The vector to it: to the right, up, towards the wearer, in metres.
     pub way: Vec3,
-    /// It is on a board, which `recenter` moves.
+    /// `true` if it is on a board, which `recenter` moves.
     pub is_on_board: bool,
 }
 
@@ -60,7 +61,7 @@ pub enum Notice {
     Listening(SourceUri),
     /// This server of joint angles or poses listens.
     Sharing(ShareTarget),
-    /// No source takes this feedback.
+    /// No source accepts this feedback.
     NoHaptics(Haptics),
     /// There is no default path for a control socket.
     NoControlSocket,
@@ -70,11 +71,11 @@ pub enum Notice {
     BentFingers(FingerSet),
     /// The layout is placed where an open hand is held still.
     AwaitingHand,
-    /// A hand moves and reaches nothing: its side, the name of the nearest control, and the way to it.
+    /// A hand moves and reaches nothing: its side and the nearest control.
     Unreached(Side, Option<NearestTarget>),
     /// Touches become events.
     Armed {
-        /// The events reach other programs.
+        /// `true` if the events reach other programs.
         has_effect: bool,
     },
     /// A pause with this origin was requested.
@@ -97,7 +98,7 @@ pub enum Notice {
     PointingSuppressed(u64),
     /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
     UntrustedFingers(FingerSet),
-    /// Parts of this hand are not trusted because their readings are implausible again and again; their keys are released.
+    /// Parts of this hand are not trusted because too many of their readings are implausible; their keys are released.
     Implausible(Side, ImplausibleParts),
     /// The readings of this hand are plausible again.
     Plausible(Side),
@@ -126,7 +127,7 @@ pub enum Notice {
 pub struct ImplausibleParts {
     /// The angles, and the sensor channels that measure them.
     pub angles: Vec<(Dof, Option<usize>)>,
-    /// The whole hand is not trusted.
+    /// `true` if the whole hand is not trusted.
     pub is_hand: bool,
 }
 
@@ -284,7 +285,7 @@ fn write_unreached(
     })
 }
 
-/// Writes the parts of a way in millimetres that matter, the largest first.
+/// Writes the largest component of a vector in millimetres, and the others that are at least a quarter of it.
 fn write_directions(f: &mut fmt::Formatter<'_>, way: Vec3) -> fmt::Result {
     let mut parts = [
         (way.x, ["to the right", "to the left"]),
@@ -431,12 +432,12 @@ impl NoticeThread {
         Ok(Self { sender, finished })
     }
 
-    /// A sender for any thread.
+    /// Returns a sender for any thread.
     pub fn sender(&self) -> NoticeSender {
         self.sender.clone()
     }
 
-    /// Waits until all notices were handled, up to 1 s.
+    /// Waits until all notices were handled: up to 1 s for room in the queue, and up to 1 s for the receiver.
     pub fn finish(&self) {
         let sender = &self.sender.sender;
         if sender.send_timeout(None, FLUSH_TIMEOUT).is_ok() {
@@ -445,7 +446,7 @@ impl NoticeThread {
     }
 }
 
-/// A number with its noun: `1 key`, `2 keys`.
+/// Returns a number with its noun: `1 key`, `2 keys`.
 pub fn counted(count: u64, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")

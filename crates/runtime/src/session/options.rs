@@ -70,7 +70,7 @@ pub enum ControlSocket {
 }
 
 impl ControlSocket {
-    /// The path of the socket, if there is one.
+    /// Returns the path of the socket, if there is one.
     pub(super) fn path(&self) -> Option<PathBuf> {
         match self {
             Self::Off => None,

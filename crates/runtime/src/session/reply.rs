@@ -69,7 +69,7 @@ pub struct SessionStatus {
     pub stats: Stats,
     /// Position of the cursor; `None` for a layout without a pointer and targets in space.
     pub cursor: Option<CursorPosition>,
-    /// Ranges of sensors that were learned; `None` without any.
+    /// Ranges of sensors that were learned; `None` if none was.
     pub learned: Option<LearnedSummary>,
     /// Knowledge of the text decoder about the person; `None` without a decoder.
     pub typing: Option<TypingSummary>,
@@ -78,14 +78,14 @@ pub struct SessionStatus {
 /// Summary of the ranges of sensors that were learned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedSummary {
-    /// The number of channels with a wider range.
+    /// The number of channels whose range has widened.
     pub channels: usize,
-    /// The channel with the widest one.
+    /// The channel whose range has widened most.
     pub largest: LearnedRange,
 }
 
 impl LearnedSummary {
-    /// Summarizes ranges; `None` for none.
+    /// Summarizes ranges; `None` if there are none.
     pub(crate) fn new(ranges: impl Iterator<Item = LearnedRange>) -> Option<Self> {
         ranges.fold(None, |summary: Option<Self>, range| {
             let earlier = summary.map_or((0, range), |summary| (summary.channels, summary.largest));

@@ -12,7 +12,7 @@ use ademan_core::snapshot::{Snapshot, StepView};
 pub(super) struct SnapshotSender {
     /// `None` once the owner has dropped the receiver.
     pub sender: Option<Sender<Snapshot>>,
-    /// Waits for a full channel instead of dropping the snapshot.
+    /// `true` if the sender waits for a full channel instead of dropping the snapshot.
     pub is_lossless: bool,
 }
 

@@ -65,7 +65,7 @@ impl Session {
         }
     }
 
-    /// A live source has a pace of its own.
+    /// Gives a source the pace of the chosen speed. A live source keeps its own.
     fn paced(&self, source: Box<dyn Source>) -> Box<dyn Source> {
         match self.options.speed {
             Some(speed) if !source.is_live() => Box::new(PacedSource::new(source, speed)),

@@ -19,7 +19,7 @@ const AWAITED: u32 = 10;
 /// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
 #[derive(Default)]
 struct StatusLog {
-    /// The outputs reach other programs.
+    /// `true` if the outputs reach other programs.
     has_effect: bool,
     limits: MessageLimits<Topic, Notice>,
     state: Option<(PipelineState, Option<CommandOrigin>)>,
@@ -31,9 +31,9 @@ struct StatusLog {
     pointing_by_role: u64,
     /// Fingers that were reported as bent.
     bent: FingerSet,
-    /// The wait for an open hand was reported.
+    /// `true` if the wait for an open hand was reported.
     is_awaiting: bool,
-    /// A hand that reaches nothing was reported.
+    /// `true` if a hand that reaches nothing was reported.
     is_unreached: bool,
     /// The fingers that are not trusted, by side.
     untrusted: [FingerSet; Side::COUNT],
@@ -71,7 +71,7 @@ enum Topic {
 struct Hints {
     /// Fingers that must be straightened before the output is armed.
     bent: FingerSet,
-    /// The layout waits for an open hand.
+    /// `true` if the layout waits for an open hand.
     awaits_start: bool,
     unreached: Option<Unreached>,
     /// The parts whose readings are implausible, by side.
@@ -208,7 +208,7 @@ impl StatusLog {
         }
     }
 
-    /// Returns whether every counter has been reported, as in nearly all steps.
+    /// Returns `true` if every counter has been reported, as in nearly all steps.
     fn has_reported(&self, stats: &Stats) -> bool {
         self.rejected == stats.rejected
             && self.dropped == stats.source.dropped

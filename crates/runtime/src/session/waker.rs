@@ -20,9 +20,9 @@ struct Shared {
 /// A waiting thread.
 #[derive(Debug)]
 pub(super) enum WakeTarget {
-    /// It is parked.
+    /// The thread is parked.
     Parked(Thread),
-    /// It polls descriptors.
+    /// The thread polls descriptors.
     Polling(WakeUp),
 }
 

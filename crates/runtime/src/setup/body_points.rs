@@ -47,7 +47,7 @@ fn remedy(point: BodyPoint) -> &'static str {
     }
 }
 
-/// Returns whether readings of a source may place a point of the body. A simulated person without a protocol is seen as a whole.
+/// Returns `true` if readings of a source may place a point of the body. A simulated person without a protocol is seen as a whole.
 fn measures(source: &SourceUri, point: BodyPoint) -> bool {
     let Some(protocol) = source.protocol() else {
         return true;

@@ -40,7 +40,7 @@ pub struct LoadedSetup {
     pub(super) documents: Vec<(String, Document)>,
     /// `false` for the setup of a recording, whose names are not paths on this machine.
     pub(super) has_files: bool,
-    /// The names of recorded permissions that differ from those that apply.
+    /// The names of recorded permissions that differ from the permissions in use.
     pub ignored_permissions: Vec<&'static str>,
     estimator: EstimatorSettings,
     pub(super) pipeline: PipelineSettings,
@@ -143,7 +143,7 @@ impl Loader<'_> {
         first_side: Side,
     ) -> Result<GloveAndArm, SetupError> {
         let side = first_side.opposite();
-        // Without a person, the default glove is the left one, and a message says that both are.
+        // Without a person, the default glove is the left one. If the first glove is a left one too, the check below fails.
         let default_side = person.side.map_or(Side::Left, Side::opposite);
         let name = other.glove_name(first_source, default_side);
         let glove = self.glove(kind::OTHER_GLOVE, name)?;
@@ -156,7 +156,7 @@ impl Loader<'_> {
         Ok(GloveAndArm { glove, arm })
     }
 
-    /// Loads what the text decoder has learned of the person.
+    /// Loads the knowledge of the text decoder about the person.
     fn learned(&mut self, setup: &Setup) -> Result<Learned, DocumentError> {
         let name = setup.text.as_ref().and_then(|text| text.learned.as_ref());
         match name {
@@ -266,7 +266,7 @@ impl LoadedSetup {
         std::iter::once(MAIN_PROFILE).chain(further)
     }
 
-    /// Returns the file of the first arm; `None` if the arm follows from lengths.
+    /// Returns the file of the first arm; `None` if the arm is made from lengths.
     pub fn arm_document(&self) -> Option<&Document> {
         let mut documents = self.documents.iter();
         let (_, document) = documents.find(|(kind, _)| kind == kind::ARM)?;
@@ -281,7 +281,7 @@ impl LoadedSetup {
         is_file.then_some(layout.file.as_str())
     }
 
-    /// Returns the file of what the text decoder has learned; `None` without one, and for a recording.
+    /// Returns the file with the knowledge of the text decoder; `None` if the setup names none, and for a recording.
     pub fn learned_file(&self) -> Option<LearnedFile> {
         let mut documents = self.documents.iter().filter(|_| self.has_files);
         let (_, document) = documents.find(|(kind, _)| kind == kind::LEARNED)?;
@@ -360,7 +360,10 @@ impl LoadedSetup {
         is_file.then_some(document.file.as_str())
     }
 
-    /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
+    /// Returns the run-time instance of a layout of this setup, or of its replacement.
+    ///
+    /// # Errors
+    /// Fails as [`check_layout`](Self::check_layout) does.
     pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
         self.check_layout(layout)?;
         Ok(self.instance(layout, None))
@@ -424,8 +427,8 @@ impl LoadedSetup {
         }
     }
 
-    /// Returns the estimator of the first hand, or of its fingers if the arm has a source of its own, with another glove and
-    /// filter than the setup names.
+    /// Returns the estimator of the first hand, or of its fingers if the arm has a source of its own, with this glove and filter
+    /// instead of the setup's.
     pub(crate) fn finger_estimator(
         &self,
         map: Option<&ChannelMap>,

@@ -79,7 +79,8 @@ schema! {
         pub layout: String,
         /// Further layouts that keys and commands can activate.
         pub profiles: Vec<ProfileSetup>,
-        /// The profiles that a run activates when an application gets the focus, on X11 and sway. For other applications it activates `main`.
+        /// The profiles that a run activates when an application gets the focus, on X11 and sway. For other applications it
+        /// activates `main`.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         pub profiles_by_application: Vec<ApplicationProfile>,
         /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, …. A file names a transcript without a folder.
@@ -128,7 +129,8 @@ schema! {
         pub arm_source: Option<SourceUri>,
         /// The events that the source of the arm may cause.
         pub arm_role: Option<SourceRole>,
-        /// The glove: a shipped name or a path. Default: the glove of the protocol, such as `unam-hc11-left`, if the source provides channels.
+        /// The glove: a shipped name or a path. Default: the glove of the protocol, such as `unam-hc11-left`, if the source
+        /// provides channels.
         pub glove: Option<String>,
         /// The arm.
         pub arm: ArmSetup,
@@ -163,7 +165,7 @@ schema! {
 }
 
 impl ApplicationProfile {
-    /// Returns whether the rule is for an application of this name.
+    /// Returns `true` if the rule is for an application of this name.
     pub fn matches(&self, name: &str) -> bool {
         self.application.eq_ignore_ascii_case(name)
     }
@@ -382,12 +384,12 @@ impl Setup {
         names
     }
 
-    /// The name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
+    /// Returns the name of the glove file of a first hand of `side`, or `None` if the source needs no glove.
     fn glove_name(&self, side: Side) -> Option<&str> {
         glove_name(&self.glove, self.source.as_ref(), side)
     }
 
-    /// Returns whether a simulated hand wears a glove that the setup does not name.
+    /// Returns `true` if a simulated hand wears a glove that the setup does not name.
     fn has_default_simulated_glove(&self) -> bool {
         let is_simulated = self.source.is_none() || self.has_simulated_hands();
         let name = self.glove_name(Side::Right);
@@ -422,8 +424,8 @@ impl Setup {
 }
 
 impl OtherHand {
-    /// The name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a hand without
-    /// one of its own.
+    /// Returns the name of the glove file of a hand of `side`, or `None` if the source needs no glove. `first` is the source of a
+    /// hand without one of its own.
     fn glove_name(&self, first: Option<&SourceUri>, side: Side) -> Option<&str> {
         let source = self.source.as_ref().or(first);
         glove_name(&self.glove, source, side)

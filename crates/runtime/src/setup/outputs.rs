@@ -15,7 +15,7 @@ use ademan_core::message::escape_path;
 const MAX_FILES: usize = 10_000;
 
 /// Returns the outputs of a setup file with the path of a new file for each transcript: `transcript:today.txt` becomes `today.txt` in the
-/// [`transcript_folder`](files::transcript_folder), or `today.2.txt` if that exists. A name that is no output is an error.
+/// [`transcript_folder`](files::transcript_folder), or `today.2.txt` if that exists. A name that is not an output is an error.
 pub(super) fn with_new_transcripts(outputs: &str) -> Result<String, SetupError> {
     output::check(outputs, &Capabilities::default())
         .map_err(|error| SetupError::Value(format!("`output`: {error}")))?;

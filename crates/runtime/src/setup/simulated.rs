@@ -128,8 +128,8 @@ impl LoadedSetup {
         Ok(self.following(typist, HandTask::Script(script)))
     }
 
-    /// Returns a simulated hand that does a task as far as the layout permits, without end, and sends packets in `format`. It says what
-    /// it leaves out.
+    /// Returns a simulated hand that repeats a task as far as the layout permits, and sends packets in `format`. It reports the parts
+    /// that it leaves out.
     pub fn live_hand(
         &self,
         task: HandTask,
@@ -284,7 +284,7 @@ impl LoadedSetup {
             .collect()
     }
 
-    /// Returns whether the first hand has a glove that measures its fingers only, and no source measures its arm.
+    /// Returns `true` if the first hand has a glove that measures its fingers only, and no source measures its arm.
     pub(super) fn measures_no_arm(&self) -> bool {
         if self.setup.arm_source.is_some() {
             return false;

@@ -1,4 +1,4 @@
-//! The sources of a setup: who measures which hand or part of a hand, and the permissions of each.
+//! The sources of a setup: the hand, or part of a hand, that each measures, and its permissions.
 
 use arrayvec::ArrayVec;
 
@@ -17,7 +17,7 @@ use ademan_core::pipeline::{SourcePermissions, SourceRole};
 pub struct NamedSource<'a> {
     /// The source.
     pub uri: Option<&'a SourceUri>,
-    /// Its own permissions. A hand has those that all of its sources have.
+    /// Its own permissions. A hand has the permissions that all of its sources have.
     pub permissions: SourcePermissions,
     /// The field of the setup, and the flag, that let it press keys.
     pub remedy: &'static str,
@@ -77,7 +77,7 @@ enum PacketPeriod {
 }
 
 impl LoadedSetup {
-    /// Returns all sources, at most four: the first source, the source of its arm, and both of the other hand.
+    /// Returns all sources, at most four: the first source, the source of its arm, and the two sources of the other hand.
     pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
         let setup = &self.setup;
         let named = |uri, role, remedy| NamedSource {
@@ -149,7 +149,7 @@ impl LoadedSetup {
         Ok(())
     }
 
-    /// Checks that a source that measures the arm and the fingers is not one of two for the same hand.
+    /// Checks that a hand has only one source if that source measures both the arm and the fingers.
     pub(super) fn check_parts(&self) -> Result<(), SetupError> {
         let setup = &self.setup;
         let other = setup.other_hand.as_ref();
@@ -172,7 +172,7 @@ impl LoadedSetup {
         }
     }
 
-    /// Checks that no port is the port of two sources.
+    /// Checks that no two sources need the same port.
     pub(super) fn check_ports(&self) -> Result<(), SetupError> {
         let uris: Vec<&SourceUri> = self.setup.source_uris().collect();
         let mut pairs = uris.iter().enumerate();
@@ -266,7 +266,7 @@ impl LoadedSetup {
         self.open_single_source(source, [self.arm.side()], PacketPeriod::Recorded)
     }
 
-    /// Returns what each source measures. `first` replaces the first source of the setup.
+    /// Returns the sources with the parts that they measure. `first` replaces the first source of the setup.
     fn parts<'a>(&'a self, first: &'a SourceUri) -> ArrayVec<OpenedPart<'a>, MAX_SOURCES> {
         let setup = &self.setup;
         let other = setup.other_hand.as_ref().zip(self.other_hand.as_ref());

@@ -15,7 +15,7 @@ use ademan_core::layout::Layout;
 pub struct ShareAnswer {
     /// All bytes.
     pub bytes: Vec<u8>,
-    /// The server has not closed the connection.
+    /// `true` if the server has not closed the connection.
     pub is_connected: bool,
 }
 

@@ -79,7 +79,7 @@ impl Client {
         }
     }
 
-    /// Returns whether the client receives [rounds](Self::push_round) of lines of this kind.
+    /// Returns `true` if the client receives [rounds](Self::push_round) of lines of this kind.
     pub fn has_rounds_of(&self, kind: LineKind) -> bool {
         LineKind::of_target(&self.target) == Some(kind)
     }
@@ -126,7 +126,7 @@ impl Client {
         }
     }
 
-    /// Returns whether lines wait for the client.
+    /// Returns `true` if lines wait for the client.
     pub fn is_behind(&self) -> bool {
         !self.outbox.is_empty()
     }
@@ -169,7 +169,7 @@ impl Client {
         }
     }
 
-    /// Returns whether the client has sent no request for too long.
+    /// Returns `true` if the client has sent no request for too long.
     fn is_overdue(&self) -> bool {
         let is_closing = matches!(self.conversation, Conversation::Closing);
         let is_silent = |since: Instant| since.elapsed() > REQUEST_TIMEOUT;

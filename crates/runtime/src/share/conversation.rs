@@ -35,7 +35,7 @@ impl Conversation {
         }
     }
 
-    /// Returns whether lines are sent as frames.
+    /// Returns `true` if lines are sent as frames.
     pub fn is_framed(&self) -> bool {
         matches!(self, Self::Socket(..))
     }

@@ -29,7 +29,7 @@ named_enum! {
 }
 
 impl ShareKind {
-    /// Returns the stage whose results the objects are.
+    /// Returns the stage that the objects are results of; `None` for objects that several stages contribute to.
     pub(super) const fn stage(self) -> Option<Stage> {
         match self {
             Self::Readings => Some(Stage::Readings),
@@ -43,7 +43,7 @@ impl ShareKind {
         }
     }
 
-    /// Returns whether every object replaces the one before it, so that a rate limit may leave some out.
+    /// Returns `true` if every object replaces the one before it, so that a rate limit may leave some out.
     const fn is_continuous(self) -> bool {
         matches!(
             self,
@@ -64,12 +64,12 @@ pub(super) enum LineKind {
 }
 
 impl LineKind {
-    /// Returns whether clients without requests receive it.
+    /// Returns `true` if clients without requests receive it.
     pub const fn is_plain(self) -> bool {
         !matches!(self, Self::Object(_))
     }
 
-    /// Returns the kind of the lines of a target whose clients cannot choose.
+    /// Returns the kind of the lines of a target; `None` if its clients choose the kinds.
     pub fn of_target(target: &ShareTarget) -> Option<Self> {
         match (target.format, target.link) {
             (ShareFormat::TextLine, ShareLink::Tls | ShareLink::Zenoh(_)) => {
@@ -98,7 +98,7 @@ impl KindSet {
         Self(Self::bit(kind))
     }
 
-    /// Returns the set of the kinds of objects.
+    /// Returns the set of these kinds of objects.
     pub fn of_objects(kinds: impl IntoIterator<Item = ShareKind>) -> Self {
         let bits = kinds
             .into_iter()
@@ -111,7 +111,7 @@ impl KindSet {
         self.0 |= other.0;
     }
 
-    /// Returns whether the set has a kind.
+    /// Returns `true` if the set has a kind.
     pub fn contains(self, kind: LineKind) -> bool {
         self.0 & Self::bit(kind) != 0
     }

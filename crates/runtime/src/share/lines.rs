@@ -27,11 +27,11 @@ const PLAIN_KINDS: [LineKind; 4] = [
 
 /// A line of a step.
 pub(super) struct Line {
-    /// Its kind.
+    /// The kind.
     pub kind: LineKind,
-    /// The next line of the kind replaces it.
+    /// `true` if the next line of the kind replaces it.
     pub is_continuous: bool,
-    /// Its bytes, with the line end.
+    /// The bytes, with the line end.
     pub bytes: Arc<[u8]>,
     /// The frame of a WebSocket, if a client wants it.
     pub frame: Option<Arc<[u8]>>,

@@ -21,7 +21,7 @@ const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 pub(super) struct Connection {
     /// The index of the server.
     pub server: usize,
-    /// Its bytes. No call blocks: without data or room, it fails with [`WouldBlock`](io::ErrorKind::WouldBlock).
+    /// The bytes. No call blocks: without data or room, it fails with [`WouldBlock`](io::ErrorKind::WouldBlock).
     pub stream: Box<dyn Stream>,
 }
 
@@ -33,8 +33,8 @@ pub(super) struct AcceptThread {
 }
 
 impl AcceptThread {
-    /// Passes each connection and the address of its client to `on_connection`, until that breaks; `address` is the one of the
-    /// listener.
+    /// Passes each connection and the address of its client to `on_connection`, until it returns `Break`; `address` is the
+    /// address of the listener.
     pub fn start(
         name: &str,
         listener: TcpListener,
@@ -69,7 +69,8 @@ impl Drop for AcceptThread {
     }
 }
 
-/// Listens at an address, and sends the connections to it with the index of the server. With a keeper, those that it admits.
+/// Listens at an address, and sends the connections with the index of the server. With a gatekeeper, only the connections that it
+/// admits.
 pub(super) fn listen(
     server: usize,
     address: SocketAddr,

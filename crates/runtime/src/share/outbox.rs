@@ -25,7 +25,7 @@ const CHUNKS_PER_WRITE: usize = 128;
 pub(super) struct Chunk {
     /// The lines with their ends.
     pub bytes: Arc<[u8]>,
-    /// Their number.
+    /// The number of lines.
     pub lines: u64,
 }
 
@@ -61,7 +61,7 @@ impl Outbox {
         }
     }
 
-    /// Returns whether no line waits.
+    /// Returns `true` if no line waits.
     pub fn is_empty(&self) -> bool {
         self.chunks.is_empty()
     }

@@ -36,7 +36,7 @@ pub(super) struct Subscription {
     period: Option<Duration>,
     /// The time from which the next one is due: of each hand, and of readings of both.
     due_at: [Option<Timestamp>; Side::COUNT + 1],
-    /// The present step is due.
+    /// `true` if the present step is due.
     is_due: bool,
     /// The number of the layout that was sent.
     layout: u64,
@@ -89,17 +89,17 @@ impl Subscription {
         }
     }
 
-    /// Returns whether it is a subscription to nothing.
+    /// Returns `true` if it is a subscription to nothing.
     pub fn is_empty(&self) -> bool {
         self.kinds == KindSet::default()
     }
 
-    /// Returns whether a line of the present step is wanted.
+    /// Returns `true` if a line of the present step is wanted.
     pub fn wants(&self, line: &Line) -> bool {
         self.kinds.contains(line.kind) && (self.is_due || !line.is_continuous)
     }
 
-    /// Returns whether a layout is wanted and was not sent, and remembers it as sent.
+    /// Returns `true` if a layout is wanted and was not sent, and remembers it as sent.
     pub fn starts_layout(&mut self, number: u64) -> bool {
         let is_wanted = self.kinds.contains(LineKind::Object(ShareKind::Layout));
         is_wanted && std::mem::replace(&mut self.layout, number) != number

@@ -31,7 +31,7 @@ impl Rounds {
         round.lines += 1;
     }
 
-    /// Returns whether no line waits.
+    /// Returns `true` if no line waits.
     pub fn is_empty(&self) -> bool {
         self.0.iter().all(|round| round.lines == 0)
     }

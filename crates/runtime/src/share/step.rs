@@ -18,7 +18,7 @@ pub(super) struct SharedStep {
     pub layout: Option<Arc<Layout>>,
     /// The rest of what a viewer draws.
     pub scene: SceneState,
-    /// The time since the start of the hub. The time of the reading is no clock if a simulated hand is late.
+    /// The time since the start of the hub. The time of the reading is not a clock if a simulated hand is late.
     pub shared_at: Timestamp,
 }
 

@@ -15,7 +15,7 @@ pub(super) enum Received {
     Request(Vec<u8>),
     /// Bytes to send to the client.
     Reply(Arc<[u8]>),
-    /// The client may not go on, for this reason.
+    /// The client is disconnected, for this reason.
     Refused(String),
     /// The client has gone, or there is no way to tell it what is wrong.
     Gone,
@@ -70,7 +70,7 @@ pub(super) fn read(stream: &mut dyn Read, buffer: &mut [u8]) -> Input {
     }
 }
 
-/// Returns whether a stream without data failed with this kind of error.
+/// Returns `true` if a stream without data failed with this kind of error.
 pub(super) fn is_temporary(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }

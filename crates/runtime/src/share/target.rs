@@ -52,17 +52,17 @@ impl ShareFormat {
         }
     }
 
-    /// Returns whether the format has one line for each accepted reading, and no requests.
+    /// Returns `true` if the format has one line for each accepted reading, and no requests.
     pub const fn is_plain(self) -> bool {
         matches!(self, Self::TextLine | Self::Angles | Self::Pose)
     }
 
-    /// Returns whether clients of other machines are served over TLS.
+    /// Returns `true` if clients of other machines are served over TLS.
     pub const fn can_have_tls(self) -> bool {
         self.is_plain() || matches!(self, Self::Json)
     }
 
-    /// Returns whether the format is sent to an address, instead of served to clients that connect.
+    /// Returns `true` if the format is sent to an address, instead of served to clients that connect.
     pub const fn is_datagram(self) -> bool {
         matches!(self, Self::Vmc | Self::Opentrack)
     }

@@ -86,7 +86,7 @@ fn click_of_event(event: &OutputEvent) -> Option<Click> {
     }
 }
 
-/// Returns the presses so far that reached no output. Suppressed motions of a pointer are left out: they are no presses.
+/// Returns the presses so far that reached no output. Suppressed motions of a pointer are left out: they are not presses.
 fn suppressed_presses(stats: &Stats) -> u64 {
     let suppressed = stats.suppressed;
     suppressed.rate_limited

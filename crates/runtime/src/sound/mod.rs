@@ -24,16 +24,16 @@ use self::server::SoundServer;
 use crate::session::view::{View, Viewer};
 use ademan_core::snapshot::Snapshot;
 
-/// Clicks that wait for the sound server. More would be late.
+/// Maximum number of clicks that wait for the sound server. Further ones would be late.
 const QUEUED_CLICKS: usize = 4;
 
 /// Volume of the clicks before it is chosen, as a fraction of the full volume.
 pub const DEFAULT_VOLUME: f32 = 0.5;
 
-/// Reason why clicks are not heard.
+/// Reason why no clicks are heard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SoundError {
-    /// No sound server is reached.
+    /// No sound server can be reached.
     #[error("no clicks are heard: {0}; start PulseAudio or PipeWire, or turn the clicks off")]
     NoServer(String),
     /// The server does not play the click.
@@ -67,7 +67,7 @@ pub struct ClickPlayer {
     errors: Receiver<SoundError>,
 }
 
-/// The end of a player for its thread.
+/// The receiving end of a player, for its thread.
 pub struct PlayerEnd {
     volume: Volume,
     clicks: Receiver<Click>,
@@ -153,7 +153,7 @@ impl PlayerEnd {
     fn play(&self) {
         let mut server = None;
         for click in &self.clicks {
-            // A connection takes time; of the clicks before, the latest is played.
+            // A connection takes time; of the clicks that have waited, only the latest is played.
             let click = self.clicks.try_iter().last().unwrap_or(click);
             let connected = match server.take() {
                 Some(server) => Ok(server),

@@ -3,7 +3,7 @@
 //! - **Jitter**: the root mean square of the deviation from the mean of each window of [`WINDOW`], over the quietest fifth of
 //!   the windows. A slow movement within a window counts as jitter.
 //! - **Lag**: the shift at which the speeds of the filtered values correlate best with the speeds of the raw ones, with a
-//!   parabola through the best shift and its neighbours. It needs movement and evenly spaced readings. Only the filters cause it:
+//!   parabola through the best shift and its neighbors. It needs movement and evenly spaced readings. Only the filters cause it:
 //!   the delay of the sensor is not in the readings.
 
 use std::collections::VecDeque;
@@ -44,7 +44,7 @@ pub struct SignalStats {
     /// Speeds of the filtered values one reading before.
     filtered_speed: Option<Vec<f64>>,
     /// Products of the filtered speeds one reading before with the raw ones, which begin with the present: the shifts begin
-    /// with −1, so that the best one has a neighbour on both sides.
+    /// with −1, so that the best one has a neighbor on both sides.
     products: [f64; MAX_SHIFT],
     squares: [f64; MAX_SHIFT],
     /// Time and number of the differences.

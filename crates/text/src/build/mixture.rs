@@ -30,11 +30,11 @@ const LEAST_WEIGHT: f64 = 1e-6;
 /// A word behind others.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Its node.
+    /// The node.
     pub node: u32,
-    /// Its probability.
+    /// The probability.
     pub probability: f64,
-    /// Its probability if it is not stored, before the weight of the row.
+    /// The probability if it is not stored, before the weight of the row.
     pub shorter: f64,
     /// The share of words of a text that it is, behind the words of the row.
     frequency: f64,

@@ -34,7 +34,7 @@ use counts::Counts;
 
 /// The size up to which pairs and threes of words are kept.
 const MAX_BYTES: usize = 4_000_000;
-/// The bytes up to which pairs and threes are kept whatever the words take.
+/// The size up to which pairs and threes are kept in any case, even if the words leave no room for them.
 const MIN_PAIR_BYTES: usize = 1_000_000;
 
 /// Lists and texts that make no model.
@@ -91,7 +91,7 @@ impl Builder {
     ///
     /// # Errors
     ///
-    /// Fails at the first line whose weight is no finite number from 0; nothing of the list is added then.
+    /// Fails at the first line whose weight is not a finite number of 0 or more; nothing of the list is added then.
     pub fn words(&mut self, list: &str) -> Result<(), LineError> {
         let mut words = Vec::new();
         let list = list.trim_start_matches(BYTE_ORDER_MARK);

@@ -15,7 +15,7 @@ pub fn build<'a>(
     words: &'a Words,
     alphabet: &Alphabet,
 ) -> Result<(Vec<u8>, Indices<'a>), BuildError> {
-    // Alphabets are sorted, so words with a common prefix are neighbours, and a node is a range of words.
+    // Alphabets are sorted, so words with a common prefix are neighbors, and a node is a range of words.
     let mut sorted: Vec<(&str, Vec<Symbol>, u8, Case)> = words
         .iter()
         .map(|(word, entry)| {

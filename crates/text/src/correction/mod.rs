@@ -59,7 +59,7 @@ pub const MAX_EDITS: usize = 84;
 /// At the end of a word, after this many taps, the text before is final.
 const SETTLED_TAPS: usize = 60;
 
-/// A correction that one Backspace takes back.
+/// A correction that one Backspace undoes.
 #[derive(Clone, Debug, Default)]
 struct Undo {
     is_possible: bool,
@@ -67,7 +67,7 @@ struct Undo {
     corrected: usize,
     /// The text that they replaced.
     typed: String,
-    /// That text ends inside a word.
+    /// `true` if that text ends inside a word.
     is_inside: bool,
 }
 
@@ -82,7 +82,7 @@ pub struct Corrector<'m> {
     shown: String,
     target: String,
     undo: Undo,
-    /// The decoder has not seen the beginning of the word.
+    /// `true` if the decoder has not seen the beginning of the word.
     is_partial: bool,
     /// The last word was swiped.
     swiped: Option<Swiped>,
@@ -141,7 +141,7 @@ impl<'m> Corrector<'m> {
     /// Learns where the person taps from the text in the field, which is final. Returns `true` if the decoder knows that text.
     fn learn(&mut self) -> bool {
         let is_known = self.mode != Mode::Literal && !self.is_partial && self.decoder.taps() > 0;
-        // A text that stays although another one is more probable is no evidence.
+        // A text that stays although another one is more probable is not evidence.
         if is_known && same_letters(self.decoder.best(), &self.shown) {
             self.decoder.commit();
         }
@@ -169,7 +169,7 @@ impl<'m> Corrector<'m> {
         self.is_partial || self.shown.ends_with(|last| !ends_word(last))
     }
 
-    /// Drops what is pending, and goes on behind text that ends inside a word or does not.
+    /// Drops what is pending, and continues after other text; `is_inside` is `true` if that text ends inside a word.
     pub fn set_inside_word(&mut self, is_inside: bool) {
         self.reset();
         self.is_partial = is_inside;
@@ -286,7 +286,7 @@ impl<'m> Corrector<'m> {
         // A space that may mean nothing, or a letter, is kept until it is clear where the word ends.
         let is_clear = self.target.ends_with(ends_word);
         if is_clear && !self.replace() {
-            // A word that stays as it was typed is no evidence for what follows.
+            // A word that stays as it was typed is not evidence for what follows.
             self.decoder.commit_typed();
             self.count_words();
             self.shown.clear();
@@ -345,7 +345,7 @@ impl<'m> Corrector<'m> {
             self.target.extend(self.shown.chars().take(kept));
             self.target.push_str(&self.undo.typed);
             self.shown.clear();
-            // The rest of a word is no word, and its beginning is no word to be learned.
+            // The rest of a word is not a word, and its beginning is not a word to be learned.
             self.is_partial = self.undo.is_inside;
             if let Some(swiped) = self.swiped.take() {
                 self.decoder.start_behind(swiped.before);

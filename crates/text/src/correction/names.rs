@@ -19,7 +19,7 @@ pub type Name = ArrayString<MAX_BYTES>;
 struct Counted {
     word: Name,
     uses: u8,
-    /// Each use had a capital: one at the start of a sentence says nothing.
+    /// `true` if each use had a capital; a use at the start of a sentence does not count.
     is_capital: bool,
 }
 

@@ -10,9 +10,9 @@ use crate::keyboard::Millimetres;
 pub(super) struct Swiped {
     /// The text before it.
     pub before: Before,
-    /// A space was typed before it, as a word without one was there.
+    /// `true` if a space was typed before it, because a word without one was there.
     has_space: bool,
-    /// The text before it ends inside a word, as far as is known.
+    /// `true` if the text before it ends inside a word, as far as is known.
     is_inside: bool,
 }
 

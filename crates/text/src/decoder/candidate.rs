@@ -13,6 +13,6 @@ pub fn same_letters(left: &str, right: &str) -> bool {
 pub struct Candidate {
     /// The text.
     pub text: String,
-    /// Its log-probability.
+    /// The log-probability.
     pub score: f32,
 }

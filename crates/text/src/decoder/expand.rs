@@ -1,4 +1,4 @@
-//! The hypotheses that one hypothesis becomes with a tap.
+//! The expansion of one hypothesis by a tap into its successors.
 
 use super::beam::Beam;
 use super::marks::{JOINT, is_punctuation, joins_words, punctuation};
@@ -15,15 +15,15 @@ use crate::model::spelling::START;
 
 /// The log-probability of each character of a word with digits or signs.
 pub const ANY_CHARACTER: f32 = -3.2;
-/// A closing quotation mark or a letter right behind punctuation.
+/// The log-probability of a closing quotation mark or a letter right after punctuation.
 const RARE: f32 = -3.0;
-/// More punctuation right behind punctuation.
+/// The log-probability of more punctuation right after punctuation.
 const DOUBLE: f32 = -5.0;
-/// A second space.
+/// The log-probability of a second space.
 const SECOND_SPACE: f32 = -7.0;
-/// A spurious tap that hits the space bar, which a thumb rests on.
+/// The additional cost of a spurious tap on the space bar, which a thumb rests on.
 const SPURIOUS_SPACE: f32 = -7.0;
-/// A spurious tap that types a digit or a sign with no letter near it, such as what is typed with Shift.
+/// The additional cost of a spurious tap that types a digit or a sign with no letter near it, such as a character with Shift.
 const SPURIOUS_SIGN: f32 = -8.0;
 
 /// The step of one tap.
@@ -33,12 +33,13 @@ pub struct Expansion<'a, 'm> {
     pub touches: &'a Touches,
     pub beam: &'a mut Beam,
     pub apostrophe: Option<Symbol>,
-    /// The key that was typed, its character, and whether it is neither letter, space nor punctuation.
+    /// The key that was typed, and its character.
     pub typed: (usize, char),
+    /// `true` if the character is neither a letter, a space nor punctuation.
     pub is_sign: bool,
 }
 
-/// Returns the log-probability that a word that the lexicon has not ends.
+/// Returns the log-probability that a word that is not in the lexicon ends.
 pub fn spelling_end(model: &Model, options: &Options, state: u16, is_typed: bool) -> f32 {
     let end = options.language * model.spelling.end(state);
     if is_typed {
@@ -65,7 +66,7 @@ impl Partial {
 }
 
 impl Expansion<'_, '_> {
-    /// Adds what a hypothesis becomes with the tap.
+    /// Adds the successors of a hypothesis with the tap.
     pub fn expand(&mut self, token: &Token) {
         let partial = Partial {
             token: *token,
@@ -215,8 +216,8 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Uses the tap as the sign that it typed, behind a complete word of a case or at the start of one. `expected` is the part of the
-    /// score that stands for the word to come.
+    /// Uses the tap as the sign that it typed, after a complete word, with its case, or at the start of a word. `expected` is the part
+    /// of the score that stands for the word to come.
     fn joint(&mut self, partial: &Partial, expected: f32, case: Case) {
         let (key, sign) = self.typed;
         if !self.is_sign || !joins_words(sign) {
@@ -231,7 +232,7 @@ impl Expansion<'_, '_> {
         self.push(next);
     }
 
-    /// Returns the hypothesis with its word complete, or `None` if it is none, or too unlikely for the tap.
+    /// Returns the hypothesis with its word complete, or `None` if it is not a word, or too unlikely for the tap.
     fn ended(&self, partial: &Partial) -> Option<Partial> {
         let node = partial.node();
         let contents = self.model.lexicon.node(node);
@@ -253,7 +254,7 @@ impl Expansion<'_, '_> {
         Some(ended)
     }
 
-    /// Uses the tap as a space or punctuation behind a complete word.
+    /// Uses the tap as a space or punctuation after a complete word.
     fn separators(&mut self, ended: &Partial, node: u32, case: Case) {
         if ended.token.score + self.touches.separator() + SLACK <= self.beam.limit() {
             return;
@@ -290,14 +291,14 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Starts a word that the lexicon has not.
+    /// Starts a word that is not in the lexicon.
     fn unknown(&mut self, partial: &Partial) {
         let mut start = *partial;
         start.token.score += self.options.unknown - self.best(ROOT);
         self.spell(&start, START, true);
     }
 
-    /// Uses the tap as a letter of a word that the lexicon has not.
+    /// Uses the tap as a letter of a word that is not in the lexicon.
     fn spell(&mut self, partial: &Partial, state: u16, is_typed: bool) {
         if !self.is_open(partial.token.score) {
             return;
@@ -345,7 +346,7 @@ impl Expansion<'_, '_> {
         spelling_end(self.model, self.options, state, is_typed)
     }
 
-    /// Uses the tap as a character of a word with digits or signs: the one that was typed.
+    /// Uses the tap as the typed character of a word with digits or signs.
     fn verbatim(&mut self, partial: &Partial) {
         let (key, character) = self.typed;
         let touch = self.touches.of_key(key, &partial.token.drift);
@@ -362,7 +363,7 @@ impl Expansion<'_, '_> {
         self.push(next);
     }
 
-    /// Goes on behind punctuation: with its space, more of it, or a letter.
+    /// Continues after punctuation: with its space, more punctuation, or a letter.
     fn gap(&mut self, partial: &Partial) {
         let mut start = *partial;
         start.token.place = Place::Word(ROOT);
@@ -394,7 +395,7 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Goes on as if a letter or a space had not been tapped.
+    /// Continues as if a letter or an apostrophe had not been tapped.
     fn skips(&mut self, partial: &Partial) {
         let node = partial.node();
         let options = *self.options;
@@ -425,7 +426,7 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Uses the tap as the first letter of a word behind a complete one.
+    /// Uses the tap as the first letter of a word after a complete one, without a space.
     fn missing_space(&mut self, ended: &Partial, node: u32) {
         let mut ended = *ended;
         ended.token.score += self.options.missing_space + self.best(ROOT);
@@ -438,7 +439,7 @@ impl Expansion<'_, '_> {
         }
     }
 
-    /// Adds what a hypothesis from before the last tap becomes if that tap and this one came in the wrong order.
+    /// Adds the successors of a hypothesis from before the previous tap if the previous tap and this one came in the wrong order.
     pub fn transpose(&mut self, token: &Token, previous: Millimetres) {
         let Place::Word(node) = token.place else {
             return;

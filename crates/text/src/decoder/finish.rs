@@ -9,7 +9,7 @@ use crate::model::lexicon::{Case, ROOT};
 /// A hypothesis as a complete text.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished {
-    /// Its log-probability.
+    /// The log-probability.
     pub score: f32,
     /// The last character of its chain.
     pub end: u32,
@@ -19,7 +19,7 @@ pub struct Finished {
     pub case: Case,
     /// The node of its last word, if the lexicon has it.
     pub word: Option<u32>,
-    /// Its index.
+    /// The index.
     pub token: usize,
 }
 

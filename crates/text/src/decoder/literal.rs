@@ -17,12 +17,12 @@ const CORRECTED_TRUST: f32 = 0.4;
 /// The current word as the typed characters spell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Word {
-    /// Its letters.
+    /// The letters.
     prefix: Prefix,
     state: u16,
     /// The log-probability of the spelling.
     spelled: f32,
-    /// The word has digits or signs.
+    /// `true` if the word has digits or signs.
     has_sign: bool,
 }
 

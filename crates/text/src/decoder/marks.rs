@@ -14,7 +14,7 @@ pub fn is_punctuation(character: char) -> bool {
     )
 }
 
-/// Returns `true` for a sign that stands between words and is no part of one: words on both sides may be of the lexicon.
+/// Returns `true` for a sign that stands between words and is not part of one: words on both sides may be of the lexicon.
 pub fn joins_words(character: char) -> bool {
     (ends_word(character) || character == '_') && !is_punctuation(character) && character != ' '
 }

@@ -1,9 +1,9 @@
 //! The decoder: from taps to the text that they most probably mean.
 //!
-//! A hypothesis is a place in the lexicon, the word before, the characters until now and the drift of the hands that fits them. With
+//! A hypothesis is a place in the lexicon, the word before, the characters so far and the drift of the hands that fits them. With
 //! each tap a hypothesis becomes several: the next letter, the end of the word, nothing at all (an insertion), a letter after one that was
-//! left out (an omission), two letters in the wrong order, a new word without a space, or a letter of a word that the lexicon does not
-//! have. Their score is
+//! left out (an omission), two letters in the wrong order, a new word without a space, or a letter of a word that is not in the
+//! lexicon. Their score is
 //!
 //! ```text
 //! Σ ln N(tap; key + offset + drift, Σ) + λ Σ ln P(word | word before) + Σ cost of each error
@@ -54,28 +54,29 @@ use crate::model::{Model, ends_sentence};
 use crate::swipe::Swipes;
 use crate::touch::TouchModel;
 
-/// The most taps between two commits; the next one commits by itself.
+/// Maximum number of taps between two commits. The next tap commits first.
 pub const MAX_TAPS: usize = 512;
-/// The candidates beside what was typed.
+/// Maximum number of candidates, in addition to the typed text.
 pub const CANDIDATES: usize = 3;
-/// The complete hypotheses of which the candidates are chosen.
+/// Number of complete hypotheses from which the candidates are chosen.
 const FINISHED: usize = 16;
-/// The most that the score of a hypothesis gains with a word that is likelier after the one before than alone.
+/// Largest gain of the score of a hypothesis, in nats, by a word that is likelier after the word before than alone.
 const GAIN: f32 = 8.0;
-/// The hypotheses of the step before that are tried for letters in the wrong order.
+/// Number of hypotheses of the previous step that are tried for letters in the wrong order.
 const TRANSPOSED: usize = 40;
 
-/// The log-probability that unknown text ends with punctuation without the space behind it.
+/// The log-probability that unknown text ends with punctuation that has no space after it.
 const BEHIND_UNKNOWN: f32 = -3.0;
-/// The taps of a sentence in whose unknown middle typing starts: a period is as likely as a comma.
+/// The number of taps that a sentence is assumed to have if typing starts in its unknown middle: a period is then as likely as a
+/// comma.
 const MIDDLE: u16 = 20;
 
-/// The place in front of the first tap.
+/// The place in the text before the first tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Start {
     /// The start of a word.
     Word,
-    /// Behind punctuation, before its space.
+    /// After punctuation, before its space.
     Behind,
     /// Either of them.
     Anywhere,
@@ -142,7 +143,7 @@ pub struct Decoder<'m> {
 }
 
 impl<'m> Decoder<'m> {
-    /// Makes a decoder at the start of a sentence.
+    /// Creates a decoder at the start of a sentence.
     pub fn new(
         mut model: Model<'m>,
         keyboard: Keyboard,
@@ -197,7 +198,7 @@ impl<'m> Decoder<'m> {
         &self.touch
     }
 
-    /// Makes a word of the person one that taps may mean.
+    /// Adds a word of the person, which taps may mean from now on.
     pub fn add_own_word(&mut self, word: &str) {
         self.model.add_own_word(word);
     }
@@ -213,7 +214,7 @@ impl<'m> Decoder<'m> {
         self.start_anywhere();
     }
 
-    /// Drops all taps, and goes on behind unknown text with what another decoder has learned of a person.
+    /// Drops all taps, and continues after unknown text with what another decoder has learned of the person.
     pub(crate) fn take_over(&mut self, before: &Decoder) {
         self.model.own_mut().take_over(before.model.own());
         self.touch = before.touch.clone();
@@ -250,7 +251,7 @@ impl<'m> Decoder<'m> {
         self.starts_sentence = true;
     }
 
-    /// Drops all taps and goes on behind unknown text, without learning, and with hands that may have moved.
+    /// Drops all taps and continues after unknown text, without learning. The hands may have moved.
     pub fn start_anywhere(&mut self) {
         self.touches.lift();
         self.row = NO_ROW;
@@ -396,7 +397,7 @@ impl<'m> Decoder<'m> {
         }
     }
 
-    /// Drops characters that no hypothesis has, if little room is left.
+    /// Drops characters that belong to no hypothesis, if little room is left.
     fn make_room(&mut self) {
         if self.history.has_room() {
             return;
@@ -418,7 +419,7 @@ impl<'m> Decoder<'m> {
         self.history.unmark();
     }
 
-    /// Takes the last tap back.
+    /// Removes the last tap, by decoding the taps before it again: the time grows with their number.
     pub fn untap(&mut self) {
         if self.taps.pop().is_none() {
             return;

@@ -22,13 +22,13 @@ pub enum Place {
 /// A hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub struct Token {
-    /// Its log-probability plus the log-probability of the likeliest word that it can become.
+    /// The log-probability plus the log-probability of the likeliest word that it can become.
     pub score: f32,
-    /// Its place.
+    /// The place.
     pub place: Place,
     /// The word before.
     pub row: Row,
-    /// Its last character.
+    /// The last character.
     pub end: u32,
     /// The taps since its last sentence ended.
     pub sentence: u16,

@@ -15,15 +15,15 @@ struct KeyTouch {
     /// The logarithm of the density at the mean.
     peak: f32,
     hand: usize,
-    /// The part of a residual that is drift, on each axis; nothing along a space bar.
+    /// The fraction of a residual that is drift, along each axis; 0 along a space bar.
     gain: Millimetres,
-    /// The largest residual that is taken for drift.
+    /// The largest residual that counts as drift, in millimetres along each axis.
     reach: Millimetres,
     wide: bool,
     size: Millimetres,
 }
 
-/// The knowledge from the taps before.
+/// The knowledge from the previous taps.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried {
     /// The variance of the drift of each hand.
@@ -43,11 +43,11 @@ struct LetterKeys {
 /// A key near a tap.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
-    /// Its character.
+    /// The character.
     pub character: char,
-    /// Its letter, if it types one.
+    /// The letter, if it types one.
     pub symbol: Option<Symbol>,
-    /// Its index.
+    /// The index.
     pub key: usize,
 }
 
@@ -72,19 +72,20 @@ pub struct Touches {
     stray: f32,
     /// The largest log-likelihood of a key that ends a word.
     separator: f32,
-    /// For each letter, more than the log-likelihood of the tap for any hypothesis that counts.
+    /// An upper bound, by letter, of the log-likelihood of the tap for any hypothesis that counts.
     bounds: Vec<f32>,
 }
 
-/// The most by which a hypothesis of the drift makes a tap likelier than the best one does.
+/// The largest gain in log-likelihood of a tap by another hypothesis of the drift than the best one.
 pub const SLACK: f32 = 1.0;
-/// The share of spurious taps that land near the tap before, and their spread in sizes of a key.
+/// The fraction of spurious taps that land near the tap before.
 const STRAY_NEAR: f32 = 0.8;
+/// The spread of the spurious taps near the tap before, as a multiple of the size of a key.
 const STRAY_SPREAD: f32 = 0.9;
-/// One tap in 22 scatters twice as widely as the others, ln(1 / 22) − 2 ln 2: taps of people have heavier tails than a normal
-/// distribution.
+/// The log-weight of the wide part of the scatter, ln(1 / 22) − 2 ln 2: one tap in 22 scatters twice as widely as the others, because
+/// taps of people have heavier tails than a normal distribution.
 const TAIL: f32 = -4.5;
-/// A key that is this much less likely than the likeliest one is not near.
+/// Largest difference in log-likelihood of a near key from the likeliest key.
 const NEAR: f32 = 8.0;
 
 impl Touches {
@@ -132,7 +133,7 @@ impl Touches {
         touches
     }
 
-    /// Takes over what was learned.
+    /// Computes the keys from the learned touch model.
     pub fn learn(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
         self.keys.clear();
         let spreads = touch.spreads_of(keyboard, self.carried.precision.take());
@@ -150,20 +151,20 @@ impl Touches {
         }
     }
 
-    /// Forgets the person, of whom nothing is known.
+    /// Returns to the prior, for an unknown person.
     pub fn forget(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
         self.carried.precision = Precision::new(&touch.prior);
         self.lift();
         self.learn(keyboard, touch);
     }
 
-    /// Forgets how well the drift is known, and where the last tap was.
+    /// Forgets the position of the last tap and how well the drift is known, after the hands were lifted.
     pub fn lift(&mut self) {
         self.carried.variance = [self.first_variance; 2];
         self.carried.last = None;
     }
 
-    /// Computes the keys again if the last taps show another precision than they have.
+    /// Computes the keys again if the last taps show another precision than the one that the keys were computed with.
     pub fn refresh(&mut self, keyboard: &Keyboard, touch: &TouchModel) {
         if self.carried.precision.has_changed() {
             self.learn(keyboard, touch);
@@ -182,7 +183,7 @@ impl Touches {
         };
     }
 
-    /// Starts a tap, seen from a hypothesis of the drift.
+    /// Starts a tap under a hypothesis of the drift.
     pub fn tap(&mut self, tap: Millimetres, nearest: usize, drift: &[Millimetres; 2]) {
         self.tap = tap;
         for variance in &mut self.carried.variance {
@@ -241,7 +242,7 @@ impl Touches {
         }
     }
 
-    /// Notes that the tap of this step told something about the drift of a hand.
+    /// Reduces the uncertainty of the drift of a hand after the tap of this step.
     pub fn settle(&mut self, nearest: usize) {
         let key = self.keys[nearest];
         let variance = &mut self.carried.variance[key.hand];
@@ -277,7 +278,7 @@ impl Touches {
         self.stray
     }
 
-    /// Returns more than the log-likelihood of the tap for a letter with any likely drift.
+    /// Returns an upper bound of the log-likelihood of the tap for a letter, for any likely drift.
     pub fn bound(&self, symbol: Symbol) -> f32 {
         self.bounds
             .get(usize::from(symbol))
@@ -290,7 +291,7 @@ impl Touches {
         self.likeliest
     }
 
-    /// Returns the log-likelihood of a tap far from every key that it may mean.
+    /// Returns the smallest log-likelihood of a tap for a key: of a tap far from the key.
     pub fn anywhere(&self) -> f32 {
         self.floor
     }
@@ -319,7 +320,7 @@ impl Touches {
         self.letter_at(self.tap, symbol, drift)
     }
 
-    /// Like [`of_letter`](Self::of_letter), for another tap.
+    /// Returns the result of [`of_letter`](Self::of_letter) for another tap.
     pub fn letter_at(
         &self,
         tap: Millimetres,
@@ -353,7 +354,7 @@ impl Touches {
         };
         for (axis, shift) in drift[key.hand].iter_mut().enumerate() {
             let residual = self.tap[axis] - key.spread.mean[axis] - *shift;
-            // A slip to another key is no drift.
+            // A slip to another key is not drift.
             if residual.abs() < key.reach[axis] {
                 *shift += key.gain[axis] * residual;
             }

@@ -12,15 +12,16 @@ use ademan_core::hand::Finger;
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 
-/// The fewest letters of a layout that the decoder is of use for.
+/// Smallest number of letters in a layout for which the decoder is of use.
 const MIN_LETTERS: usize = 10;
 
 /// The distance between boards in the plane of the decoder, in millimetres: too far for a tap to miss its board.
 const BOARD_GAP: f32 = 200.0;
 
-/// The coordinate of keys without a place in the plane of the decoder, in millimetres.
+/// The coordinate in the plane of the decoder of keys that have no position on a board, in millimetres.
 const ELSEWHERE: f32 = 20_000.0;
-/// The distance of what keys type with Shift from what they type without, such as `?` from `/`, in millimetres.
+/// The distance in the plane of the decoder from the position of a character without Shift to the position of the character with it,
+/// such as from `/` to `?`, in millimetres.
 const SHIFTED: f32 = 40_000.0;
 
 /// The way in which a character is typed.
@@ -37,15 +38,15 @@ pub(super) enum Typed {
 struct Place {
     target: TargetId,
     character: char,
-    /// The center in the plane of the decoder of the first key of the character.
+    /// The center, in the plane of the decoder, of the first key that types the character.
     center: Millimetres,
     /// Its own center in that plane.
     own_center: Millimetres,
-    /// Its smaller extent, in millimetres.
+    /// The smaller extent, in millimetres.
     width: f32,
-    /// The index of its board, if fingers swipe over that.
+    /// The index of its board, if fingers swipe over the board.
     swiped_board: Option<usize>,
-    /// From the frame of the board to the frame of the key.
+    /// The transform from the frame of the board to the frame of the key.
     target_from_surface: Pose,
 }
 
@@ -55,7 +56,7 @@ pub(super) struct TextKeys {
     keyboard: Keyboard,
     places: Vec<Place>,
     codes: Vec<KeyCode>,
-    /// The layout types characters independent of the keymap.
+    /// `true` if characters may be typed independent of the keymap.
     has_text: bool,
 }
 
@@ -130,7 +131,7 @@ impl TextKeys {
         })
     }
 
-    /// Lets characters that no key types be written as text.
+    /// Permits characters that no key types to be written as text, if `has_text` is `true`.
     pub(super) fn with_text(mut self, has_text: bool) -> Self {
         self.has_text |= has_text;
         self
@@ -141,7 +142,7 @@ impl TextKeys {
         &self.keyboard
     }
 
-    /// Returns what the filter may emit beside the events of the layout.
+    /// Returns the capabilities that the filter needs in addition to the events of the layout.
     pub(super) fn capabilities(&self) -> Capabilities {
         let own = [KeyCode::BACKSPACE, KeyCode::SHIFT_LEFT];
         let codes = own.into_iter().chain(self.codes.iter().copied());
@@ -149,8 +150,8 @@ impl TextKeys {
         codes.map(Capability::Key).chain(text).collect()
     }
 
-    /// Returns the place of a press in the plane of the decoder, and the character of its key in the base layer; `None` for a key
-    /// that types none.
+    /// Returns the character of the pressed key in the base layer, and the position of the press in the plane of the decoder; `None` for
+    /// a key that types no character.
     pub(super) fn locate(&self, press: &Press) -> Option<(char, Millimetres)> {
         let mut places = self.places.iter();
         let place = places.find(|place| place.target == press.target)?;
@@ -188,7 +189,7 @@ impl TextKeys {
         Some(([x + pad.x * 1e3, y - pad.y * 1e3], pad.z * 1e3))
     }
 
-    /// Returns the center of the key of a character, in whatever case; `None` if no key types it.
+    /// Returns the center of the key of a character, ignoring its case; `None` if no key types it.
     pub(super) fn center(&self, character: char) -> Option<Millimetres> {
         let index = self.keyboard.index(lower(character))?;
         Some(self.keyboard.keys()[index].center)
@@ -204,7 +205,7 @@ impl TextKeys {
         base_character(character).map_or((plain, 0.0), |base| (base, SHIFTED))
     }
 
-    /// Returns how a character is typed; `None` if it cannot be.
+    /// Returns the way in which a character is typed; `None` if it cannot be typed.
     pub(super) fn typed(&self, character: char) -> Option<Typed> {
         let by_key = [false, true].into_iter().find_map(|shifted| {
             let mut codes = self.codes.iter();
@@ -262,8 +263,9 @@ fn base_character(shifted: char) -> Option<char> {
     keys.find_map(|(code, has_shift)| code.us_character(false).filter(|_| has_shift))
 }
 
-/// Adds keys for the characters that are typed with Shift or in a layer. They are away from all others: their taps say nothing about
-/// the keys below. What is typed with Shift has its neighbors around it; the rest is away from everything.
+/// Adds keys for the characters that are typed with Shift or in a layer. They are away from all other keys, because their taps say
+/// nothing about the keys below. Characters that are typed with Shift are arranged as their keys are; the others are away from
+/// everything.
 fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
     for key in &layout.keys {
         let actions = key.actions.iter().copied().flatten();
@@ -292,7 +294,7 @@ fn add_elsewhere(layout: &Layout, keys: &mut Vec<Key>) {
     }
 }
 
-/// Returns whether a key of a layout takes candidates or changes the mode.
+/// Returns `true` if a key of a layout takes candidates or changes the mode.
 pub fn has_text_commands(layout: &Layout) -> bool {
     let actions = layout.keys.iter().flat_map(|key| {
         let own = key.actions.iter().copied().flatten();

@@ -119,7 +119,7 @@ impl Step {
         self.held.release_order().any(KeyCode::is_shift)
     }
 
-    /// Returns whether a modifier other than Shift is down.
+    /// Returns `true` if a modifier other than Shift is down.
     pub(super) fn has_shortcut(&self) -> bool {
         let mut held = self.held.release_order();
         held.any(|key| key.is_modifier() && !key.is_shift())

@@ -46,11 +46,11 @@ pub(super) struct Stroke {
     start: Timestamp,
     seen: Timestamp,
     above_since: Option<Timestamp>,
-    /// It has gone far enough to be no tap.
+    /// `true` if it has gone too far to be a tap.
     pub(super) is_swipe: bool,
-    /// The letter was typed.
+    /// `true` if the letter was typed.
     is_typed: bool,
-    /// It is too long for a word.
+    /// `true` if it is too long for a word.
     is_void: bool,
 }
 
@@ -59,9 +59,9 @@ pub(super) struct Stroke {
 pub(super) enum Progress {
     /// The finger is down.
     Down,
-    /// It was lifted.
+    /// The finger was lifted.
     Lifted,
-    /// It is not known any more.
+    /// The finger is no longer known.
     Lost,
 }
 
@@ -93,7 +93,7 @@ impl Stroke {
         })
     }
 
-    /// Notes that a character was typed. Returns `false` if it is not the pressed one, so that it is no letter to be replaced.
+    /// Notes that a character was typed. Returns `false` if it is not the pressed one, so that it is not a letter to be replaced.
     pub(super) fn note_typed(&mut self, character: char) -> bool {
         let is_own = !self.is_typed && lower(character) == self.character;
         self.is_typed |= is_own;

@@ -20,10 +20,11 @@ use ademan_core::pipeline::press_filter::{CandidateText, FilterInput};
 use ademan_core::pipeline::{PressFilter, TextState};
 use ademan_core::time::Timestamp;
 
-/// A Backspace that is held longer may repeat, so the text in the field is no longer known. The shortest delay of a desktop.
+/// Longest time for which Backspace is held without repeating: the shortest delay of a desktop. After it, the text in the field is not
+/// known.
 const REPEAT_DELAY: Duration = Duration::from_millis(250);
 
-/// After this time without a key, the person may have gone to another text field with another device.
+/// Time without a key after which the person may have gone to another text field with another device.
 const IDLE_TIME: Duration = Duration::from_secs(10);
 
 /// The longest time from a press to its event: a chord, or a key that acts on release.
@@ -39,7 +40,7 @@ struct Evidence {
 
 /// A text decoder between the devices of a layout and the output gate.
 ///
-/// In [`TextMode::Literal`] it changes nothing. In the other modes keys that type characters are tapped: no receiver repeats them.
+/// In [`TextMode::Literal`] it changes nothing. In the other modes it taps keys that type characters, so that no receiver repeats them.
 pub(super) struct TextFilter {
     corrector: Corrector<'static>,
     keys: TextKeys,
@@ -47,20 +48,20 @@ pub(super) struct TextFilter {
     evidence: ArrayVec<Evidence, 10>,
     /// The last letter that was pressed, until its finger is lifted.
     stroke: Option<Stroke>,
-    /// The candidate that the next step of a hand that may type takes.
+    /// The number of the candidate that is taken in the next step of a hand that may type.
     choice: Option<u8>,
     /// The time of the last key.
     last_key: Timestamp,
     /// The time since which the person holds Backspace.
     backspace_since: Option<Timestamp>,
-    /// The last key chose a candidate, which brought its space.
+    /// `true` if the last key chose a candidate, which brought its space.
     is_spaced: bool,
-    /// In the mode `literal`, the typed text ends inside a word.
+    /// `true` if the typed text ends inside a word, in the mode `literal`.
     is_inside_word: bool,
     /// The text in the field, for the candidates.
     shown: String,
     is_changed: bool,
-    /// The keys that a control holds and that were tapped: they are up.
+    /// The keys that a control holds although they are up, because the filter tapped them.
     tapped: PressedKeys,
 }
 
@@ -114,13 +115,13 @@ impl TextFilter {
         }
     }
 
-    /// Returns whether a finger of the hand swipes, so that its hand presses no keys.
+    /// Returns `true` if a finger of the hand swipes, so that its hand presses no keys.
     fn is_swiping(&self, input: &FilterInput) -> bool {
         let stroke = self.stroke.as_ref();
         stroke.is_some_and(|stroke| stroke.is_swipe && stroke.side == input.side)
     }
 
-    /// Follows the finger of a stroke. Returns whether it was lifted.
+    /// Follows the finger of a stroke. Returns `true` if it was lifted.
     fn follow_stroke(&mut self, input: &FilterInput) -> bool {
         let stroke = self.stroke.as_mut();
         let Some(stroke) = stroke.filter(|stroke| stroke.side == input.side) else {
@@ -152,7 +153,8 @@ impl TextFilter {
         }
     }
 
-    /// Returns where the key of a character was tapped; its center if that is not known. `None` if no key types it.
+    /// Returns the position at which the key of a character was tapped, or its center if the position is not known. `None` if no key
+    /// types it.
     fn position(&mut self, character: char) -> Option<Millimetres> {
         let center = self.keys.center(character)?;
         let (pressed, shift) = self.keys.pressed_for(character);
@@ -194,7 +196,7 @@ impl TextFilter {
         }
     }
 
-    /// Handles a Backspace of the person, and appends it unless it takes a correction back.
+    /// Handles a Backspace of the person, and appends it unless it undoes a correction.
     fn delete(&mut self, event: OutputEvent, step: &mut Step) {
         self.is_changed = true;
         let edits = burst::copy(self.corrector.backspace());
@@ -222,7 +224,7 @@ impl TextFilter {
             Err(burst::TooMany) => return self.corrector.reset(),
         };
         if edits.is_empty() {
-            // It brings no space, and the one of a candidate before it stays.
+            // It brings no space, and the space of a previous candidate stays.
             return;
         }
         let has_space = edits.last() == Some(&Edit::Type(' '));
@@ -233,7 +235,7 @@ impl TextFilter {
         }
     }
 
-    /// Handles punctuation behind a word that has brought its space: the space moves behind it.
+    /// Handles punctuation after a word that has brought its space: the space moves after the mark.
     fn punctuate(&mut self, mark: char, event: OutputEvent, step: &mut Step) {
         self.is_changed = true;
         let edits: ArrayVec<Edit, MAX_EDITS> =
@@ -247,7 +249,7 @@ impl TextFilter {
         }
     }
 
-    /// Follows what is typed past the decoder, so that it knows later whether the cursor is inside a word.
+    /// Follows the text that is typed without the decoder, to know whether the cursor is inside a word when the mode changes.
     fn follow_literal(&mut self, input: &FilterInput, events: &Events) {
         let mut is_shifted = input.held.release_order().any(KeyCode::is_shift);
         for event in events {
@@ -295,7 +297,7 @@ impl TextFilter {
                 self.is_changed = true;
                 step.push(event);
             }
-            // The candidate before has brought it.
+            // The previous candidate has brought the space.
             Some(' ') if is_spaced => step.swallow(event),
             Some(mark @ ('.' | ',' | ';' | ':' | '!' | '?')) if is_spaced => {
                 self.punctuate(mark, event, step);
@@ -466,8 +468,8 @@ impl PressFilter for TextFilter {
     }
 }
 
-/// Returns whether events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
-/// that letter and takes no correction back.
+/// Returns `true` if events begin with the Backspace of a multitap key, which has its release and a letter right behind it. It deletes
+/// that letter and undoes no correction.
 fn replaces_letter(events: &[OutputEvent]) -> bool {
     let [press, release, letter, ..] = events else {
         return false;
@@ -478,7 +480,7 @@ fn replaces_letter(events: &[OutputEvent]) -> bool {
         && [release.time, letter.time] == [press.time; 2]
 }
 
-/// Returns the end of a candidate from the last word of what is shown, or from the word in which both differ first.
+/// Returns the end of a candidate from the last word of the shown text, or from the first word in which both differ.
 fn last_word<'a>(shown: &str, candidate: &'a str) -> &'a str {
     let last = shown.trim_end().rfind(' ').map_or(0, |space| space + 1);
     let pairs = shown.chars().zip(candidate.char_indices());

@@ -1,11 +1,11 @@
-//! The words: a trie in breadth-first order, six bytes a node.
+//! The words: a trie in breadth-first order with six bytes per node.
 //!
 //! The children of a node lie side by side, followed by the children of the next node, so that a node holds only the index of
 //! its first child. Besides its letter, a node has the probability of the word that ends there and of the likeliest word below
 //! it, which bounds what a prefix may become.
 //!
-//! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow those of the lexicon as children of
-//! the root.
+//! Words of the person are in a second trie with nodes from [`OWN`] on. Its first letters follow the first letters of the lexicon as
+//! children of the root.
 
 use std::ops::Range;
 
@@ -15,11 +15,11 @@ use super::bytes::u64_at;
 use super::own_words::OwnWords;
 use crate::logarithm::nats;
 
-/// The bytes of a node.
+/// The size of a node in bytes.
 pub const NODE_BYTES: usize = 6;
-/// The most nodes: an index has 20 bits.
+/// Upper limit of the number of nodes, which has to be less: an index has 20 bits.
 pub const MAX_NODES: usize = 1 << 20;
-/// Bytes behind the last node, so that every node can be read as eight bytes.
+/// Number of bytes after the last node, so that every node can be read as eight bytes.
 pub const PADDING: usize = 2;
 
 /// The node from which all words start.
@@ -40,7 +40,7 @@ pub enum Case {
     Upper,
 }
 
-/// The case of the bits of a node.
+/// Returns the case that the bits of a node stand for.
 pub(crate) fn case_of(bits: u8) -> Case {
     match bits {
         1 => Case::Title,
@@ -115,7 +115,7 @@ impl<'a> Lexicon<'a> {
             count: count as u32,
             own: OwnWords::default(),
         };
-        // Children lie behind their parent, so that no walk down the trie can turn in a circle.
+        // Children follow their parent, so that no walk down the trie can turn in a circle.
         let mut first = 1;
         for index in 0..count as u32 {
             let node = lexicon.node(index);
@@ -131,12 +131,12 @@ impl<'a> Lexicon<'a> {
         Ok(lexicon)
     }
 
-    /// Returns the number of nodes, without the person's.
+    /// Returns the number of nodes, without the words of the person.
     pub fn nodes(&self) -> usize {
         self.count as usize
     }
 
-    /// Returns the number of words, without the person's.
+    /// Returns the number of words, without the words of the person.
     pub fn words(&self) -> usize {
         (0..self.count)
             .filter(|&index| self.node(index).word().is_some())
@@ -164,7 +164,7 @@ impl<'a> Lexicon<'a> {
         self.child_ranges(index).into_iter().flatten()
     }
 
-    /// Returns the [children](Self::children) of a node as ranges, over which a hot loop is faster.
+    /// Returns the [children](Self::children) of a node as ranges, which are faster in a hot loop.
     pub fn child_ranges(&self, index: u32) -> [Range<u32>; 2] {
         let own = match index {
             ROOT => self.own_children(OWN),
@@ -190,7 +190,7 @@ impl<'a> Lexicon<'a> {
             .find(|&child| self.node(child).symbol() == symbol)
     }
 
-    /// Returns the node of the word that letters spell, and its log-probability.
+    /// Returns the node of the word with these letters, and its log-probability.
     pub fn word(&self, letters: Prefix) -> Option<(u32, f32)> {
         let nodes = [letters.known, letters.own];
         nodes.into_iter().flatten().find_map(|node| {

@@ -5,12 +5,11 @@
 //! | 0 | 8 | `ADEMTEXT` |
 //! | 8 | 4 | version of the format, 2 |
 //! | 12 | 4 | number of sections, 8 |
-//! | 16 | 8 | checksum of everything behind it |
+//! | 16 | 8 | checksum of all bytes from offset 24 on |
 //! | 24 | 32 | the size of each section in bytes |
-//! | 56 | | alphabet, nodes, rows, entries, contexts, threes, states, arcs |
+//! | 56 | | alphabet, nodes, rows, entries, contexts, triples, states, arcs |
 //!
-//! Numbers are little-endian. [`Model::from_bytes`] checks the sum and the order of every section; after that no look-up fails,
-//! whatever the bytes.
+//! Numbers are little-endian. [`Model::from_bytes`] checks the checksum and the order of every section; after that no look-up fails.
 
 pub mod alphabet;
 pub mod bigrams;
@@ -34,28 +33,28 @@ pub(crate) const SECTIONS: usize = 8;
 pub(crate) const CHECKED_FROM: usize = 24;
 pub(crate) const HEADER_BYTES: usize = CHECKED_FROM + 4 * SECTIONS;
 
-/// Bytes that are no model.
+/// Reason why bytes are not a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
-    /// The first bytes are others.
+    /// The first bytes are not [`MAGIC`].
     #[error(
         "it is no language model: it does not start with ADEMTEXT; `ademan text build` makes one"
     )]
     Foreign,
-    /// The format is another one.
+    /// The format has another version.
     #[error(
         "it has version {0} of the format of language models, and this program reads version {VERSION}; build it again with `ademan text build`"
     )]
     Version(u32),
-    /// The file ends too early or goes on too long.
+    /// The file is shorter or longer than its header states, or has another number of sections.
     #[error("it has {found} bytes instead of {expected}; copy or build it again")]
     Length {
-        /// The bytes that its header announces.
+        /// The number of bytes that the header states.
         expected: u64,
-        /// The bytes that are there.
+        /// The number of bytes in the file.
         found: u64,
     },
-    /// The checksum is another one.
+    /// The checksum is wrong.
     #[error("its checksum is wrong, so it was damaged; copy or build it again")]
     Checksum,
     /// A section contradicts itself.
@@ -66,11 +65,11 @@ pub enum ModelError {
 /// A word found in the lexicon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// Its node.
+    /// The node.
     pub node: u32,
-    /// Its log-probability.
+    /// The log-probability.
     pub log_probability: f32,
-    /// Its case.
+    /// The case.
     pub case: Case,
 }
 
@@ -155,7 +154,7 @@ impl<'a> Model<'a> {
         words
     }
 
-    /// Looks a word up, whatever its case.
+    /// Looks a word up, ignoring its case.
     pub fn find(&self, word: &str) -> Option<Found> {
         let mut prefix = Prefix::EMPTY;
         for letter in word.chars().flat_map(char::to_lowercase) {
@@ -169,7 +168,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Makes a word of the person one of the model, unless the lexicon has it or its alphabet lacks one of its letters.
+    /// Adds a word of the person, unless the lexicon has it or the alphabet lacks one of its letters.
     pub fn add_own_word(&mut self, word: &str) {
         if self.find(word).is_none() {
             self.lexicon.own.add(word, &self.alphabet);
@@ -181,7 +180,7 @@ impl<'a> Model<'a> {
         &self.lexicon.own
     }
 
-    /// Returns the words of the person.
+    /// Returns the words of the person, to change them.
     pub(crate) fn own_mut(&mut self) -> &mut OwnWords {
         &mut self.lexicon.own
     }

@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(cased(&model, "NAC"), Some(Case::Upper));
         assert_eq!(cased(&model, "cart"), Some(Case::Lower));
         assert_eq!(cased(&model, "run"), Some(Case::Lower));
-        // Words of the lexicon keep their nodes, and a prefix is no word.
+        // Words of the lexicon keep their nodes, and a prefix is not a word.
         assert!(model.find("cat").is_some_and(|found| found.node < 1 << 20));
         assert!(model.find("ru").is_none() && model.find("nu").is_none());
         let words = model.word_list();

@@ -33,11 +33,11 @@ const MAX_ROWS: u32 = 60_000;
 /// A word that explains a path.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Its log-probability.
+    /// The log-probability.
     pub score: f32,
-    /// Its node.
+    /// The node.
     pub node: u32,
-    /// Its letters.
+    /// The letters.
     pub letters: ArrayVec<Symbol, MAX_LETTERS>,
 }
 

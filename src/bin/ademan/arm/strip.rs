@@ -59,7 +59,7 @@ pub fn draw(
     Ok(svg)
 }
 
-/// The landmarks moved in straight lines.
+/// Returns the landmarks moved in straight lines.
 fn straight(postures: &[HalfPose], way: f64) -> HalfPose {
     let segment = (way.floor() as usize).min(postures.len() - 2);
     let (start, end) = (postures[segment].rows(), postures[segment + 1].rows());

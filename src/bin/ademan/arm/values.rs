@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-3;
 /// The largest length, in any unit of the landmarks: far more than the pixels of an image.
 const MAX_LENGTH: f64 = 1e6;
 
-/// The name of an attribute that is refused, and the reason.
+/// The name of a refused attribute, and the reason.
 type Refused = (&'static str, String);
 
 /// One line: the trunk and the attributes of both arms.
@@ -59,7 +59,7 @@ pub struct ArmValues {
 }
 
 impl Line {
-    /// Describes a pose. With `is_signed`, the shoulder rotation is negative past the full rotation.
+    /// Creates the line of a pose. With `is_signed`, the shoulder rotation is negative past the full rotation.
     pub fn new(time_us: Option<u64>, pose: &HalfPose, is_signed: bool) -> Self {
         let arm = |side| {
             let attributes = if is_signed {

@@ -47,7 +47,7 @@ impl Destination {
         &self.path
     }
 
-    /// Writes the text and prints the report of its result, after a question if the file exists. Returns whether it was written.
+    /// Writes the text and prints the report of its result, after a question if the file exists. Returns `true` if it was written.
     ///
     /// The report precedes a question. Otherwise it follows the file, which a closed or full standard output does not prevent.
     pub fn write(&self, text: &str, report: &str) -> Result<bool, Failure> {

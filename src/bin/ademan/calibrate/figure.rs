@@ -35,7 +35,7 @@ struct View {
 }
 
 impl Figure {
-    /// Creates the figure of a pose of the hand of this side.
+    /// Creates the figure of a pose for the hand of a side; `None` if the arm model cannot be made.
     pub fn new(pose: CalibrationPose, side: Side) -> Option<Self> {
         let bones = BoneLengths::from_hand_and_forearm(0.189, 0.262).ok()?;
         let arm = ArmModel::anthropometric(side, &bones).ok()?;
@@ -150,7 +150,7 @@ impl Dots {
         }
     }
 
-    /// Returns the numbers of dots.
+    /// Returns the numbers of dots in a row and in a column.
     fn size(&self) -> Vec2 {
         Vec2::new(f32::from(self.columns) * 2.0, f32::from(self.rows) * 4.0)
     }

@@ -137,7 +137,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Calibrates a glove. Without an error, a session that was quit has written no file.
+/// Calibrates a glove. A session that was quit returns [`Outcome::Quit`] and has written no file.
 pub fn calibrate(args: Args) -> Result<Outcome, Failure> {
     match args.from.clone() {
         Some(path) => calibrate_from(&path, args).map(|()| Outcome::Finished),
@@ -158,7 +158,7 @@ impl Start {
         Ok(Self { document, glove })
     }
 
-    /// Fits the glove, writes the file, and prints the report.
+    /// Fits the glove, writes the file, and prints the report. Returns `true` if the file was written.
     fn finish(
         &self,
         observations: &Observations,
@@ -220,7 +220,7 @@ fn calibrate_live(args: Args) -> Result<Outcome, Failure> {
         let mut out = io::stdout();
         writeln!(out, "use it: ademan run --glove {file} --source …")?;
     }
-    // Its failure loses less than the failure of the glove file.
+    // A failure to keep the recording is reported last: it loses less than a failure to write the glove file.
     kept.map(|()| Outcome::Finished)
 }
 

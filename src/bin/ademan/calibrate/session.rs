@@ -214,7 +214,7 @@ fn new_screen() -> io::Result<Terminal<CrosstermBackend<Output>>> {
     Terminal::new(CrosstermBackend::new(Output::open()?))
 }
 
-/// Returns whether the session is shown on a terminal, which needs keys too.
+/// Returns `true` if the session is shown on a terminal, which needs keys too.
 pub fn is_on_terminal() -> bool {
     view::is_possible() && io::stdin().is_terminal()
 }

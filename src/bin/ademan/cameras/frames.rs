@@ -132,7 +132,7 @@ impl Film {
 
 impl Drop for Film {
     fn drop(&mut self) {
-        // It has ended, or nobody reads the rest.
+        // It has ended, or the rest is not needed.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -103,7 +103,7 @@ impl LabelTracker {
         pairs
     }
 
-    /// Returns the labels that are lost for good.
+    /// Returns the labels that are lost and cannot be found again.
     pub fn lost(&self) -> impl Iterator<Item = &str> {
         let lost = self.tracks.iter().filter(|track| track.last.is_none());
         lost.map(|track| track.label.as_str())

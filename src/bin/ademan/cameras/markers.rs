@@ -27,9 +27,9 @@ const SAME_RATE: f64 = 1e-7;
 
 /// Find bright or coloured marks in pictures or films, and print them as lines of markers
 ///
-/// Each folder of PNG or JPEG pictures, in the order of their names, or film is one camera, with the name of the folder or film. The cameras
-/// took their first pictures at the same time. With `--cameras`, the lines are those that `protocol=markers` reads; without it, those
-/// that `cameras calibrate` and `cameras lines` read.
+/// Each folder of PNG or JPEG pictures, in the order of their names, or film is one camera, with the name of the folder or film.
+/// The cameras took their first pictures at the same time. With `--cameras`, the lines are those that `protocol=markers` reads;
+/// without it, those that `cameras calibrate` and `cameras lines` read.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  ademan cameras markers left right --label a,b --output wand.jsonl\n  ademan cameras markers left right --cameras cameras.ron | ademan run --source 'stdin:?protocol=markers'\n  ademan cameras markers left.mp4 right.mp4 --color red,green,blue --label RightArm,RightForeArm,RightHand --cameras cameras.ron"

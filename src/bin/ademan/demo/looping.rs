@@ -8,8 +8,8 @@ use ademan::sim::{HandTask, SimulatedTypist};
 use super::script;
 use super::text::{self, TextChoice};
 
-/// Returns a hand that plays the script that comes with the layout, types a text, or tours the controls, without end. It leaves out
-/// what is beyond its reach, says so, and follows the layout.
+/// Returns a hand that plays the script that comes with the layout, types a text, or tours the controls, without end. It
+/// leaves out what is beyond its reach, with a message, and follows the layout.
 pub fn hand(setup: &LoadedSetup, format: &Hc11Format) -> Result<SimulatedTypist, SetupError> {
     setup.live_hand(HandTask::Fitting(typed), format)
 }

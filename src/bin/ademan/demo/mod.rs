@@ -49,8 +49,8 @@ pub struct Args {
     /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
     #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
     script: Option<String>,
-    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page. The default is the layout of the setup,
-    /// or `qwerty-flat`
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), a file, or a link of the page. The default
+    /// is the layout of the setup, or `qwerty-flat`
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
     /// Use the layout of a link, which somebody else made, with an output
@@ -182,7 +182,7 @@ fn play_on_line(
     outcome(task.is_done(&playback), playback.is_cancelled, args.repeat)
 }
 
-/// The result of the demo. An interruption is the way to end one that repeats.
+/// Returns the result of the demo. An interruption is the way to end one that repeats.
 fn outcome(is_done: bool, is_cancelled: bool, repeats: bool) -> Result<(), Failure> {
     if is_done || (is_cancelled && repeats) {
         Ok(())

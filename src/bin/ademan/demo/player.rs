@@ -47,7 +47,7 @@ impl Player {
         Ok(Self { cancel, thread })
     }
 
-    /// An action that ends the playback early.
+    /// Returns an action that ends the playback early.
     pub fn canceller(&self) -> impl Fn() + Send + Sync + 'static {
         let cancel = self.cancel.clone();
         // A full channel means that the playback is cancelled already.

@@ -70,7 +70,7 @@ impl Task {
         self
     }
 
-    /// The predicate of a sentence about the hand.
+    /// Returns the predicate of a sentence about the hand.
     pub fn description(&self) -> String {
         match self {
             Self::Type { text, .. } => format!("types {text:?}"),
@@ -78,7 +78,7 @@ impl Task {
         }
     }
 
-    /// The goal in one line.
+    /// Returns the goal in one line.
     pub fn goal(&self) -> String {
         match self {
             Self::Type { text, .. } => format!("to type  {text:?}"),
@@ -122,7 +122,7 @@ impl Task {
         }
     }
 
-    /// The result so far in one line.
+    /// Returns the result so far in one line.
     pub fn result(&self) -> String {
         match self {
             Self::Type { field, .. } => format!("typed    {:?}", field.text()),

@@ -19,11 +19,11 @@ const MAX_CHARACTERS: usize = 20;
 /// The text to type.
 #[derive(Clone, Copy, Debug)]
 pub enum TextChoice<'a> {
-    /// This one.
+    /// This text.
     Given(&'a str),
-    /// One that the layout can type.
+    /// A text that the layout can type.
     Default,
-    /// One that the layout can type within some seconds.
+    /// A text that the layout can type within some seconds.
     Short,
 }
 

@@ -131,7 +131,7 @@ impl ConditionArgs {
 }
 
 impl Prepared {
-    /// Returns whether a text decoder reads what is typed.
+    /// Returns `true` if a text decoder reads what is typed.
     pub fn has_decoder(&self) -> bool {
         self.decoder.is_some()
     }
@@ -360,7 +360,7 @@ impl Prepared {
         })
     }
 
-    /// Refuses a layout on which nobody could do anything, and names what was left out.
+    /// Refuses a layout on which no person could do anything, and names what was left out.
     pub fn check(&self, document: &Document, scores: &[PersonScore]) -> Result<(), Failure> {
         let file = escape(&document.file);
         let does_nothing =

@@ -1,4 +1,4 @@
-//! Kinds of layouts: those that type the phrases, and those that are scored by tasks.
+//! Kinds of layouts: layouts that type the phrases, and layouts that are scored by tasks.
 
 use ademan::document::Document;
 use ademan::measures::NotComparable;

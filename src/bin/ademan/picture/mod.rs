@@ -65,7 +65,7 @@ type Picture = Vec<u8>;
 pub fn show(args: &Args) -> Result<(), Failure> {
     let document = Document::open_kind(FileKind::Layout, &args.file)?;
     let draft = LayoutDraft::from_document(&document)?;
-    // A layout that cannot be used is drawn, and refused then.
+    // A layout with faults is drawn first and refused afterwards.
     let refused = draft.error().cloned().map_or(Ok(()), Err);
     let targets = [&args.svg, &args.png, &args.pdf, &args.html, &args.json];
     let pictures = [&args.svg, &args.png, &args.pdf];
@@ -87,7 +87,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         }
         Err(_) => load_faulty(args, &document)?,
     };
-    // As the setup fits it to the hand.
+    // The layout as the setup fits it to the hand.
     let layout = &setup.layout;
     let draw_svg = || match &args.heat {
         Some(result) => heat_svg(layout, &wearer, &document, result),
@@ -121,7 +121,7 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     Ok(refused?)
 }
 
-/// Returns the setup whose hands are drawn and the hands, with a layout that has faults.
+/// Returns the setup whose hands are drawn, with a layout that has faults, and the hands.
 fn load_faulty(args: &Args, document: &Document) -> Result<(LoadedSetup, Wearer), Failure> {
     let mut setup = load(args, &Setup::default().layout)?;
     let draft = LayoutDraft::read(document, setup.layout.fit)?;

@@ -23,10 +23,10 @@ const MAX_CHARACTERS: usize = 1000;
 /// The longest file of a lesson, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Repetitions of a chord.
+/// Number of repetitions of a chord.
 const CHORD_REPETITIONS: usize = 3;
 
-/// Chords in a lesson.
+/// Maximum number of chords in a lesson.
 const MAX_CHORDS: usize = 30;
 
 const ENGLISH: [&str; 5] = [
@@ -146,7 +146,7 @@ fn legend(text: &str, layout: &Layout) -> ChordLegend {
     text.chars().filter_map(fingers).collect()
 }
 
-/// Returns the characters that several fingers type together, each some times.
+/// Returns the characters that several fingers type together, each three times, few fingers first.
 fn chords(layout: &Layout) -> Result<String, Failure> {
     let keys = layout.key_bindings();
     let fingers = |character: char| {
@@ -187,7 +187,7 @@ fn read(path: &Path) -> Result<String, Failure> {
     Ok(first_line(text.trim_start_matches(BYTE_ORDER_MARK)))
 }
 
-/// Returns the beginning of a text as one line, and says so if there is more.
+/// Returns the beginning of a text as one line, and prints a message if the text is longer.
 fn first_line(text: &str) -> String {
     let (line, is_cut) = one_line(text);
     if is_cut {

@@ -187,7 +187,7 @@ impl PracticeTask for PracticeLine {
         true
     }
 
-    /// As many characters are typed as the text has.
+    /// Returns `true` if as many characters are typed as the text has.
     fn is_complete(&self) -> bool {
         self.typed_length() >= self.text.len()
     }
@@ -294,7 +294,7 @@ mod tests {
         let line = typed("hola", &["H", "P", "Backspace", "O", "L", "A"]);
         assert_eq!(line.score(true).error_rate, 0.0);
         assert_eq!(worst(&line, "hola"), [('o', 1, 2)]);
-        // A correct character that is deleted is no error.
+        // A correct character that is deleted is not an error.
         let retyped = typed("hola", &["H", "O", "Backspace", "O", "L", "A"]);
         assert_eq!(worst(&retyped, "hola"), []);
     }

@@ -35,7 +35,7 @@ use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, Views};
 use crate::{complete, demo, pause_signals, person, session, signals, watchdog};
 
-/// The output without another one: the practice line only.
+/// The output if none is named: only the practice line shows what is typed.
 const NO_OUTPUT: &str = "none";
 
 /// Type a text or point at targets, and see the speed and the errors
@@ -86,11 +86,11 @@ pub struct Args {
     root: RootArgs,
 }
 
-/// A task of a study: how it is done.
+/// The conditions of a task of a study.
 pub struct Exercise {
     /// The source, the person and the layout.
     pub flags: SetupArgs,
-    /// A simulated hand does it.
+    /// `true` if a simulated hand does it.
     pub is_simulated: bool,
     /// The file to which the readings are recorded.
     pub record_to: Option<PathBuf>,
@@ -100,15 +100,15 @@ pub struct Exercise {
 
 /// The actions of a simulated hand in a task.
 pub enum SimulatedTask {
-    /// It types a text.
+    /// The hand types a text.
     Text(String),
-    /// It points at the targets of the ring.
+    /// The hand points at the targets of the ring.
     Ring,
-    /// It plays a script.
+    /// The hand plays a script.
     Script(String),
 }
 
-/// Does a task of a study in a session that types into no other program. Returns whether it is complete.
+/// Does a task of a study in a session that types into no other program. Returns `true` if it is complete.
 pub fn perform(exercise: &Exercise, task: &mut impl PracticeTask) -> Result<bool, Failure> {
     let args = Args {
         flags: exercise.flags.clone(),
@@ -154,15 +154,15 @@ impl Args {
 
 /// The task of a practice, which follows the events of a session until it is complete.
 pub trait PracticeTask {
-    /// Adds an event. Returns whether it changes the lines.
+    /// Adds an event. Returns `true` if it changes the lines.
     fn handle(&mut self, event: &OutputEvent) -> bool;
 
-    /// Notes the time of a reading. Returns whether it changes the lines.
+    /// Notes the time of a reading. Returns `true` if it changes the lines.
     fn tick(&mut self, _now: Timestamp) -> bool {
         false
     }
 
-    /// Returns whether the practice has come to its end.
+    /// Returns `true` if the practice has come to its end.
     fn is_complete(&self) -> bool;
 
     /// Returns the lines of the live view.
@@ -196,7 +196,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// Loads the setup, with the gloves of the simulated hand if no source is named. Returns whether the hand is simulated.
+/// Loads the setup, with the gloves of the simulated hand if no source is named. Also returns `true` if the hand is simulated.
 fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     setup.output = args.output.clone();
@@ -210,7 +210,7 @@ fn load_setup(args: &Args) -> Result<(LoadedSetup, bool), Failure> {
         let side = person.and_then(|person| person.side);
         setup = demo::with_simulated_gloves(setup, side.unwrap_or(Side::Right))?;
     } else if !output::has_effect(&setup.output) {
-        // The role protects other programs, and there are none.
+        // The role protects other programs, and no output reaches one.
         setup.role.get_or_insert(SourceRole::Both);
     }
     Ok((setup.load_files()?, is_simulated))
@@ -248,7 +248,7 @@ fn is_by_simulation(setup: &LoadedSetup, has_no_source: bool) -> bool {
     has_no_source || setup.setup.has_simulated_hands()
 }
 
-/// Returns whether the live view is drawn.
+/// Returns `true` if the live view is drawn.
 fn is_drawn(args: &Args) -> bool {
     view::is_possible() && !args.json && !output::uses_stdout(&args.output)
 }
@@ -276,7 +276,7 @@ fn run_task(
     if let Some(hand) = hand {
         let stream = SimulatedStream::new(hand, &StreamFormat::from(Hc11Format::default()));
         options.source = Some(Box::new(stream.map_err(Failure::job)?));
-        // Without a picture nobody waits for the hand.
+        // Without a picture the hand need not type in real time.
         options.speed = is_drawn.then_some(1.0);
     }
     let session = session::start(setup, options)?;

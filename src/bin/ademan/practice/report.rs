@@ -25,7 +25,7 @@ pub struct Report {
     seconds: f64,
     characters: Vec<CharacterScore>,
     chords: ChordLegend,
-    /// The whole text was typed.
+    /// `true` if the whole text was typed.
     pub is_complete: bool,
     is_simulated: bool,
     /// The latest results, this one included; `None` if it is not kept.

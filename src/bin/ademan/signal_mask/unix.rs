@@ -52,7 +52,7 @@ pub fn block_unused() -> Result<(), Failure> {
     unused.thread_set_mask().map_err(failed)
 }
 
-/// Returns whether the parent process has set SIGHUP to be ignored, as `nohup` does. `false` without procfs.
+/// Returns `true` if the parent process has set SIGHUP to be ignored, as `nohup` does. `false` without procfs.
 fn is_hangup_ignored() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status

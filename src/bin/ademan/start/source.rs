@@ -40,7 +40,7 @@ pub fn find(args: &Args, questions: &Questions) -> Result<Option<SourceUri>, Fai
     choose(found, questions).map(Some)
 }
 
-/// Returns the sources that a port may be, and says what it is.
+/// Returns the sources that a port may be, and prints what was recognized.
 fn listen(port: &str, out: &mut impl Write) -> io::Result<Vec<SourceUri>> {
     match recognize(port) {
         Ok(Recognition::Sources(sources)) => {

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::root_args::RootArgs;
 use crate::{panics, session, signals};
 
-/// Returns whether nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
+/// Returns `true` if nothing says what to show: no argument, no setup of this person, and no settings of an earlier start.
 pub fn is_first(args: &Args) -> bool {
     let settings = SettingsFile::default_path();
     (args.is_plain() || args.attach.is_some())

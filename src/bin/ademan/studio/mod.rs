@@ -80,7 +80,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Returns whether nothing says what to show.
+    /// Returns `true` if nothing says what to show.
     #[cfg(feature = "studio")]
     fn is_plain(&self) -> bool {
         let names = [&self.setup, &self.glove, &self.layout, &self.person];

@@ -164,7 +164,7 @@ impl Next {
     }
 }
 
-/// Returns whether two sources read from one device or address.
+/// Returns `true` if two sources read from one device or address.
 fn is_same_device(one: &SourceUri, other: &SourceUri) -> bool {
     match (one, other) {
         (SourceUri::Stream(one), SourceUri::Stream(other)) => one.address == other.address,
@@ -203,7 +203,7 @@ mod tests {
         sessions
     }
 
-    /// Returns whether the session runs.
+    /// Returns `true` if the session runs.
     fn is_running(sessions: &Sessions) -> bool {
         let view = sessions.program(|session| Ok(session.add_viewer().views().recv().is_ok()));
         view.is_ok_and(|has_view| has_view)

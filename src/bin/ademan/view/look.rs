@@ -17,7 +17,7 @@ const HOT: f64 = 1.0 / 3.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     pub has_colors: bool,
-    /// The locale has box characters.
+    /// `true` if the locale has box characters.
     pub is_unicode: bool,
 }
 
@@ -48,7 +48,7 @@ impl Look {
         }
     }
 
-    /// The style of a pressed key.
+    /// Returns the style of a pressed key.
     pub fn pressed(self) -> Style {
         if self.has_colors {
             Style::new()
@@ -60,7 +60,7 @@ impl Look {
         }
     }
 
-    /// The style of a key by its fraction of errors.
+    /// Returns the style of a key by its fraction of errors.
     pub fn heat(self, error_rate: f64) -> Style {
         if error_rate <= 0.0 {
             return Style::new();
@@ -76,12 +76,12 @@ impl Look {
         }
     }
 
-    /// The style of text that is less important.
+    /// Returns the style of text that is less important.
     pub fn faint(self) -> Style {
         Style::new().add_modifier(Modifier::DIM)
     }
 
-    /// The style of the state of a session.
+    /// Returns the style of the state of a session.
     pub fn state(self, state: PipelineState) -> Style {
         let color = match state {
             PipelineState::Running => Color::Green,
@@ -92,7 +92,7 @@ impl Look {
         style.add_modifier(Modifier::BOLD | Modifier::REVERSED)
     }
 
-    /// The style of a fingertip.
+    /// Returns the style of a fingertip.
     pub fn fingertip(self, finger: Finger) -> Style {
         let color = match finger {
             Finger::Thumb => Color::Magenta,

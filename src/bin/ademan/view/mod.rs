@@ -37,7 +37,7 @@ pub enum ViewKind {
     None,
 }
 
-/// Returns whether standard output is a terminal in which a picture can be drawn.
+/// Returns `true` if standard output is a terminal in which a picture can be drawn.
 pub fn is_possible() -> bool {
     let is_dumb = std::env::var("TERM").is_ok_and(|term| term == "dumb");
     !is_dumb && terminal::is_usable()
@@ -98,7 +98,7 @@ impl LiveView {
         }
     }
 
-    /// The lines of the command.
+    /// Returns the lines of the command.
     pub fn task(&self) -> &TaskLines {
         &self.task
     }

@@ -22,9 +22,9 @@ pub(super) struct ChannelFit {
     pub(super) dof: Dof,
     /// The range of the medians of all poses; `None` if the channel was not measured.
     pub(super) range: Option<(f64, f64)>,
-    /// The counts never change, although the poses move the joint.
+    /// `true` if the counts never change, although the poses move the joint.
     pub(super) is_dead: bool,
-    /// The counts fall where the counts of the starting glove rise.
+    /// `true` if the counts fall where the counts of the starting glove rise.
     pub(super) is_inverted: bool,
     /// The joints with a new calibration.
     pub(super) rows: Vec<(Dof, AffineMap)>,
@@ -151,12 +151,12 @@ fn points(channel: usize, dof: Dof, observations: &Observations, is_defined: boo
     poses.filter_map(point).collect()
 }
 
-/// Returns whether a pose moves a joint away from its angle in the flat hand.
+/// Returns `true` if a pose moves a joint away from its angle in the flat hand.
 fn moves(pose: CalibrationPose, dof: Dof) -> bool {
     pose.defines(dof) && pose.expected(dof).radians.abs() >= MIN_ANGLE
 }
 
-/// Returns whether points are far enough from each other to show a gain.
+/// Returns `true` if points are far enough from each other to show a gain.
 fn has_gain(points: &[Point]) -> bool {
     let angles = points.iter().map(|point| point.y);
     let (low, high) = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), angle| {

@@ -21,8 +21,8 @@ use crate::hand::{Dof, Finger};
 pub struct CalibrationResult {
     /// The rows of the starting glove with new maps, in the same order.
     pub map: ChannelMap,
-    /// The quality, 0..=100: the mean over all joints that the glove measures. A joint counts in full if its sensor has no fault and fine counts, and its
-    /// poses agree.
+    /// The quality, 0..=100: the mean over all joints that the glove measures. A joint counts in full if its sensor has no fault
+    /// and fine counts, and its poses agree.
     pub score: u8,
     /// The problems, the worst first.
     pub problems: Vec<Problem>,

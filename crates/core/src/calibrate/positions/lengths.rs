@@ -33,7 +33,7 @@ pub struct HandLengths {
 }
 
 impl HandLengths {
-    /// Checks that a person has the known lengths. One that is not known is no reason to refuse the other one.
+    /// Checks that a person has the known lengths. One that is not known is not a reason to refuse the other one.
     ///
     /// # Errors
     /// Fails if one is outside the range of people, or if no person has both.

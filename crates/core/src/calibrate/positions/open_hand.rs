@@ -73,7 +73,7 @@ impl OpenHand {
     }
 }
 
-/// Returns whether all fingers but the thumb are straight; `None` if one is not known.
+/// Returns `true` if all fingers but the thumb are straight; `None` if one is not known.
 fn is_open(positions: &JointPositions) -> Option<bool> {
     let fingers = Finger::ALL[1..].iter();
     let straight = fingers.map(|finger| {

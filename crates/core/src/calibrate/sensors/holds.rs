@@ -62,7 +62,7 @@ pub(super) fn holds(times: &[Timestamp], counts: &[u16], full_scale: u16) -> Vec
         .collect()
 }
 
-/// Replaces each count by the median of it and its neighbours.
+/// Replaces each count by the median of it and its neighbors.
 fn without_spikes(counts: &[u16]) -> Vec<f64> {
     let median = |index: usize| {
         let last = counts.len() - 1;
@@ -145,7 +145,7 @@ impl Sums {
         sums
     }
 
-    /// Returns whether the means of both halves of a window agree within the noise or a limit.
+    /// Returns `true` if the means of both halves of a window agree within the noise or a limit.
     fn is_still(&self, window: Range<usize>, limit: f64) -> bool {
         if window.len() < MIN_READINGS {
             return false;
@@ -155,7 +155,7 @@ impl Sums {
             (self.values[range.end] - self.values[range.start]) / range.len() as f64
         };
         let change = (mean(window.start..middle) - mean(middle..window.end)).abs();
-        // The variance of a difference of neighbours is twice the variance of white noise.
+        // The variance of a difference of neighbors is twice the variance of white noise.
         let squares = self.differences[window.end] - self.differences[window.start + 1];
         let noise = (squares.max(0.0) / (2.0 * (window.len() - 1) as f64)).sqrt();
         let error = 4.0 * noise * (2.0 / (window.len() / 2) as f64).sqrt();

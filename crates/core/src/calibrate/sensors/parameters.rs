@@ -22,7 +22,7 @@ pub struct SensorParameters {
     pub ends: Option<(f64, f64)>,
     /// The standard deviation of a count while the hand is still, in counts. `None` without a hold.
     pub jitter: Option<f64>,
-    /// The count half-way from the high end less that from the low end, in counts.
+    /// The count half-way from the high end less the count half-way from the low end, in counts.
     pub hysteresis: Option<f64>,
     /// The standard deviation of a pose that is taken again, in counts.
     pub repeatability: Option<f64>,
@@ -33,22 +33,22 @@ pub struct SensorParameters {
 /// The change of the count of a pose with time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// In counts per minute.
+    /// The change, in counts per minute.
     pub per_minute: f64,
-    /// The standard error of it, in counts per minute.
+    /// The standard error of the change, in counts per minute.
     pub standard_error: f64,
 }
 
 /// The number of holds of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HoldCounts {
-    /// At the low end of the range.
+    /// Holds at the low end of the range.
     pub low: usize,
-    /// At the high end.
+    /// Holds at the high end.
     pub high: usize,
-    /// Half-way, from the low end.
+    /// Holds half-way, from the low end.
     pub rising: usize,
-    /// Half-way, from the high end.
+    /// Holds half-way, from the high end.
     pub falling: usize,
 }
 

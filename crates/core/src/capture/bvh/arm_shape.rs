@@ -197,7 +197,7 @@ fn is_thumb(joint: Joint) -> bool {
     Finger::Thumb.joints().contains(&joint)
 }
 
-/// Returns whether a joint is the base of a metacarpal that moves little in the palm.
+/// Returns `true` if a joint is the base of a metacarpal that moves little in the palm.
 fn is_metacarpal(joint: Joint) -> bool {
     let others = Finger::ALL
         .iter()

@@ -52,16 +52,16 @@ pub struct ArmsSkeleton {
     rest: Vec<DVec3>,
     rotations: Vec<DMat3>,
     half_width: f64,
-    /// The body turns with the line of the shoulders. Otherwise it is upright.
+    /// `true` if the body turns with the line of the shoulders. Otherwise it is upright.
     is_turned: bool,
-    /// Arms begin at the shoulders of the body. Otherwise they have positions of their own.
+    /// `true` if arms begin at the shoulders of the body. Otherwise they have positions of their own.
     is_joined: bool,
 }
 
 impl ArmsSkeleton {
     /// Creates the skeleton of a body with the given arms, with rotation channels in the order of `order`, one of three different
-    /// axes. `width` is the distance of the shoulders in metres, if both are known. Shoulders that are no person's, as of a source that
-    /// measures each arm from its own shoulder, are set apart.
+    /// axes. `width` is the distance of the shoulders in metres, if both are known. Shoulders that do not belong to a person, as of
+    /// a source that measures each arm from its own shoulder, are set apart.
     pub fn new(arms: &[ArmShape], width: Option<f64>, order: EulerOrder) -> Self {
         let half_width = width
             .map(|width| width * CENTIMETRES / 2.0)

@@ -9,9 +9,9 @@
 //! | Vicon | `LeftArm LeftForeArm LeftHand` | `LeftHandIndex1` … `4` below `LeftHandIndex` at the wrist |
 //! | MakeHuman | `upperarm01.L lowerarm01.L wrist.L`, `UpArm_L LoArm_L Hand_L`, `upperarm_l lowerarm_l hand_l` | `metacarpal1.L finger2-1.L`, `Index1_L`, `index_01_l`, `LeftHandFinger1` |
 //!
-//! Case, blanks, `_`, `-` and `.` do not matter, nor does a name space before a colon. The side is `left` or `right` at the
-//! start or end, or `l` or `r`. A name that starts with `__` is no joint: MakeHuman has such a node at the end of a bone from
-//! which the bone of that name is apart.
+//! Case, blanks, `_`, `-` and `.` do not matter, nor does a namespace before a colon. The side is `left` or `right` at the
+//! start or end, or `l` or `r`. A name that starts with `__` is not a joint: MakeHuman adds such a node at the end of a bone if the
+//! bone with the rest of the name does not start there.
 
 use crate::hand::{Finger, Joint, Side};
 
@@ -50,7 +50,7 @@ pub fn joint_of(name: &str) -> Option<NamedJoint> {
         })
 }
 
-/// Returns the ways to take a side off a name: the plain name without it.
+/// Returns the sides that a name may state, each with the plain name without it.
 fn sided<'a>(name: &str, plain: &'a str) -> [Option<(Side, &'a str)>; 6] {
     let end = name.as_bytes().last_chunk::<2>();
     let has_short_end = end.is_some_and(|[before, _]| !before.is_ascii_alphanumeric());

@@ -37,9 +37,9 @@ impl Channel {
 named_enum! {
     /// The meaning of position channels. Files differ where a joint has both an offset and position channels.
     pub enum PositionChannels ("meaning of position channels") {
-        /// They are added to the offset.
+        /// Position channels are added to the offset.
         Add = "add",
-        /// They replace the components of the offset, as in the files of Blender.
+        /// Position channels replace the components of the offset, as in the files of Blender.
         Replace = "replace",
     }
 }

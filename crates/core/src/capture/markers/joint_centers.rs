@@ -1,8 +1,8 @@
-//! Joint centres of the arm from markers on the skin.
+//! Joint centers of the arm from markers on the skin.
 
 use glam::DVec3;
 
-/// Returns the centre of the wrist: the mean of the markers on its two sides.
+/// Returns the center of the wrist: the mean of the markers on its two sides.
 pub fn wrist_center(first: DVec3, second: DVec3) -> DVec3 {
     (first + second) / 2.0
 }
@@ -33,15 +33,16 @@ pub fn elbow_bend(shoulder: DVec3, elbow: DVec3, wrist: DVec3, min_sine: f64) ->
     })
 }
 
-/// The centre E of the elbow from a marker M on its skin, which lies beside it along the normal n of the plane of the arm:
+/// The center E of the elbow from a marker M on its skin, which lies beside it along the normal n of the plane of the arm:
 /// E = M + offset · n with n = (E − S) × (W − E) / |…| of the arm that results, not of the displaced marker.
 ///
-/// n is perpendicular to the line from the shoulder S to the wrist W, and the marker is at the height −offset over the plane. That
-/// leaves one normal, also for a straight arm, whose marker shows it alone. While hand and shoulder meet, or the marker is
-/// much nearer to the line than its offset, the last normal is used.
+/// n is perpendicular to the line from the shoulder S to the wrist W, and the marker is at the height −offset over the plane. These
+/// conditions leave one normal, also for a straight arm. While hand and shoulder meet, or the marker is much nearer to the line
+/// than its offset, the last normal is used.
 #[derive(Clone, Copy, Debug)]
 pub struct ElbowCenter {
-    /// Distance from the marker to the centre along the normal, positive or negative, measured for each person.
+    /// Distance from the marker to the center along the normal, in the unit of the markers; positive or negative, measured for each
+    /// person.
     pub offset: f64,
     last_normal: Option<DVec3>,
 }
@@ -51,7 +52,7 @@ impl ElbowCenter {
     /// shows the side on which it is.
     const MIN_HEIGHT: f64 = 0.5;
 
-    /// Smallest distance between shoulder and wrist, as a fraction of the way over the elbow marker.
+    /// Smallest distance between shoulder and wrist, as a fraction of the path over the elbow marker.
     const MIN_REACH: f64 = 0.05;
 
     /// Creates the estimate for an `offset` in the unit of the markers.
@@ -62,7 +63,7 @@ impl ElbowCenter {
         }
     }
 
-    /// Returns the centre of the elbow. `None` if a segment of the arm has no length or a number is not finite, or if no normal
+    /// Returns the center of the elbow. `None` if a segment of the arm has no length or a number is not finite, or if no normal
     /// has been seen since the start and the offset is not 0.
     pub fn update(&mut self, shoulder: DVec3, marker: DVec3, wrist: DVec3) -> Option<DVec3> {
         let way = [marker.distance(shoulder), marker.distance(wrist)];

@@ -14,8 +14,8 @@ pub const MAX_CAMERAS: usize = 16;
 /// Noise of a ray, as a fraction of the largest gap.
 const NOISE: f64 = 0.05;
 
-/// Largest cost of a point that is not where a marker was expected: five standard deviations. A marker that moves in a way that
-/// nobody could expect costs no more.
+/// Largest cost of a point that is not where a marker was expected: five standard deviations. An unexpected movement
+/// of a marker costs no more.
 const UNEXPECTED: f64 = 12.5;
 
 /// Worth of a ray that a marker explains: the cost of one that passes it at half of the largest gap.
@@ -153,7 +153,7 @@ impl<'a> Matching<'a> {
         used.filter_map(move |(index, is_used)| (!is_used).then_some((camera, index)))
     }
 
-    /// Returns whether there are too many rays to compare all of them.
+    /// Returns `true` if there are too many rays to compare all of them.
     fn is_crowd(&self, groups: &[Group]) -> bool {
         let cameras = self.cameras.len();
         let free: usize = (0..cameras).map(|camera| self.free(camera).count()).sum();
@@ -422,7 +422,7 @@ impl<'a> Matching<'a> {
         markers
     }
 
-    /// Returns whether the group could have another ray of one of its cameras, and lie elsewhere, at nearly the same cost.
+    /// Returns `true` if the group could have another ray of one of its cameras, and lie elsewhere, at nearly the same cost.
     fn is_ambiguous(&self, groups: &[Group], fits: &[Option<Fit>], index: usize) -> bool {
         let group = &groups[index];
         let Some(fit) = fits[index] else {

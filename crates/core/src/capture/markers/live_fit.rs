@@ -33,7 +33,7 @@ pub struct SeenBone {
     pub from: usize,
     /// Index of the point at its far end.
     pub to: usize,
-    /// Both ends are seen well enough to measure the length.
+    /// `true` if both ends are seen well enough to measure the length.
     pub is_measured: bool,
 }
 

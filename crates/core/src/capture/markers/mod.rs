@@ -1,4 +1,4 @@
-//! Optical markers: positions from the rays of calibrated cameras, and joint centres from markers on the skin.
+//! Optical markers: positions from the rays of calibrated cameras, and joint centers from markers on the skin.
 //!
 //! | step | function |
 //! |---|---|
@@ -6,9 +6,9 @@
 //! | observations of all cameras → markers | [`match_cameras`] |
 //! | markers of each instant → markers that keep their names | [`MarkerTracker`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
-//! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
-//! | joint centres → joints of bones of constant length | [`fit_bones`], [`LiveFit`] in a stream |
-//! | joint centres → rotations of rigid bones | [`bone_rotation`] |
+//! | markers on the skin → joint centers | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//! | joint centers → joints of bones of constant length | [`fit_bones`], [`LiveFit`] in a stream |
+//! | joint centers → rotations of rigid bones | [`bone_rotation`] |
 //!
 //! All functions use `f64` and any unit of length.
 

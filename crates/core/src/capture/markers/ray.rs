@@ -8,7 +8,7 @@ pub(super) const PARALLEL_SIN_SQUARED: f64 = 1e-12;
 /// The half-line from a camera through a point that it sees: `origin + k · direction` with `k > 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// The optical centre of the camera.
+    /// The optical center of the camera.
     pub origin: DVec3,
     /// The direction of sight, of any length except 0.
     pub direction: DVec3,
@@ -23,7 +23,7 @@ impl Ray {
         }
     }
 
-    /// Returns the point `origin + k · direction`.
+    /// Returns the point `origin + k · direction`; behind the camera for a negative `k`.
     pub fn at(&self, k: f64) -> DVec3 {
         self.origin + k * self.direction
     }
@@ -33,8 +33,8 @@ impl Ray {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
 
-    /// Returns whether the line passes `point` within `distance`. A fraction of the time of the distance itself, for the many
-    /// points that it does not.
+    /// Returns `true` if the line passes `point` within `distance`. Takes a fraction of the time that the distance itself
+    /// takes, for the many points that the line does not pass.
     pub fn passes(&self, point: DVec3, distance: f64) -> bool {
         let across = (point - self.origin).cross(self.direction).length_squared();
         across <= distance * distance * self.direction.length_squared() * (1.0 + 1e-9)
@@ -92,7 +92,7 @@ impl ClosestPoints {
 }
 
 /// Returns the distance of the lines of two valid rays, |w · N| / |N| with N = d₁ × d₂ and w = C₂ − C₁, as
-/// [`ClosestPoints::gap`] does in several times the time. `None` if it is more than `max_gap`, if the rays are parallel, or
+/// [`ClosestPoints::gap`] does, in a fraction of its time. `None` if it is more than `max_gap`, if the rays are parallel, or
 /// if their closest points are not in front of both cameras.
 pub fn gap_in_front(first: &Ray, second: &Ray, max_gap: f64) -> Option<f64> {
     let normal = first.direction.cross(second.direction);

@@ -23,7 +23,7 @@ const ACCELERATION: f64 = 10.0;
 /// Part of the change of the velocity that each position adds.
 const VELOCITY_GAIN: f64 = 0.6;
 
-/// Standard deviations within which a marker goes on.
+/// Number of standard deviations within which a marker continues a track.
 const GATE: f64 = 5.0;
 
 /// A marker at one instant.
@@ -57,7 +57,7 @@ struct Track {
     id: u64,
     label: Option<String>,
     position: DVec3,
-    /// In units per second; unknown after the first position.
+    /// The velocity, in units per second; unknown after the first position.
     velocity: Option<DVec3>,
     /// The time at which it was seen last, in seconds.
     seen: f64,
@@ -142,7 +142,7 @@ impl MarkerTracker {
         self.metre * (NEAR_DEVIATION + speed * time + 0.5 * ACCELERATION * time * time)
     }
 
-    /// Returns the index of the track of each marker: the track with its name, or the one that leads to its place.
+    /// Returns the index of the track of each marker: the track with its name, or the track that leads to its position.
     fn tracks_of(&self, markers: &[MatchedMarker]) -> Vec<Option<usize>> {
         let named = |marker: &MatchedMarker| {
             let label = marker.label?;

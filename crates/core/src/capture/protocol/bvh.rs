@@ -71,7 +71,7 @@ const POSITIONS: ProtocolOption = ProtocolOption {
 /// Encoder of the joints of one hand.
 struct BvhEncoder {
     hand: Side,
-    /// In seconds.
+    /// The time between two frames, in seconds.
     frame_time: f64,
     frames: u64,
     /// Known from the first frame on.

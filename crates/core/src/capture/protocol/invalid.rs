@@ -10,19 +10,19 @@ use crate::names::named_enum;
 named_enum! {
     /// The reason why a decoder refuses a packet.
     pub enum InvalidPacket ("reason") {
-        /// It ends too early.
+        /// The packet ends too early.
         Truncated = "truncated",
-        /// It is too long, or has another number of values than the protocol.
+        /// The packet is too long, or has another number of values than the protocol.
         WrongSize = "wrong-size",
         /// A value is not a finite number, or beyond what the sensor can measure.
         NotFinite = "not-finite",
-        /// It repeats the time of an earlier packet, or was overtaken by it.
+        /// The packet repeats the time of an earlier packet, or was overtaken by it.
         OutOfOrder = "out-of-order",
-        /// It was under way for so long that the hand is no longer there.
+        /// The packet was under way for so long that the hand is no longer there.
         TooOld = "too-old",
-        /// It comes from another sender than the packets before it.
+        /// The packet comes from another sender than the packets before it.
         UnknownSender = "unknown-sender",
-        /// It has not the form of the protocol.
+        /// The packet does not have the form of the protocol.
         Unknown = "unknown",
     }
 }

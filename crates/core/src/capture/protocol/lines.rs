@@ -22,19 +22,19 @@ pub trait LineParser: Send {
     }
 }
 
-/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last line end may be
-/// missing.
+/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last
+/// line end may be missing.
 #[derive(Clone, Debug)]
 pub struct LineDecoder<P> {
     parser: P,
     /// The line so far, at most `MAX_LINE_BYTES`.
     line: Vec<u8>,
-    /// The current line is too long; its bytes are skipped up to the line end.
+    /// `true` if the current line is too long; its bytes are skipped up to the line end.
     is_skipping: bool,
     stats: SourceStats,
     /// Offset of the first byte after the last line end, from the start of the stream.
     line_start: u64,
-    /// The previous line was skipped.
+    /// `true` if the previous line was skipped.
     is_searching: bool,
     last_error: Option<PacketError>,
 }

@@ -64,7 +64,7 @@ pub struct Protocol {
     pub summary: &'static str,
     /// Kind of sample that the decoder gives.
     pub sample: SampleKind,
-    /// `true` if it shows both hands, so that a setup with one hand reads the one that the option `hand` names.
+    /// `true` if it shows both hands. A setup with one hand then reads the hand that the option `hand` names.
     pub has_both_hands: bool,
     /// `true` if it measures the arm and the fingers in packets of their own.
     pub has_parts: bool,

@@ -4,7 +4,7 @@
 //! from the pose that opentrack was centred on, and displace the wrist or the elbow from its pose at rest. X points to the
 //! right, Y up and Z backwards; yaw turns to the left, pitch up, and roll lowers the left side. Opentrack inverts an axis on request.
 //!
-//! A datagram that has not exactly [`PACKET_BYTES`] bytes is no packet.
+//! A datagram that does not have exactly [`PACKET_BYTES`] bytes is not a packet.
 
 use glam::{EulerRot, Quat, Vec3};
 

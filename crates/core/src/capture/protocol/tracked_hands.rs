@@ -113,7 +113,7 @@ pub(super) struct TrackedHands {
     times: LineTimes,
     rate_hz: f64,
     lines: u64,
-    /// By side: the hand was seen since the start.
+    /// `true` for each side whose hand was seen since the start.
     was_seen: [bool; Side::COUNT],
 }
 
@@ -192,7 +192,7 @@ impl BestHands {
         }
     }
 
-    /// Returns whether a hand with this score would be chosen.
+    /// Returns `true` if a hand with this score would be chosen.
     pub fn admits(&self, side: Side, score: f64) -> bool {
         score > self.scores[side.index()]
     }

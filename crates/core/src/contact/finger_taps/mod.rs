@@ -13,15 +13,15 @@
 //! assert!(fingers.is_none_or(|fingers| fingers.is_empty()));
 //! ```
 //!
-//! `train.py` beside the weights makes them, and says how; `docs/typing.md` of the project says what they reach.
+//! `train.py`, next to the weights, trains them and documents how; `docs/typing.md` of the project states their accuracy.
 
 mod features;
 mod model;
 
 pub use model::{SETS, TapModel, TapModelError};
 
-/// Landmarks of a hand in one picture, in the order of MediaPipe: wrist, then four of each finger from the thumb, its tip last; X
-/// to the right and Y down, in one unit of any size.
+/// Landmarks of a hand in one picture, in the order of MediaPipe: the wrist, then four for each finger from the thumb on, the tip
+/// last. X is to the right and Y down, both in the same unit, of any size.
 pub type Picture = [[f32; 2]; POINTS];
 
 /// The number of landmarks of a hand.
@@ -55,7 +55,7 @@ impl TapClip {
         }
     }
 
-    /// Appends a picture, and forgets the first one of a full clip. Does not allocate.
+    /// Appends a picture, and drops the oldest one of a full clip. Does not allocate.
     pub fn push(&mut self, picture: Picture) {
         if self.count == PICTURES {
             self.pictures.rotate_left(1);
@@ -65,7 +65,7 @@ impl TapClip {
         self.count += 1;
     }
 
-    /// Returns the pictures, oldest first; `None` until there are enough.
+    /// Returns the pictures, the oldest first; `None` until there are [`PICTURES`].
     pub fn pictures(&self) -> Option<&[Picture; PICTURES]> {
         (self.count == PICTURES).then_some(&self.pictures)
     }

@@ -10,7 +10,7 @@ const MAGIC: &[u8; 8] = b"ademtap2";
 /// The shipped weights.
 const SHIPPED: &[u8] = include_bytes!("weights.bin");
 
-/// The largest number of inputs and outputs of a layer; more is no file of this program.
+/// The largest number of inputs and outputs of a layer; a file with more is not of this program.
 const MAX_WIDTH: usize = 1_024;
 /// The largest number of networks of a kind.
 const MAX_NETWORKS: usize = 16;
@@ -34,18 +34,18 @@ const CONVOLVED_LAYERS: usize = 5;
 const DENSE_LAYERS: usize = 3;
 const CONVOLUTIONS: usize = 3;
 const CONVOLUTION: usize = 3;
-/// The pairs of pictures of which the larger value goes on behind the convolutions.
+/// Number of pairs of pictures after the convolutions. The larger value of each pair is passed on.
 const PAIRS: usize = PICTURES / 2;
 
-/// Reason why bytes are no model.
+/// The reason why bytes are not a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TapModelError {
-    /// It is not such a file.
+    /// The bytes are not such a file.
     #[error(
         "not a model of finger taps; make one with `train.py`, which stands beside the weights"
     )]
     NotAModel,
-    /// It ends early, has bytes left, or layers that do not fit to each other.
+    /// The file ends early, has bytes left, or has layers that do not fit each other.
     #[error(
         "the model of finger taps is damaged; make it again with `train.py`, which stands beside the weights"
     )]

@@ -17,7 +17,7 @@ use crate::time::Timestamp;
 pub struct Joystick {
     /// The target that is its cap.
     pub target: TargetId,
-    /// Its full deflection in every direction, in metres, more than 0.
+    /// The full deflection in every direction, in metres, more than 0.
     pub max_deflection: f32,
     /// Radius of the dead zone, as a fraction of the full deflection: 0..1.
     pub dead_zone: f32,
@@ -81,7 +81,7 @@ pub struct Joysticks {
 }
 
 impl Joysticks {
-    /// Creates the joysticks, all centerd.
+    /// Creates the joysticks, all centered.
     pub fn new(joysticks: Vec<Joystick>) -> Self {
         Self {
             index: TargetIndex::new(joysticks.iter().map(|joystick| joystick.target)),
@@ -126,11 +126,11 @@ impl Joysticks {
         let joysticks = &self.joysticks;
         self.sticks.retain(|stick| {
             let joystick = &joysticks[stick.index];
-            let is_centerd = stick.emit_axes(joystick, time, out);
+            let is_centered = stick.emit_axes(joystick, time, out);
             if input.is_some_and(|input| stick.is_held_by_hand(input.pose.side)) {
                 stick.move_pointer(joystick, time, out);
             }
-            stick.is_held() || !is_centerd
+            stick.is_held() || !is_centered
         });
     }
 }

@@ -17,19 +17,19 @@ struct Thresholds {
     release: f32,
 }
 
-/// For the key of a direction: fractions of the full deflection.
+/// Thresholds of the key of a direction, as fractions of the full deflection.
 const DIRECTION: Thresholds = Thresholds {
     press: 0.5,
     release: 0.4,
 };
-/// For the push: fractions of the travel.
+/// Thresholds of the push, as fractions of the travel.
 const PUSH: Thresholds = Thresholds {
     press: 0.9,
     release: 0.7,
 };
-/// Four directions and the push.
+/// Number of parts: four directions and the push.
 pub(super) const PART_COUNT: usize = 5;
-/// For each part: up, down, left, right, push.
+/// Thresholds of the parts: up, down, left, right, push.
 const THRESHOLDS: [Thresholds; PART_COUNT] = [DIRECTION, DIRECTION, DIRECTION, DIRECTION, PUSH];
 /// Longest time between two steps for which the pointer moves: after a longer gap, the deflection during
 /// the gap is unknown.
@@ -56,7 +56,7 @@ pub(super) struct Stick {
 }
 
 impl Stick {
-    /// Creates a centerd stick that the touching fingertip holds.
+    /// Creates a centered stick that the touching fingertip holds.
     pub(super) fn new(index: usize, touch: &Touch) -> Self {
         Self {
             index,

@@ -11,7 +11,7 @@ pub enum KeyAction {
     Key(KeyCode),
     /// Holds a modifier key down.
     Modifier(KeyCode, Latch),
-    /// Activates a layer by its index, 0 for the base layer.
+    /// Activates the layer with this index; 0 is the base layer.
     Layer(usize, Latch),
     /// Types a text, once.
     Text(TextId),
@@ -30,7 +30,7 @@ pub enum KeyAction {
 impl KeyAction {
     /// Returns the capability that an output needs for it; `None` if it emits no event. The events of a
     /// sequence have the capabilities that [`Sequence::add_capabilities`](super::Sequence::add_capabilities) adds, the letters of a
-    /// multitap key the ones of [`Multitaps::add_capabilities`](super::Multitaps::add_capabilities).
+    /// multitap key have the ones that [`Multitaps::add_capabilities`](super::Multitaps::add_capabilities) adds.
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),
@@ -44,7 +44,7 @@ impl KeyAction {
         }
     }
 
-    /// Returns `true` if it presses a key, not only a button, types a text, or is a command that types. Each sequence counts as one that does.
+    /// Returns `true` if it presses a key of a keyboard, types a text, or is a command that types. Every sequence counts as typing.
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
@@ -54,7 +54,7 @@ impl KeyAction {
         }
     }
 
-    /// Returns whether a press with it ends the sequence that runs: the person types, clicks or holds a modifier again.
+    /// Returns `true` if a press with it ends the sequence that runs: the person types, clicks or holds a modifier again.
     pub(super) const fn ends_sequence(self) -> bool {
         matches!(
             self,

@@ -29,10 +29,10 @@ use crate::time::Timestamp;
 /// The number of modifier keys.
 pub(super) const MODIFIER_COUNT: usize = 8;
 
-/// Ten fingers, and 30 controls that stay on, such as toggle switches. Further presses are refused.
+/// Maximum number of presses: ten fingers, and 30 controls that stay on, such as toggle switches. Further presses are refused.
 const MAX_PRESSES: usize = 40;
 
-/// One key per press, the modifiers, and the keys of a sequence.
+/// Maximum number of keys that are down: one per press, the modifiers, and the keys of a sequence.
 const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT + MAX_SEQUENCE_KEYS;
 
 /// Decides which keys are down when several controls, modifiers and layers share them.
@@ -44,14 +44,14 @@ const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT + MAX_SEQUENCE_KEYS
 pub struct KeyArbiter {
     texts: Vec<String>,
     sequences: Vec<Sequence>,
-    /// One at a time.
+    /// The sequence that runs. Only one runs at a time.
     running: Option<RunningSequence>,
     multitaps: Multitaps,
-    /// Until another press, a time-out or a loss.
+    /// The letter that another tap replaces, until another press, a time-out or a loss.
     cycle: Option<Cycle>,
-    /// The presses that replaced letters.
+    /// The number of presses that replaced letters.
     replacing_presses: usize,
-    /// In order of pressing.
+    /// The presses, in the order in which they began.
     presses: ArrayVec<Press, MAX_PRESSES>,
     one_shots: OneShots,
     locks: Locks,
@@ -84,11 +84,11 @@ struct Press {
     /// The hand that presses.
     side: Side,
     action: KeyAction,
-    /// For a one-shot or lock: another key was pressed during the hold, so that it acts as momentary.
+    /// `true` for a one-shot or lock during whose hold another key was pressed: it acts as momentary.
     is_used: bool,
-    /// For a one-shot or lock: a tap activates it, unless it was active and this press ended that.
+    /// `true` for a one-shot or lock that a tap activates; `false` if this press has ended an active one.
     latches: bool,
-    /// The press of its key was suppressed: it holds nothing.
+    /// `true` if the press of its key was suppressed: it holds nothing.
     is_suppressed: bool,
 }
 
@@ -133,17 +133,17 @@ impl KeyArbiter {
         pressed.or(latched.map(|(layer, _)| layer)).unwrap_or(0)
     }
 
-    /// Returns whether an action is pressed.
+    /// Returns `true` if an action is pressed.
     pub fn is_pressed(&self, action: KeyAction) -> bool {
         self.presses.iter().any(|press| press.action == action)
     }
 
-    /// Returns whether a source presses anything.
+    /// Returns `true` if a source presses anything.
     pub fn has_press_from(&self, source: PressSource) -> bool {
         self.presses.iter().any(|press| press.source == source)
     }
 
-    /// Returns whether nothing is pressed, no key is down and no sequence runs.
+    /// Returns `true` if nothing is pressed, no key is down and no sequence runs.
     pub fn is_idle(&self) -> bool {
         self.presses.is_empty() && self.pressed_keys.is_empty() && self.running.is_none()
     }
@@ -153,19 +153,19 @@ impl KeyArbiter {
         self.time
     }
 
-    /// Returns whether a press fits: after it and its modifiers there must be room to release everything
+    /// Returns `true` if a press fits: after it and its modifiers there must be room to release everything
     /// that is down. This is why a press may be dropped and a release never is.
     pub fn has_room(&self, events: &Events) -> bool {
         !self.presses.is_full() && self.has_room_for_key(events)
     }
 
-    /// Returns whether a key that goes down fits into the event list, however many presses there are.
+    /// Returns `true` if a key that goes down fits into the event list, however many presses there are.
     fn has_room_for_key(&self, events: &Events) -> bool {
         let max_pressed = self.pressed_keys.len() + 1 + MODIFIER_COUNT;
         events.remaining_capacity() >= 1 + MODIFIER_COUNT + max_pressed
     }
 
-    /// Starts a press. Returns `false`, and has no effect, if there is no room. The keys that it holds are
+    /// Starts a press. Returns `false`, and starts none, if there is no room. The keys that it holds are
     /// emitted by the next [`emit_changes`](Self::emit_changes). A typing press of a hand that may only point is dropped: the result is
     /// `true`, and the source presses nothing.
     ///
@@ -267,8 +267,8 @@ impl KeyArbiter {
         self.locks.release_hand(side);
     }
 
-    /// Notes that the press of a key was suppressed behind the devices. Whatever presses the key holds nothing until it ends, and is no
-    /// tap that locks; another press of the key presses it again.
+    /// Notes that the output gate suppressed the press of a key. The presses of this key hold nothing until they end, and do not count
+    /// as taps that lock; a later press presses the key again.
     pub fn suppress_key(&mut self, code: KeyCode) {
         let Some(index) = self.pressed_keys.iter().position(|key| key.code == code) else {
             return;
@@ -354,7 +354,7 @@ impl KeyArbiter {
         });
     }
 
-    /// Returns whether no key should be down now.
+    /// Returns `true` if no key should be down now.
     fn wants_nothing(&self) -> bool {
         let modifiers = self.locks.modifiers.is_empty() && self.one_shots.active.is_empty();
         modifiers && self.presses.is_empty() && self.sequence_keys().is_empty()

@@ -16,8 +16,8 @@ use crate::time::Timestamp;
 pub struct Multitap {
     /// The letters as displays write them.
     pub label: String,
-    /// At least one, in the order of the taps: [`KeyAction::Key`] with a key that types a character, or [`KeyAction::Text`] with one
-    /// character.
+    /// The letters, at least one, in the order of the taps: [`KeyAction::Key`] with a key that types a character, or
+    /// [`KeyAction::Text`] with one character.
     pub letters: Vec<KeyAction>,
 }
 
@@ -58,12 +58,12 @@ pub(super) struct Cycle {
     time: Timestamp,
     /// The layer that was active after the last tap.
     layer: usize,
-    /// The first tap has used a one-shot layer up, which the further ones keep.
+    /// `true` if the first tap has used up a one-shot layer, which the further taps keep.
     has_one_shot_layer: bool,
     performer: Performer,
 }
 
-/// Returns `true` if both press the same control, with the same finger or another one.
+/// Returns `true` if both sources are the same control, pressed by the same finger or another one.
 fn is_same_control(source: PressSource, other: PressSource) -> bool {
     match (source, other) {
         (PressSource::Touch(.., target), PressSource::Touch(.., other)) => target == other,
@@ -78,7 +78,7 @@ impl KeyArbiter {
         Self { multitaps, ..self }
     }
 
-    /// Returns the number of presses since the last call that replaced a letter: a person has not made them.
+    /// Returns the number of presses since the last call that replaced a letter. The arbiter made them, not the person.
     pub fn take_replacing_presses(&mut self) -> usize {
         std::mem::take(&mut self.replacing_presses)
     }
@@ -99,7 +99,7 @@ impl KeyArbiter {
         is_repeated.then_some(KeyAction::Multitap(cycle.id))
     }
 
-    /// Returns whether a tap chooses another letter: it is on the same control, in the same layer and in time.
+    /// Returns `true` if a tap chooses another letter: it is on the same control, in the same layer and in time.
     fn continues(&self, cycle: &Cycle, source: PressSource, time: Timestamp) -> bool {
         is_same_control(cycle.source, source)
             && cycle.layer == self.active_layer()
@@ -170,7 +170,7 @@ impl KeyArbiter {
         true
     }
 
-    /// Returns whether a Backspace would delete a letter: no key that changes its meaning is down. A Shift is released for it, which
+    /// Returns `true` if a Backspace would delete a letter: no key that changes its meaning is down. A Shift is released for it, which
     /// must not follow a press of the same step.
     fn can_replace(&self, events: &Events) -> bool {
         let mut keys = self.pressed_keys.iter();
@@ -181,7 +181,7 @@ impl KeyArbiter {
             && !events.any(|event| matches!(event.kind, EventKind::KeyDown(_)))
     }
 
-    /// Returns whether a modifier other than Shift is down: a letter is then a shortcut and types nothing.
+    /// Returns `true` if a modifier other than Shift is down: a letter is then a shortcut and types nothing.
     fn holds_shortcut(&self) -> bool {
         let mut keys = self.pressed_keys.iter();
         keys.any(|key| key.is_modifier && !key.code.is_shift())
@@ -201,7 +201,7 @@ impl KeyArbiter {
         self.replacing_presses += 1;
     }
 
-    /// Taps a key with the modifiers that are down, locked or armed. Returns whether it went down: not if a control holds it.
+    /// Taps a key with the modifiers that are down, locked or armed. Returns `true` if it went down: not if a control holds it.
     fn tap_letter(
         &mut self,
         code: KeyCode,

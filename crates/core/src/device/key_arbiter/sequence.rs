@@ -60,9 +60,9 @@ pub struct SequenceHand {
     pub side: Side,
     /// The time of its reading.
     pub time: Timestamp,
-    /// Its position is known.
+    /// `true` if its position is known.
     pub is_placed: bool,
-    /// A finger is measured.
+    /// `true` if a finger is measured.
     pub is_seen: bool,
     /// Time between two presses of a sequence.
     pub press_gap: Duration,
@@ -112,7 +112,7 @@ impl Performer {
         }
     }
 
-    /// Returns whether the hand of a step is lost; `None` if it is the other hand.
+    /// Returns `true` if the hand of a step is lost; `None` if it is the other hand.
     pub(super) fn is_lost(&mut self, hand: &SequenceHand) -> Option<bool> {
         if self.side != hand.side {
             return None;
@@ -130,14 +130,14 @@ impl KeyArbiter {
         Self { sequences, ..self }
     }
 
-    /// Returns whether a sequence runs.
+    /// Returns `true` if a sequence runs.
     pub fn runs_sequence(&self) -> bool {
         self.running.is_some()
     }
 
-    /// Takes the step of the running sequence that is due. It runs only in steps of the hand that has started it, and ends when
-    /// that hand is lost. Each press and text follows the one before by `press_gap` or more: a late step delays the rest. A step for
-    /// which there is no room is taken later.
+    /// Executes the step of the running sequence that is due. The sequence runs only in steps of the hand that has started it, and
+    /// ends when that hand is lost. Each press and text follows the one before by `press_gap` or more: a late step delays the rest. A
+    /// step for which there is no room is executed later.
     pub fn advance_sequence(&mut self, hand: &SequenceHand, events: &mut Events) {
         let Some(running) = &mut self.running else {
             return;
@@ -165,7 +165,7 @@ impl KeyArbiter {
         }
     }
 
-    /// Takes a step and returns the time until the next one; `None` if there is no room for it.
+    /// Executes a step and returns the time until the next one; `None` if there is no room for it.
     fn take_step(
         &mut self,
         step: SequenceStep,

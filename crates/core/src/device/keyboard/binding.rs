@@ -31,11 +31,11 @@ pub struct KeyBinding {
 /// nothing before it fires. A press that is cancelled before that has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Activation {
-    /// At the press; held until the release.
+    /// Fires at the press; held until the release.
     OnPress,
-    /// At the release, as a tap.
+    /// Fires at the release, as a tap.
     OnRelease,
-    /// At the release as a tap, or after a time as a hold.
+    /// Fires at the release as a tap, or after a time as a hold.
     TapHold(TapHold),
     /// After a fingertip has touched the key for this time, at any depth, once per contact: taps the action of
     /// the layer active at that moment. Presses have no effect.

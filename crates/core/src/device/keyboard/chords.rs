@@ -21,10 +21,10 @@ pub const MAX_CHORD_KEYS: usize = KeySet::BITS as usize;
 /// Several keys that are pressed together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chord {
-    /// Its keys, each once.
+    /// The keys, each once.
     pub keys: Vec<TargetId>,
     /// The action in each layer, base layer first, as of a [`KeyBinding`](super::KeyBinding). In a layer without an action in
-    /// any way it is no chord.
+    /// any way it is not a chord.
     pub actions: Vec<Option<KeyAction>>,
     /// The moment at which the action fires; not [`Activation::Dwell`].
     pub activation: Activation,
@@ -51,7 +51,7 @@ type KeySet = u64;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
     chords: Vec<(KeySet, Chord)>,
-    /// From a target to the number of its chord key.
+    /// The number of the chord key of each target.
     chord_keys: TargetIndex,
     window: Duration,
     /// Gathered presses, in order; each finger has one at most.
@@ -138,7 +138,7 @@ impl Chords {
         });
     }
 
-    /// Returns whether the press of a touch is gathered, or would be if it began now.
+    /// Returns `true` if the press of a touch is gathered, or would be if it began now.
     pub(super) fn is_or_would_be_gathered(&self, touch: &Touch, source: PressSource) -> bool {
         let is_pressed = self.pressed.iter().any(|chord| chord.has_finger(source));
         self.chord_keys.get(touch.target).is_some() && !is_pressed
@@ -170,7 +170,7 @@ impl Chords {
         Some(self.gathered.first()?.touch.time + self.window)
     }
 
-    /// Returns whether a layer has a chord that contains all gathered keys and more.
+    /// Returns `true` if a layer has a chord that contains all gathered keys and more.
     fn may_grow(&self, layer: usize) -> bool {
         let gathered = self.gathered_keys();
         let is_larger = |set: KeySet| set & gathered == gathered && set != gathered;

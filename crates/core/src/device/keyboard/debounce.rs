@@ -25,8 +25,8 @@ impl Debouncer {
         }
     }
 
-    /// Returns whether a press follows the release of its key within `debounce`. A press before the release
-    /// comes from another finger and is no bounce.
+    /// Returns `true` if a press follows the release of its key within `debounce`. A press before the release
+    /// comes from another finger and is not a bounce.
     pub(super) fn is_bounce(&self, index: usize, time: Timestamp, debounce: Duration) -> bool {
         let released_at = self.released_at.get(index).copied().flatten();
         released_at

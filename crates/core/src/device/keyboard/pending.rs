@@ -43,7 +43,7 @@ impl PendingPress {
     }
 }
 
-/// Returns whether an action only has an effect while it is pressed, so that it cannot be pending.
+/// Returns `true` if an action only has an effect while it is pressed, so that it cannot be pending.
 fn is_active_while_pressed(action: KeyAction) -> bool {
     !matches!(
         action,
@@ -65,12 +65,12 @@ fn momentary(action: KeyAction) -> KeyAction {
 }
 
 impl Keyboard {
-    /// Returns whether a press from this source is pending.
+    /// Returns `true` if a press from this source is pending.
     pub(super) fn is_pending(&self, source: PressSource) -> bool {
         self.pending.iter().any(|press| press.source == source)
     }
 
-    /// Returns whether the press of a touch is pending, or would be if it began now.
+    /// Returns `true` if the press of a touch is pending, or would be if it began now.
     pub(super) fn is_or_would_be_pending(&self, touch: &Touch, out: &DeviceOutput) -> bool {
         let source = PressSource::from_touch(touch);
         let binding = self.binding(touch.target);

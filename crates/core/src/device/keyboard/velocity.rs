@@ -49,7 +49,7 @@ impl VelocityReporter {
         }
     }
 
-    /// Returns whether a finger holds a key that was emitted.
+    /// Returns `true` if a finger holds a key that was emitted.
     pub(super) fn is_held_by(&self, source: PressSource) -> bool {
         self.held.contains(&source)
     }

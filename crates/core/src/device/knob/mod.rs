@@ -26,7 +26,7 @@ const DEAD_CENTER: f32 = 0.25;
 pub struct Knob {
     /// The target that is its front. It turns about the middle of the target.
     pub target: TargetId,
-    /// Its radius, in metres, more than 0.
+    /// The radius, in metres, more than 0.
     pub radius: f32,
     /// The range of rotation.
     pub range: KnobRange,
@@ -36,7 +36,7 @@ pub struct Knob {
     pub initial: f32,
     /// The value to which it returns when it is released, at which its axis must be 0; `None` if it stays.
     pub rest: Option<f32>,
-    /// Its rotation per rotation of a hand that pinches it, more than 0.
+    /// The rotation per rotation of a hand that pinches it, more than 0.
     pub twist_gain: f32,
     /// The events for its value.
     pub output: ValueOutput,

@@ -15,7 +15,7 @@ use crate::kinematics::HandPose;
 /// Thumb and index finger are closed when their fingertip centers are closer together than this, in metres.
 /// Value of the Ultraleap Interaction Engine.
 const CLOSED_BELOW: f32 = 0.025;
-/// They are open when the centers are further apart than this, in metres.
+/// Thumb and index finger are open when the centers are further apart than this, in metres.
 const OPEN_ABOVE: f32 = 0.030;
 /// Maximum distance from the front of a knob, before it or behind it, at which they may close, in metres.
 const MAX_HEIGHT: f32 = 0.04;
@@ -33,7 +33,7 @@ pub(super) enum PinchState {
 }
 
 impl PinchState {
-    /// Returns whether the fingers hold the knob with this index.
+    /// Returns `true` if the fingers hold the knob with this index.
     pub(super) fn holds(&self, knob: usize) -> bool {
         matches!(self, Self::Holding(grip) if grip.knob == knob)
     }

@@ -20,7 +20,7 @@ pub(super) struct Cursor {
     output: CursorOutput,
     extent: Vec3,
     max_step_px: f32,
-    /// Its position, within the range.
+    /// The position, within the range.
     position: Option<Vec3>,
     /// The position emitted last.
     emitted: Option<Vec2>,

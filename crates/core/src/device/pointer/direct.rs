@@ -9,7 +9,7 @@ use crate::hand::Finger;
 /// A box in which the index fingertip moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectPointing {
-    /// Its center.
+    /// The center.
     pub frame: AnchoredFrame,
     /// Width, height and depth, in metres; each more than 0.
     pub size: Vec3,

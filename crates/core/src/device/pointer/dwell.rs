@@ -20,7 +20,7 @@ pub struct DwellSettings {
 pub(super) struct DwellDetector {
     /// The center of the circle, and the time at which the cursor entered it.
     circle: Option<(Vec2, Timestamp)>,
-    /// True if the cursor has to leave the circle before the next click.
+    /// `true` if the cursor has to leave the circle before the next click.
     has_clicked: bool,
 }
 

@@ -35,9 +35,9 @@ pub enum Gesture {
 pub struct PinchGaps {
     /// A pinch switches on at this distance or less.
     pub on: f32,
-    /// It switches off at more than this distance.
+    /// A pinch switches off at more than this distance.
     pub off: f32,
-    /// It is near at less than this distance.
+    /// A pinch is near at less than this distance.
     pub near: f32,
 }
 
@@ -122,7 +122,7 @@ pub(super) enum Change {
     None,
     Began,
     Ended,
-    /// It was on, and its measurement is unknown now.
+    /// The gesture was on, and its measurement is unknown now.
     Lost,
 }
 
@@ -131,7 +131,7 @@ impl GestureDetector {
         self.0 == State::On
     }
 
-    /// Returns whether the gesture may be about to begin, or has just ended.
+    /// Returns `true` if the gesture may be about to begin, or has just ended.
     pub(super) fn is_near(&self) -> bool {
         matches!(self.0, State::Near(_))
     }

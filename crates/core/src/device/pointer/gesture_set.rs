@@ -57,13 +57,13 @@ impl GestureSet {
         Self(gestures.collect())
     }
 
-    /// Returns whether a click is held.
+    /// Returns `true` if a click is held.
     pub(super) fn is_pressing(&self) -> bool {
         let is_press = |it: &&AssignedGesture| matches!(it.role, Role::Press(_));
         self.0.iter().filter(is_press).any(|it| it.detector.is_on())
     }
 
-    /// Returns whether a click or scrolling may be about to begin, or has just ended.
+    /// Returns `true` if a click or scrolling may be about to begin, or has just ended.
     pub(super) fn is_near(&self) -> bool {
         let holds_cursor = |it: &&AssignedGesture| matches!(it.role, Role::Press(_) | Role::Scroll);
         let mut gestures = self.0.iter().filter(holds_cursor);
@@ -82,7 +82,7 @@ impl GestureSet {
         self.0.iter().any(|it| it.role == Role::Clutch)
     }
 
-    /// Returns whether there is a clutch and it is off.
+    /// Returns `true` if there is a clutch and it is off.
     pub(super) fn is_clutch_released(&self) -> bool {
         self.has_clutch() && !self.is_on(Role::Clutch)
     }
@@ -178,7 +178,7 @@ impl AssignedGesture {
 }
 
 /// Returns the finger whose tip is nearest to the tip of the thumb. When one finger moves to the thumb, its
-/// neighbour moves along; only the nearest one is intended.
+/// neighbor moves along; only the nearest one is intended.
 fn nearest_to_thumb(hand: &TrustedHand) -> Option<Finger> {
     let thumb = hand.tip(Finger::Thumb)?;
     let others = Finger::ALL.iter().filter(|&&it| it != Finger::Thumb);

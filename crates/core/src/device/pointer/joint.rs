@@ -8,11 +8,11 @@ use crate::hand::Dof;
 /// One angle per coordinate of the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointPointing {
-    /// To the right.
+    /// The angle that moves it to the right.
     pub x: AngleMapping,
-    /// Up.
+    /// The angle that moves it up.
     pub y: AngleMapping,
-    /// Towards the wearer; `None` for a constant 0.5.
+    /// The angle that moves it towards the wearer; `None` for a constant 0.5.
     pub z: Option<AngleMapping>,
 }
 

@@ -85,9 +85,9 @@ struct ScreenPointer {
     scroll_remainder: Vec2,
     depth: Option<ValueEmitter>,
     axes: ArmAxesState,
-    /// A mode that [starts at rest](PointingMode::starts_at_rest) was not at rest since the hand was lost.
+    /// `true` if a mode that [starts at rest](PointingMode::starts_at_rest) has not been at rest since the hand was lost.
     awaits_rest: bool,
-    /// The hand points into the range of the mode, and not beside it.
+    /// `true` if the hand points into the range of the mode, and not beside it.
     is_in_range: bool,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
@@ -104,7 +104,7 @@ impl Pointer {
         }
     }
 
-    /// Returns whether this hand is the one that points.
+    /// Returns `true` if this hand is the one that points.
     fn is_pointing_hand(&mut self, side: Side) -> bool {
         let configured = self.screen.as_ref().and_then(|it| it.settings.side);
         side == configured.unwrap_or(*self.side.get_or_insert(side))
@@ -161,7 +161,7 @@ impl ScreenPointer {
         true
     }
 
-    /// Returns a velocity of 0 until the mode was at rest.
+    /// Returns the velocity, which is 0 until the mode has been at rest.
     fn after_rest(&mut self, aim: Aim) -> Aim {
         self.awaits_rest &= aim != Aim::Velocity(Vec3::ZERO);
         if self.awaits_rest {
@@ -210,7 +210,7 @@ impl ScreenPointer {
         self.cursor.emit(time, out);
     }
 
-    /// Returns whether the cursor stays, however the hand moves.
+    /// Returns `true` if the cursor stays, however the hand moves.
     fn is_held(&mut self, delta: Vec3, out: &DeviceOutput) -> bool {
         let is_pressing = self.gestures.is_pressing();
         if !is_pressing {

@@ -39,7 +39,7 @@ pub(super) enum Aim {
 }
 
 impl Aim {
-    /// Returns whether a position is not at a border, where one that is outside would be too.
+    /// Returns `true` if a position is not at a border, where one that is outside would be too.
     pub(super) fn is_in_range(self) -> bool {
         let is_inside = |fraction: f32| 0.0 < fraction && fraction < 1.0;
         match self {
@@ -61,7 +61,7 @@ impl PointingMode {
         }
     }
 
-    /// Returns whether the cursor moves only after a velocity of 0: a broken stick can be at an end of its range.
+    /// Returns `true` if the cursor moves only after a velocity of 0: a broken stick can be at an end of its range.
     pub fn starts_at_rest(&self) -> bool {
         matches!(self, Self::Rate(rate) if rate.displacement == Displacement::Stick)
     }

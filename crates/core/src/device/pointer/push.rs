@@ -27,7 +27,7 @@ const REST_SPEED: f32 = 0.05;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PushDetector {
     origin: Option<Vec3>,
-    /// True if the fingertip has moved sideways or too far. It has to rest before a push can begin.
+    /// `true` if the fingertip has moved sideways or too far. It has to rest before a push can begin.
     is_travelling: bool,
 }
 

@@ -21,11 +21,11 @@ const DEPTH_STEPS: f32 = 100.0;
 /// Targets in space that share a frame.
 #[derive(Clone, Debug)]
 pub struct SelectionSpace {
-    /// Their frame.
+    /// The frame of the targets.
     pub frame: AnchoredFrame,
     /// The id of the first target; the others have consecutive ids.
     pub first_target: TargetId,
-    /// Their volumes.
+    /// The volumes of the targets.
     pub volumes: VolumeSet,
     /// The action held while a target is selected, one entry per volume.
     pub actions: Vec<Option<KeyAction>>,
@@ -40,9 +40,9 @@ impl SelectionSpace {
 /// The position of the cursor, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CursorPoint {
-    /// In the world.
+    /// A position in the world.
     InWorld(Vec3),
-    /// In the frame of every space.
+    /// A position in the frame of every space.
     InEachSpace(Vec3),
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Selector {
     /// The last position of the cursor in each space.
     before: Vec<Option<Vec3>>,
     time: Timestamp,
-    /// True if the cursor has been outside all targets.
+    /// `true` if the cursor has been outside all targets.
     is_armed: bool,
     selected: Option<Selected>,
     /// A target whose unselect event is not emitted yet.
@@ -81,7 +81,7 @@ struct Selected {
     /// The index of the volume in its space.
     volume: usize,
     target: TargetId,
-    /// The depth emitted last.
+    /// The depth that was emitted last.
     depth: f32,
 }
 
@@ -151,7 +151,7 @@ impl Selector {
         }
     }
 
-    /// Returns whether the cursor is outside all targets.
+    /// Returns `true` if the cursor is outside all targets.
     fn is_clear(&self, cursor: CursorPoint, pose: &HandPose) -> bool {
         self.spaces.iter().all(|space| {
             let point = cursor.in_space(space, pose);

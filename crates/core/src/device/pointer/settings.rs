@@ -63,7 +63,7 @@ pub struct PointerSettings {
 }
 
 impl PointerSettings {
-    /// Returns whether it uses a stick, trigger or button of a glove.
+    /// Returns `true` if it uses a stick, trigger or button of a glove.
     pub fn uses_inputs(&self) -> bool {
         let clicks = self.clicks.iter().filter_map(|(method, _)| match method {
             ClickMethod::Gesture(gesture) => Some(*gesture),

@@ -15,7 +15,7 @@ impl<'a> TrustedHand<'a> {
         Self(input)
     }
 
-    /// Returns whether the hand was re-acquired: its path since the last step is unknown.
+    /// Returns `true` if the hand was re-acquired: its path since the last step is unknown.
     pub(super) fn jumped(&self) -> bool {
         self.0.pose.jumped
     }

@@ -11,17 +11,17 @@ use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 use crate::time::Timestamp;
 
-/// A touch without motion that is shorter than this clicks.
+/// Longest touch without motion that clicks.
 const TAP_TIME: Duration = Duration::from_millis(200);
 
-/// A touch that begins within this time after a click drags when it moves (tap-and-drag).
+/// Longest time after a click at which a touch that moves begins a drag (tap-and-drag).
 const TAP_DRAG_TIME: Duration = Duration::from_millis(300);
 
 /// Distance that a finger travels before it moves the pointer, in metres. Dead zone of TouchFree (Ultraleap,
 /// `InteractionConfigFile.cs`).
 const DEAD_ZONE: f32 = 0.003;
 
-/// Speed of a finger from which the acceleration is full, in metres per second.
+/// Speed of a finger at which the acceleration is full, in metres per second.
 const FAST: f32 = 0.25;
 
 /// One detent of the wheel, in the units of [`EventKind::Scroll`].
@@ -52,9 +52,9 @@ pub(super) struct Touchpad {
     began: Timestamp,
     max_fingers: usize,
     has_moved: bool,
-    /// True if a finger slid off or was lost: the rest of the gesture has no effect.
+    /// `true` if a finger slid off or was lost: the rest of the gesture has no effect.
     is_cancelled: bool,
-    /// True if the gesture began soon after a click.
+    /// `true` if the gesture began soon after a click.
     may_drag: bool,
     is_dragging: bool,
     last_click: Option<Timestamp>,

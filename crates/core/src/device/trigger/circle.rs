@@ -102,8 +102,8 @@ impl CircleMotion {
         }
     }
 
-    /// Returns the number of turns without a stop in a direction, in the plane in which the circle is larger; 0 for a way that is not round, and `None`
-    /// if the point is not known.
+    /// Returns the number of turns without a stop in a direction, in the plane in which the circle is larger; 0 for a path that is
+    /// not round, and `None` if the point is not known.
     pub(super) fn turns(&self, direction: Option<CircleDirection>) -> Option<f32> {
         let [front, above] = &self.planes;
         let plane = if front.area.abs() >= above.area.abs() {

@@ -29,7 +29,7 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// Returns whether it depends on the path of the palm.
+    /// Returns `true` if it depends on the path of the palm.
     pub(super) fn is_motion(self) -> bool {
         matches!(self, Self::Swipe(_) | Self::Shake)
     }

@@ -30,16 +30,16 @@ use crate::contact::TargetId;
 use crate::hand::{Input, Side};
 use crate::time::Timestamp;
 
-/// Maximum number of triggers of a layout: every step evaluates each of them.
+/// Maximum number of triggers in a layout. Every step evaluates each of them.
 pub const MAX_TRIGGERS: usize = 64;
 
-/// Resolution of the value, in steps: hand tremor then emits no events.
+/// Number of steps of the value in its range: coarse enough that hand tremor emits no events.
 const VALUE_STEPS: f32 = 1000.0;
 
-/// The value from which an input of the glove is held.
+/// Smallest value at which an input of the glove counts as held.
 const HELD: f32 = 0.5;
 
-/// A trigger.
+/// A control without a target: an action, and events for a value, that follow a measurement of the hand, the body or the glove.
 ///
 /// It switches on when its measurement has been at `on` for the time `hold`, and off when it is back at `off`; `on` may be more or
 /// less than `off`. While the measurement is unknown (the source does not provide the joint, the finger is
@@ -80,11 +80,11 @@ pub struct Triggers {
     /// All but the sequences.
     triggers: Vec<HandTrigger>,
     sequences: Vec<HandSequence>,
-    /// A trigger measures the motion of the hand.
+    /// `true` if a trigger measures the motion of the hand.
     needs_motion: bool,
-    /// A trigger measures a circle.
+    /// `true` if a trigger measures a circle.
     needs_circles: bool,
-    /// A trigger measures a shape of the hand.
+    /// `true` if a trigger measures a shape of the hand.
     needs_bends: bool,
     /// The memory of each hand, by side.
     hands: [HandMemory; Side::COUNT],
@@ -107,7 +107,7 @@ struct HandMemory {
 struct HandTrigger {
     trigger: Trigger,
     side: Side,
-    /// The angle is one of the body, which the readings of both hands have: it belongs to the hand that shows it first.
+    /// `true` for an angle of the body, which the readings of both hands have: it belongs to the hand that shows it first.
     is_shared: bool,
     emitter: ValueEmitter,
     switch: Switch,
@@ -219,7 +219,7 @@ impl HandTrigger {
         })
     }
 
-    /// Returns whether the input that has to be held is held.
+    /// Returns `true` if the input that has to be held is held.
     fn is_held(&self, input: &DeviceInput) -> bool {
         let is_held = |held| input.inputs.get(held).is_some_and(|value| value >= HELD);
         self.trigger.held.is_none_or(is_held)
@@ -300,7 +300,7 @@ impl HandTrigger {
 }
 
 impl HandMemory {
-    /// Returns whether a swipe was on within the cool-down of a trigger.
+    /// Returns `true` if a swipe was on within the cool-down of a trigger.
     fn is_cooling(&self, trigger: &Trigger, time: Timestamp) -> bool {
         let swiped = self.swiped;
         swiped.is_some_and(|swiped| time.since(swiped) < trigger.cool_down)

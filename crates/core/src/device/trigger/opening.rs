@@ -48,7 +48,7 @@ impl Opening {
         };
     }
 
-    /// Returns whether the hand is open since it was closed.
+    /// Returns `true` if the hand is open since it was closed.
     pub(super) fn is_open(self) -> bool {
         matches!(self, Self::Open)
     }

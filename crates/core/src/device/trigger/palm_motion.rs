@@ -64,7 +64,7 @@ pub(super) struct PalmMotion {
 struct Reversals {
     /// The furthest position since the last reversal, in metres.
     furthest: f32,
-    /// It moves towards positive positions.
+    /// `true` if the motion is towards positive positions.
     ascends: bool,
     times: ArrayVec<Timestamp, MAX_REVERSALS>,
 }

@@ -24,7 +24,7 @@ pub struct Steps {
 #[derive(Clone, Debug)]
 pub(super) struct HandSequence {
     pub(super) trigger: HandTrigger,
-    /// The indices of the steps among the triggers that are no sequences; empty if one is missing.
+    /// The indices of the steps among the triggers that are not sequences; empty if one is missing.
     steps: ArrayVec<usize, MAX_STEPS>,
     within: Duration,
     /// The number of steps that were done in their order.

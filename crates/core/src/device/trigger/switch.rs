@@ -34,11 +34,11 @@ enum State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
     None,
-    /// It was unknown and is off.
+    /// The switch was unknown and is off.
     Known,
-    /// It is to be switched on; the caller confirms it with [`Switch::switch_on`].
+    /// The switch is due to be switched on; the caller confirms it with [`Switch::switch_on`].
     Due,
-    /// It was on and is off.
+    /// The switch was on and is off.
     Off,
 }
 

@@ -1,6 +1,6 @@
 //! Files as JSON: the JSON Schema of a format, and the JSON form of a RON text.
 //!
-//! The form is what serde reads of JSON:
+//! serde reads this JSON form:
 //!
 //! | RON | JSON |
 //! |---|---|
@@ -209,8 +209,8 @@ fn number_value(number: f64) -> Value {
 /// Returns the JSON form of a RON text: numbers, texts and lists as they are, a structure as an object, and a value of an enumeration
 /// as serde writes it, such as `{"Key": "A"}` or `"Touchpad"`.
 ///
-/// `tables` are the tables of the format. What they do not know is converted by its spelling, so that a validator reports it. `None` if
-/// brackets are not balanced.
+/// `tables` are the tables of the format. A field or value that they do not list is converted by its spelling, so that a validator
+/// reports it. `None` if brackets are not balanced.
 pub fn json_form(text: &str, tables: &[Table]) -> Option<Value> {
     let root = tables.first().map(|table| Shape::Table(table.name));
     let reader = Reader { text, tables };

@@ -1,7 +1,7 @@
 //! Tables of the fields of a file, read from the declarations of its schema.
 //!
-//! A structure or enumeration in [`schema!`](crate::schema) has a table. The doc comment of a field is its meaning; its last sentence may be
-//! `Default: ….`, for a default that the type of the field does not have.
+//! A structure or enumeration in [`schema!`](crate::schema) has a table. The doc comment of a field is its meaning; its last
+//! sentence may be `Default: ….`, for a default that the type of the field does not have.
 
 mod json;
 mod schema_macro;
@@ -22,7 +22,7 @@ pub struct Table {
     pub meaning: String,
     /// Rows in the order of the declaration.
     pub rows: Vec<Row>,
-    /// The rows are values, and fields of values.
+    /// `true` if the rows are values, and fields of values.
     #[serde(skip)]
     pub is_enumeration: bool,
 }
@@ -41,7 +41,7 @@ pub struct Row {
     /// The valid values of a field, or the contents of the value of an enumeration in its parentheses.
     #[serde(skip)]
     pub shapes: Vec<Shape>,
-    /// The field must be written.
+    /// `true` if the field must be written.
     #[serde(skip)]
     pub is_required: bool,
 }
@@ -179,7 +179,7 @@ impl Row {
 pub struct Values {
     /// A row for each value, and for each of its fields.
     pub rows: Vec<Row>,
-    /// A value has contents, so that the enumeration has a table.
+    /// `true` if a value has contents, so that the enumeration has a table.
     pub has_contents: bool,
     /// Name of the default value.
     pub default: Option<String>,

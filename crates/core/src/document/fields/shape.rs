@@ -5,20 +5,20 @@
 pub enum Shape {
     /// `true` or `false`.
     Bool,
-    /// A number of a range.
+    /// A number in a range.
     Number {
         /// Smallest value.
         min: f64,
         /// Largest value.
         max: f64,
-        /// Unit as it is written behind a number, such as ` mm`; empty for a pure number.
+        /// Unit as it is written after a number, with its blank, such as ` mm`; empty for a pure number.
         unit: &'static str,
         /// Value of a field that is left out, if the type has one.
         default: Option<f64>,
     },
     /// Any finite number.
     AnyNumber,
-    /// A whole number of a range.
+    /// A whole number in a range.
     Integer {
         /// Smallest value.
         min: i64,
@@ -32,15 +32,15 @@ pub enum Shape {
         /// Largest number of characters, if it is limited.
         max_length: Option<usize>,
     },
-    /// One of these words, without quotes. The meaning of each follows it.
+    /// One of these words, without quotes, each with its meaning.
     Words(Vec<(String, String)>),
-    /// One of these names, in quotes. The text names their kind in tables, where it is not empty.
+    /// One of these names, in quotes, and their kind, which stands for them in tables; empty to list the names.
     Names(Vec<&'static str>, &'static str),
     /// Values in square brackets.
     List(Box<Shape>),
     /// Values by text, in braces.
     Map(Box<Shape>),
-    /// Values by one of these names, in braces. The text names their kind.
+    /// Values by one of these names, in braces; the text is the kind of the names.
     NamedMap(Vec<&'static str>, &'static str, Box<Shape>),
     /// Values by number, in braces.
     NumberedMap(Box<Shape>),
@@ -51,7 +51,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Returns the values as they stand in a table.
+    /// Returns the valid values as a table shows them.
     pub fn words(&self) -> String {
         match self {
             Self::Bool => "`true`, `false`".into(),

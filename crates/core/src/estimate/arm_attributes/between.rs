@@ -18,7 +18,8 @@ const PARALLEL: f64 = 1e-9;
 impl ArmAttributes {
     /// Returns the attributes at a fraction of a movement to `end`, 0..=1: exactly these at 0, and exactly `end` at 1.
     ///
-    /// Angles with limits stay between their two ends, and a signed shoulder rotation takes the short way, so that a movement between possible postures is possible.
+    /// Angles with limits stay between their two ends, and a signed shoulder rotation takes the short way, so that a movement
+    /// between possible postures is possible.
     #[must_use]
     pub fn between(&self, end: &Self, fraction: f64) -> Self {
         if fraction <= 0.0 {

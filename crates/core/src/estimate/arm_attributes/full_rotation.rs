@@ -95,7 +95,7 @@ fn colatitude(along: f64) -> f64 {
     along.clamp(-1.0, 1.0).acos()
 }
 
-/// Returns whether `value` counts as equal to `reference`: within 1e-8 + 1e-5 · |reference|.
+/// Returns `true` if `value` counts as equal to `reference`: within 1e-8 + 1e-5 · |reference|.
 pub(super) fn is_close(value: f64, reference: f64) -> bool {
     (value - reference).abs() <= 1e-8 + 1e-5 * reference.abs()
 }

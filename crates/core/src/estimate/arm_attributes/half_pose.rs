@@ -118,7 +118,7 @@ impl HalfPose {
 }
 
 impl ArmLandmarks {
-    /// Returns whether all coordinates are finite.
+    /// Returns `true` if all coordinates are finite.
     pub fn is_finite(&self) -> bool {
         let points = [
             self.shoulder,
@@ -133,7 +133,7 @@ impl ArmLandmarks {
 }
 
 impl Trunk {
-    /// Returns whether all coordinates are finite.
+    /// Returns `true` if all coordinates are finite.
     pub fn is_finite(&self) -> bool {
         self.shoulders
             .iter()

@@ -42,7 +42,7 @@ struct Held {
     time: Timestamp,
     angles: JointAngles,
     joints: [(Joint, Vec3); JOINTS],
-    /// It has not been seen for longer than the hold time.
+    /// `true` if it has not been seen for longer than the hold time.
     is_lost: bool,
 }
 

@@ -28,9 +28,9 @@ pub(super) struct ChannelTable {
 
 /// The result of a conversion.
 pub(super) struct Conversion {
-    /// All angles are finite, and none is farther outside its range than a calibration error explains.
+    /// `true` if all angles are finite, and none is farther outside its range than a calibration error explains.
     pub are_accepted: bool,
-    /// A channel is unknown, or at an end of its range.
+    /// `true` if a channel is unknown, or at an end of its range.
     pub has_exceptions: bool,
 }
 
@@ -73,8 +73,8 @@ impl ChannelTable {
         self.offsets[dof.index()] = calibration.offset;
     }
 
-    /// Sets the angles that the counts show, with `offsets` added, in radians. They mean nothing unless the result says that all
-    /// are accepted and no channel is unknown.
+    /// Sets the angles that the counts show, with `offsets` added, in radians. The angles are valid only if the result
+    /// states that all are accepted and no channel is unknown.
     pub fn convert(
         &self,
         channels: &Channels,

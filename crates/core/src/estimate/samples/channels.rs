@@ -23,11 +23,11 @@ pub(in crate::estimate) struct ChannelConverter {
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
     health: Vec<ChannelHealth>,
-    /// A channel was at an end of its range in the latest reading.
+    /// `true` if a channel was at an end of its range in the latest reading.
     was_at_rail: bool,
     /// All rows at once, for readings without exceptions.
     table: Option<ChannelTable>,
-    /// A count at an end of the range is not a broken wire.
+    /// `true` if a count at an end of the range is not a broken wire.
     uses_full_range: bool,
     /// The learners of channels with a calibrated range; none unless ranges are learned.
     learners: Vec<ChannelLearner>,
@@ -119,9 +119,9 @@ impl ChannelConverter {
         }
     }
 
-    /// Converts counts to angles, adds `offsets`, and keeps them within the joint limits. Angles that are far outside are noted, and are an error
-    /// unless they are unreliable or their channel is railed. A channel is railed once it has been at one end of its range for `rail_timeout`. Fingers with an
-    /// unknown channel are untrusted.
+    /// Converts counts to angles, adds `offsets`, and keeps them within the joint limits. Angles that are far outside are noted,
+    /// and are an error unless they are unreliable or their channel is railed. A channel is railed once it has been at one end of
+    /// its range for `rail_timeout`. Fingers with an unknown channel are untrusted.
     pub(super) fn convert(
         &mut self,
         channels: &Channels,
@@ -207,7 +207,7 @@ impl ChannelConverter {
             .for_each(|own| own.learner.forget());
     }
 
-    /// Returns whether a range is to be widened.
+    /// Returns `true` if a range is to be widened.
     pub(in crate::estimate) fn is_widening_due(&self) -> bool {
         self.learners.iter().any(|own| own.learner.is_due())
     }

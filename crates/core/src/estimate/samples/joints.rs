@@ -35,7 +35,7 @@ struct Held {
     time: Timestamp,
     angles: JointAngles,
     untrusted: FingerSet,
-    /// It has not been seen for longer than the hold time.
+    /// `true` if it has not been seen for longer than the hold time.
     is_lost: bool,
 }
 
@@ -116,12 +116,12 @@ impl JointConverter {
     }
 }
 
-/// Returns whether the source sees a joint now.
+/// Returns `true` if the source sees a joint now.
 fn is_measured(positions: &JointPositions, joint: Joint) -> bool {
     positions.get(joint).is_some() && !positions.is_predicted(joint)
 }
 
-/// Returns whether two or more joints are all at one place, as a tracker reports that has lost the hand.
+/// Returns `true` if two or more joints are all at one place, as a tracker reports that has lost the hand.
 fn all_coincide(positions: &JointPositions) -> bool {
     let mut known = positions.known();
     let Some((_, first)) = known.next() else {

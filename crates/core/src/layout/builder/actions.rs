@@ -126,7 +126,7 @@ impl<'a> LayoutBuilder<'a> {
         self.sequences.push(sequence);
     }
 
-    /// The number of sequences that were added.
+    /// Returns the number of sequences that were added.
     pub fn sequence_count(&self) -> usize {
         self.sequences.len()
     }

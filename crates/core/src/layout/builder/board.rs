@@ -110,7 +110,7 @@ pub(in crate::layout) struct FaceSpec<'a> {
     pub release_at: ReleaseAt,
     /// See [`Target::margin`].
     pub margin: f32,
-    /// It has a share of the gaps around it.
+    /// `true` if it has a share of the gaps around it.
     pub is_key: bool,
 }
 
@@ -161,7 +161,7 @@ impl<'a> LayoutBuilder<'a> {
         };
     }
 
-    /// The settings of the board that was started last.
+    /// Returns the settings of the board that was started last.
     pub fn board(&self) -> BoardSettings {
         self.board.settings
     }

@@ -77,7 +77,7 @@ const MAX_FAILED: usize = 200;
 
 #[derive(Clone, Copy)]
 struct NamedTarget<'a> {
-    /// For messages: "key", "slider".
+    /// The kind in messages: "key", "slider".
     kind: &'static str,
     /// Slice of the document.
     source: &'a str,
@@ -151,7 +151,7 @@ impl<'a> LayoutBuilder<'a> {
         self.errors.add(error);
     }
 
-    /// As [`collect`](Self::collect), for the key with this name, which layers and chords may name.
+    /// Keeps the error of the key with this name as [`collect`](Self::collect) does. Layers and chords may name the key.
     pub fn collect_key(
         &mut self,
         name: &'a str,
@@ -163,7 +163,7 @@ impl<'a> LayoutBuilder<'a> {
         self.collect(built)
     }
 
-    /// The number of parts that have failed. What is missing after a failure may be in such a part.
+    /// Returns the number of parts that have failed. What is missing after a failure may be in such a part.
     pub fn failed(&self) -> usize {
         self.failed
     }
@@ -223,12 +223,12 @@ impl<'a> LayoutBuilder<'a> {
         self.document.error_at(source, message)
     }
 
-    /// The text of the document.
+    /// Returns the text of the document.
     pub fn text(&self) -> &'a str {
         &self.document.text
     }
 
-    /// The name of the layout, for errors about the layout as a whole.
+    /// Returns the name of the layout, for errors about the layout as a whole.
     pub fn name(&self) -> Spanned<'a> {
         self.name
     }
@@ -238,22 +238,22 @@ impl<'a> LayoutBuilder<'a> {
         self.fit.of(pose, side)
     }
 
-    /// The keys that were added.
+    /// Returns the keys that were added.
     pub fn keys(&self) -> &[Key] {
         &self.keys
     }
 
-    /// The layers that were declared, base layer first.
+    /// Returns the layers that were declared, base layer first.
     pub fn layers(&self) -> &[String] {
         &self.layers
     }
 
-    /// The chords that were added.
+    /// Returns the chords that were added.
     pub fn chords(&self) -> &[Chord] {
         &self.chords
     }
 
-    /// The triggers that were added, with their names.
+    /// Returns the triggers that were added, with their names.
     pub fn triggers(&self) -> &[(String, Trigger)] {
         &self.triggers
     }
@@ -312,7 +312,7 @@ impl<'a> LayoutBuilder<'a> {
         })
     }
 
-    /// Returns whether there is a key with this name.
+    /// Returns `true` if there is a key with this name.
     pub fn has_key(&self, name: &str) -> bool {
         self.key_index(name).is_ok()
     }
@@ -332,7 +332,7 @@ impl<'a> LayoutBuilder<'a> {
         Err(self.error(name, format!("this layout has no such control: {error}")))
     }
 
-    /// The signals that were added.
+    /// Returns the signals that were added.
     pub fn signals(&self) -> impl Iterator<Item = &(TargetId, Signal)> {
         self.signals.iter()
     }

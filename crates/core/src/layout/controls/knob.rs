@@ -66,7 +66,7 @@ const GRIP: f32 = 0.8;
 
 /// The dial of a knob or valve.
 pub(super) struct DialSpec<'s, 'a> {
-    /// For messages.
+    /// The kind in messages.
     pub kind: &'static str,
     pub name: Spanned<'a>,
     pub label: &'s Option<Label>,

@@ -105,7 +105,7 @@ pub enum Handle {
     Turn {
         /// Radius at which a finger holds it, in metres.
         radius: f32,
-        /// The value is a number of turns, otherwise 0..=1.
+        /// `true` if the value is a number of turns, otherwise 0..=1.
         is_endless: bool,
         /// Position of the value 0, in turns.
         start: f32,
@@ -128,13 +128,13 @@ pub enum Handle {
 
 /// One front of a control that is drawn.
 pub(crate) struct Front<'a> {
-    /// Its layout.
+    /// The layout.
     pub layout: &'a Layout,
-    /// Its outline and label.
+    /// The outline and label.
     pub face: &'a Face,
-    /// Its index among the fronts of the control.
+    /// The index among the fronts of the control.
     pub index: usize,
-    /// A switch is on.
+    /// `true` if the control is a switch that is on.
     pub is_on: bool,
 }
 

@@ -76,7 +76,7 @@ schema! {
 
 /// The track of a slider or lever.
 pub(super) struct TrackSpec<'s, 'a> {
-    /// For messages.
+    /// The kind in messages.
     pub kind: &'static str,
     pub name: Spanned<'a>,
     pub label: &'s Option<Label>,

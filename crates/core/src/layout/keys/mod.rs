@@ -94,7 +94,8 @@ schema! {
         /// Rotations about x, then y, then z of the board at the key, right-handed.
         #[serde(default)]
         rotation_deg: (Rotation, Rotation, Rotation),
-        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required: the finger that bends.
+        /// The key follows the tip of this finger on another hand; on a board with `anchor: wrist`. With `contact: Bend` required:
+        /// the finger that bends.
         #[serde(default)]
         finger: Option<Finger>,
         /// Outline. Default: as the board.
@@ -222,7 +223,7 @@ impl<'a> RowSchema<'a> {
 }
 
 impl<'a> KeySchema<'a> {
-    /// The name of the key in layers and chords.
+    /// Returns the name of the key in layers and chords.
     pub fn name(&self) -> &'a str {
         match (self.fields.name, self.action) {
             (None, Action::Key(code)) => {

@@ -9,7 +9,7 @@ use crate::kinematics::{BoneLengths, FOREARM_PER_HAND};
 /// Forearm length as a multiple of hand length: 0.146 and 0.108 of the stature (Drillis & Contini 1966).
 const FOREARM: f64 = 0.146 / 0.108;
 
-/// The ratios of lengths that are no mistake: a third more or less than the average.
+/// The ratios of lengths that are not a mistake: a third more or less than the average.
 const BREADTH_PER_HAND: RangeInclusive<f64> = 0.3..=0.65;
 const UPPER_ARM_PER_FOREARM: RangeInclusive<f64> = 0.85..=1.7;
 

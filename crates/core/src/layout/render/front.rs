@@ -10,9 +10,9 @@ use crate::layout::model::Layout;
 /// the front.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontMark {
-    /// The part that it belongs to, which tells its color.
+    /// The part that it belongs to, which determines its color.
     pub role: MarkRole,
-    /// Its outline.
+    /// The outline.
     pub shape: MarkShape,
 }
 
@@ -29,7 +29,7 @@ pub enum MarkRole {
     Cap,
     /// A line on a handle.
     OnHandle,
-    /// A line that tells the value, or what is on.
+    /// A line that shows the value, or the option that is on.
     Value,
     /// A scale and its lines.
     Scale,
@@ -46,7 +46,7 @@ pub enum MarkShape {
         center: Vec2,
         /// Radius.
         radius: f32,
-        /// Only its edge is drawn.
+        /// `true` if only its edge is drawn.
         is_hollow: bool,
     },
     /// A rectangle with round corners.
@@ -79,7 +79,7 @@ pub enum MarkShape {
 
 impl Layout {
     /// Returns the marks on the front of a control other than a key, from below to above. `value` returns the value of a target,
-    /// which tells the position of a handle, of 0..=1, or 1 for on; the default is the position at the start. `None` if the target is
+    /// 0..=1 for the position of a handle, or 1 for on; the default is the position at the start. `None` if the target is
     /// no such control.
     pub fn front_marks(
         &self,

@@ -20,7 +20,7 @@ pub enum KeySize {
 }
 
 impl KeySize {
-    /// Width and height in characters.
+    /// Returns width and height in characters.
     const fn characters(self) -> Vec2 {
         match self {
             Self::Labelled | Self::Bordered => Vec2::new(5.0, 3.0),
@@ -67,7 +67,7 @@ pub struct Cell {
     pub width: usize,
     /// Height in characters including the border, at least 1.
     pub height: usize,
-    /// It has round corners.
+    /// `true` if the box has round corners.
     pub round: bool,
 }
 
@@ -108,7 +108,7 @@ impl Grid {
             .iter()
             .map(|face| half(face).x)
             .fold(f32::INFINITY, f32::min);
-        // Keys are enlarged by half of the gap between them, so that neighbours touch on the grid.
+        // Keys are enlarged by half of the gap between them, so that neighbors touch on the grid.
         let gap = (board.pitch / 2.0 - min_half_width).max(0.0);
         let min = faces
             .iter()

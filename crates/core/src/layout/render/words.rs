@@ -112,7 +112,7 @@ impl Layout {
 pub(super) struct ChordWords<'a> {
     /// The chord.
     pub chord: &'a Chord,
-    /// Its keys.
+    /// The keys.
     pub keys: String,
     /// The label of its action.
     pub action: String,
@@ -213,7 +213,7 @@ pub(super) fn tilt(radians: f32) -> String {
     }
 }
 
-/// The functions of a key beside its press, in a few characters; empty if there are none.
+/// Returns the functions of a key beside its press, in a few characters; empty if there are none.
 pub(super) fn key_notes(layout: &Layout, key: &Key) -> Vec<String> {
     let words = Words(layout);
     let mut notes: Vec<String> = Vec::new();

@@ -38,7 +38,7 @@ impl SourceState {
 /// The gate that every event passes.
 #[derive(Clone, Debug)]
 pub(super) struct OutputGate {
-    /// One or two. If both hands share a source, the last entry stands for both.
+    /// One or two sources. If both hands share one, the last entry stands for both.
     sources: Vec<SourceState>,
     allow_system_keys: bool,
     pressed: PressedKeys,
@@ -132,7 +132,8 @@ impl OutputGate {
         is_within_limit
     }
 
-    /// Iterates over the keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early, and that are up.
+    /// Iterates over the keys that are up because the last call of [`filter`](Self::filter) suppressed their press or released them
+    /// early.
     pub(super) fn withheld_keys(&self) -> impl Iterator<Item = KeyCode> + '_ {
         let withheld = self.withheld.release_order();
         withheld.filter(|&key| !self.pressed.contains(key))
@@ -182,7 +183,7 @@ impl OutputGate {
         self.suppressed
     }
 
-    /// Returns whether the role of the source permits an event, and counts it if not.
+    /// Returns `true` if the role of the source permits an event, and counts it if not.
     fn check_role(&mut self, source: usize, kind: EventKind) -> bool {
         let Some(class) = EventClass::of(kind) else {
             return true;
@@ -200,12 +201,12 @@ impl OutputGate {
         self.sources[source].bucket.try_take(time)
     }
 
-    /// Returns whether a key may not be pressed because it acts on the system, alone or with the pressed keys.
+    /// Returns `true` if a key may not be pressed because it acts on the system, alone or with the pressed keys.
     fn is_forbidden_system_key(&self, key: KeyCode) -> bool {
         !self.allow_system_keys && (key.is_system_key() || self.completes_system_chord(key))
     }
 
-    /// Returns whether Control, Alt and a key that acts on the system with both would be down after a press.
+    /// Returns `true` if Control, Alt and a key that acts on the system with both would be down after a press.
     fn completes_system_chord(&self, key: KeyCode) -> bool {
         let is_down = |is_part: fn(KeyCode) -> bool| {
             is_part(key) || self.pressed.release_order().any(is_part)

@@ -31,18 +31,18 @@ pub(super) struct Aim {
     tip_radius: f32,
     /// The remaining distance of the shown fingertip, in metres.
     pub(super) miss: f32,
-    /// No other finger is at a key of the board.
+    /// `true` if no other finger is at a key of the board.
     pub(super) is_clear: bool,
 }
 
 impl Aim {
-    /// Returns whether the finger reaches the target.
+    /// Returns `true` if the finger reaches the target.
     pub(super) fn is_reached(&self) -> bool {
         f64::from(self.miss) <= self.effector.limb.tolerance()
     }
 }
 
-/// Returns whether all fingers but one are above the keys of a board or beside it.
+/// Returns `true` if all fingers but one are above the keys of a board or beside it.
 fn is_clear(
     surface: &Surface,
     world_from_surface: &Pose,

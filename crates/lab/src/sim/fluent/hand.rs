@@ -23,13 +23,13 @@ use crate::sim::unsteadiness::Unsteadiness;
 const RAISED: f64 = -0.5;
 /// Bend of fingers that do not press by bending, as a fraction of their range.
 pub(super) const STRAIGHT: f64 = 0.1;
-/// Frequency of the sway of an unsupported arm: below 2 Hz.
+/// Frequency of the sway of an unsupported arm, in hertz: below 2 Hz.
 const SWAY_HZ: f64 = 0.8;
 
-/// A stroke that is planned.
+/// A planned stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrokePlan {
-    /// The target that is meant; the first one of a chord.
+    /// The intended target; the first one of a chord.
     pub target: TargetId,
     /// The finger; the first one of a chord.
     pub finger: Finger,
@@ -37,9 +37,9 @@ pub struct StrokePlan {
     pub bottom: f64,
     /// The time at which the finger is up again, in seconds.
     pub end: f64,
-    /// The distance that the hand moved for it, in metres.
+    /// The distance that the hand moves for it, in metres.
     pub distance: f64,
-    /// The place of the tap from the center of the target, in metres; zero for bends.
+    /// The position of the tap relative to the center of the target, in metres; zero for bends.
     pub point: Vec2,
 }
 
@@ -77,9 +77,9 @@ pub struct FluentHand {
     pub(super) unsteadiness: [Unsteadiness; 2],
     pub(super) drift: Vec2,
     pub(super) draw: Draw,
-    /// The place of the hand above the last target: where its index fingertip would be (world, metres).
+    /// The position of the hand above the last target, given by its index fingertip (world, metres).
     pub(super) last_place: Option<Vec3>,
-    /// The target and the finger of the last tap, and its place from the center of the target.
+    /// The target and the finger of the last tap, and its position relative to the center of the target.
     pub(super) last_tap: Option<(TargetId, Finger, Vec2)>,
     /// The time from which the hand is free for the next target.
     pub(super) free_at: f64,
@@ -95,7 +95,7 @@ pub struct FluentHand {
 pub enum StartPosture {
     /// Above the keys.
     Relaxed,
-    /// With straight fingers, to press by bending them.
+    /// Straight fingers, which press by bending.
     Straight,
     /// Open and still, where a board is placed below it.
     Open,
@@ -115,7 +115,7 @@ pub struct HandSetup<'a> {
 }
 
 impl FluentHand {
-    /// Creates a hand of a person in front of a scene. `seed` is the seed of the run.
+    /// Creates a hand of a person at time 0. [`restart`](Self::restart) begins a run.
     pub fn new(
         setup: HandSetup,
         person: &Participant,
@@ -193,7 +193,7 @@ impl FluentHand {
         }
     }
 
-    /// Starts another run of the same person at time 0, with what was learned. `seed` is the seed of the run.
+    /// Starts another run of the same person at time 0. The person keeps what was learned. `seed` is the seed of the run.
     pub fn restart(&mut self, seed: u64) {
         self.timeline = Timeline::new(self.initial.clone());
         self.draw = Draw::new(seed, 0x4a1d + self.side.index() as u64);
@@ -231,8 +231,8 @@ impl FluentHand {
         self.aims.clear();
     }
 
-    /// Returns the finger for a target: the one that the layout names, the one that bends for it, or the best of the person that
-    /// reaches it. `None` if none reaches it.
+    /// Returns the finger for a target: the finger that bends for it; the finger that the layout names; or else the first one of the
+    /// person's that reaches it, if possible with the other fingers clear of keys. `None` if no finger reaches it.
     pub fn finger_for(&mut self, scene: &Scene, target: TargetId) -> Option<Finger> {
         let (surface, _) = scene.target(target)?;
         if let Some(finger) = surface.bent_by(target) {

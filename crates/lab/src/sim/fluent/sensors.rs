@@ -71,7 +71,7 @@ pub struct SourceModel {
 #[derive(Clone)]
 struct GloveErrors {
     sensor: GloveSensor,
-    /// For each measured angle: the gain, the backlash, and the angle that the sensor shows.
+    /// Each measured angle with its gain, its backlash, and the angle that the sensor shows.
     angles: Vec<(Dof, f64, f64, f64)>,
     is_started: bool,
 }

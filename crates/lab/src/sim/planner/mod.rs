@@ -306,7 +306,7 @@ impl<'a> Planner<'a> {
         });
     }
 
-    /// Returns the fingertip that points (world, metres).
+    /// Returns the position of the fingertip that points, in metres in the world.
     fn tip(&self) -> Vec3 {
         let state = &self.state;
         state.hand.tip_of(state.effector.finger, &state.values)
@@ -360,8 +360,8 @@ impl<'a> Planner<'a> {
         distance
     }
 
-    /// Performs a movement in `steps` steps, and packet by packet if one of them is out of reach, since inverse
-    /// kinematics finds distant solutions in short steps. Returns the largest distance from the path in metres.
+    /// Performs a movement in `steps` steps, and again packet by packet if one of them is out of reach: inverse kinematics finds
+    /// distant solutions only in short steps. Returns the largest distance from the path in metres.
     fn perform(&mut self, active: &ActiveMovement, steps: u32) -> f64 {
         let before = self.state.values.clone();
         let mut max_distance = 0_f64;
@@ -385,8 +385,8 @@ impl<'a> Planner<'a> {
         packets.max(min)
     }
 
-    /// Fitts's law: MT = a + b log₂(A/W + 1) with a = 60 ms and b = 85 ms, the middle of the published ranges for
-    /// taps of a fingertip, and W = 19 mm, the width of a key.
+    /// Returns the time of a movement to a point by Fitts's law: MT = a + b log₂(A/W + 1) with a = 60 ms and b = 85 ms, the middle of
+    /// the published ranges for taps of a fingertip, and W = 19 mm, the width of a key.
     fn travel_time(&self, to: Vec3) -> Duration {
         let distance = self.tip().distance(to);
         let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();

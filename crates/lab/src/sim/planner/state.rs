@@ -37,9 +37,9 @@ pub(in crate::sim) struct HandState {
     pub(super) home: Vec3,
     /// Fingers that are bent to press.
     pub(super) bent: Vec<Finger>,
-    /// The boards have moved under the hand: the next way to a target is checked for contacts.
+    /// `true` if the boards have moved under the hand: the next way to a target is checked for contacts.
     pub(super) is_displaced: bool,
-    /// The hand has risen since then.
+    /// `true` if the hand has risen since then.
     pub(super) is_raised: bool,
 }
 
@@ -64,7 +64,7 @@ impl HandState {
         }
     }
 
-    /// Returns whether the person changes the pointing finger on the way to a target.
+    /// Returns `true` if the person changes the pointing finger on the way to a target.
     pub(super) fn changes_fingers_on_the_way(&self, effector: Effector) -> bool {
         !self.motor.fingers.is_empty() && effector.limb == Limb::Arm
     }

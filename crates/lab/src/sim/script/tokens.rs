@@ -31,7 +31,7 @@ impl SyntaxError {
 }
 
 impl Token<'_> {
-    /// Returns whether the token joins two actions: a `&` without quotes.
+    /// Returns `true` if the token joins two actions: a `&` without quotes.
     pub fn is_join(&self) -> bool {
         self.text == "&" && self.span.len() == 1
     }

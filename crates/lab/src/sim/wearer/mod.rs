@@ -1,4 +1,4 @@
-//! Simulated people of different sizes in gloves that nothing is known of but their starting file.
+//! Simulated people of different sizes in gloves of which the program knows only the starting file.
 //!
 //! The [`SimulatedWearer`] takes calibration poses as far as its own joints go, and its [`GloveSensors`] answer with gains,
 //! offsets, curvature, cross-talk and noise of their own. Neither uses the angles and deviations that the calibration expects.
@@ -42,7 +42,7 @@ const CYCLE_PACKETS: u32 = 116;
 /// The angle by which the elbow lifts a hand off the keys, in radians: 25°.
 const LIFT: f64 = 0.44;
 
-/// The probability of a spike in a count during a calibration: with 22 sensors, one packet of 23 has one.
+/// The probability of a spike in a count during a calibration: with 22 sensors, one packet in 23 has a spike.
 const SPIKE: f64 = 0.002;
 
 /// The range of hand lengths, in metres: from the 5th percentile of women to the 95th of men (Buryanov & Kotiuk 2010).
@@ -64,7 +64,7 @@ pub struct SimulatedWearer {
     arm: ArmModel,
     habits: Habits,
     sensors: GloveSensors,
-    /// The sensors of the calibration poses, if they are others.
+    /// The sensors during the calibration poses, if they differ from `sensors`.
     home_made: Option<HomeMadeSensors>,
     angles: JointAngles,
     movement: Option<(JointAngles, JointAngles, u32)>,
@@ -114,7 +114,7 @@ impl SimulatedWearer {
     }
 
     /// Returns the readings of a person who flattens the hand, bends it half-way, makes a fist, opens it half-way and flattens it
-    /// again, a number of times, and holds each for two seconds. The sensors have these errors in place of others.
+    /// again, `count` times. Each posture is held for two seconds. The sensors have only these errors.
     pub fn cycles(&mut self, count: usize, errors: SensorErrors, map: &ChannelMap) -> Vec<Reading> {
         let mut play = SensorPlay::new(errors, map);
         let [flat, fist] = self.ends();
@@ -141,13 +141,13 @@ impl SimulatedWearer {
         [CalibrationPose::Flat, CalibrationPose::Fist].map(|pose| self.habits.angles(pose))
     }
 
-    /// Sets the part by which the finger sensors answer a bend more strongly than in the cold glove.
+    /// Sets the drift: the fraction by which the finger sensors respond more strongly to a bend than in the cold glove.
     pub fn set_drift(&mut self, drift: f64) {
         self.sensors.set_drift(drift);
     }
 
-    /// Returns the readings of a person who takes the hand off the keys, makes a fist, stretches the fingers and returns, each
-    /// for a second.
+    /// Returns the readings of a person who takes the hand off the keys, makes a fist, stretches the fingers and returns. Each
+    /// posture is held for a second.
     pub fn stretch(&mut self) -> Vec<Reading> {
         let hand = TypingHand::without_glove(&self.arm);
         let typing = hand.angles(&hand.rest_values());
@@ -200,7 +200,7 @@ impl SimulatedWearer {
         &self.sensors
     }
 
-    /// Starts to move to a pose, unless the hand is in it or on its way.
+    /// Starts a movement to a pose, unless the hand is in this pose or moves to it already.
     pub fn take(&mut self, pose: CalibrationPose) {
         if self.pose != Some(pose) {
             self.pose = Some(pose);
@@ -208,7 +208,7 @@ impl SimulatedWearer {
         }
     }
 
-    /// Returns the next packet of the glove, with noise and now and then a spike.
+    /// Returns the next packet of the glove, with noise and occasional spikes.
     pub fn next_packet(&mut self) -> (Timestamp, Channels) {
         if let Some((from, to, packet)) = &mut self.movement {
             *packet += 1;

@@ -13,8 +13,8 @@ use crate::trials::station::Station;
 
 /// A cursor on a screen, in pixels from the upper left corner.
 pub(super) trait Cursor {
-    /// Passes on what a hand does at a time. `by` is its displacement from the middle, and `is_down` that it clicks. Returns whether
-    /// the left button went down.
+    /// Passes the state of a hand on: `by` is its displacement from the middle, and `is_down` is `true` while it clicks. Returns
+    /// `true` if the left button went down.
     fn step(&mut self, hand: &mut FluentHand, seconds: [f64; 2], by: Vec2, is_down: bool) -> bool;
 
     /// Returns the position.

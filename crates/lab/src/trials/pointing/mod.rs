@@ -5,8 +5,8 @@
 //!                        └───────────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //!
-//! The times of movements come from the person's own constants of Fitts's law, and are an input. What a pointer adds are late, noisy
-//! and curved ways of the cursor, which take corrections, and clicks that slip.
+//! The times of movements come from the person's own constants of Fitts's law, and are an input. A pointer adds late, noisy and curved
+//! paths of the cursor, which take corrections, and clicks that slip.
 
 mod cursor;
 mod person;
@@ -18,11 +18,11 @@ use self::person::Pointing;
 use super::station::Station;
 use crate::measures::{Movement, PointingResult, Ring, distance};
 
-/// Targets of a ring: 9, so that each movement crosses it.
+/// Number of targets in a ring. It is odd, so that each movement crosses the ring.
 const TARGETS: usize = 9;
-/// The diameter of a ring, as a part of the height of the screen.
+/// The diameter of a ring, as a fraction of the height of the screen.
 const DIAMETER: f64 = 0.7;
-/// The widths of the targets, as parts of the height of the screen: 96, 48 and 24 px of 800.
+/// The widths of the targets, as fractions of the height of the screen: 96, 48 and 24 px of 800.
 const WIDTHS: [f64; 3] = [0.12, 0.06, 0.03];
 
 /// The figures of one person with a pointer.
@@ -44,18 +44,18 @@ pub struct PointingSeries {
     pub ring_px: f64,
     /// The figures of the clicks.
     pub result: PointingResult,
-    /// Clicks beside the target that began with the cursor on it.
+    /// Number of clicks beside the target that began with the cursor on it.
     pub slips: usize,
     /// The mean distance that the cursor moved from the beginning of a click to the click, in pixels.
     pub slip_px: f64,
     /// The number of clicks on targets, the first one included, which starts the clock.
     pub clicks: usize,
-    /// Targets that were given up, because the cursor did not get there or no click came.
+    /// Number of targets that were given up, because the cursor did not reach them or no click came.
     pub given_up: usize,
 }
 
 impl PointingScore {
-    /// Returns the mean throughput of the series, in bits per second.
+    /// Returns the mean throughput of the series, in bits per second; 0 without a series.
     pub fn throughput(&self) -> f64 {
         let sum: f64 = self.series.iter().map(|it| it.result.throughput).sum();
         sum / self.series.len().max(1) as f64

@@ -112,7 +112,7 @@ pub(super) struct Pointing<'a, C> {
     period: f64,
     number: u64,
     way: Way,
-    /// From the lowest point of a click to its end, in seconds.
+    /// The times of the lowest point of a click and of its end, in seconds.
     down: [f64; 2],
     /// The positions of the cursor in the last moments, the latest one last.
     seen: VecDeque<[f64; 2]>,
@@ -224,7 +224,7 @@ impl<'a, C: Cursor> Pointing<'a, C> {
         from.lerp(to, crate::sim::minimum_jerk(t))
     }
 
-    /// Passes one reading on. Returns whether the left button went down.
+    /// Passes one reading on. Returns `true` if the left button went down.
     fn step(&mut self) -> bool {
         self.number += 1;
         let now = self.now();

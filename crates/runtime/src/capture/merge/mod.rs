@@ -19,13 +19,13 @@ use super::{
 use ademan_core::hand::{HandPart, Side};
 use ademan_core::time::{NO_DEADLINE, Timestamp};
 
-/// Most sources that are merged: the arm and the fingers of both hands.
+/// Maximum number of sources that are merged: the arm and the fingers of both hands.
 pub const MAX_SOURCES: usize = Side::COUNT * HandPart::COUNT;
 
-/// Most readings of a source that are held back: 0.5 s at 1 kHz.
+/// Maximum number of readings of a source that are held back: 0.5 s at 1 kHz.
 const MAX_HELD: usize = 512;
 
-/// A source, what it measures, and how late its readings are.
+/// A source with the part of a hand that it measures and the delay of its readings.
 pub struct PartialSource {
     /// The source.
     pub source: Box<dyn Source>,
@@ -69,8 +69,8 @@ struct MergedInput {
     stats: SourceStats,
     /// Readings that were held back and then dropped.
     dropped: u64,
-    /// Readings that wait for slower sources, and when they are due. Of a source that is not live, the next reading until it
-    /// is the earliest.
+    /// Readings that wait for slower sources, each with the time at which it is due. For a source that is not live, the next reading,
+    /// until it is the earliest of all sources.
     held: VecDeque<(Instant, Reading)>,
     has_ended: bool,
     feedback: Option<FeedbackDevice>,
@@ -143,7 +143,8 @@ impl MergedInput {
         Ok(())
     }
 
-    /// Gives a reading its side, part and time on the common clock, and holds it until the slowest source shows its moment.
+    /// Sets the side, the part and the time on the common clock of a reading, and holds it until the slowest source shows the same
+    /// moment.
     fn hold_back(&mut self, mut reading: Reading, received_at: Instant, start: Option<Instant>) {
         reading.side = reading.side.or(self.side);
         reading.part = self.part.or(reading.part);
@@ -292,8 +293,8 @@ impl Source for MergedSource {
             self.next_in_time()?
         };
         if let Some(mut reading) = reading {
-            // The parts of a hand have one clock, on which no two moments are the same. Nor are two live readings of a hand
-            // that the clock of the other one has overtaken.
+            // Readings of the parts of a hand must have different times, and so must live readings of a hand whose clock the other
+            // hand's has overtaken.
             let is_later = self.is_live || reading.part.is_some();
             let earliest = self.time.0 + u64::from(is_later);
             reading.time = reading.time.max(Timestamp(earliest));

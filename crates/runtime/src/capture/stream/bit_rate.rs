@@ -28,7 +28,7 @@ pub fn slower_sender(bytes: &[u8], baud: NonZeroU32) -> Option<u32> {
     })
 }
 
-/// Returns whether a sender whose bits last this number of samples causes a byte.
+/// Returns `true` if a sender whose bits last this number of samples causes a byte.
 fn is_possible(byte: u8, samples: u32) -> bool {
     // Bit 0 is the start bit, and bit 9 the stop bit.
     let received = u32::from(byte) << 1 | 1 << 9;

@@ -31,9 +31,9 @@ pub(super) struct StreamSource<C> {
     format: StreamFormat,
     connector: C,
     cancel: Option<CancelToken>,
-    /// The caller waits for bytes; reads do not.
+    /// `true` if the caller waits for bytes; reads do not.
     is_polled: bool,
-    /// The latest read may have left bytes behind.
+    /// `true` if the latest read may have left bytes behind.
     may_have_more: bool,
     /// Writes to the same connection, once it was [taken](Source::take_feedback_device).
     feedback: FeedbackLine,
@@ -44,7 +44,7 @@ pub(super) struct StreamSource<C> {
     buffer: Vec<u8>,
     pending: PendingReadings,
     unknown: UnknownBytes,
-    /// A byte has arrived, or the person was warned that none does.
+    /// `true` if a byte has arrived, or the person was warned that none does.
     has_first_byte: bool,
     last_received: Instant,
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.

@@ -18,7 +18,7 @@ pub struct PendingReadings {
     pub too_old: InvalidPackets,
     /// Number of packets so far that the decoder has refused, as they state much earlier times than a packet before them.
     earlier: u64,
-    /// The latest reading was too old.
+    /// `true` if the latest reading was too old.
     pub is_late: bool,
 }
 

@@ -180,7 +180,7 @@ fn candidates(is_datagram: bool) -> impl Iterator<Item = StreamFormat> {
         .filter(move |format| format.protocol.carriers != refused)
 }
 
-/// Returns whether a format could understand what another one does not: other options of one protocol read the same packets, but for
+/// Returns `true` if a format could understand what another one does not: other options of one protocol read the same packets, but for
 /// the marks of the HC11.
 fn is_other(candidate: &StreamFormat, format: &StreamFormat) -> bool {
     let is_same = candidate.protocol == format.protocol;

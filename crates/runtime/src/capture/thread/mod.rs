@@ -39,8 +39,8 @@ pub fn spawn(source: impl Source + 'static) -> Result<CaptureThread, CaptureErro
     start(source, false)
 }
 
-/// Runs `source` as [`spawn`] does, and sends readings together that are [ready](Source::is_ready) together. The sending and
-/// the wake-up of the consumer would otherwise take longer than a step of the pipeline.
+/// Runs `source` as [`spawn`] does, and sends readings that are [ready](Source::is_ready) together in one event: one event and
+/// one wake-up per reading would take longer than a step of the pipeline.
 pub fn spawn_batched(source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
     start(source, true)
 }
@@ -162,8 +162,8 @@ struct EventSender {
     consumer: ConsumerThread,
 }
 
-/// Thread of the consumer, which may be parked. Unparking takes no lock; waking it through the channel would take
-/// one that it needs itself at once.
+/// Thread of the consumer, which may be parked. Unparking takes no lock. A wake-up through the channel would hold a lock that the
+/// consumer needs at once.
 struct ConsumerThread(Thread);
 
 impl ConsumerThread {

@@ -52,15 +52,15 @@ type Probe = fn(&str) -> Result<(), String>;
 pub struct Transport {
     /// Form of its URI.
     pub scheme: Scheme,
-    /// Other programs on the network may send readings too.
+    /// `true` if other programs on the network may send readings too.
     pub is_remote: bool,
-    /// It carries datagrams, each of whole packets, and not a stream.
+    /// `true` if it carries datagrams, each of whole packets, and not a stream.
     pub is_datagram: bool,
-    /// It needs a token file.
+    /// `true` if it needs a token file.
     pub needs_token: bool,
-    /// The device or server may appear after the program has started.
+    /// `true` if the device or server may appear after the program has started.
     pub is_device: bool,
-    /// The URI has an address.
+    /// `true` if the URI has an address.
     pub has_address: bool,
     /// Bit rate if neither the URI nor the protocol states one. `None` if the transport is not a serial line.
     pub default_baud: Option<NonZeroU32>,

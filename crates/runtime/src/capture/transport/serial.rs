@@ -144,7 +144,7 @@ impl ByteStream for Box<dyn SerialPort> {
 /// Writer to a port.
 struct PortWriter {
     port: Box<dyn SerialPort>,
-    /// The device did not read the latest bytes.
+    /// `true` if the device did not read the latest bytes.
     is_blocked: bool,
 }
 
@@ -203,7 +203,7 @@ pub fn listen(
     }
 }
 
-/// Returns whether a read may be tried again.
+/// Returns `true` if a read may be tried again.
 fn is_pause(error: &std::io::Error) -> bool {
     use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
     matches!(error.kind(), Interrupted | TimedOut | WouldBlock)

@@ -50,7 +50,7 @@ impl From<SerialPortInfo> for Port {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::capture) struct KnownDevice {
     pub identity: UsbIdentity,
-    /// Another port had the same identity then, so the device is identified by its port name.
+    /// `true` if another port had the same identity then, so that the device is identified by its port name.
     pub has_twin: bool,
 }
 

@@ -36,8 +36,8 @@ use ademan_core::names::{UnknownName, nearest};
 /// | `typist:TEXT` | simulated hand that types the text |
 /// | `script:FILE` | simulated hand that plays a script file or the script itself |
 ///
-/// Sources on the network (`tcp:`, `tcp+tls:`, `udp:`, `ws:`, `headset:`, `zenoh:`) press keys only with `role: Both` or `role: Keys` in the setup, or
-/// with a token that grants it.
+/// Sources on the network (`tcp:`, `tcp+tls:`, `udp:`, `ws:`, `headset:`, `zenoh:`) press keys only with `role: Both` or
+/// `role: Keys` in the setup, or with a token that grants it.
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
 /// line, 1 or more), `delay_ms` (time from a movement to the arrival of its reading, 0 to 500, by which the sources of one
@@ -45,6 +45,7 @@ use ademan_core::names::{UnknownName, nearest};
 ///
 /// With `?protocol=NAME` at its end, a text is typed through the bytes of that protocol: `typist:hello?protocol=vmc`. Options
 /// of the protocol may follow.
+///
 /// Options start at the last `?` after which the text consists of such pairs; any other `?` belongs to the path. A
 /// file whose name ends like options is written with an added option: `file:what?a=b?protocol=hc11`. The text after
 /// `recording:` and `script:` has no options.
@@ -158,8 +159,7 @@ impl SourceUri {
         protocol.map_or(PositionNoise::None, |protocol| protocol.position_noise)
     }
 
-    /// Returns the hand that the source measures, the one that a setup with one hand reads if it shows both. `None` if the
-    /// glove decides.
+    /// Returns the hand that the source measures or, of both, a setup with one hand reads. `None` if the glove determines the hand.
     pub fn hand(&self) -> Option<Side> {
         self.format()?.hand()
     }
@@ -172,8 +172,8 @@ impl SourceUri {
         }
     }
 
-    /// Checks that the source can be opened, without reading from it. `None` if that would have an effect on the
-    /// device, or take long. An error states the cause and the remedy.
+    /// Checks that the source can be opened, without reading from it; texts and scripts always pass. `None` if opening would have an
+    /// effect on the device, or take long. An error states the cause and the remedy.
     pub fn probe(&self) -> Option<Result<(), String>> {
         match self {
             Self::Stream(stream) => stream.transport.probe.map(|probe| probe(&stream.address)),
@@ -185,12 +185,12 @@ impl SourceUri {
         }
     }
 
-    /// Returns `true` for the hands of an OpenXR runtime.
+    /// Returns `true` for the hands of an OpenXR runtime (`openxr:`); `false` for the page of a headset (`headset:`).
     pub fn is_headset(&self) -> bool {
         matches!(self, Self::Stream(stream) if stream.transport == &openxr::TRANSPORT)
     }
 
-    /// Returns the address of the page that a headset opens, such as `192.168.1.7:8443`, if this is a server of it.
+    /// Returns the address of the page that a headset opens, such as `192.168.1.7:8443`, if this source serves one.
     pub fn page_address(&self) -> Option<&str> {
         match self {
             Self::Stream(stream) if stream.pages.is_some() => Some(&stream.address),

@@ -98,7 +98,7 @@ fn check_uinput(uinput: &UinputFacts, requirements: &Requirements) -> Finding {
     finding("uinput", CheckStatus::Missing, needed, advice)
 }
 
-/// Returns whether the output `desktop` uses the compositor instead of the X server.
+/// Returns `true` if the output `desktop` uses the compositor instead of the X server.
 fn uses_compositor(facts: &Facts) -> bool {
     facts.compositor != Compositor::Unset
 }

@@ -75,7 +75,7 @@ pub(in crate::doctor) fn gather_facts(
     }
 }
 
-/// Returns whether this process runs as root.
+/// Returns `true` if this process runs as root.
 pub(in crate::doctor) fn is_running_as_root() -> bool {
     geteuid().is_root()
 }
@@ -214,7 +214,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Returns whether the running kernel has a module; `None` if its files are not visible.
+    /// Returns `true` if the running kernel has a module; `None` if its files are not visible.
     fn has_module(&self, name: &str) -> Option<bool> {
         let release = fs::read_to_string(self.at("/proc/sys/kernel/osrelease")).ok()?;
         let dir = self.at("/lib/modules").join(release.trim_end());

@@ -41,7 +41,7 @@ impl Address {
 }
 
 impl FailedTries {
-    /// Returns whether clients at this address have to wait.
+    /// Returns `true` if clients at this address have to wait.
     pub fn is_paused(&self, address: IpAddr, now: Instant) -> bool {
         let network = network_of(address);
         let found = self.addresses.iter().find(|known| known.network == network);

@@ -37,7 +37,7 @@ pub fn answer(stream: &mut impl Write, is_admitted: bool) -> io::Result<()> {
     stream.flush()
 }
 
-/// Receives the answer of a server, and no byte behind it. Returns whether the client is admitted.
+/// Receives the answer of a server, and no byte behind it. Returns `true` if the client is admitted.
 pub fn receive_answer(stream: &mut impl Read) -> io::Result<bool> {
     let mut answer = [0; OK.len()];
     stream.read_exact(&mut answer)?;

@@ -15,7 +15,7 @@ use super::token::Hash;
 use super::{VERSIONS, file_error, provider, secret_file};
 use crate::network::NetworkError;
 
-/// The file of the certificate. A person may put one of their own there, with those that signed it behind it.
+/// The file of the certificate. A person may put a certificate of their own there, followed by the certificates that signed it.
 const CERTIFICATE: &str = "certificate.pem";
 
 /// The file of the private key.
@@ -24,7 +24,7 @@ const KEY: &str = "key.pem";
 /// The name in a self-signed certificate. Clients compare the fingerprint and not the name.
 const NAME: &str = "ademan";
 
-/// A certificate, those that signed it, and its private key.
+/// A certificate, the certificates that signed it, and its private key.
 pub struct Identity {
     chain: Vec<CertificateDer<'static>>,
     key: PrivateKeyDer<'static>,

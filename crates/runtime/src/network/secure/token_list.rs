@@ -96,7 +96,7 @@ impl TokenList {
         self.0.iter().map(|token| &token.entry)
     }
 
-    /// Returns whether no client is admitted.
+    /// Returns `true` if no client is admitted.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

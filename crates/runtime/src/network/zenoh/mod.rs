@@ -37,7 +37,7 @@ pub enum ZenohError {
         escape_line(.reason)
     )]
     Router {
-        /// Its address.
+        /// The address.
         router: SocketAddr,
         /// The cause, as the library states it.
         reason: String,

@@ -15,7 +15,7 @@ use ademan_core::device::Capabilities;
 pub struct Composing {
     /// The text.
     pub text: Text,
-    /// The field takes the text. Otherwise it shows the text as the word that is typed.
+    /// `true` if the field takes the text. Otherwise it shows the text as the word that is typed.
     pub is_committed: bool,
     /// The generation of the field for which the text was typed: another one does not get it.
     pub field: u32,

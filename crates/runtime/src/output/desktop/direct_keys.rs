@@ -73,7 +73,7 @@ impl DirectKeys {
 pub struct DirectAnswers {
     reader: Option<Box<dyn AnswerReader>>,
     number: ConnectionNumber,
-    /// The display has opened every connection so far.
+    /// `true` if the display has opened every connection so far.
     is_supported: bool,
     to_loop: Sender<DirectKeys>,
     /// The other end of that channel, to remove what the loop has not received.

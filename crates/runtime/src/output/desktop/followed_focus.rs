@@ -6,7 +6,7 @@ use super::injector::WindowId;
 #[derive(Debug, Default)]
 pub struct FollowedFocus {
     window: Option<WindowId>,
-    /// It was set after the question whose answer comes next.
+    /// `true` if it was set after the question whose answer comes next.
     is_newer_than_answer: bool,
 }
 

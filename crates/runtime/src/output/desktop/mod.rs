@@ -4,7 +4,7 @@
 //! can be revoked, the loop writes keys itself (`direct_keys`), and the thread confirms them.
 //!
 //! An X server keeps a key pressed after its client is gone. The thread therefore releases every key when its queue is
-//! closed, be it by [`close`](Sink::close), by a drop or by a panic of the loop.
+//! closed: by [`close`](Sink::close), by a drop or by a panic of the loop.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -69,12 +69,14 @@ pub const BACKEND: Backend = Backend {
 /// releases: the last quarter exceeds the number of keys, so that a release always finds room.
 const QUEUE: usize = 4 * PressedKeys::CAPACITY;
 
+/// Length of the queue above which presses are dropped.
 const PRESS_LIMIT: usize = QUEUE / 2;
 
-/// Leaves room for every release and for the requests of one [`PendingMotion::drain`].
+/// Length of the queue from which motion waits. It leaves room for every release and for the requests of one
+/// [`PendingMotion::drain`].
 const MOTION_LIMIT: usize = QUEUE - PressedKeys::CAPACITY - 3;
 
-/// Longest time in which a display answers.
+/// Longest time in which a display has to answer when the output is opened.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Longest time that [`Desktop::close`](Sink::close) waits.
@@ -101,16 +103,16 @@ pub struct Desktop {
     requested: u64,
     /// Number of requests to the thread up to the one that confirms the last press of the loop.
     requested_with_direct_press: u64,
-    /// The thread has executed all requests but those to confirm what the loop has written.
+    /// `true` if the thread has executed all requests except confirmations of events that the loop has written.
     is_thread_idle: bool,
-    /// The loop has written a release since then.
+    /// `true` if the loop has written a release since the last call of [`send`](Sink::send) began.
     has_written_release: bool,
     /// The loop's own connection, if the display supports one.
     direct_keys: Option<DirectKeys>,
     opened_direct_keys: Receiver<DirectKeys>,
     accepted: PressedKeys,
     dropped_presses: u64,
-    /// The generation of the tickets of presses. Another one is valid after a stall.
+    /// The generation of the tickets of presses. After a stall the tickets have another generation.
     generation: u64,
     /// The generation of the field that the last press or character was for.
     field: u32,
@@ -256,7 +258,8 @@ impl Desktop {
         Ok(())
     }
 
-    /// Returns `true` if the queue has room for requests with this number of presses, and counts these as dropped otherwise.
+    /// Returns `true` if the queue has room for this number of requests. Otherwise counts their presses as dropped and voids all
+    /// presses that wait.
     fn accept_presses(&mut self, requests: usize, presses: usize) -> Result<bool, OutputError> {
         let has_room = self.queue_length()? + requests <= PRESS_LIMIT;
         if !has_room {

@@ -63,7 +63,7 @@ pub struct Worker<'a, C> {
     watchdog: Option<WatchdogClient>,
     reporter: KeyReporter,
     direct: DirectAnswers,
-    /// The watchdog did not accept a message, or has exited.
+    /// `true` if the watchdog did not accept a message, or has exited.
     is_watchdog_lost: bool,
     liveness: Liveness,
 }
@@ -168,7 +168,7 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
-    /// Returns whether a key is pressed, or something was requested a short time ago.
+    /// Returns `true` if a key is pressed, or something was requested a short time ago.
     fn is_active(&self, now: Instant) -> bool {
         !self.pressed.is_empty() || now - self.liveness.last_request < ACTIVE_TIME
     }

@@ -27,7 +27,7 @@ pub struct WorkerStatus {
     /// A text decoder follows the field.
     is_field_followed: AtomicBool,
     /// A key of the keyboard was pressed in a field that a text decoder follows. Another output may have the keys, and presses
-    /// of its device are no presses of the person.
+    /// of its device are not presses of the person.
     needs_device_watch: AtomicBool,
 }
 

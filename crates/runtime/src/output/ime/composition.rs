@@ -1,11 +1,11 @@
-//! Events into text and keys: which of them a text field takes as text, and in which pieces.
+//! The split of events into text and keys: which of them a text field takes as text, and in which pieces.
 
 use crate::output::sentence::{Place, Sentence};
 use crate::output::text_field::Text;
 use ademan_core::device::pressed_keys::PressedKeys;
 use ademan_core::device::{EventKind, KeyCode, OutputEvent};
 
-/// The way of a character to the receiver.
+/// How a character reaches the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
     /// As a key: no text field has the focus, or one that takes no text from an input method.
@@ -30,11 +30,11 @@ pub(super) enum Part {
 /// The word that a text field shows, and the keys that went each way.
 #[derive(Default)]
 pub(super) struct Composition {
-    /// A longer word is committed in pieces.
+    /// The word; a longer one is committed in pieces.
     word: Text,
-    /// `word` differs from what the field shows.
+    /// `true` if `word` differs from what the field shows.
     is_changed: bool,
-    /// The keys whose press became text: their release is of no use to anybody.
+    /// The keys whose press became text: their release is dropped.
     composed: PressedKeys,
     /// The modifiers that the output of keys holds.
     modifiers: PressedKeys,
@@ -88,7 +88,7 @@ impl Composition {
 
     /// Commits the word as it is.
     pub(super) fn commit(&mut self, emit: &mut dyn FnMut(Part)) {
-        // A word that was deleted is shown no longer.
+        // A word that was deleted is no longer shown.
         if self.word.is_empty() {
             return self.show(emit);
         }
@@ -121,7 +121,7 @@ impl Composition {
         }
     }
 
-    /// Passes an event to the output of keys, behind the word.
+    /// Passes an event to the output of keys, after the word.
     fn forward(&mut self, event: OutputEvent, emit: &mut dyn FnMut(Part)) {
         self.commit(emit);
         match event.kind {
@@ -131,7 +131,7 @@ impl Composition {
         emit(Part::Key(event));
     }
 
-    /// Returns whether a modifier other than Shift is down.
+    /// Returns `true` if a modifier other than Shift is down.
     fn has_shortcut(&self) -> bool {
         self.modifiers.release_order().any(|key| !key.is_shift())
     }

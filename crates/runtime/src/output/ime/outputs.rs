@@ -114,7 +114,7 @@ impl Outputs {
         }
     }
 
-    /// Returns whether the field loses a shown word with the focus.
+    /// Returns `true` if the field loses a shown word with the focus.
     pub(super) fn loses_word(&self) -> bool {
         !matches!(self, Self::Bus { .. })
     }
@@ -161,7 +161,7 @@ impl Outputs {
     }
 }
 
-/// Returns whether an input method sees this event.
+/// Returns `true` if an input method sees this event.
 fn is_key_press(event: EventKind) -> bool {
     match event {
         EventKind::KeyDown(key) => key.kind() == KeyKind::Keyboard,

@@ -73,7 +73,7 @@ struct Outlet {
     events: Events,
     /// The generation of the field.
     field: u32,
-    /// Nothing was requested since the last stop.
+    /// `true` if nothing was requested since the last stop.
     is_idle: bool,
     dropped_presses: u64,
     /// The first error of this step.

@@ -26,7 +26,7 @@ const DEFAULT_VELOCITY: u8 = 64;
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     signals: Signals,
-    /// In the order of the signals.
+    /// The states, in the order of the signals.
     states: Vec<State>,
 }
 
@@ -34,9 +34,9 @@ pub(super) struct Notes {
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     is_on: bool,
-    /// The note has ended and that was not sent.
+    /// `true` if the note has ended and that was not sent.
     is_release_due: bool,
-    /// The controller follows the depth of a key that is not at rest.
+    /// `true` if the controller follows the depth of a key that is not at rest.
     is_deep: bool,
     /// The number sent last: the position of a controller, or the pressure of a note.
     sent: Option<u8>,
@@ -116,7 +116,7 @@ impl Notes {
         })
     }
 
-    /// Returns whether a number waits.
+    /// Returns `true` if a number waits.
     pub fn has_motion(&self) -> bool {
         self.states.iter().any(|state| state.due.is_some())
     }

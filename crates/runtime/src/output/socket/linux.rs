@@ -180,7 +180,7 @@ pub(crate) fn check_path(path: &Path) -> Result<(), SocketError> {
     }
 }
 
-/// Connects as a client. Fails if the server belongs to another user, who could read the requests and answer what pleases.
+/// Connects as a client. Fails if the server belongs to another user, who could read the requests and forge the replies.
 pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
     let stream = connect_to_any(path)?;
     if socket_peercred(&stream)?.uid == geteuid() {
@@ -252,7 +252,7 @@ impl SocketLock {
         Err(SocketError::InUse)
     }
 
-    /// Returns whether the locked file is the one at the path.
+    /// Returns `true` if the locked file is the one at the path.
     fn has_name(&self) -> bool {
         let own = self.file.metadata().ok();
         let own = own.map(|own| (own.dev(), own.ino()));
@@ -289,7 +289,7 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
         )),
         Ok(_) => match connect_to_any(path) {
             Err(error) if error.kind() != io::ErrorKind::TimedOut => Ok(fs::remove_file(path)?),
-            // A server that does not use the lock.
+            // A server without the lock listens there.
             _ => Err(SocketError::InUse),
         },
     }

@@ -5,8 +5,8 @@
 //! - **Lossless**: the loop waits. This is the policy of a transcript that is opened alone: a replay writes the same bytes at
 //!   any speed of its reader. Nothing can be held while it waits, as a transcript presses no key of any system.
 //! - **[Dropping](Sink::drop_when_full)**: the step is dropped and counted. A transcript next to an output with an effect,
-//!   and one of a live source, has this policy: a key must come up, and commands are answered, whoever reads the
-//!   transcript. When the queue has room again, a line `missed 17` has the count, and the transcript writes a release
+//!   and one of a live source, has this policy: a slow reader of the transcript must not delay the release of a key or the
+//!   answer to a command. When the queue has room again, a line `missed 17` has the count, and the transcript writes a release
 //!   of every key that has come up since. A press that was dropped is never written, and neither is its release.
 
 use std::io::{self, Write};
@@ -316,7 +316,7 @@ mod tests {
             sink.send(&[]).unwrap();
             thread::sleep(Duration::from_millis(1));
         }
-        // The press of C was dropped, so its release is no line.
+        // The press of C was dropped, so its release is not a line.
         sink.send(&[up(30_000, "C"), up(30_000, "B")]).unwrap();
         sink.close().unwrap();
         let text = reader.join().unwrap();

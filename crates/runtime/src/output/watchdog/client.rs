@@ -105,14 +105,14 @@ impl WatchdogClient {
         self.send(WatchdogMessage::Heartbeat)
     }
 
-    /// Returns whether a heartbeat that was sent a short time before `now` was answered. Then the watchdog has not
+    /// Returns `true` if a heartbeat that was sent a short time before `now` was answered. Then the watchdog has not
     /// released keys, or has reported it.
     pub fn has_fresh_reply(&self, now: Instant) -> bool {
         self.replies.are_fresh(now)
     }
 
     /// Sends a heartbeat unless there is a [fresh reply](Self::has_fresh_reply), and waits for the reply until `deadline`.
-    /// Returns whether it came.
+    /// Returns `true` if it came.
     pub fn wait_for_fresh_reply(&mut self, deadline: Instant) -> Result<bool, WatchdogLost> {
         if self.has_fresh_reply(Instant::now()) {
             return Ok(true);

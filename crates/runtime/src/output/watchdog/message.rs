@@ -22,7 +22,7 @@ pub enum WatchdogMessage {
     CharacterKey(CharacterKey, KeymapChange),
     /// The process is alive. The watchdog replies with [`WatchdogReply::Alive`] or [`WatchdogReply::Released`].
     Heartbeat,
-    /// A question whether the watchdog is alive, which says nothing about the process. The reply is
+    /// Asks if the watchdog is alive; it does not show that the process is. The reply is
     /// [`WatchdogReply::Probed`].
     Probe,
 }

@@ -50,7 +50,7 @@ impl Replies {
         self.sent.store(sent + 1, Ordering::Release);
     }
 
-    /// Returns whether the last answered heartbeat was sent a short time before `now`.
+    /// Returns `true` if the last answered heartbeat was sent a short time before `now`.
     pub fn are_fresh(&self, now: Instant) -> bool {
         let Some(last) = self.answered.load(Ordering::Acquire).checked_sub(1) else {
             return false;
@@ -60,7 +60,7 @@ impl Replies {
         age.saturating_sub(sent_at) < MAX_REPLY_AGE.as_micros() as u64
     }
 
-    /// Waits for a reply that makes them [fresh](Self::are_fresh), until `deadline`. Returns whether it came.
+    /// Waits for a reply that makes them [fresh](Self::are_fresh), until `deadline`. Returns `true` if it came.
     pub fn wait_until_fresh(&self, deadline: Instant) -> bool {
         while !self.are_fresh(Instant::now()) {
             if self.arrivals.1.recv_deadline(deadline).is_err() {

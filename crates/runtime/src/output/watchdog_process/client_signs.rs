@@ -12,7 +12,7 @@ pub struct ClientSigns {
     /// The keys that the client may have pressed.
     pub(super) record: Arc<SharedRecord>,
     last_message: Instant,
-    /// Keys were released since the last reply to a heartbeat, because the client was hung.
+    /// `true` if keys were released since the last reply to a heartbeat, because the client was hung.
     has_released: bool,
 }
 

@@ -26,7 +26,7 @@ const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
 pub enum ClientLoss {
     /// The process has exited or closed its socket, or the thread that presses keys has ended.
     Exited,
-    /// It has sent no message for [`HEARTBEAT_TIMEOUT`] while a key is pressed.
+    /// The process has sent no message for [`HEARTBEAT_TIMEOUT`] while a key is pressed.
     Hung,
 }
 

@@ -15,7 +15,7 @@ use ademan_core::device::pressed_keys::PressedKeys;
 pub struct Record {
     /// The keys.
     pub pressed: PressedKeys,
-    /// An axis is off its center.
+    /// `true` if an axis is off its center.
     pub are_axes_deflected: bool,
     /// The keys that the client has added to the keymap.
     pub added_keys: AddedKeys,

@@ -1,4 +1,4 @@
-//! The thread that releases the keys of a lost client. A display that hangs blocks it, and not the main loop.
+//! The thread that releases the keys of a lost client. A display that hangs blocks this thread and not the main loop.
 
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -17,7 +17,7 @@ use ademan_core::device::pressed_keys::{KeyDirection, PressedKeys};
 /// executed after it.
 const SETTLE_TIME: Duration = Duration::from_millis(300);
 
-/// Longest time in which a display that does not hang releases all keys.
+/// Longest time in which a display that does not hang answers a query and releases all keys.
 const RESPONSE_TIME: Duration = Duration::from_millis(50);
 
 /// Delay before the next query.
@@ -72,7 +72,7 @@ impl ReleaseThread {
         }
     }
 
-    /// Has everything in the record released, because the client hangs.
+    /// Requests the release of everything in the record, because the client hangs.
     pub fn release(&self) {
         // A fault that waits already has the same effect.
         let _ = self.faults.try_send(());

@@ -95,7 +95,7 @@ impl Client {
         line.map_err(|error| self.no_response(&error.to_string()))
     }
 
-    /// Waits up to 5 s until the session has ended. Returns whether it has.
+    /// Waits up to 5 s until the session has ended. Returns `true` if it has.
     pub fn wait_until_closed(mut self) -> bool {
         loop {
             match self.read_line() {

@@ -45,13 +45,13 @@ struct ConnectedClient {
 /// The state of a client. The smallest one is disconnected first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Activity {
-    /// It has sent no request since it connected.
+    /// The client has sent no request since it connected.
     Silent(u64),
-    /// It received its last response.
+    /// The client has received its last response.
     Idle(u64),
-    /// Its request is being executed.
+    /// The request of the client is being executed.
     Busy,
-    /// It receives notifications.
+    /// The client receives notifications.
     Subscribed,
 }
 

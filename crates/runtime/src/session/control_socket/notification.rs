@@ -228,7 +228,7 @@ struct SubscriberQueue {
 }
 
 impl SubscriberQueue {
-    /// Adds a line, and drops the oldest one if the queue is full. Returns whether the subscription still exists.
+    /// Adds a line, and drops the oldest one if the queue is full. Returns `true` if the subscription still exists.
     fn push(&self, line: &JsonLine) -> bool {
         let mut line = line.clone();
         while let Err(TrySendError::Full(unsent)) = self.sender.try_send(line) {

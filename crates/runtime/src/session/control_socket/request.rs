@@ -26,7 +26,7 @@ pub enum InvalidRequest {
     /// The line is not UTF-8.
     #[error("the line is not UTF-8")]
     Encoding,
-    /// The line is no command.
+    /// The line is not a command.
     #[error(transparent)]
     Command(#[from] InvalidCommand),
 }

@@ -34,7 +34,7 @@ pub struct ControlServer {
 impl ControlServer {
     /// Creates the socket at `path`. Clients that connect wait until [`serve`](Self::serve).
     ///
-    /// From its creation on only its owner may connect. The socket of a process that was killed is replaced.
+    /// Only the owner of the socket may connect, from its creation on. The socket of a process that was killed is replaced.
     ///
     /// # Errors
     /// If the socket cannot be created, or another session listens at it.

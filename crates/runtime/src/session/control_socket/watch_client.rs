@@ -102,7 +102,7 @@ impl WatchClient {
         Ok(viewer)
     }
 
-    /// Forwards views until the connection ends. Returns whether another connection may have more.
+    /// Forwards views until the connection ends. Returns `true` if another connection may have more.
     fn forward(mut self, viewer: &mut ViewerSlot) -> bool {
         let mut has_view = false;
         loop {

@@ -36,7 +36,7 @@ use ademan_core::time::Timestamp;
 /// recording may claim any period.
 const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Runs as [`run_pipeline`](super::run_pipeline) does. `observer` sees the pipeline after every step, too.
+/// Runs a session as [`run_pipeline`](super::run_pipeline) does, and passes the pipeline to `observer` after every step.
 pub(super) fn run_observed(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
@@ -82,7 +82,7 @@ pub fn with_loop_step(
     session.finish()
 }
 
-/// The continuation of the loop.
+/// The action of the loop after a message or an event.
 #[derive(PartialEq)]
 enum Next {
     Continue,
@@ -106,7 +106,7 @@ struct SessionLoop<'a> {
     /// Time of the latest message or capture event. A clock costs as much as a stage of the pipeline, so it is read once for
     /// each of them.
     now: Instant,
-    /// Arrival of the last accepted reading; `None` after a stall. The latest sign of a source that is not live.
+    /// Arrival of the last accepted reading; `None` after a stall. For a source that is not live, the time of its latest event.
     last_reading_at: Option<Instant>,
     /// Statistics up to the present step, which observers see.
     stats: Stats,
@@ -225,7 +225,7 @@ impl SessionLoop<'_> {
         Ok(Next::Continue)
     }
 
-    /// Steps through readings that came together. `stats` are those after the last one.
+    /// Steps through readings that came together. `stats` are the statistics after the last one.
     fn step_through(
         &mut self,
         readings: &[Reading],
@@ -457,7 +457,7 @@ impl SessionLoop<'_> {
     }
 }
 
-/// A histogram for 1 ns to 1 min with three significant digits, which never allocates later.
+/// Returns a histogram for 1 ns to 1 min with three significant digits. It does not allocate after its creation.
 pub(super) fn new_histogram() -> Histogram<u64> {
     Histogram::new_with_bounds(1, 60_000_000_000, 3).expect("the bounds are valid")
 }

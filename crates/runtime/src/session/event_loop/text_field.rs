@@ -8,7 +8,7 @@ use ademan_core::command::{Command, CommandOrigin, TextMode};
 /// The field of the last turn, and what the text decoders did before it.
 pub(super) struct FollowedField {
     field: TextField,
-    /// For each profile, the mode of its decoder before a field that takes exactly what is typed.
+    /// The mode of the decoder of each profile before a field that takes exactly what is typed.
     modes: Vec<Option<TextMode>>,
 }
 
@@ -34,7 +34,7 @@ impl FollowedField {
         }
         match before.take() {
             Some(before) if mode == TextMode::Literal => Some(before),
-            // Text that was typed elsewhere is no part of this text.
+            // Text that was typed elsewhere is not part of this text.
             _ => is_left.then_some(mode),
         }
     }

@@ -39,7 +39,7 @@ impl HandFeedback {
         self.state
     }
 
-    /// Updates the feedback. Returns whether it has changed.
+    /// Updates the feedback. Returns `true` if it has changed.
     pub fn update(&mut self, step: &StepView) -> bool {
         let before = self.state;
         let is_new_profile = std::mem::replace(&mut self.profile, step.profile) != step.profile;

@@ -1,7 +1,7 @@
 //! Feedback to the gloves of a session: a finger that presses is held, and touches are felt as pulses.
 //!
-//! The loop compares each step with what the gloves were told, and sends a change to the thread of that glove, which
-//! writes. The newest state replaces one that the thread has not received yet, so a glove that does not read delays nothing,
+//! The loop compares each step with the feedback that was sent last, and sends a change to the thread of that glove, which
+//! writes it. The newest state replaces one that the thread has not received yet, so a glove that does not read delays nothing,
 //! and no release is lost.
 
 mod hand;
@@ -45,7 +45,7 @@ impl SessionHaptics {
         Ok(Self { hands })
     }
 
-    /// Returns whether no glove takes feedback.
+    /// Returns `true` if no glove takes feedback.
     pub fn is_empty(&self) -> bool {
         self.hands.is_empty()
     }

@@ -14,10 +14,10 @@ use crate::session::latest::LatestSender;
 use ademan_core::hand::Finger;
 use ademan_core::time::NO_DEADLINE;
 
-/// Shortest time between two messages. One that frees all fingers does not wait.
+/// Shortest time between two messages. A message that frees all fingers does not wait.
 const MIN_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Time until a message is written again that the device has not read.
+/// Time until a message that the device has not read is written again.
 const RETRY_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Longest time that fingers are held without a change: a servo that holds becomes hot, and the loop may hang.
@@ -36,7 +36,7 @@ pub(super) struct FeedbackState {
     pub forces: [f32; Finger::COUNT],
     /// The latest pulse.
     pulse: Pulse,
-    /// Number of pulses so far, which tells a new one from the same.
+    /// Number of pulses so far, to recognize a new pulse that equals the last one.
     pulses: u32,
 }
 
@@ -64,7 +64,7 @@ impl FeedbackState {
     }
 }
 
-/// The thread of a glove. Dropping it frees all fingers, and waits 0.2 s for that at most.
+/// The thread of a glove. Dropping it frees all fingers, and waits for that for at most 0.2 s.
 pub(super) struct FeedbackThread {
     /// `None` while it is dropped.
     states: Option<LatestSender<FeedbackState>>,

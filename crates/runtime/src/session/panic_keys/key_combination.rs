@@ -18,7 +18,7 @@ impl KeyCombination {
         }
     }
 
-    /// Updates a key. Returns whether this press completes the combination.
+    /// Updates a key. Returns `true` if this press completes the combination.
     pub fn update(&mut self, keyboard: u64, key: KeyCode, is_pressed: bool) -> bool {
         let was_complete = self.is_complete();
         self.pressed.retain(|other| *other != (keyboard, key));

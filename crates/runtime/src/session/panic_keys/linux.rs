@@ -168,7 +168,7 @@ impl KeyboardMonitor {
         Ok(())
     }
 
-    /// Reads the events of a keyboard. Returns whether it is still connected.
+    /// Reads the events of a keyboard. Returns `true` if it is still connected.
     fn read(&mut self, index: usize, is_complete: &mut bool) -> bool {
         let keyboard = &mut self.keyboards[index];
         let events = match keyboard.device.fetch_events() {

@@ -26,7 +26,7 @@ pub(super) struct ActiveLayout {
     layout: Layout,
     /// Index of the profile.
     profile: usize,
-    /// `layout` is an edited text that is not in the file.
+    /// `true` if `layout` is an edited text that is not in the file.
     is_trial: bool,
 }
 
@@ -41,7 +41,7 @@ impl ActiveLayout {
         }
     }
 
-    /// Returns whether the layout has a file.
+    /// Returns `true` if the layout has a file.
     pub fn has_file(&self) -> bool {
         self.file.is_some()
     }
@@ -51,7 +51,7 @@ impl ActiveLayout {
         self.file.as_mut().and_then(|file| file.poll(now))
     }
 
-    /// Returns whether every change of the file was handled.
+    /// Returns `true` if every change of the file was handled.
     pub fn is_settled(&self) -> bool {
         self.file.as_ref().is_none_or(WatchedFile::is_settled)
     }
@@ -106,7 +106,7 @@ impl ActiveLayout {
         }
     }
 
-    /// Returns whether the file still has the content that was activated last, and notes that it can be used.
+    /// Returns `true` if the file still has the content that was activated last, and notes that it can be used.
     pub fn accept_active(&mut self, found: &Layout) -> bool {
         let active = self.file.as_mut().filter(|file| file.text() == found.text);
         match active {

@@ -71,11 +71,11 @@ pub struct FilePolicy {
 /// Starts the layout manager: a thread that activates layout files when they are saved, and scales, saves and reloads
 /// layouts on request, until the session loop at the other end of `link` ends.
 ///
-/// `layouts` has one layout for each profile of the setup, in order; `learned` is the file of what the text decoder has learned. `build` makes a layout ready for the loop, or refuses it.
-/// `report` receives the outcome of every change, in order. A file that was saved is active at most 0.2 s later, or 0.7 s if
-/// simulated hands have to lift first. Saves in
-/// quick succession count as one; while they go on for longer than 2 s, each 2 s as one. Two saves in one tick of the file
-/// system's clock, 2 s on FAT, look like one if their lengths are equal.
+/// `layouts` has one layout for each profile of the setup, in order; `learned` is the file of what the text decoder has learned.
+/// `build` makes a layout ready for the loop, or refuses it. `report` receives the outcome of every change, in order. A file that
+/// was saved is active at most 0.2 s later, or 0.7 s if simulated hands have to lift first. Saves in quick succession count as one;
+/// while they continue for longer than 2 s, the saves of each 2 s count as one. Two saves in one tick of the file system's clock,
+/// 2 s on FAT, look like one if their lengths are equal.
 pub fn start(
     layouts: impl IntoIterator<Item = LayoutSource>,
     learned: Option<LearnedFile>,

@@ -85,7 +85,7 @@ impl TestLoop {
         }
     }
 
-    /// Returns whether a layout waits for its activation.
+    /// Returns `true` if a layout waits for its activation.
     pub fn has_swap(&self) -> bool {
         !self.commands.layouts().unwrap().swaps().is_empty()
     }

@@ -26,14 +26,14 @@ pub(super) struct WatchedFile {
     fit: Fit,
     stamp: Option<Stamp>,
     pending: Option<PendingChange>,
-    /// The content that was read last could not be used, and its error was reported.
+    /// `true` if the content that was read last could not be used. Its error was reported.
     is_refused: bool,
 }
 
 /// The metadata that a save changes: length in bytes, modification time, and whether it is a file.
 type Stamp = (u64, Option<SystemTime>, bool);
 
-/// A series of changes that was not handled yet: the times of the first and the last one.
+/// A series of changes that have not been handled yet: the times of the first and the last one.
 #[derive(Clone, Copy)]
 struct PendingChange {
     first: Instant,
@@ -83,7 +83,7 @@ impl WatchedFile {
         self.pending = Some(PendingChange { first, last: now });
     }
 
-    /// Returns whether every change was handled.
+    /// Returns `true` if every change was handled.
     pub fn is_settled(&self) -> bool {
         self.pending.is_none()
     }

@@ -60,7 +60,7 @@ impl ChangeDetection {
         Self::Polling
     }
 
-    /// Waits for events again. Returns whether the file has to be checked once, as changes before that had no event.
+    /// Waits for events again. Returns `true` if the file has to be checked once, as changes before that had no event.
     fn arm(&mut self) -> bool {
         let Self::Events { path, watcher } = self else {
             return false;

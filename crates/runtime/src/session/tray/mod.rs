@@ -53,9 +53,9 @@ impl TrayState {
 
 /// The parts of the desktop in which a session shows its state.
 pub(super) struct TraySettings {
-    /// An icon with a menu.
+    /// `true` if the session shows an icon with a menu.
     pub has_icon: bool,
-    /// Notifications.
+    /// `true` if the session shows notifications.
     pub notifies: bool,
     /// Names of the profiles, in order.
     pub profiles: Vec<String>,

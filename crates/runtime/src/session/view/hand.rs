@@ -53,7 +53,7 @@ impl From<&HandPose> for ViewHand {
 }
 
 impl ViewHand {
-    /// Returns the pose. A joint whose numbers are no pose is not known.
+    /// Returns the pose. A joint whose numbers are not a pose is not known.
     pub fn pose(&self) -> HandPose {
         let place = |numbers: Option<[f32; 3]>| numbers.and_then(position);
         let mut pose = HandPose::new(self.time_us, self.side, self.tip_radius_mm / 1e3);

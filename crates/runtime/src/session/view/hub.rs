@@ -203,7 +203,7 @@ pub(in crate::session) fn viewer() -> (ViewerSlot, Viewer) {
 }
 
 impl Viewer {
-    /// The views; the channel is disconnected when the session has ended.
+    /// Returns the views; the channel is disconnected when the session has ended.
     pub fn views(&self) -> &Receiver<View> {
         &self.views
     }

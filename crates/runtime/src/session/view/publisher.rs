@@ -1,4 +1,5 @@
-//! The session loop's end: collects what a view shows, and publishes it when something changed or a view is due.
+//! The session loop's end of the views. It collects the state that a view shows, and publishes it when something has changed or a
+//! view is due.
 
 use std::mem;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ const PERIOD: Duration = Duration::from_millis(33);
 /// Time over which the rate of readings is measured.
 const RATE_PERIOD: Duration = Duration::from_secs(1);
 
-/// Keys and characters of [`ViewState::recent`].
+/// Maximum number of keys and characters in [`ViewState::recent`].
 const MAX_RECENT: usize = 24;
 
 /// The longest [`ViewState::typed`], in bytes: a line of a wide terminal.
@@ -39,7 +40,7 @@ const MAX_TYPED_BYTES: usize = 240;
 /// The maximum distance of a fingertip from a board that a view shows, in metres.
 const MAX_HEIGHT: f32 = 0.3;
 
-/// The maximum number of fingertips of a view: two hands over eight boards.
+/// The maximum number of fingertips in a view: ten fingertips over eight boards.
 const MAX_FINGERTIPS: usize = 80;
 
 /// A layout and the state of the session that uses it.
@@ -61,7 +62,7 @@ pub(in crate::session) struct ViewPublisher {
     names: SessionNames,
     layout: Arc<Layout>,
     profile: usize,
-    /// The state of the last step and who paused. A pause that ends changes the state with the next reading only.
+    /// The state of the last step, and the origin of a pause. The end of a pause changes the state only with the next reading.
     state: (PipelineState, Option<CommandOrigin>),
     poses: [Option<HandPose>; Side::COUNT],
     /// Time of the last reading of a hand.
@@ -80,7 +81,7 @@ pub(in crate::session) struct ViewPublisher {
 pub(in crate::session) struct SessionNames {
     /// Name of the session.
     pub session: String,
-    /// Number of its process; `None` for a recording.
+    /// Id of its process; `None` for a recording.
     pub process: Option<u32>,
     /// Names of the profiles, in order.
     pub profiles: Vec<String>,
@@ -133,7 +134,7 @@ impl ViewPublisher {
         self.time = times.max().unwrap_or(self.time);
     }
 
-    /// Returns whether another layout became active.
+    /// Returns `true` if another layout became active.
     fn update_layout(&mut self, pipeline: &Pipeline) -> bool {
         let layout = pipeline.layout().layout();
         let Some(layout) = layout.filter(|layout| !Arc::ptr_eq(layout, &self.layout)) else {
@@ -141,13 +142,13 @@ impl ViewPublisher {
         };
         self.layout = Arc::clone(layout);
         self.profile = pipeline.active_profile();
-        // They belong to targets of the other layout.
+        // These belong to targets of the previous layout.
         self.values.clear();
         self.selected.clear();
         true
     }
 
-    /// Returns whether a key or target is pressed or released.
+    /// Returns `true` if a key or target is pressed or released.
     fn handle(&mut self, event: EventKind) -> bool {
         match event {
             EventKind::KeyDown(key) => {
@@ -270,7 +271,7 @@ impl Observer for ViewPublisher {
         }
         self.rate.update(step.stats.source.readings, now);
         if self.viewers.load(Ordering::Relaxed) == 0 {
-            // The next viewer sees no pose of before.
+            // The next viewer must not see an old pose.
             self.poses.iter_mut().for_each(|pose| *pose = None);
             return;
         }
@@ -311,7 +312,7 @@ struct Rate {
 }
 
 impl Rate {
-    /// Processes the number of readings so far.
+    /// Updates the rate with the number of readings so far.
     fn update(&mut self, readings: u64, now: Instant) {
         let (since, before) = *self.since.get_or_insert((now, readings));
         let elapsed = now.duration_since(since);

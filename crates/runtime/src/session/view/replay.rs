@@ -1,4 +1,4 @@
-//! Views of a recording that is played as fast as possible: those that are due by the time of its readings.
+//! Views of a recording that is played as fast as possible: a view is published when it is due by the time of the readings.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;

@@ -42,7 +42,7 @@ pub struct ViewState {
     pub readings_per_second: f32,
     /// Readings and losses so far.
     pub counts: ViewCounts,
-    /// The layout waits for an open hand that is held still.
+    /// `true` if the layout waits for an open hand that is held still.
     #[serde(default, skip_serializing_if = "is_false")]
     pub awaits_hand: bool,
     /// Hands that are tracked.

@@ -37,12 +37,12 @@ pub struct ShareHub {
     targets: Vec<ShareTarget>,
     /// `None` while the hub is dropped.
     steps: Option<Sender<SharedStep>>,
-    /// Steps are sent somewhere even if there is no client.
+    /// `true` if steps are sent somewhere even if there is no client.
     has_receivers: bool,
     clients: Arc<AtomicUsize>,
     scene: SceneState,
     started_at: Instant,
-    /// They accept connections until they are dropped.
+    /// The threads that accept connections, until they are dropped.
     _listeners: Vec<AcceptThread>,
     /// `None` without targets.
     thread: Option<JoinHandle<()>>,
@@ -151,7 +151,7 @@ impl ShareHub {
         }
     }
 
-    /// Returns whether there is a client or a receiver.
+    /// Returns `true` if there is a client or a receiver.
     fn is_watched(&self) -> bool {
         self.has_receivers || self.clients.load(Ordering::Relaxed) > 0
     }

@@ -41,7 +41,7 @@ pub(in crate::share) enum Pages {
 
 /// The answer to a request.
 pub(in crate::share) struct Answer {
-    /// Its bytes.
+    /// The bytes.
     pub bytes: Arc<[u8]>,
     /// The WebSocket that it opens. Without one, the connection is closed.
     pub socket: Option<SocketReader>,

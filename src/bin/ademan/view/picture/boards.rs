@@ -76,7 +76,7 @@ fn handle(layout: &Layout, target: TargetId) -> Option<Handle> {
     Some(control.kind.handle())
 }
 
-/// Returns whether a target is a switch that is on.
+/// Returns `true` if a target is a switch that is on.
 fn is_on(layout: &Layout, target: TargetId, picture: &Picture) -> bool {
     let is_switch = handle(layout, target) == Some(Handle::Switch);
     let mut values = picture.view.state.values.iter();

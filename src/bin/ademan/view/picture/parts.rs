@@ -25,7 +25,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
-    /// The name of one that is left out.
+    /// Returns the name of one that is left out.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Board(..) => "a board",
@@ -48,7 +48,7 @@ impl Part {
     }
 }
 
-/// Arranges parts from left to right, and in further rows below. Returns whether all fit.
+/// Arranges parts from left to right, and in further rows below. Returns `true` if all fit.
 pub fn arrange(parts: &mut [Part], width: u16, height: u16) -> bool {
     let (mut x, mut y, mut row_height) = (0_u16, 0_u16, 0_u16);
     for part in parts {

@@ -41,7 +41,7 @@ struct Covered {
     modes: Termios,
 }
 
-/// Returns whether standard output is a terminal that this process may change: a process in the background is stopped when
+/// Returns `true` if standard output is a terminal that this process may change: a process in the background is stopped when
 /// it tries.
 pub fn is_usable() -> bool {
     let group = tcgetpgrp(io::stdout());
@@ -103,7 +103,7 @@ pub fn takeover() -> u32 {
     TAKEOVERS.load(Ordering::Acquire)
 }
 
-/// Returns whether the view covers the terminal.
+/// Returns `true` if the view covers the terminal.
 pub fn is_covered() -> bool {
     IS_COVERED.load(Ordering::Acquire)
 }

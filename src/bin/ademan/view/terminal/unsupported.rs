@@ -17,7 +17,7 @@ static IS_COVERED: AtomicBool = AtomicBool::new(false);
 /// The terminal has other modes than before.
 static HAS_LEFT_MODES: AtomicBool = AtomicBool::new(false);
 
-/// Returns whether standard output is a terminal.
+/// Returns `true` if standard output is a terminal.
 pub fn is_usable() -> bool {
     io::stdout().is_terminal()
 }
@@ -57,7 +57,7 @@ pub fn takeover() -> u32 {
     1
 }
 
-/// Returns whether the view covers the terminal.
+/// Returns `true` if the view covers the terminal.
 pub fn is_covered() -> bool {
     IS_COVERED.load(Ordering::Acquire)
 }

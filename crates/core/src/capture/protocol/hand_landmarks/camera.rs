@@ -46,7 +46,7 @@ impl Mount {
 pub(super) struct Camera {
     /// Place of the camera.
     pub mount: Mount,
-    /// The image was flipped left to right before the hand was found in it.
+    /// `true` if the image was flipped left to right before the hand was found in it.
     pub is_mirrored: bool,
     /// Focal length divided by the width of the image.
     pub focal: f64,
@@ -62,8 +62,8 @@ impl Camera {
 
     /// Returns the landmarks in the world, in metres, for points of the image in multiples of its width from its center.
     ///
-    /// With `shape`, the world landmarks of a tracker, which it places relative to the hand, the hand is put where its
-    /// points show it. Without it, its size tells the distance. `None` if there is no such place.
+    /// `shape` has the world landmarks of a tracker, relative to the hand. With it, the hand has this shape at the position that
+    /// its points show; without it, its size in the image gives the distance. `None` if there is no such position.
     pub fn place(&self, points: &Landmarks, shape: Option<&Landmarks>) -> Option<Landmarks> {
         let placed = match shape {
             Some(shape) => {

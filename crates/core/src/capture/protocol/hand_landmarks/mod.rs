@@ -5,14 +5,15 @@
 //!   {"label":"Right","score":0.97,"image":[[0.52,0.81,0.0],…],"world":[[0.01,0.07,0.02],…]}]}
 //! ```
 //!
-//! One object per image, with [`HAND_LANDMARKS`] landmarks of each hand that is seen; an empty list if there is none.
+//! Each line is one object for one image, with [`HAND_LANDMARKS`] landmarks of each hand that is seen; `hands` is empty if none
+//! is seen.
 //!
 //! - `image`: points of the image, from 0 to 1 or in pixels, x to the right and y down, z as deep as x is wide. They need
 //!   `image_size`: width and height differ, and nothing else tells whether they are pixels.
 //! - `world`: positions in metres about the middle of the hand, x to the right of the image, y down, z away from the camera.
 //!
-//! With both, the hand has the shape of `world` and is where its points in the image show it. With `image` alone, the
-//! length of its palm gives its distance. With `world` alone, its place is not known: positions are relative to the wrist.
+//! With both, the hand has the shape of `world` and the position that its points in the image show. With `image` alone, the
+//! length of its palm gives its distance. With `world` alone, its position is not known: joints are relative to the wrist.
 
 mod camera;
 mod line;
@@ -119,13 +120,13 @@ pub(super) const PALM: ProtocolOption = ProtocolOption {
 /// Largest coordinate of a world landmark about the middle of the hand, in metres.
 const MAX_EXTENT: f64 = 1.0;
 
-/// Points beyond this are pixels: no image shows a hand at four times its width.
+/// Largest coordinate of a point from 0 to 1; a larger one is in pixels. No image shows a hand at four times its width.
 const MAX_NORMALIZED: f64 = 4.0;
 
 /// Largest coordinate of a point, in pixels.
 const MAX_PIXELS: f64 = 1e6;
 
-/// Bend of all fingers against the palm, as the sum of sines, that no hand has.
+/// Largest backward bend of the fingers, as a sum of sines. A hand beyond it has the wrong label.
 const MAX_BACKWARD_BEND: f64 = 1.0;
 
 /// Parser of lines of hands.
@@ -315,8 +316,8 @@ fn backward_bend(positions: &JointPositions, side: Side) -> f64 {
     -Finger::ALL[1..].iter().map(bend).sum::<f64>()
 }
 
-/// Writes hands with their positions in the world as a line with its line end, as a camera at the origin sees them that
-/// looks where the person looks (`camera=head`). Joints that are not known are missing, so that all must be.
+/// Returns a line, with its line end, of hands whose positions are in the world, seen by a camera at the origin that looks where
+/// the person looks (`camera=head`). All joints must be known: an unknown one is left out, which makes the line invalid.
 pub fn encode(time_us: Option<u64>, hands: &[(Side, JointPositions)]) -> String {
     const SIZE: [f64; 2] = [640.0, 480.0];
     let focal = Camera::focal_of(60.0);

@@ -99,7 +99,7 @@ impl Framing {
         }
     }
 
-    /// Returns the number of bytes, from the first mark, that confirm a packet while the stream goes on.
+    /// Returns the number of bytes, from the first mark, that confirm a packet while the stream continues.
     const fn bytes_to_confirm(self) -> usize {
         match self {
             Self::Double06 => PACKET_BYTES + 2,

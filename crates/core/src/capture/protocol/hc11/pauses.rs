@@ -12,7 +12,7 @@ const REQUIRED: u8 = 8;
 pub(super) struct PacketPauses {
     /// Pauses after packets since the last one within a packet, at most [`REQUIRED`].
     in_a_row: u8,
-    /// No byte has followed the latest pause.
+    /// `true` if no byte has followed the latest pause.
     is_paused: bool,
 }
 

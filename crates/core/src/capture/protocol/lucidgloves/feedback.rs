@@ -2,8 +2,9 @@
 //!
 //! The firmware (`LucidVR/lucidgloves`, `haptics.ino` and `Encoding.ino`) takes a finger that a line does not name as free, so
 //! each line names all five. The legacy encoding has the forces of the five fingers with `&` between them, and no pulses
-//! (`Encoding/LegacyEncoding.cpp`): such firmware takes a line of the alpha encoding as 0 for the thumb. A pulse is understood by firmware for vibration motors only; that for servos reads it as a line
-//! without fingers, so the line with the forces comes last.
+//! (`Encoding/LegacyEncoding.cpp`): such firmware takes a line of the alpha encoding as 0 for the thumb.
+//! Only firmware for vibration motors understands a pulse; firmware for servos reads it as a line without fingers, so the line
+//! with the forces comes last.
 
 use std::io::Write;
 

@@ -1,10 +1,10 @@
 //! Lines of LucidGloves in the alpha and the legacy encoding.
 //!
 //! An alpha line has a key and a decimal number for each field, without separators: `A100B200C300D400E500F2047G2047P0J`.
-//! Keys of buttons have no number. Keys of splay and joints stand in parentheses: `(BB)2047(BAC)120`. A legacy line has 13
+//! Keys of buttons have no number. Keys of splay and joints are in parentheses: `(BB)2047(BAC)120`. A legacy line has 13
 //! numbers with `&` between them. A line ends with LF or CR LF.
 //!
-//! A line that names no finger is no packet: blank lines, boot messages and device information are skipped. A line with a
+//! A line that names no finger is not a packet: blank lines, boot messages and device information are skipped. A line with a
 //! key twice is skipped too, because it consists of two lines of which the first was cut. Unknown keys are ignored.
 
 mod alpha;
@@ -75,7 +75,7 @@ fn max(options: &ProtocolOptions) -> u16 {
         .expect("options are checked when they are set")
 }
 
-/// Largest count of a sample, whatever the converter of the glove is.
+/// Largest count of a sample. Counts of other converters are scaled to it.
 pub const FULL_SCALE: u16 = 4095;
 
 /// The count of a stick at rest and of a finger that is not spread.
@@ -145,7 +145,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Reads a line without its line end, in either encoding. An error states why it is no packet.
+    /// Reads a line without its line end, in either encoding. An error states why it is not a packet.
     pub fn parse(line: &[u8]) -> Result<Self, PacketError> {
         let line = line.trim_ascii();
         let fields = if is_legacy(line) {
@@ -207,7 +207,7 @@ impl Fields {
         }
     }
 
-    /// Returns the channels with a value of its own in a line, of which this line names none.
+    /// Returns the channels of splays, stick and trigger that the line does not name.
     fn unsent(&self) -> ChannelSet {
         let splays = (SPLAY..).zip(self.splays);
         let others = [
@@ -256,7 +256,7 @@ pub struct LucidParser {
     feedback: Option<&'static FeedbackFormat>,
 }
 
-/// Creates a decoder for a converter with values of 0..=`max`.
+/// Creates a decoder for a converter with values of 0..=`max`, which must not be 0.
 pub fn decoder(max: u16) -> LineDecoder<LucidParser> {
     LineDecoder::with_parser(LucidParser {
         max,
@@ -288,7 +288,7 @@ fn is_legacy(line: &[u8]) -> bool {
     line.contains(&b'&')
 }
 
-/// Returns the error of a line that has not the form of a packet.
+/// Returns the error of a line that does not have the form of a packet.
 fn unknown(text: &str) -> PacketError {
     PacketError::new(InvalidPacket::Unknown, text)
 }

@@ -21,7 +21,7 @@ pub(super) enum MarkerSite {
 pub(super) struct SeenMarker {
     pub site: MarkerSite,
     pub position: DVec3,
-    /// The position continues the motion before the marker was hidden.
+    /// `true` if the position continues the motion before the marker was hidden.
     pub is_predicted: bool,
 }
 
@@ -128,7 +128,7 @@ impl HandMarkers {
     }
 
     /// Returns the joint positions in the unit of the markers. Of two markers at one place, the first counts. The wrist
-    /// needs both markers on its sides, which show the turn of the forearm too, or one over its centre.
+    /// needs both markers on its sides, which show the turn of the forearm too, or one over its center.
     pub fn joints(&mut self, markers: &[SeenMarker]) -> JointPositions {
         let mut positions = JointPositions::default();
         let mut wrist_sides = [None; 2];
@@ -152,7 +152,7 @@ impl HandMarkers {
         self.correct_elbow(positions)
     }
 
-    /// Replaces the elbow marker by the centre of the joint. Without shoulder and wrist the plane of the arm is unknown:
+    /// Replaces the elbow marker by the center of the joint. Without shoulder and wrist the plane of the arm is unknown:
     /// an elbow with an offset is then left out.
     fn correct_elbow(&mut self, positions: JointPositions) -> JointPositions {
         if self.elbow.offset == 0.0 {

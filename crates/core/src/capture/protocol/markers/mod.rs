@@ -103,7 +103,7 @@ struct MarkerParser {
     markers: HandMarkers,
     bones: Option<LiveFit>,
     times: LineTimes,
-    /// In seconds; the time of lines that state none.
+    /// The time of lines that state none, in seconds.
     time: f64,
     period: f64,
 }

@@ -2,7 +2,7 @@
 //!
 //! `/VMC/Ext/Bone/Pos` has the name of a bone, its position and its rotation in the frame of its parent. Positions are
 //! ignored: the arm of the setup has its own lengths. The rotation of an upper arm includes its parents' rotations. A
-//! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`, and before a bone that comes again: some senders have
+//! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`, or before a bone that it already has: some senders send
 //! neither message, others send them seldom, and datagrams are lost. Other messages and additional arguments are ignored. A
 //! message that is not valid is left out of its datagram.
 
@@ -51,7 +51,7 @@ const TIME: &[u8] = b"/VMC/Ext/T";
 
 /// Smallest length of a quaternion that shows a rotation.
 const MIN_LENGTH: f32 = 1e-3;
-/// Largest length of a quaternion, beyond which its square is not exact.
+/// Largest length of a quaternion: beyond it the square is not exact.
 const MAX_LENGTH: f32 = 1e6;
 
 /// Parser of the datagrams of one sender.
@@ -65,7 +65,7 @@ pub struct VmcParser {
     shoulders: [Quat; Side::COUNT],
     /// The rotations of the upper arms of the frame so far in the frames of the shoulders, by side.
     upper_arms: [Option<Quat>; Side::COUNT],
-    /// The sender names the metacarpals of the thumbs.
+    /// `true` if the sender names the metacarpals of the thumbs.
     has_metacarpals: bool,
     /// The names of the frame so far, as [bits](name_bit).
     names: u64,
@@ -76,7 +76,7 @@ pub fn decoder() -> DatagramDecoder<VmcParser> {
     DatagramDecoder::with_parser(VmcParser::default())
 }
 
-/// Contents of the messages of a datagram beside the bones.
+/// Contents of the messages of a datagram, except the bones.
 #[derive(Default)]
 struct DatagramState {
     is_frame_end: bool,

@@ -43,7 +43,8 @@ schema! {
         /// Time for which it has to last before it turns on. Default: 0, of a hand shape 300.
         #[serde(default)]
         hold_ms: Option<TriggerHold>,
-        /// Time after it turned off in which it does not turn on; swipes of a hand share it. Default: 0, of a hand shape 300, of a motion 600.
+        /// Time after it turned off in which it does not turn on; swipes of a hand share it. Default: 0, of a hand shape 300, of a
+        /// motion 600.
         #[serde(default)]
         cool_down_ms: Option<CoolDown>,
         /// Action while it is on.

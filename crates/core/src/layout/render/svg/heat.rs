@@ -16,7 +16,7 @@ const STEPS: f32 = 8.0;
 pub struct Heat {
     /// The target.
     pub target: TargetId,
-    /// The strength of the colour, 0..=1; 0 is no colour.
+    /// The strength of the colour, 0..=1; 0 is none.
     pub part: f32,
     /// The words that programs show as a tooltip and read aloud.
     pub words: String,

@@ -17,13 +17,13 @@ pub(super) struct Hello {
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub(super) enum Answer {
-    /// It is read from now on.
+    /// The page is read from now on.
     Welcome {
-        /// The text of the layout that it shows; it keeps its own without one.
+        /// The text of the layout that the page shows; without one it keeps its own.
         #[serde(skip_serializing_if = "Option::is_none")]
         layout: Option<String>,
     },
-    /// Its token is not valid.
+    /// The token of the page is not valid.
     Refused,
     /// Another headset is read.
     Busy,

@@ -191,7 +191,7 @@ impl Shared {
             return;
         };
         let (address, socket) = (client.address(), client.socket());
-        // It is no handshake any more.
+        // It is no longer a handshake.
         drop(client);
         let Some(id) = self.clients.add(&socket) else {
             answer(&mut receiver, &Answer::Busy);

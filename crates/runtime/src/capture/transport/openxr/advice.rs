@@ -10,7 +10,7 @@ use crate::capture::connection::ConnectError;
 const NO_RUNTIME: &str =
     "start Monado (`monado-service`) or WiVRn, or name the file of your runtime in XR_RUNTIME_JSON";
 
-/// The loader cannot be loaded.
+/// Returns the error if the loader cannot be loaded.
 pub fn no_loader(error: &EntryError) -> ConnectError {
     // Only the first cause names the file.
     let mut cause: &dyn Error = error;
@@ -22,7 +22,7 @@ pub fn no_loader(error: &EntryError) -> ConnectError {
     ))
 }
 
-/// No runtime is installed or it does not answer.
+/// Returns the error if no runtime is installed or it does not answer.
 pub fn no_runtime(error: openxr::sys::Result) -> ConnectError {
     use openxr::sys::Result as Code;
     match error {
@@ -67,21 +67,21 @@ pub fn used_extensions(available: &ExtensionSet) -> ExtensionSet {
     used
 }
 
-/// The runtime has no headset.
+/// Returns the error if the runtime has no headset.
 pub fn no_headset(runtime: &str, error: openxr::sys::Result) -> ConnectError {
     ConnectError::Absent(format!(
         "{runtime} has no headset ({error:?}); connect and switch on the headset"
     ))
 }
 
-/// The headset tracks no hands.
+/// Returns the error if the headset tracks no hands.
 pub fn no_hands(runtime: &str, headset: &str) -> ConnectError {
     ConnectError::Unusable(format!(
         "{runtime} tracks no hands with `{headset}`; turn on hand tracking in the settings of the headset"
     ))
 }
 
-/// The runtime refuses a session.
+/// Returns the error if the runtime refuses a session.
 pub fn no_session(runtime: &str, error: openxr::sys::Result) -> ConnectError {
     ConnectError::Absent(format!(
         "{runtime} starts no session without graphics ({error:?}); start the runtime again"

@@ -1,4 +1,4 @@
-//! Hands that an OpenXR runtime tracks, located at a rate and passed on as lines of the protocol `openxr`.
+//! Hands that an OpenXR runtime tracks, located at a fixed rate and passed on as lines of the protocol `openxr`.
 //!
 //! The session has no graphics (`XR_MND_headless`), so it runs beside the application that draws in the headset.
 
@@ -66,10 +66,10 @@ const DEFAULT_RATE_HZ: u32 = 90;
 /// Rates at which hands can be located, in hertz.
 const RATES_HZ: RangeInclusive<u32> = 1..=1000;
 
-/// Longest time in which a runtime has to answer. A later answer is about a time that has passed.
+/// Longest time in which a runtime has to answer. A later answer shows hands of the past and is dropped.
 const MAX_ANSWER_TIME: Duration = Duration::from_millis(50);
 
-/// The program can use a runtime.
+/// `true` if the program was built with the feature `openxr`.
 pub const HAS_OPENXR: bool = cfg!(feature = "openxr");
 
 /// Checks the option `protocol`, which has one value.
@@ -101,7 +101,7 @@ pub struct TrackedHands {
     pub hands: [Option<JointPositions>; Side::COUNT],
 }
 
-/// Starter of sessions.
+/// Connector that starts a session with the runtime.
 #[derive(Clone)]
 struct OpenXrConnector {
     /// Source URI, for messages.
@@ -136,7 +136,7 @@ struct HandLines {
     session: HandSession,
     period: Duration,
     next: Instant,
-    /// A hand was tracked, so its absence is worth a line.
+    /// `true` if a hand was tracked before. Lines without a hand are sent only from then on.
     has_seen_hand: bool,
 }
 
@@ -150,7 +150,7 @@ impl HandLines {
         }
     }
 
-    /// Waits for the next instant to locate the hands, for [`READ_TIMEOUT`] at most. Returns whether it has come.
+    /// Waits for the next instant to locate the hands, for [`READ_TIMEOUT`] at most. Returns `true` if it has come.
     fn wait(&mut self) -> bool {
         let wait = self.next.saturating_duration_since(Instant::now());
         thread::sleep(wait.min(READ_TIMEOUT));
@@ -164,7 +164,7 @@ impl HandLines {
 }
 
 impl ByteStream for HandLines {
-    /// A read waits for the next instant, and for the runtime.
+    /// Returns `true`: a read waits for the next instant, and for the runtime.
     fn may_block(&self) -> bool {
         true
     }

@@ -12,7 +12,7 @@ pub struct SessionProgress {
     state: SessionState,
     had_focus: bool,
     opened: Instant,
-    /// A hand was tracked, or the person was told that none is.
+    /// `true` if a hand was tracked, or the person was told that none is.
     is_settled: bool,
 }
 

@@ -53,7 +53,7 @@ impl Admission {
     }
 }
 
-/// Returns whether a request target is a path, without another server in it: a proxy sends `http://HOST/ws`.
+/// Returns `true` if a request target is a path, without another server in it: a proxy sends `http://HOST/ws`.
 fn is_path(target: &Uri) -> bool {
     let path = target.path();
     target.authority().is_none() && path.starts_with('/') && !path.starts_with("//")

@@ -50,7 +50,7 @@ impl Clients {
         Some(id)
     }
 
-    /// Returns whether as many threads run as may. Most of them are about to end.
+    /// Returns `true` if as many threads run as may. Most of them are about to end.
     pub fn are_too_many(&self) -> bool {
         self.state().threads >= MAX_THREADS
     }
@@ -62,7 +62,7 @@ impl Clients {
         state.threads -= 1;
     }
 
-    /// Returns whether a client was not disconnected.
+    /// Returns `true` if a client was not disconnected.
     pub fn is_connected(&self, id: ClientId) -> bool {
         let state = self.state();
         state.connected.iter().any(|(other, _)| *other == id)

@@ -19,7 +19,7 @@ impl<S> MessageStream<S> {
         Self { stream, bytes: 0 }
     }
 
-    /// The connection.
+    /// Returns the connection.
     pub fn stream_mut(&mut self) -> &mut S {
         &mut self.stream
     }

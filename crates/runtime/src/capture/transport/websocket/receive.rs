@@ -60,7 +60,7 @@ impl<S: Read + Write> MessageReceiver<S> {
         }
     }
 
-    /// The connection, which a server of headsets writes to.
+    /// Returns the connection, which a server of headsets writes to.
     #[cfg(feature = "tls")]
     pub fn socket_mut(&mut self) -> &mut WebSocket<MessageStream<S>> {
         &mut self.socket

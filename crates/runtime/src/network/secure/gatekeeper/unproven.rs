@@ -50,12 +50,12 @@ fn secured(handshake: &Handshake) -> io::Result<ServerStream> {
 }
 
 impl Unproven {
-    /// The address of the client.
+    /// Returns the address of the client.
     pub fn address(&self) -> IpAddr {
         self.0.address
     }
 
-    /// The socket, by which the connection is ended from outside.
+    /// Returns the socket, by which the connection is ended from outside.
     pub fn socket(&self) -> Arc<TcpStream> {
         Arc::clone(&self.0.socket)
     }

@@ -102,12 +102,12 @@ pub fn role_in(text: &str) -> Option<TokenRole> {
     Some(TokenFile::parse(text)?.entry.role)
 }
 
-/// Returns whether a text is a list of tokens.
+/// Returns `true` if a text is a list of tokens.
 pub fn is_list(text: &str) -> bool {
     TokenList::parse(text).is_ok()
 }
 
-/// Returns whether the first bytes of a client are a token.
+/// Returns `true` if the first bytes of a client are a token.
 pub fn is_hello(mut bytes: &[u8]) -> bool {
     matches!(hello::receive(&mut bytes), Ok(Some(_)))
 }

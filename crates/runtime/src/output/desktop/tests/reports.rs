@@ -40,7 +40,7 @@ impl Reported {
         }
     }
 
-    /// Returns whether a key is pressed according to the file.
+    /// Returns `true` if a key is pressed according to the file.
     fn is_reported(&self, key: KeyCode) -> bool {
         let bytes = fs::read(path(&self.folder)).unwrap();
         bytes[usize::from(key.event_code())] == 1

@@ -1,6 +1,6 @@
 //! The engine: what the daemon calls, and the signals that put text into the focused field.
 //!
-//! Text and keys take different ways to a program. Their order is kept on both:
+//! Text and keys reach a program in different ways. Their order is kept:
 //!
 //! - Text before a key: the daemon shows the engine each key before the program gets it, and the engine has emitted all earlier text by
 //!   then.
@@ -20,7 +20,7 @@ use super::serial;
 use crate::output::FieldKind;
 use crate::output::ime::client::{Action, Request, Shared};
 
-/// Longest time that text waits for a key. A window manager may have taken the key.
+/// Longest time that text waits for a key, which a window manager may have taken.
 const KEY_TIMEOUT: Duration = Duration::from_millis(100);
 
 /// `IBUS_RELEASE_MASK`.
@@ -54,14 +54,14 @@ pub(super) enum End {
 pub(super) struct Engine<'a> {
     bus: Bus,
     shared: &'a Shared,
-    /// A field of a program has the focus.
+    /// `true` if a field of a program has the focus.
     is_focused: bool,
     is_enabled: bool,
-    /// The serial number of the question which context has the focus.
+    /// The serial number of the call that asks for the context that has the focus.
     asked_context: Option<NonZeroU32>,
-    /// The serial number of a question whose answer follows what the daemon says of a new field.
+    /// The serial number of a call whose reply follows what the daemon reports of a new field.
     asked_field: Option<NonZeroU32>,
-    /// The kind of text that the field takes, as it says.
+    /// The kind of text that the field takes, as the field reports it.
     kind: FieldKind,
     /// The word that the field shows.
     shown: String,
@@ -212,7 +212,7 @@ impl<'a> Engine<'a> {
             "ProcessKeyEvent" => return self.process_key(message),
             "Get" => {
                 let (_, name): (String, String) = body.deserialize()?;
-                // The daemon tells then which program has the focus.
+                // The daemon then tells which program has the focus.
                 let has_it = name == "FocusId";
                 return self.bus.reply(message, &(Value::from(has_it),));
             }
@@ -267,7 +267,7 @@ impl<'a> Engine<'a> {
         self.bus.reply(message, &())
     }
 
-    /// Lets every key pass to the program, behind the text that precedes it.
+    /// Lets every key pass to the program, after the text that precedes it.
     fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
         let (_, _, state): (u32, u32, u32) = message.body().deserialize()?;
         let is_press = state & RELEASE == 0;
@@ -275,7 +275,7 @@ impl<'a> Engine<'a> {
         if is_press && self.seen != expected {
             self.seen = self.seen.wrapping_add(1);
         } else if is_press && !self.shown.is_empty() {
-            // Somebody types on another keyboard.
+            // The key is from another keyboard.
             let word = std::mem::take(&mut self.shown);
             self.commit(&word)?;
             self.enter_field();
@@ -284,8 +284,8 @@ impl<'a> Engine<'a> {
         self.execute_waiting()
     }
 
-    /// Asks something of which only the time of the answer counts: the daemon says what a field takes after it has the focus, and a
-    /// field for a password is none before.
+    /// Sends a call of which only the time of the reply matters: the daemon reports the purpose of a field after the field has
+    /// the focus, and until then a field for a password looks like any other.
     fn ask_field(&mut self) -> zbus::Result<()> {
         self.asked_field = Some(self.bus.ask_context()?);
         Ok(())
@@ -309,7 +309,7 @@ impl<'a> Engine<'a> {
 
     fn set_focus(&mut self, is_focused: bool) {
         self.is_focused = is_focused;
-        // A field without a purpose says nothing.
+        // A field without a purpose reports nothing.
         if !is_focused {
             self.kind = FieldKind::Text;
         }
@@ -321,7 +321,7 @@ impl<'a> Engine<'a> {
         self.enter_field();
     }
 
-    /// Tells the loop that the field and its text are others. A shown word is the field's.
+    /// Notifies the loop of another field or text. A word that is shown now belongs to the field.
     fn enter_field(&mut self) {
         self.shown.clear();
         let is_known = self.is_focused && self.is_enabled && self.asked_field.is_none();
@@ -334,7 +334,7 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// Returns whether this is the path of the context of the daemon itself.
+/// Returns `true` if this is the path of the context of the daemon itself.
 fn is_own_context(path: &Value) -> bool {
     match path {
         Value::Value(inner) => is_own_context(inner),

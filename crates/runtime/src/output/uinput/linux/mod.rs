@@ -41,7 +41,7 @@ pub struct Uinput<N: DeviceNode = UinputNode> {
     /// that reads both devices may otherwise process the click before the motion.
     active_pointer: DeviceKind,
     dropped_presses: u64,
-    /// A press was dropped, or keys were released, because of the watchdog.
+    /// `true` if a press was dropped, or keys were released, because of the watchdog.
     has_stalled: bool,
     watchdog: Option<WatchdogSupervisor>,
 }

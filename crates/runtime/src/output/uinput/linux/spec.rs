@@ -1,5 +1,5 @@
-//! The devices that a layout requires, each with exactly the capabilities that it requires and those without which udev
-//! and libinput would not recognize it.
+//! The devices that a layout requires. Each has exactly the required capabilities, and the ones without which udev and libinput
+//! would not recognize it.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,10 @@ use ademan_core::device::{Axis, Capabilities, Capability, KeyCode, KeyKind};
 /// The right and lower edge of the screen in the range of the absolute pointer, which starts at 0.
 pub const POINTER_MAX: i32 = 65_535;
 
-/// A stick at its end to the right or down; its minimum is −32768.
+/// Value of a stick at its end to the right or down; its minimum is −32768.
 pub const STICK_MAX: i32 = 32_767;
 
-/// A fully pulled trigger; its minimum is 0.
+/// Value of a fully pulled trigger; its minimum is 0.
 pub const TRIGGER_MAX: i32 = 255;
 
 /// The kind of a device.

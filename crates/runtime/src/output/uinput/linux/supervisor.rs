@@ -1,4 +1,4 @@
-//! The watchdog of the devices, as the loop uses it.
+//! The supervisor of the watchdog for the devices: reports, heartbeats and restarts without blocking the loop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,12 +23,12 @@ pub struct WatchdogSupervisor {
     failure: Option<String>,
     reported_keys: PressedKeys,
     is_deflection_reported: bool,
-    /// The watchdog did not accept a message, or does not reply.
+    /// `true` if the watchdog did not accept a message, or does not reply.
     is_unresponsive: bool,
     last_heartbeat: Instant,
     /// The time of the first report after nothing was pressed.
     active_since: Instant,
-    /// The watchdog has released keys of this process while it did not respond.
+    /// `true` if the watchdog has released keys of this process while the process did not respond.
     has_released: Arc<AtomicBool>,
 }
 
@@ -67,13 +67,13 @@ impl WatchdogSupervisor {
         is_reported
     }
 
-    /// Returns and clears whether the watchdog has released keys.
+    /// Returns `true` if the watchdog has released keys since the last call.
     pub fn take_released(&self) -> bool {
-        // Nearly always it has not, and a load costs less than an exchange.
+        // A load costs less than an exchange, and is nearly always enough.
         self.has_released.load(Ordering::Acquire) && self.has_released.swap(false, Ordering::AcqRel)
     }
 
-    /// Returns whether what is pressed cannot have been released by the watchdog, which a gap between two heartbeats causes.
+    /// Returns `true` if what is pressed cannot have been released by the watchdog, which a gap between two heartbeats causes.
     fn is_state_known(&mut self) -> bool {
         let now = Instant::now();
         if self.is_idle() {

@@ -32,7 +32,7 @@ pub enum ReleaseTarget {
 pub struct DeviceHandle {
     /// The file descriptor of `/dev/uinput`.
     pub node: OwnedFd,
-    /// The device has axes that return to their center.
+    /// `true` if the device has axes that return to their center.
     pub has_axes: bool,
 }
 

@@ -56,7 +56,7 @@ pub fn enter() {
     });
 }
 
-/// Returns whether the runtime folder belongs to a user manager.
+/// Returns `true` if the runtime folder belongs to a user manager.
 fn is_manager_running() -> bool {
     let runtime = env::var_os("XDG_RUNTIME_DIR").filter(|folder| !folder.is_empty());
     runtime.is_some_and(|folder| Path::new(&folder).join("systemd/private").exists())

@@ -65,7 +65,7 @@ impl<W: Write> ClientState<W> {
     fn handle(&mut self, bytes: [u8; WatchdogMessage::BYTES]) {
         let message = WatchdogMessage::from_bytes(bytes);
         if let Some(reply) = message.and_then(|message| self.signs.receive(message)) {
-            // The end of the input shows that nobody reads it.
+            // A client that does not read has ended, which the end of the input shows.
             let _ = self.replies.write_all(&[reply.to_byte()]);
             let _ = self.replies.flush();
         }

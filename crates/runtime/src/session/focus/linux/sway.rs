@@ -162,7 +162,7 @@ fn focused_node(node: &Value) -> Option<&Value> {
     children.find_map(focused_node)
 }
 
-/// Returns the names of a window: `app_id`, or class and instance of one on XWayland. `None` for a node that is no window.
+/// Returns the names of a window: `app_id`, or class and instance of one on XWayland. `None` for a node that is not a window.
 fn names(node: &Value) -> Option<Vec<String>> {
     let properties = &node["window_properties"];
     let names = [

@@ -22,7 +22,7 @@ pub struct XServer {
     connection: RustConnection,
     root: Window,
     active_window: Atom,
-    /// The property has not been read since it changed.
+    /// `true` if the property has not been read since it changed.
     has_changed: bool,
 }
 

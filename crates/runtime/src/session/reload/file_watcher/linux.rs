@@ -19,7 +19,7 @@ const REMOTE_TYPES: [u32; 9] = [
     0x786f_4256,
 ];
 
-/// Returns whether every change in a directory causes an event.
+/// Returns `true` if every change in a directory causes an event.
 pub(super) fn reports_remote_changes(directory: &Path) -> io::Result<bool> {
     let kind = statfs(directory)?.f_type as u32;
     Ok(!REMOTE_TYPES.contains(&kind))

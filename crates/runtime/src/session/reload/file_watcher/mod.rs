@@ -103,7 +103,7 @@ fn add(watcher: &mut RecommendedWatcher, path: &Path) -> io::Result<()> {
         .map_err(into_io)
 }
 
-/// Returns whether an event can mean a change of the file. Opening and reading, as this program does, is no change.
+/// Returns `true` if an event can mean a change of the file. Opening and reading, as this program does, is not a change.
 fn is_change(event: &Event, set: &WatchSet) -> bool {
     let is_written = match event.kind {
         EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),

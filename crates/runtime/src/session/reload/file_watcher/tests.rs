@@ -39,7 +39,7 @@ fn watcher(path: &Path) -> FileWatcher {
     FileWatcher::new(path.to_str().unwrap()).unwrap()
 }
 
-/// Returns whether a change is reported within `timeout`.
+/// Returns `true` if a change is reported within `timeout`.
 fn is_reported(name: &str, change: fn(&Path), timeout: Duration) -> bool {
     let directory = directory();
     let watcher = watcher(&directory.path().join(name));

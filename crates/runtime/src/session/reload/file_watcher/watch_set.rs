@@ -61,7 +61,7 @@ impl WatchSet {
         self.entries.insert(entry.to_owned());
     }
 
-    /// Returns whether a change at this path matters. A change of a directory itself is its removal or its move.
+    /// Returns `true` if a change at this path matters. A change of a directory itself is its removal or its move.
     pub fn contains(&self, path: &Path) -> bool {
         self.entries.contains(path) || self.directories.contains(path)
     }

@@ -49,7 +49,7 @@ pub fn start(
         .map(drop)
 }
 
-/// Shows states until the session ends. The error says why the bus failed.
+/// Shows states until the session ends. The error states why the bus failed.
 fn run(
     settings: TraySettings,
     commands: CommandSender,

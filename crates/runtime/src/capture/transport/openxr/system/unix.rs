@@ -8,7 +8,7 @@ pub const LOADER: &str = "install the OpenXR loader, on Debian `apt install libo
 /// The extension that converts times of the runtime.
 pub const CLOCK: &str = "XR_KHR_convert_timespec_time";
 
-/// Returns whether times can be converted.
+/// Returns `true` if times can be converted.
 pub fn has_clock(extensions: &ExtensionSet) -> bool {
     extensions.khr_convert_timespec_time
 }

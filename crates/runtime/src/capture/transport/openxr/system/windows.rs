@@ -8,7 +8,7 @@ pub const LOADER: &str = "put openxr_loader.dll into the folder of this program"
 /// The extension that converts times of the runtime.
 pub const CLOCK: &str = "XR_KHR_win32_convert_performance_counter_time";
 
-/// Returns whether times can be converted.
+/// Returns `true` if times can be converted.
 pub fn has_clock(extensions: &ExtensionSet) -> bool {
     extensions.khr_win32_convert_performance_counter_time
 }

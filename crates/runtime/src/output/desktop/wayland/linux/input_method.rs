@@ -183,9 +183,9 @@ impl Drop for InputMethod {
 /// The state of the focused field, as the compositor reports it.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct FieldState {
-    /// The field takes text.
+    /// `true` if the field takes text.
     is_active: bool,
-    /// The field takes exactly what is typed.
+    /// `true` if the field takes exactly what is typed.
     is_literal: bool,
     /// Sentences start with a capital.
     wants_capitals: bool,
@@ -199,9 +199,9 @@ struct Reader {
     pending: FieldState,
     /// The place of the cursor in the text that has arrived since the last `done`.
     pending_place: Place,
-    /// Another field has become active since the last `done`.
+    /// `true` if another field has become active since the last `done`.
     is_entered: bool,
-    /// The compositor has another input method, or none any more.
+    /// `true` if the compositor has another input method, or no longer has any.
     is_withdrawn: bool,
 }
 

@@ -14,7 +14,7 @@ use ademan_core::device::pressed_keys::KeyDirection;
 pub const FORMAT: u32 = 1;
 
 /// The event code of the key that types the character of [`Keymap::from_character`]: `KEY_A`, which types a character
-/// in every keymap and is no shortcut.
+/// in every keymap and is not a shortcut.
 pub const CHARACTER_KEY: u32 = 30;
 
 /// Offset of XKB key codes from event codes.

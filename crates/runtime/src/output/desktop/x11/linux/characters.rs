@@ -25,7 +25,7 @@ const REUSE_DELAY: Duration = Duration::from_secs(5);
 
 /// The keys that were added to the keymap of the server.
 pub struct CharacterKeys {
-    /// The server has the extension XKB, without which no key can be added.
+    /// `true` if the server has the extension XKB, without which no key can be added.
     has_xkb: bool,
     added: Vec<CharacterKey>,
     /// The time of the last use of each key code.
@@ -36,7 +36,7 @@ pub struct CharacterKeys {
 #[derive(Debug, PartialEq)]
 struct Plan {
     codes: Vec<u8>,
-    /// The keys to add to the keymap before.
+    /// The keys to add to the keymap first.
     new: Vec<CharacterKey>,
 }
 
@@ -54,7 +54,7 @@ impl CharacterKeys {
         }
     }
 
-    /// Returns the codes of the keys that type a text, after it has added those that the keymap lacks. Returns `None` if the text cannot be
+    /// Adds the keys that the keymap lacks for a text, and returns the codes of the keys that type it. Returns `None` if it cannot be
     /// typed: the keymap has too few unused keys, or a pressed modifier would make shortcuts of the characters.
     pub fn prepare(
         &mut self,
@@ -89,7 +89,7 @@ impl CharacterKeys {
         }
     }
 
-    /// Removes the added keys from the keymap, after receivers had time to look them up.
+    /// Waits until receivers have had time to look the added keys up, and removes them from the keymap.
     pub fn restore(
         &mut self,
         server: &RustConnection,
@@ -117,7 +117,7 @@ impl CharacterKeys {
         });
     }
 
-    /// Chooses a key for each character. Returns `None` if not all can be typed.
+    /// Chooses a key for each character. Returns `None` if a character cannot be typed.
     fn plan(&self, keymap: &Keymap, text: &str, now: Instant) -> Option<Plan> {
         if keymap.is_shortcut() {
             return None;
@@ -150,8 +150,8 @@ impl CharacterKeys {
         Some(plan)
     }
 
-    /// Returns the keys that may get a character that is not among these: first those that were never used, then those
-    /// whose last use is longer ago. A receiver that is late would read the new character for the earlier one.
+    /// Returns the keys that may be assigned another character than these, in this order: keys that were never used, then keys by the
+    /// time of their last use. A late receiver would read the new character in place of the earlier one.
     fn free_codes(&self, keymap: &Keymap, keysyms: &[u32], now: Instant) -> Vec<u8> {
         if !self.has_xkb {
             return Vec::new();

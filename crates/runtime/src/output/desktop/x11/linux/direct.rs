@@ -24,16 +24,19 @@ use crate::output::desktop::injector::WindowId;
 use ademan_core::device::KeyCode;
 use ademan_core::device::pressed_keys::KeyDirection;
 
-/// The vendor of the servers that close a connection before they read what waits in it, and their first release: 1.19.
+/// The vendor of the servers that close a connection before they read what waits in it.
 const VENDOR: &[u8] = b"The X.Org Foundation";
+/// The first release of such a server: 1.19.
 const FIRST_RELEASE: u32 = 11_900_000;
 
-/// Lengths of `XTestFakeInput` and `GetInputFocus`, in bytes.
+/// Length of `XTestFakeInput`, in bytes.
 const FAKE_INPUT: usize = 36;
+/// Length of `GetInputFocus`, in bytes.
 const GET_INPUT_FOCUS: usize = 4;
 
-/// Positions of the kind and the detail in `XTestFakeInput`.
+/// Position of the kind in `XTestFakeInput`.
 const KIND: usize = 4;
+/// Position of the detail in `XTestFakeInput`.
 const DETAIL: usize = 5;
 
 /// Length of an error, of an event, and of the reply to `GetInputFocus`, in bytes.
@@ -42,8 +45,9 @@ const PACKET: usize = 32;
 /// Position of the window in the reply to `GetInputFocus`.
 const FOCUS: usize = 8;
 
-/// Values of the first byte of a packet; others are events.
+/// First byte of an error. Packets other than errors and replies are events.
 const ERROR: u8 = 0;
+/// First byte of a reply.
 const REPLY: u8 = 1;
 
 /// Opens a connection. `None` if the server is not known to close it in time, or does not answer.

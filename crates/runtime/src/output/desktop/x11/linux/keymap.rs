@@ -11,25 +11,28 @@ use crate::output::character_key::CharacterKey;
 /// Keysym of a key without a meaning.
 pub const NO_SYMBOL: u32 = 0;
 
-/// The key code that is 0 as an event code, which receivers ignore.
+/// The key code whose event code in the kernel is 0. Receivers ignore it.
 const RESERVED_CODE: u8 = 8;
 
-/// The version of the extension XKB, which is the only one.
+/// The only version of the extension XKB.
 const XKB_VERSION: (u16, u16) = (1, 0);
 
 /// The predefined key type ALPHABETIC: of its two levels, Shift and Lock choose the second, and no other modifier has an
 /// effect. A receiver converts no letter of such a key to upper case, as it would under Caps Lock with the type TWO_LEVEL.
 const ALPHABETIC: u8 = 2;
 
-/// Keysyms of Num Lock, and of the modifiers whose keys are shortcuts: Control, and from Meta over Alt and Super to Hyper.
+/// Keysym of Num Lock.
 const NUM_LOCK: u32 = 0xff7f;
+/// Keysyms of Control. Keys with it are shortcuts.
 const CONTROL: [u32; 2] = [0xffe3, 0xffe4];
+/// Keysyms of Meta, Alt, Super and Hyper, left and right. Keys with them are shortcuts.
 const META_TO_HYPER: [u32; 8] = [
     0xffe7, 0xffe8, 0xffe9, 0xffea, 0xffeb, 0xffec, 0xffed, 0xffee,
 ];
 
-/// Bits of the group in the state of the keyboard, and bits of the eight modifiers.
+/// Bits of the group in the state of the keyboard.
 const GROUP: u16 = 0b11 << 13;
+/// Bits of the eight modifiers in the state of the keyboard.
 const MODIFIERS: u16 = 0xff;
 
 /// The keymap at one time.
@@ -75,7 +78,7 @@ impl Keymap {
         self.keys().filter(is_unused).map(|(code, _)| code)
     }
 
-    /// Returns a key that is not pressed and types this keysym as long as no modifier and the first group is active.
+    /// Returns a key that is not pressed and types this keysym while no modifier is active and the first group is.
     pub fn unmodified_key(&self, keysym: u32) -> Option<u8> {
         let is_pressed = |code: u8| self.pressed[usize::from(code / 8)] >> (code % 8) & 1 == 1;
         let types = |(code, keysyms): (u8, &[u32])| {
@@ -147,7 +150,7 @@ pub fn remove(server: &RustConnection, key: CharacterKey) -> Result<(), ReplyErr
     set_keysyms(server, key.code, no_group, Vec::new())
 }
 
-/// Returns `true` if a key has this keysym and no other. A server fills up with the lacking symbol.
+/// Returns `true` if a key has this keysym and no other. A server may repeat it or fill up with [`NO_SYMBOL`].
 fn has_only(keysyms: &[u32], keysym: u32) -> bool {
     let (assigned, others) = keysyms.split_at(keysyms.len().min(2));
     let is_filling = |other: &u32| [keysym, NO_SYMBOL].contains(other);
