@@ -57,6 +57,21 @@ impl PressFilter for Hold {
     }
 }
 
+/// Fills each list of events.
+struct Fill;
+
+impl PressFilter for Fill {
+    fn filter(&mut self, input: &FilterInput, events: &mut Events) {
+        let movement = OutputEvent {
+            time: input.time,
+            kind: EventKind::MoveBy(1, 0),
+        };
+        while events.try_push(movement).is_ok() {}
+    }
+
+    fn reset(&mut self) {}
+}
+
 /// Types a text with a filter, and pauses after this number of readings. Returns the text, the events and the keys that stay down.
 fn typed(text: &str, filter: Box<dyn PressFilter>, pause_after: usize) -> (String, usize, usize) {
     let setup = Setup::default().load_files().expect("the shipped layout");
@@ -108,4 +123,16 @@ fn presses_that_a_filter_holds_leave_no_key_down() {
 fn nothing_is_emitted_after_a_pause_whatever_a_filter_holds() {
     let (text, presses, down) = typed("ab c", Box::new(Hold::default()), 300);
     assert_eq!((text.as_str(), presses, down), ("", 0, 0));
+}
+
+#[test]
+fn a_pause_for_whose_releases_there_is_no_room_releases_in_the_next_step() {
+    let mut pressed = 0;
+    // The hand types in the first half of this time.
+    for pause_after in (1..400).step_by(7) {
+        let (_, presses, down) = typed("ab", Box::new(Fill), pause_after);
+        assert_eq!(down, 0, "a pause after {pause_after} readings");
+        pressed += presses;
+    }
+    assert!(pressed > 0);
 }

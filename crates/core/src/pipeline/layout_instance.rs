@@ -109,12 +109,11 @@ impl LayoutInstance {
         }
     }
 
-    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId). Discards sequences and multitap keys that were set
-    /// before.
+    /// Sets the texts that keys write; see [`TextId`](crate::device::TextId).
     #[must_use]
     pub fn with_texts(self, texts: Vec<String>) -> Self {
         Self {
-            key_arbiter: KeyArbiter::new(texts),
+            key_arbiter: self.key_arbiter.with_texts(texts),
             ..self
         }
     }
@@ -320,6 +319,9 @@ impl LayoutInstance {
         };
         let first = output.events.len();
         let had_sequence = output.arbiter.runs_sequence();
+        // Releases that did not fit into the event list of the last step.
+        let last_time = output.arbiter.last_event_time();
+        output.arbiter.emit_changes(last_time, output.events);
         for device in &mut self.devices {
             device.update(&input, &mut output);
         }

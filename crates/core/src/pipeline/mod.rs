@@ -176,6 +176,7 @@ impl Pipeline {
         events: &mut Events,
     ) -> Result<&StepOutput, Rejection> {
         let (index, first) = (self.hand_index(reading), events.len());
+        self.gate.release_overdue(self.time, events);
         self.detect_gaps(reading.time, events);
         let hand = &mut self.hands[index];
         let estimate = &mut hand.output.estimate;
@@ -413,6 +414,7 @@ impl Pipeline {
             layout.release_all(time, events);
         }
         self.gate.filter(|_| 0, first, 0, events);
+        self.gate.release_all(time, events);
         self.clear_since = None;
     }
 }

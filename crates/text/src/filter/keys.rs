@@ -8,7 +8,7 @@ use ademan_core::command::Command;
 use ademan_core::contact::surface::Scene;
 use ademan_core::contact::{Press, TargetId, trusted_fingertip};
 use ademan_core::device::{Capabilities, Capability, KeyAction, KeyCode};
-use ademan_core::hand::Finger;
+use ademan_core::hand::{Finger, Side};
 use ademan_core::kinematics::HandPose;
 use ademan_core::layout::Layout;
 
@@ -60,9 +60,14 @@ pub(super) struct TextKeys {
     has_text: bool,
 }
 
+/// Returns `true` if the right one of two hands types at `x` on a board of a hand, or on a board that both share.
+fn is_right(board: Option<Side>, x: f32) -> bool {
+    board.map_or(x > 0.0, |side| side == Side::Right)
+}
+
 impl TextKeys {
     /// Finds the keys of a layout; `None` if it has too few letters, or is for another keymap than the one for which characters
-    /// are typed. Two hands that share a board type one half of it each.
+    /// are typed. Of two hands each types on its own boards, and on one half of a board that they share.
     pub(super) fn new(layout: &Layout, has_two_hands: bool) -> Option<Self> {
         if shows_other_keymap(layout) {
             return None;
@@ -72,6 +77,8 @@ impl TextKeys {
         let mut left = 0.0;
         for (board_index, board) in layout.boards.iter().enumerate() {
             let (low, high) = layout.extent(board);
+            let surface = layout.scene.surfaces().get(board_index);
+            let side = surface.and_then(|surface| surface.side());
             for key in &layout.keys[board.keys.clone()] {
                 let Some(character) = key
                     .action(0)
@@ -92,7 +99,7 @@ impl TextKeys {
                         character,
                         center,
                         size: [half.x * 2e3, half.y * 2e3],
-                        hand: u8::from(has_two_hands && at.x > 0.0),
+                        hand: u8::from(has_two_hands && is_right(side, at.x)),
                     });
                 }
                 let target = layout.scene.target(face.target);
@@ -119,10 +126,12 @@ impl TextKeys {
         let plain_letters =
             plain_letters.flat_map(|letter| KeyCode::for_us_character(letter).next());
         let of_layout = layout.required_capabilities().keys.into_iter();
-        let mut codes: Vec<KeyCode> = of_layout
-            .chain(plain_letters.map(|(code, _)| code))
-            .collect();
-        codes.dedup();
+        let mut codes: Vec<KeyCode> = Vec::new();
+        for code in of_layout.chain(plain_letters.map(|(code, _)| code)) {
+            if !codes.contains(&code) {
+                codes.push(code);
+            }
+        }
         Some(Self {
             keyboard: Keyboard::new(keys),
             places,
@@ -310,4 +319,29 @@ pub fn has_text_commands(layout: &Layout) -> bool {
             KeyAction::Command(Command::Text { .. } | Command::Candidate { .. })
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the hand, 0 for left, that types each of these characters on a layout that comes with the program.
+    fn hands(layout: &str, has_two_hands: bool, characters: &str) -> Vec<u8> {
+        let mut shipped = Layout::shipped().expect("valid layouts").into_iter();
+        let (_, found) = shipped.find(|(name, _)| *name == layout).expect("a layout");
+        let keys = TextKeys::new(&found, has_two_hands).expect("letters");
+        let hand = |character| {
+            let mut all = keys.keyboard().keys().iter();
+            let key = all.find(|key| key.character == character);
+            key.expect("a key").hand
+        };
+        characters.chars().map(hand).collect()
+    }
+
+    #[test]
+    fn each_hand_types_on_its_board_or_its_half_of_a_board() {
+        assert_eq!(hands("qwerty-two-flat", true, "qtgyhp"), [0, 0, 0, 1, 1, 1]);
+        assert_eq!(hands("qwerty-flat", true, "qtyp"), [0, 0, 1, 1]);
+        assert_eq!(hands("qwerty-flat", false, "qtyp"), [0; 4]);
+    }
 }

@@ -103,10 +103,13 @@ struct PressedKey {
 impl KeyArbiter {
     /// Creates an arbiter with nothing pressed. `texts[i]` is the text of [`TextId`] `i`.
     pub fn new(texts: Vec<String>) -> Self {
-        Self {
-            texts,
-            ..Self::default()
-        }
+        Self::default().with_texts(texts)
+    }
+
+    /// Sets the texts: `texts[i]` is the text of [`TextId`] `i`.
+    #[must_use]
+    pub fn with_texts(self, texts: Vec<String>) -> Self {
+        Self { texts, ..self }
     }
 
     /// Returns the keys that are down for the receiver.
@@ -131,6 +134,11 @@ impl KeyArbiter {
             });
         let latched = self.one_shots.layer.or(self.locks.layer);
         pressed.or(latched.map(|(layer, _)| layer)).unwrap_or(0)
+    }
+
+    /// Returns `true` if a key is down for the receiver.
+    fn is_down(&self, code: KeyCode) -> bool {
+        self.pressed_keys.iter().any(|key| key.code == code)
     }
 
     /// Returns `true` if an action is pressed.
@@ -183,7 +191,11 @@ impl KeyArbiter {
             return true;
         }
         let side = self.hand.side_of(source);
-        if !self.has_room(events) {
+        let has_room = match action {
+            KeyAction::Text(text) => self.has_room_for_text(text, events),
+            _ => true,
+        };
+        if !has_room || !self.has_room(events) {
             return false;
         }
         if action.ends_sequence() {
@@ -240,8 +252,7 @@ impl KeyArbiter {
         let wanted = self.wanted_keys();
         self.release_unwanted(&wanted, time, events);
         for &key in &wanted {
-            let is_down = self.pressed_keys.iter().any(|other| other.code == key.code);
-            if is_down || self.pressed_keys.is_full() {
+            if self.is_down(key.code) || self.pressed_keys.is_full() {
                 continue;
             }
             if self.push_press(key.side, time, EventKind::KeyDown(key.code), events) {
@@ -308,22 +319,20 @@ impl KeyArbiter {
         }
     }
 
+    /// Returns `true` if a text fits into the event list, and room for releases is left.
+    fn has_room_for_text(&self, TextId(text): TextId, events: &Events) -> bool {
+        let text = self.texts.get(usize::from(text));
+        let for_releases = self.pressed_keys.len() + 1 + MODIFIER_COUNT;
+        text.is_some_and(|text| events.remaining_capacity() > text.chars().count() + for_releases)
+    }
+
     /// Emits a text, or nothing if not all of it fits.
-    fn write(
-        &mut self,
-        TextId(text): TextId,
-        side: Side,
-        time: Timestamp,
-        events: &mut Events,
-    ) -> bool {
+    fn write(&mut self, text: TextId, side: Side, time: Timestamp, events: &mut Events) -> bool {
         let time = self.time.max(time);
-        let Some(text) = self.texts.get(usize::from(text)) else {
+        let fits = self.has_room_for_text(text, events);
+        let Some(text) = self.texts.get(usize::from(text.0)).filter(|_| fits) else {
             return false;
         };
-        let room = events.remaining_capacity();
-        if room <= text.chars().count() + self.pressed_keys.len() + 1 + MODIFIER_COUNT {
-            return false;
-        }
         for kind in text.chars().map(EventKind::Character) {
             self.hand.note_press(side, kind);
             events.push(OutputEvent { time, kind });

@@ -141,13 +141,19 @@ impl KeyArbiter {
             return false;
         };
         let is_first = cycle.index == usize::MAX;
-        cycle.index = cycle.index.wrapping_add(1) % key.letters.len().max(1);
-        let Some(&letter) = key.letters.get(cycle.index) else {
+        let index = cycle.index.wrapping_add(1) % key.letters.len().max(1);
+        let Some(&letter) = key.letters.get(index) else {
             return false;
         };
         if !is_first {
+            if matches!(letter, KeyAction::Key(code) if self.is_down(code)) {
+                // A control holds the key of the next letter, so that it cannot be typed: the present one stays.
+                self.cycle = Some(cycle);
+                return true;
+            }
             self.delete_letter(side, time, events);
         }
+        cycle.index = index;
         let is_typed = match letter {
             KeyAction::Text(text) => {
                 self.use_layers();
@@ -209,8 +215,7 @@ impl KeyArbiter {
         time: Timestamp,
         events: &mut Events,
     ) -> bool {
-        let is_down = |arbiter: &Self| arbiter.pressed_keys.iter().any(|key| key.code == code);
-        let was_down = is_down(self);
+        let was_down = self.is_down(code);
         self.apply_one_shots(source);
         self.presses.push(Press {
             source,
@@ -221,7 +226,7 @@ impl KeyArbiter {
             is_suppressed: false,
         });
         self.emit_changes(time, events);
-        let is_typed = !was_down && is_down(self);
+        let is_typed = !was_down && self.is_down(code);
         self.presses.pop();
         self.emit_changes(time, events);
         is_typed
@@ -360,5 +365,24 @@ mod tests {
         assert_eq!(words(&events), "+A");
         assert_eq!(tap_index(&mut arbiter, 100), "");
         assert_eq!(tap_index(&mut arbiter, 200), "");
+    }
+
+    #[test]
+    fn a_letter_stays_while_a_control_holds_the_next_one() {
+        let letters = vec![key("A"), key("B")];
+        let label = "AB".to_owned();
+        let mut arbiter = KeyArbiter::default().with_multitaps(Multitaps {
+            keys: vec![Multitap { label, letters }],
+            timeout: Duration::from_millis(800),
+        });
+        let held = PressSource::Part(TargetId(9), 0);
+        let mut events = Events::new();
+        assert!(arbiter.press(held, key("B"), Timestamp(0), &mut events));
+        arbiter.emit_changes(Timestamp(0), &mut events);
+        assert_eq!(tap_index(&mut arbiter, 100), "+A -A");
+        assert_eq!(tap_index(&mut arbiter, 200), "");
+        arbiter.release(|source| source == held);
+        arbiter.emit_changes(Timestamp(300_000), &mut Events::new());
+        assert_eq!(tap_index(&mut arbiter, 400), "+Backspace -Backspace +B -B");
     }
 }

@@ -257,9 +257,8 @@ impl VirtualDevice for Keyboard {
 
     fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
         // Releases that did not fit into the event list of the last step.
-        let time = out.arbiter.last_event_time();
-        out.arbiter.emit_changes(time, out.events);
-        self.velocities.emit_releases(time, out);
+        let last_time = out.arbiter.last_event_time();
+        self.velocities.emit_releases(last_time, out);
         // The touches of one step fit into one chunk; a longer list must not lose a release either.
         for touches in input.touches.chunks(MAX_TOUCHES) {
             self.handle_touches(touches, input.presses, out);

@@ -44,6 +44,8 @@ pub(super) struct OutputGate {
     pressed: PressedKeys,
     /// The keys whose press the last call of [`filter`](Self::filter) suppressed, or that it released early.
     withheld: PressedKeys,
+    /// The keys that are to come up, and whose release has found no room yet.
+    overdue: PressedKeys,
     suppressed: Suppressed,
 }
 
@@ -56,6 +58,7 @@ impl OutputGate {
             allow_system_keys,
             pressed: PressedKeys::default(),
             withheld: PressedKeys::default(),
+            overdue: PressedKeys::default(),
             suppressed: Suppressed::default(),
         }
     }
@@ -130,6 +133,27 @@ impl OutputGate {
             move_releases_first(&mut events[first..]);
         }
         is_within_limit
+    }
+
+    /// Releases every key that is down. A release for which `events` has no room is left to
+    /// [`release_overdue`](Self::release_overdue).
+    pub(super) fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        self.overdue.clone_from(&self.pressed);
+        self.release_overdue(time, events);
+    }
+
+    /// Releases the keys that [`release_all`](Self::release_all) could not release, as far as `events` has room. The devices have
+    /// forgotten these keys, or believe that they are up.
+    pub(super) fn release_overdue(&mut self, time: Timestamp, events: &mut Events) {
+        let next = |keys: &PressedKeys| keys.release_order().next();
+        while let Some(key) = next(&self.overdue) {
+            let kind = EventKind::KeyUp(key);
+            if self.pressed.contains(key) && events.try_push(OutputEvent { time, kind }).is_err() {
+                return;
+            }
+            self.pressed.release(key);
+            self.overdue.release(key);
+        }
     }
 
     /// Iterates over the keys that are up because the last call of [`filter`](Self::filter) suppressed their press or released them

@@ -413,3 +413,25 @@ fn presses_that_a_filter_added_do_not_count_against_the_rate_limit() {
     assert_eq!(burst(&mut gate, 4), (true, 6));
     assert_eq!(burst(&mut gate, 4), (false, 4));
 }
+
+#[test]
+fn a_release_without_room_follows_as_soon_as_there_is_some() {
+    let mut gate = gate(20);
+    filter(&mut gate, 1_000, &["down ShiftLeft", "down A"]);
+    let movement = OutputEvent {
+        time: Timestamp(2_000_000),
+        kind: EventKind::MoveBy(1, 0),
+    };
+    let mut full = Events::new();
+    while full.try_push(movement).is_ok() {}
+    let mut events = full.clone();
+    gate.release_all(Timestamp(2_000_000), &mut events);
+    assert_eq!(events, full);
+    let mut later = Events::new();
+    gate.release_overdue(Timestamp(2_100_000), &mut later);
+    let expected = [event(2_100, "up A"), event(2_100, "up ShiftLeft")];
+    assert_eq!(later.as_slice(), expected);
+    assert_eq!(filter(&mut gate, 2_200, &["up A"]), (true, vec![]));
+    gate.release_overdue(Timestamp(2_300_000), &mut later);
+    assert_eq!(later.len(), 2);
+}
