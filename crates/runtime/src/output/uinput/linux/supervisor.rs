@@ -125,6 +125,11 @@ impl WatchdogSupervisor {
         match self.restarted.try_recv() {
             Ok(Ok(client)) => self.client = Some(client),
             Ok(Err(reason)) => self.failure = Some(reason),
+            // Without a failure every press would be dropped in silence.
+            Err(TryRecvError::Disconnected) if self.client.is_none() => {
+                let reason = "the restart of the watchdog panicked; start the run again";
+                self.failure.get_or_insert_with(|| reason.to_owned());
+            }
             Err(_) => {}
         }
         let has_exited =

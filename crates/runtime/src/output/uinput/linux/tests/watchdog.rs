@@ -204,6 +204,34 @@ fn a_watchdog_that_is_lost_while_nothing_is_pressed_is_replaced() {
 }
 
 #[test]
+fn a_restart_that_panics_is_an_error_of_the_output() {
+    fn panic_when_lost() {
+        panic!("a panic of the test, in the thread that restarts the watchdog");
+    }
+
+    let watchdog = RecordedWatchdog::new();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["A"]);
+    let settings = WatchdogSettings {
+        on_lost: Arc::new(panic_when_lost),
+        ..watchdog.settings()
+    };
+    keyboard.start_watchdog(&settings).unwrap();
+    wait_for("watchdog", || watchdog.is_ready());
+    watchdog.kill();
+    let mut message = String::new();
+    wait_for("error", || match keyboard.send(&[]) {
+        Ok(()) => false,
+        Err(error) => {
+            message = error.to_string();
+            true
+        }
+    });
+    assert!(message.contains("panicked"), "{message}");
+    assert!(keyboard.send(&[]).is_err(), "the error stays");
+}
+
+#[test]
 fn no_key_is_pressed_beside_one_that_the_watchdog_may_have_released() {
     let watchdog = RecordedWatchdog::new();
     let recorder = Recorder::default();
