@@ -148,10 +148,12 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
         released.is_ok()
     }
 
-    /// Releases everything in the record, and again until no press of the client can follow.
+    /// Releases everything in the record, and again until no press of the client can follow; on a new connection if this one
+    /// fails.
     fn release_until_settled(&mut self, loss: ClientLoss) -> Result<(), String> {
         let mut record = self.record.lock().clone();
         let mut responded_at = self.release_all(&record)?;
+        let mut has_failed = false;
         loop {
             let is_over = loss == ClientLoss::Hung && !self.record.is_client_lost();
             if is_over || responded_at.elapsed() >= SETTLE_TIME {
@@ -159,12 +161,17 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
             }
             record.clone_from(&self.record.lock());
             let start = Instant::now();
-            let Some(pressed) = self.releaser.query_pressed(&record.pressed)? else {
+            match self.release_reported(&record.pressed) {
+                Ok(true) => {}
                 // The order of all requests is known: nothing can follow.
-                return Ok(());
-            };
-            for key in pressed.release_order() {
-                self.releaser.inject(key, KeyDirection::Release)?;
+                Ok(false) => return Ok(()),
+                // A press of the client may still follow.
+                Err(_) if !has_failed => {
+                    has_failed = true;
+                    self.releaser = (self.connect)()?;
+                    self.release_all(&record)?;
+                }
+                Err(failure) => return Err(failure),
             }
             // While the display did not respond, requests of the client waited for it too.
             if start.elapsed() > RESPONSE_TIME {
@@ -172,6 +179,15 @@ impl<R: Releaser, C: Fn() -> Result<R, String>, L: Fn(&str)> ReleaseState<R, C, 
             }
             thread::sleep(POLL_INTERVAL);
         }
+    }
+
+    /// Releases each of the keys that the display reports as pressed. Returns `false` if it does not report keys.
+    fn release_reported(&mut self, keys: &PressedKeys) -> Result<bool, String> {
+        let Some(pressed) = self.releaser.query_pressed(keys)? else {
+            return Ok(false);
+        };
+        self.release_keys(&pressed)?;
+        Ok(true)
     }
 
     /// Releases everything once, on a new connection if this one fails. Returns the time at which the display responded.
@@ -216,6 +232,7 @@ mod tests {
         delayed_press: Option<(usize, KeyCode)>,
         reports_keys: bool,
         failures: usize,
+        failed_queries: usize,
         removed: Vec<CharacterKey>,
     }
 
@@ -247,7 +264,11 @@ mod tests {
         }
 
         fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
-            let state = self.0.lock().unwrap();
+            let mut state = self.0.lock().unwrap();
+            if state.failed_queries > 0 {
+                state.failed_queries -= 1;
+                return Err("gone".into());
+            }
             let mut pressed = PressedKeys::default();
             for key in keys
                 .release_order()
@@ -351,5 +372,35 @@ mod tests {
             .0
             .finish();
         assert_eq!(display.0.lock().unwrap().releases, 1);
+    }
+
+    #[test]
+    fn a_late_press_is_released_although_the_connection_fails_while_it_settles() {
+        let a = key("A");
+        let display = display(DisplayState {
+            // After the release on the new connection.
+            delayed_press: Some((2, a)),
+            reports_keys: true,
+            failed_queries: 1,
+            ..DisplayState::default()
+        });
+        let (thread, _) = start(&display, &[WatchdogMessage::KeyDown(a)]);
+        assert!(thread.finish());
+        let state = display.0.lock().unwrap();
+        assert!(state.pressed.is_empty());
+        assert_eq!(state.releases, 3);
+    }
+
+    #[test]
+    fn a_display_that_fails_again_on_a_new_connection_is_an_error() {
+        let a = key("A");
+        let display = display(DisplayState {
+            reports_keys: true,
+            failed_queries: usize::MAX,
+            ..DisplayState::default()
+        });
+        let (thread, _) = start(&display, &[WatchdogMessage::KeyDown(a)]);
+        assert!(!thread.finish());
+        assert_eq!(display.0.lock().unwrap().releases, 2);
     }
 }
