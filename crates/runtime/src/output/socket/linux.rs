@@ -288,7 +288,11 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
             "the file there is not a socket; use another path",
         )),
         Ok(_) => match connect_to_any(path) {
-            Err(error) if error.kind() != io::ErrorKind::TimedOut => Ok(fs::remove_file(path)?),
+            Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {
+                Ok(fs::remove_file(path)?)
+            }
+            // A server may listen there, and only this process cannot connect.
+            Err(error) if error.kind() != io::ErrorKind::TimedOut => Err(error.into()),
             // A server without the lock listens there.
             _ => Err(SocketError::InUse),
         },
@@ -308,6 +312,7 @@ fn bind_private(path: &Path) -> rustix::io::Result<UnixListener> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::net::UnixDatagram;
 
     #[test]
     fn a_socket_is_accessible_by_its_owner_only_and_removed_when_it_is_closed() {
@@ -378,6 +383,14 @@ mod tests {
         let _other = UnixListener::bind(&path).unwrap();
         let opened = Listener::open(&path);
         assert!(matches!(opened, Err(SocketError::InUse)));
+
+        let datagrams = folder.path().join("d.sock");
+        let _receiver = UnixDatagram::bind(&datagrams).unwrap();
+        assert!(Listener::open(&datagrams).is_err());
+        assert!(
+            datagrams.exists(),
+            "it may be in use although no connection is possible"
+        );
 
         let notes = folder.path().join("notes");
         fs::write(&notes, "mine").unwrap();
