@@ -1,12 +1,12 @@
 //! A hand whose arm and fingers are measured by two sources, and the loss of one of them.
 
-use ademan::capture::{Reading, Sample};
+use ademan::capture::{Reading, Sample, SourceUri};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::{Dof, HandPart, Joint, JointPositions, Side};
 use ademan::kinematics::HandPose;
 use ademan::pipeline::{PipelineState, SourceRole};
-use ademan::setup::Setup;
+use ademan::setup::{OtherHand, Setup};
 use ademan::time::Timestamp;
 
 use crate::support::checked::CheckedPipeline;
@@ -235,4 +235,29 @@ fn a_hand_does_only_what_both_of_its_sources_may() {
         error.to_string().contains("set `arm_role: Keys`"),
         "{error}"
     );
+}
+
+#[test]
+fn the_roles_of_one_hand_do_not_limit_the_other_hand() {
+    let uri = |text: &str| Some(text.parse::<SourceUri>().expect("a source"));
+    let right_types_and_left_points = Setup {
+        source: uri("serial:/dev/right"),
+        role: Some(SourceRole::Keys),
+        other_hand: Some(OtherHand {
+            source: uri("serial:/dev/left"),
+            role: Some(SourceRole::Pointer),
+            arm_source: uri("udp:127.0.0.1:9000?protocol=markers"),
+            ..OtherHand::default()
+        }),
+        ..Setup::default()
+    };
+    let setup = right_types_and_left_points.load_files().expect("a setup");
+    let roles: Vec<_> = setup.sources().map(|(_, source)| source.role).collect();
+    assert_eq!(roles, [SourceRole::Keys, SourceRole::Pointer]);
+    let mut nothing = setup.setup.clone();
+    nothing.other_hand.as_mut().expect("a hand").role = Some(SourceRole::Keys);
+    let error = nothing
+        .load_files()
+        .expect_err("an arm that may only point");
+    assert!(error.to_string().contains("permit nothing"), "{error}");
 }

@@ -23,6 +23,12 @@ pub struct NamedSource<'a> {
     pub remedy: &'static str,
 }
 
+/// A source of fingers, and the permissions of all sources of its hands.
+type HandPermissions<'a> = (
+    Option<&'a SourceUri>,
+    ArrayVec<SourcePermissions, MAX_SOURCES>,
+);
+
 /// A source to open.
 struct OpenedPart<'a> {
     uri: &'a SourceUri,
@@ -108,12 +114,21 @@ impl LoadedSetup {
     /// Returns the sources of fingers with the permissions of their hands: the first source, then the source of the other
     /// hand if it has one. A hand may cause only what the source of its arm may cause too.
     pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
+        let sources = self.permissions_of_hands().into_iter();
+        sources.filter_map(|(source, permissions)| {
+            let combined = permissions.into_iter().reduce(SourcePermissions::and)?;
+            Some((source, combined))
+        })
+    }
+
+    /// Returns the sources of fingers, each with its own permissions and the permissions of the arms of its hands.
+    fn permissions_of_hands(&self) -> ArrayVec<HandPermissions<'_>, { Side::COUNT }> {
         let setup = &self.setup;
-        let mut first = setup.permissions(setup.source.as_ref(), setup.role);
-        if let Some(arm) = &setup.arm_source {
-            first = first.and(setup.permissions(Some(arm), setup.arm_role));
-        }
-        let mut second = None;
+        let own = setup.permissions(setup.source.as_ref(), setup.role);
+        let own_arm = setup.arm_source.as_ref();
+        let own_arm = own_arm.map(|arm| setup.permissions(Some(arm), setup.arm_role));
+        let mut first: ArrayVec<_, MAX_SOURCES> = [own].into_iter().chain(own_arm).collect();
+        let mut second: Option<HandPermissions<'_>> = None;
         if let Some(other) = &setup.other_hand {
             let arm = match (&other.arm_source, self.other_arm_source()) {
                 (Some(arm), _) => Some(setup.permissions(Some(arm), other.arm_role)),
@@ -122,26 +137,25 @@ impl LoadedSetup {
             };
             match &other.source {
                 Some(source) => {
-                    let own = setup.permissions(Some(source), other.role);
-                    let both = arm.map_or(own, |arm| own.and(arm));
-                    second = Some((Some(source), both));
+                    let fingers = setup.permissions(Some(source), other.role);
+                    second = Some((Some(source), [fingers].into_iter().chain(arm).collect()));
                 }
-                None => first = arm.map_or(first, |arm| first.and(arm)),
+                None => first.extend(arm),
             }
         }
-        std::iter::once((setup.source.as_ref(), first)).chain(second)
+        [(setup.source.as_ref(), first)]
+            .into_iter()
+            .chain(second)
+            .collect()
     }
 
-    /// Checks that the roles of the sources of a hand permit anything together.
+    /// Checks that the roles of the sources of each hand permit anything together.
     pub(super) fn check_roles(&self) -> Result<(), SetupError> {
-        let has = |role| {
-            self.named_sources()
-                .any(|source| source.permissions.role == role)
+        let are_exclusive = |(_, permissions): &HandPermissions<'_>| {
+            let has = |role| permissions.iter().any(|source| source.role == role);
+            has(SourceRole::Keys) && has(SourceRole::Pointer)
         };
-        let other = self.setup.other_hand.as_ref();
-        let other_arm = other.and_then(|hand| hand.arm_source.as_ref());
-        let has_arm = self.setup.arm_source.as_ref().or(other_arm).is_some();
-        if has_arm && has(SourceRole::Keys) && has(SourceRole::Pointer) {
+        if self.permissions_of_hands().iter().any(are_exclusive) {
             let message = "`role: Keys` of one source and the role `Pointer` of another one permit nothing together; a \
                            source on the network has the role `Pointer` unless the setup says otherwise: set `arm_role: Keys`";
             return Err(SetupError::Value(message.into()));
