@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
-use crossbeam_channel::{Receiver, never, select};
+use crossbeam_channel::{Receiver, RecvTimeoutError, never, select};
 
 use super::clock_offset::ClockOffset;
 use super::event::NOISE_INTERVAL;
@@ -268,10 +268,11 @@ impl MergedSource {
             if !input.held.is_empty() || input.has_ended {
                 continue;
             }
-            let Ok(event) = input.events.recv_timeout(MAX_BLOCK) else {
-                return Ok(None);
+            let event = match input.events.recv_timeout(MAX_BLOCK) {
+                Err(RecvTimeoutError::Timeout) => return Ok(None),
+                event => event.ok(),
             };
-            input.handle(Some(event), None)?;
+            input.handle(event, None)?;
             if input.held.is_empty() && !input.has_ended {
                 return Ok(None);
             }

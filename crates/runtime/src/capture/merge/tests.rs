@@ -39,7 +39,7 @@ impl Source for TimedSource {
     }
 }
 
-fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSource) {
+fn start(left: TimedSource, right: TimedSource) -> MergedSource {
     let sources = [(Side::Left, left), (Side::Right, right)];
     let sources = sources.map(|(side, source)| PartialSource {
         source: Box::new(source),
@@ -47,7 +47,11 @@ fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSour
         part: None,
         delay: Duration::ZERO,
     });
-    let mut merged = MergedSource::start(sources.into_iter().collect()).unwrap();
+    MergedSource::start(sources.into_iter().collect()).unwrap()
+}
+
+fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSource) {
+    let mut merged = start(left, right);
     let mut readings = Vec::new();
     loop {
         match merged.next().unwrap() {
@@ -76,6 +80,14 @@ fn recordings_of_two_hands_are_merged_in_order_of_time() {
     ];
     assert_eq!(readings, expected);
     assert_eq!((merged.name(), merged.stats().readings), ("a and b", 2));
+}
+
+#[test]
+fn recordings_whose_threads_have_ended_without_a_message_end() {
+    let many = || (0..10_000).collect();
+    let mut merged = start(TimedSource("a", many()), TimedSource("b", many()));
+    merged.stop();
+    assert!(matches!(merged.next(), Ok(SourceEvent::End)));
 }
 
 #[test]
