@@ -134,10 +134,18 @@ impl Bus {
         self.connection.reply(&call.header(), body)
     }
 
-    /// Refuses a call of the daemon.
-    pub(super) fn refuse(&self, call: &Message) -> zbus::Result<()> {
+    /// Refuses a call of a method that the engine does not have.
+    pub(super) fn refuse_method(&self, call: &Message) -> zbus::Result<()> {
         let error = "org.freedesktop.DBus.Error.UnknownMethod";
         let reason = "the engine has no such method";
+        self.connection
+            .reply_error(&call.header(), error, &(reason,))
+    }
+
+    /// Refuses a call with other arguments than the method has.
+    pub(super) fn refuse_arguments(&self, call: &Message) -> zbus::Result<()> {
+        let error = "org.freedesktop.DBus.Error.InvalidArgs";
+        let reason = "the method has other arguments";
         self.connection
             .reply_error(&call.header(), error, &(reason,))
     }

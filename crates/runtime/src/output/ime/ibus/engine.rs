@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, after, never, select_biased};
 use zbus::Message;
 use zbus::message::Type;
-use zbus::zvariant::{OwnedValue, Value};
+use zbus::zvariant::{DynamicDeserialize, OwnedValue, Value};
 
 use super::bus::{Bus, ENGINE_PATH};
 use super::serial;
@@ -184,15 +184,15 @@ impl<'a> Engine<'a> {
             .emit("CommitText", &(Value::from(serial::text(text, false)),))
     }
 
-    /// Answers a call of the daemon.
+    /// Answers a call of the daemon. Fails only if the daemon cannot be reached.
     fn answer(&mut self, message: &Message) -> zbus::Result<()> {
         let header = message.header();
         match message.message_type() {
             Type::MethodCall => {}
             Type::MethodReturn if header.reply_serial() == self.asked_context => {
                 self.asked_context = None;
-                let context: OwnedValue = message.body().deserialize()?;
-                self.set_focus(!is_own_context(&context));
+                let context: Option<OwnedValue> = arguments(message);
+                self.set_focus(context.is_some_and(|context| !is_own_context(&context)));
                 return Ok(());
             }
             Type::MethodReturn | Type::Error if header.reply_serial() == self.asked_field => {
@@ -203,7 +203,6 @@ impl<'a> Engine<'a> {
             _ => return Ok(()),
         }
         let member = header.member().map_or("", |member| member.as_str());
-        let body = message.body();
         match member {
             "CreateEngine" => {
                 let path = zbus::zvariant::ObjectPath::from_static_str_unchecked(ENGINE_PATH);
@@ -211,7 +210,9 @@ impl<'a> Engine<'a> {
             }
             "ProcessKeyEvent" => return self.process_key(message),
             "Get" => {
-                let (_, name): (String, String) = body.deserialize()?;
+                let Some((_, name)) = arguments::<(String, String)>(message) else {
+                    return self.bus.refuse_arguments(message);
+                };
                 // The daemon then tells which program has the focus.
                 let has_it = name == "FocusId";
                 return self.bus.reply(message, &(Value::from(has_it),));
@@ -221,13 +222,18 @@ impl<'a> Engine<'a> {
                 return self.bus.reply(message, &(all,));
             }
             "Set" => {
-                let (_, name, value): (String, String, OwnedValue) = body.deserialize()?;
+                let Some((_, name, value)) = arguments::<(String, String, OwnedValue)>(message)
+                else {
+                    return self.bus.refuse_arguments(message);
+                };
                 if name == "ContentType" {
                     self.set_purpose(value);
                 }
             }
             "FocusInId" => {
-                let (_, client): (String, String) = body.deserialize()?;
+                let Some((_, client)) = arguments::<(String, String)>(message) else {
+                    return self.bus.refuse_arguments(message);
+                };
                 self.asked_context = None;
                 self.ask_field()?;
                 self.set_focus(client != OWN_CLIENT);
@@ -246,8 +252,10 @@ impl<'a> Engine<'a> {
             // The program has moved its cursor, or emptied its field.
             "Reset" => self.enter_field(),
             "CandidateClicked" => {
-                let (index, ..): (u32, u32, u32) = body.deserialize()?;
-                self.shared.choose(u8::try_from(index + 1).unwrap_or(0));
+                let Some((index, ..)) = arguments::<(u32, u32, u32)>(message) else {
+                    return self.bus.refuse_arguments(message);
+                };
+                self.shared.choose(candidate_number(index));
             }
             "SetCapabilities"
             | "SetCursorLocation"
@@ -262,14 +270,16 @@ impl<'a> Engine<'a> {
             | "PanelExtensionReceived"
             | "PanelExtensionRegisterKeys"
             | "Destroy" => {}
-            _ => return self.bus.refuse(message),
+            _ => return self.bus.refuse_method(message),
         }
         self.bus.reply(message, &())
     }
 
     /// Lets every key pass to the program, after the text that precedes it.
     fn process_key(&mut self, message: &Message) -> zbus::Result<()> {
-        let (_, _, state): (u32, u32, u32) = message.body().deserialize()?;
+        let Some((_, _, state)) = arguments::<(u32, u32, u32)>(message) else {
+            return self.bus.refuse_arguments(message);
+        };
         let is_press = state & RELEASE == 0;
         let expected = self.shared.presses();
         if is_press && self.seen != expected {
@@ -334,11 +344,45 @@ impl<'a> Engine<'a> {
     }
 }
 
+/// Returns the arguments of a call or a reply; `None` if they have other types.
+fn arguments<T: for<'a> DynamicDeserialize<'a>>(message: &Message) -> Option<T> {
+    let body = message.body();
+    body.deserialize().ok()
+}
+
+/// Returns the number of a candidate, counted from 1, or 0 if no list is that long.
+fn candidate_number(index: u32) -> u8 {
+    let number = index.checked_add(1);
+    number
+        .and_then(|number| u8::try_from(number).ok())
+        .unwrap_or(0)
+}
+
 /// Returns `true` if this is the path of the context of the daemon itself.
 fn is_own_context(path: &Value) -> bool {
     match path {
         Value::Value(inner) => is_own_context(inner),
         Value::ObjectPath(path) => path.ends_with(OWN_CONTEXT),
         _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_call_with_arguments_of_other_types_has_no_arguments() {
+        let call = Message::method_call(ENGINE_PATH, "CandidateClicked").unwrap();
+        let message = call.build(&("text", 1_u32)).unwrap();
+        assert_eq!(arguments::<(u32, u32, u32)>(&message), None);
+        let right = arguments::<(String, u32)>(&message);
+        assert_eq!(right, Some(("text".to_owned(), 1)));
+    }
+
+    #[test]
+    fn an_index_beyond_every_list_chooses_no_candidate() {
+        let numbers = [0, 254, 255, u32::MAX].map(candidate_number);
+        assert_eq!(numbers, [1, 255, 0, 0]);
     }
 }
