@@ -136,8 +136,8 @@ impl LayoutLink {
         profile: usize,
         keep_board_poses: bool,
     ) -> Result<(), SessionEnded> {
-        let followed = (profile == self.active_profile.load(Ordering::Relaxed))
-            .then(|| self.hands.begin_change());
+        let is_active = || profile == self.active_profile.load(Ordering::Relaxed);
+        let change = is_active().then(|| self.hands.begin_change());
         let layout_of_hands = layout.layout().cloned();
         let (retired, old) = bounded(1);
         let swap = LayoutSwap {
@@ -155,11 +155,13 @@ impl LayoutLink {
             recv(old) -> received => received.map_err(|_| SessionEnded)?,
             recv(self.ended) -> _ => return Err(SessionEnded),
         };
-        if let Some((change, mut followed_layout)) = followed.zip(layout_of_hands) {
+        // The loop may have changed its profile before the swap.
+        if let Some(mut layout_of_hands) = layout_of_hands.filter(|_| is_active()) {
             if keep_board_poses {
-                copy_board_poses(&old, Arc::make_mut(&mut followed_layout));
+                copy_board_poses(&old, Arc::make_mut(&mut layout_of_hands));
             }
-            change.activate(followed_layout);
+            let change = change.unwrap_or_else(|| self.hands.begin_change());
+            change.activate(layout_of_hands);
         }
         Ok(())
     }
@@ -212,5 +214,36 @@ impl LoopLayoutLink {
     /// Returns the next layout, if one is ready.
     pub fn try_swap(&self) -> Option<LayoutSwap> {
         self.swaps.try_recv().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+
+    use super::*;
+    use crate::capture::Hc11Format;
+    use crate::setup::Setup;
+
+    #[test]
+    fn hands_follow_a_layout_whose_profile_became_active_before_the_swap() {
+        let setup = Setup::default().load_files().unwrap();
+        // A change waits for a hand that does not move.
+        let _hand = setup.typist("a", &Hc11Format::default(), 0.0, 0).unwrap();
+        let (link, loop_end) = LayoutLink::new(Waker::default());
+        let link = link.with_hands(setup.layout_feed.clone());
+        loop_end.set_active_profile(1);
+        let instance = LayoutInstance::from_layout(&setup.layout);
+        let activation = thread::spawn(move || link.activate(instance, 0, false));
+        let swap = loop_end.swaps().recv().unwrap();
+        loop_end.set_active_profile(0);
+        swap.retired.send(swap.layout).unwrap();
+        let mut is_followed = false;
+        while !activation.is_finished() {
+            is_followed |= setup.layout_feed.is_changing();
+            thread::yield_now();
+        }
+        assert!(activation.join().unwrap().is_ok());
+        assert!(is_followed);
     }
 }
