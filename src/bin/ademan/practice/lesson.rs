@@ -1,7 +1,7 @@
 //! The text to type: a given one, or a short one that the layout can type.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use ademan::contact::TargetId;
@@ -180,11 +180,22 @@ fn read(path: &Path) -> Result<String, Failure> {
         Failure::wrong_use(format!("cannot read the text {path}: {reason}"))
     };
     let file = files::open_regular(path).map_err(|error| cannot_read(error.to_string()))?;
-    let mut text = String::new();
-    let read = file.take(MAX_FILE_BYTES).read_to_string(&mut text);
-    read.map_err(|error| cannot_read(error.to_string()))?;
+    let text = read_up_to(MAX_FILE_BYTES, file).map_err(|error| cannot_read(error.to_string()))?;
     // Editors of Windows write a byte order mark.
     Ok(first_line(text.trim_start_matches(BYTE_ORDER_MARK)))
+}
+
+/// Reads a text of which only the first bytes count, at most `limit`. A character that the limit cuts is left out.
+fn read_up_to(limit: u64, file: impl Read) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    file.take(limit).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 == limit
+        && let Err(error) = std::str::from_utf8(&bytes)
+        && error.error_len().is_none()
+    {
+        bytes.truncate(error.valid_up_to());
+    }
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
 
 /// Returns the beginning of a text as one line, and prints a message if the text is longer.
@@ -244,6 +255,16 @@ mod tests {
         let place = groups.iter().position(|group| *group == "qqq").unwrap();
         assert!(place >= 10, "q takes four fingers: {text}");
         assert!(chords(&Layout::load("qwerty-flat").unwrap()).is_err());
+    }
+
+    #[test]
+    fn a_long_file_may_be_cut_inside_a_character_and_an_invalid_one_is_refused() {
+        let read = |limit, bytes: &[u8]| read_up_to(limit, bytes).ok();
+        assert_eq!(read(2, "aéb".as_bytes()), Some("a".to_owned()));
+        assert_eq!(read(3, "aéb".as_bytes()), Some("aé".to_owned()));
+        assert_eq!(read(9, "aéb".as_bytes()), Some("aéb".to_owned()));
+        assert_eq!(read(9, b"a\xc3"), None, "it ends in the middle");
+        assert_eq!(read(3, b"a\xc3b"), None, "Latin-1");
     }
 
     #[test]
