@@ -12,12 +12,14 @@ pub(super) fn decode_reading(data: &[u8]) -> Result<Reading, serde_json::Error> 
     serde_json::from_slice(data)
 }
 
-/// Returns a recorded command that no reading repeats, or `None`: commands of the layout are issued again, and commands of a
-/// later version are not known.
-pub(super) fn decode_external_command(data: &[u8]) -> Option<Command> {
-    let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data).ok()?;
+/// Decodes a recorded command. Returns `None` for one of the layout, which the readings issue again, and for one of a later version,
+/// which is not known.
+pub(super) fn decode_external_command(data: &[u8]) -> Result<Option<Command>, serde_json::Error> {
+    let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data)?;
     fields.remove("time_us");
-    let origin = fields.remove("origin")?;
-    let command: Command = serde_json::from_value(Value::Object(fields)).ok()?;
-    (origin == EXTERNAL_ORIGIN && command.check().is_ok()).then_some(command)
+    let is_external = fields
+        .remove("origin")
+        .is_some_and(|origin| origin == EXTERNAL_ORIGIN);
+    let command = serde_json::from_value(Value::Object(fields)).ok();
+    Ok(command.filter(|known: &Command| is_external && known.check().is_ok()))
 }

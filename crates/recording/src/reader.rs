@@ -282,13 +282,39 @@ impl MessageChannel {
         Ok(Some(RecordedEvent::Reading(reading)))
     }
 
-    /// Decodes a command; `None` for a command that the readings issue again, and for an unknown or damaged one.
+    /// Decodes a command; `None` for a command that the readings issue again, and for an unknown one.
     fn decode_command(self, data: &[u8]) -> Result<Option<RecordedEvent>, String> {
-        let command = if self.is_json {
-            json::decode_external_command(data)
+        let command: Result<Option<Command>, String> = if self.is_json {
+            json::decode_external_command(data).map_err(|error| error.to_string())
         } else {
-            message::decode_external_command(data).unwrap_or(None)
+            message::decode_external_command(data).map_err(|error| error.to_string())
         };
+        let command = command.map_err(|error| format!("a command cannot be decoded: {error}"))?;
         Ok(command.map(RecordedEvent::Command))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damaged_command_is_an_error_and_an_unknown_one_is_left_out() {
+        let decode = |is_json, data: &[u8]| MessageChannel { id: 1, is_json }.decode_command(data);
+        let mut message = Vec::new();
+        message::encode_command(Timestamp(9), &Command::Recenter, true, &mut message);
+        let recenter = RecordedEvent::Command(Command::Recenter);
+        assert_eq!(decode(false, &message), Ok(Some(recenter)));
+        let text = br#"{"time_us": 9, "origin": "external", "command": "dance"}"#;
+        assert_eq!(decode(true, text), Ok(None));
+        let cut_message = &message[..message.len() - 1];
+        let cut_text = &text[..text.len() - 1];
+        for error in [decode(false, cut_message), decode(true, cut_text)] {
+            let reason = error.expect_err("a command without its end");
+            assert!(
+                reason.starts_with("a command cannot be decoded: "),
+                "{reason}"
+            );
+        }
     }
 }
