@@ -9,7 +9,7 @@ use ademan_core::message::escape_line;
 /// Checks that an OpenXR runtime answers and that its headset tracks hands, without starting a session. Returns `None` if neither
 /// the setup nor this build uses one.
 pub fn check_headset(setup: &Setup) -> Option<Finding> {
-    let needed = setup.source_uris().any(SourceUri::is_headset);
+    let needed = setup.source_uris().any(SourceUri::is_openxr);
     if !needed && !HAS_OPENXR {
         return None;
     }

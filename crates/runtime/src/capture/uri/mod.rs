@@ -186,7 +186,7 @@ impl SourceUri {
     }
 
     /// Returns `true` for the hands of an OpenXR runtime (`openxr:`); `false` for the page of a headset (`headset:`).
-    pub fn is_headset(&self) -> bool {
+    pub fn is_openxr(&self) -> bool {
         matches!(self, Self::Stream(stream) if stream.transport == &openxr::TRANSPORT)
     }
 

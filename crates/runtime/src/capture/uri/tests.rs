@@ -139,7 +139,7 @@ fn the_rate_of_a_headset_is_the_rate_of_the_source_and_not_of_a_file_of_its_line
             panic!("{uri:?}");
         };
         assert_eq!((stream.rate_hz, &stream.format), (rate_hz, &format));
-        assert!(uri.is_headset() && !uri.is_remote(), "{text}");
+        assert!(uri.is_openxr() && !uri.is_remote(), "{text}");
         assert_eq!(uri.to_string().parse::<SourceUri>().unwrap(), uri, "{text}");
     }
 }
