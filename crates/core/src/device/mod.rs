@@ -55,6 +55,9 @@ pub struct OutputEvent {
     pub kind: EventKind,
 }
 
+/// One detent of the wheel, in the unit of [`EventKind::Scroll`].
+pub const DETENT: i32 = 120;
+
 /// The kind of an event and its data.
 ///
 /// Each key that is down is released and each axis is set to 0 when tracking is lost, the layout changes or
@@ -71,7 +74,7 @@ pub enum EventKind {
     MoveBy(i32, i32),
     /// Position of the pointer on the screen, 0..=1: from left to right, from top to bottom.
     MoveTo(f32, f32),
-    /// Rotation of the wheel in 1/120 detents: to the right, up (away from the wearer).
+    /// Rotation of the wheel, [`DETENT`] for one detent: to the right, up (away from the wearer).
     Scroll(i32, i32),
     /// Value of an axis of a gamepad or 6-DoF device, −1..=1 (triggers, throttle and brake 0..=1); 0 at rest.
     Axis(Axis, f32),

@@ -1,11 +1,10 @@
 //! The events for the value of a slider, knob, lever or trigger.
 
-use super::{Axis, Capabilities, Capability, DeviceOutput, EventKind, KeyAction, PressSource};
+use super::{
+    Axis, Capabilities, Capability, DETENT, DeviceOutput, EventKind, KeyAction, PressSource,
+};
 use crate::contact::TargetId;
 use crate::time::Timestamp;
-
-/// One detent of the wheel, in the units of [`EventKind::Scroll`].
-const DETENT: f32 = 120.0;
 
 /// The events for a value of 0..=1 in addition to [`EventKind::Value`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -231,7 +230,9 @@ impl ValueEmitter {
     fn units(&self, value: f32) -> i32 {
         let range = match self.output {
             ValueOutput::ValueOnly | ValueOutput::Axis(_) => 0.0,
-            ValueOutput::ScrollX(detents) | ValueOutput::ScrollY(detents) => detents * DETENT,
+            ValueOutput::ScrollX(detents) | ValueOutput::ScrollY(detents) => {
+                detents * DETENT as f32
+            }
             ValueOutput::MoveX(pixels) | ValueOutput::MoveY(pixels) => pixels,
             ValueOutput::Taps { steps, .. } => f32::from(steps),
         };

@@ -40,17 +40,14 @@ use self::selection::{CursorPoint, Selector};
 use self::trusted_hand::TrustedHand;
 use super::value_output::ValueEmitter;
 use super::{
-    Capabilities, Capability, CursorPosition, DeviceInput, DeviceOutput, EventKind, KeyAction,
-    PressSource, VirtualDevice,
+    Capabilities, Capability, CursorPosition, DETENT, DeviceInput, DeviceOutput, EventKind,
+    KeyAction, PressSource, VirtualDevice,
 };
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
-/// One detent of the wheel, in the units of [`EventKind::Scroll`].
-const DETENT: f32 = 120.0;
-
 /// Limit of the scrolling that is not emitted yet, in the same units.
-const MAX_SCROLL_REMAINDER: f32 = 20.0 * DETENT;
+const MAX_SCROLL_REMAINDER: f32 = 20.0 * DETENT as f32;
 
 /// Longest time between two steps that counts, in seconds: after a longer gap, the speed during the gap is
 /// unknown.
@@ -243,7 +240,7 @@ impl ScreenPointer {
             return;
         };
         let limit = Vec2::splat(MAX_SCROLL_REMAINDER);
-        let amount = delta * (DETENT / scroll.px_per_detent);
+        let amount = delta * (DETENT as f32 / scroll.px_per_detent);
         self.scroll_remainder = (self.scroll_remainder + amount).clamp(-limit, limit);
         let whole = self.scroll_remainder.trunc();
         let event = EventKind::Scroll(whole.x as i32, whole.y as i32);

@@ -7,7 +7,7 @@ use parry3d::math::Vec2;
 
 use super::{LEFT, MouseButton, RIGHT};
 use crate::contact::{Phase, Touch};
-use crate::device::{DeviceOutput, EventKind};
+use crate::device::{DETENT, DeviceOutput, EventKind};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 use crate::time::Timestamp;
 
@@ -23,9 +23,6 @@ const DEAD_ZONE: f32 = 0.003;
 
 /// Speed of a finger at which the acceleration is full, in metres per second.
 const FAST: f32 = 0.25;
-
-/// One detent of the wheel, in the units of [`EventKind::Scroll`].
-const DETENT: f32 = 120.0;
 
 /// The pointer and scroll speed of a touchpad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -221,7 +218,7 @@ impl Touchpad {
     }
 
     fn scroll(&mut self, motion: Vec2, time: Timestamp, out: &mut DeviceOutput) {
-        let amount = motion * self.settings.detents_per_m * DETENT;
+        let amount = motion * self.settings.detents_per_m * DETENT as f32;
         self.scroll_remainder += if self.settings.natural_scrolling {
             -amount
         } else {

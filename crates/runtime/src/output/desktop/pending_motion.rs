@@ -2,10 +2,7 @@
 
 use arrayvec::ArrayVec;
 
-use ademan_core::device::EventKind;
-
-/// One detent of the wheel, in the unit of [`EventKind::Scroll`].
-const DETENT: i32 = 120;
+use ademan_core::device::{DETENT, EventKind};
 
 /// Maximum number of detents per request. Each takes time, and releases come after them in the queue.
 const MAX_DETENTS: i32 = 50;

@@ -11,10 +11,7 @@ use crate::output::axis_state::AxisState;
 use crate::output::watchdog::DeviceHandle;
 use crate::output::{RETRIES, RETRY_DELAY};
 use ademan_core::device::pressed_keys::PressedKeys;
-use ademan_core::device::{Axis, EventKind, KeyCode};
-
-/// One detent of the wheel, in the unit of [`EventKind::Scroll`].
-const DETENT: i32 = 120;
+use ademan_core::device::{Axis, DETENT, EventKind, KeyCode};
 
 /// Maximum number of input events per output event.
 const MAX_INPUT_EVENTS: usize = 4;
