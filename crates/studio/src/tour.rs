@@ -1,12 +1,16 @@
 //! The tour of the first start.
 
-/// A step: keys of its heading and of its words.
+use eframe::egui::Rect;
+
+/// A step: keys of its heading, of its words, and of what it explains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TourStep {
     /// Key of the heading.
     pub heading: &'static str,
     /// Key of the words.
     pub words: &'static str,
+    /// Key of the panel or button.
+    pub place: &'static str,
 }
 
 /// The steps, in order.
@@ -14,29 +18,36 @@ pub const STEPS: [TourStep; 5] = [
     TourStep {
         heading: "tour-view",
         words: "tour-view-words",
+        place: "panel-space",
     },
     TourStep {
         heading: "tour-pause",
         words: "tour-pause-words",
+        place: "button-pause",
     },
     TourStep {
         heading: "tour-sensors",
         words: "tour-sensors-words",
+        place: "panel-sensors",
     },
     TourStep {
         heading: "tour-layout",
         words: "tour-layout-words",
+        place: "workspace-layout",
     },
     TourStep {
         heading: "tour-output",
         words: "tour-output-words",
+        place: "panel-status",
     },
 ];
 
 /// The tour: closed, or at one of the [`STEPS`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tour {
     index: Option<usize>,
+    /// Area of what the step explains, in the picture that is being drawn.
+    area: Option<Rect>,
 }
 
 impl Tour {
@@ -59,6 +70,18 @@ impl Tour {
     /// Goes to the step before. The first one stays.
     pub fn go_back(&mut self) {
         self.index = self.index.map(|index| index.saturating_sub(1));
+    }
+
+    /// Notes where a panel or button is drawn.
+    pub fn see(&mut self, key: &str, area: Rect) {
+        if self.index.is_some_and(|index| STEPS[index].place == key) {
+            self.area = Some(area);
+        }
+    }
+
+    /// Returns the area of what the step explains if it has been drawn since the last call.
+    pub fn take_area(&mut self) -> Option<Rect> {
+        self.area.take()
     }
 
     /// Returns the index of the present step, or `None` while the tour is closed.
@@ -85,6 +108,20 @@ mod tests {
             }
         }
         texts::set_language(Language::English);
+    }
+
+    #[test]
+    fn an_area_counts_for_its_step_and_for_one_picture() {
+        let area = Rect::from_min_max([1.0, 2.0].into(), [3.0, 4.0].into());
+        let mut tour = Tour::default();
+        tour.see("panel-space", area);
+        assert_eq!(tour.take_area(), None);
+        tour.open();
+        tour.see("panel-sensors", area);
+        assert_eq!(tour.take_area(), None);
+        tour.see("panel-space", area);
+        assert_eq!(tour.take_area(), Some(area));
+        assert_eq!(tour.take_area(), None);
     }
 
     #[test]

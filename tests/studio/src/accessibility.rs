@@ -153,6 +153,26 @@ fn the_tour_covers_nothing_that_it_explains() {
 }
 
 #[test]
+fn the_tour_shows_the_tab_that_it_explains_and_returns() {
+    let shows = |window: &StudioWindow, panel: &'static str| {
+        let name = format!("{}: {}", text("panel-word"), text(panel));
+        window.has(&name)
+    };
+    let mut window = Opening::default().open();
+    window.click(text("workspace-layout"));
+    window.click(text("menu-help"));
+    window.click(text("help-tour"));
+    assert!(shows(&window, "panel-space") && !shows(&window, "panel-editor-canvas"));
+    // The person may look at another tab; the next step is in its own.
+    window.click(text("workspace-lab"));
+    assert!(!shows(&window, "panel-space"));
+    window.click(text("tour-next"));
+    assert!(shows(&window, "panel-space"));
+    window.press_key(egui::Key::Escape);
+    assert!(shows(&window, "panel-editor-canvas") && !shows(&window, "panel-space"));
+}
+
+#[test]
 fn the_tour_goes_back_and_is_left_with_escape() {
     let mut window = Opening::default().open();
     window.click(text("menu-help"));

@@ -195,13 +195,13 @@ impl<'a> Planner<'a> {
         };
         let key = KeyAction::Key(code);
         let taps_of = |action| self.taps(action, key);
-        let taps = |(layer, path): &'_ (usize, Vec<Stroke<'a>>)| {
-            let stroke = self.find(*layer, |action| action == key);
-            let single = stroke.map(|stroke| (path.clone(), stroke, 1));
+        let taps = |(layer, path): &(usize, Vec<Stroke<'a>>)| {
+            let single = self.find(*layer, |action| action == key);
+            let single = single.map(|stroke| (path.clone(), stroke, 1));
             single.or_else(|| {
-                let stroke = self.find(*layer, |action| taps_of(action).is_some())?;
-                let count = taps_of(stroke.action_in(*layer)?)?;
-                Some((path.clone(), stroke, count))
+                let multitap = self.find(*layer, |action| taps_of(action).is_some())?;
+                let count = taps_of(multitap.action_in(*layer)?)?;
+                Some((path.clone(), multitap, count))
             })
         };
         let plans = self.layers.iter().filter_map(taps);

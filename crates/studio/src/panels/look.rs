@@ -8,7 +8,7 @@ use crate::settings::{Settings, Theme};
 use crate::texts::{self, text};
 
 /// Width of the line around what has the focus, in points.
-const FOCUS_WIDTH: f32 = 2.0;
+pub(super) const FOCUS_WIDTH: f32 = 2.0;
 
 /// Applies theme, contrast and language where they have changed.
 pub(super) fn apply(context: &egui::Context, state: &mut PanelState) {
@@ -93,7 +93,8 @@ fn increase_contrast(visuals: &mut Visuals) {
     }
 }
 
-fn focus_color(is_dark: bool) -> Color32 {
+/// Returns the colour of a line around what has the focus, or what the tour explains.
+pub(super) fn focus_color(is_dark: bool) -> Color32 {
     if is_dark {
         Color32::from_rgb(0x7f, 0xbf, 0xff)
     } else {
@@ -105,6 +106,7 @@ fn focus_color(is_dark: bool) -> Color32 {
 /// it has.
 pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'static str) -> bool {
     let area = ui.max_rect();
+    state.tour.see(key, area);
     let id = egui::Id::unique(("panel", key));
     let response = ui.interact(area, id, egui::Sense::focusable_noninteractive());
     response.widget_info(|| {

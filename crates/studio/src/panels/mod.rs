@@ -21,6 +21,7 @@ mod space;
 mod status;
 mod table;
 mod toolbar;
+mod tour;
 
 use std::mem;
 use std::path::PathBuf;
@@ -161,6 +162,8 @@ pub struct PanelState {
     /// Theme and contrast that the window has.
     applied_look: Option<(Theme, bool)>,
     tour: Tour,
+    /// What the tour shows, or `None` while it is closed.
+    shown_step: Option<tour::Shown>,
     /// The list of keys is shown.
     shows_keys: bool,
     /// The window with the link for a headset.
@@ -293,7 +296,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         open_layout(ui, state, context);
     }
     table::show(ui, state, context);
-    help::show(ui, state);
+    help::show_keys(ui, state);
+    tour::show(ui, state);
     headset::show(ui, state, context);
     if context.can_open {
         devices::show(ui, state, context);

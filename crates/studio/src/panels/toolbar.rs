@@ -25,7 +25,10 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         let has_glove = !context.is_replay && context.attached.is_none();
         let is_useful = |it: &Workspace| has_glove || *it != Workspace::Calibration;
         for workspace in Workspace::ALL.into_iter().filter(is_useful) {
-            ui.selectable_value(&mut state.workspace, workspace, workspace.name());
+            let tab = ui.selectable_value(&mut state.workspace, workspace, workspace.name());
+            if workspace == Workspace::Layout {
+                state.tour.see("workspace-layout", tab.rect);
+            }
         }
         ui.separator();
         // A recording takes no commands.
@@ -69,6 +72,9 @@ fn show_button(
     let spec = action.spec();
     let hint = format!("{} ({})", text(spec.hint), spec.keys(ui.ctx()));
     let response = ui.add_enabled(action.is_enabled(context), button);
+    if action == Action::Pause {
+        state.tour.see("button-pause", response.rect);
+    }
     if response.on_hover_text(hint).clicked() {
         action.perform(ui.ctx(), state, context);
     }

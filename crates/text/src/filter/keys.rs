@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn each_hand_types_on_its_board_or_its_half_of_a_board() {
         assert_eq!(hands("qwerty-two-flat", true, "qtgyhp"), [0, 0, 0, 1, 1, 1]);
-        assert_eq!(hands("qwerty-flat", true, "qtyp"), [0, 0, 1, 1]);
-        assert_eq!(hands("qwerty-flat", false, "qtyp"), [0; 4]);
+        assert_eq!(hands("qwerty-flat", true, "qtop"), [0, 0, 1, 1]);
+        assert_eq!(hands("qwerty-flat", false, "qtop"), [0; 4]);
     }
 }

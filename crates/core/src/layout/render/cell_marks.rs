@@ -63,13 +63,13 @@ impl Cell {
         let value = |target| value(target).or_else(|| initial_value(layout, target));
         let own = value(self.target);
         match control.kind.handle() {
-            Handle::Line { .. } => own
-                .map(|value| self.handle_on_track(value))
-                .into_iter()
-                .collect(),
+            Handle::Line { .. } => {
+                let handle = own.map(|position| self.handle_on_track(position));
+                handle.into_iter().collect()
+            }
             Handle::Turn { start, turns, .. } => {
-                let turned = own.map(|value| self.rim_mark(start + turns * value));
-                turned.into_iter().collect()
+                let mark = own.map(|position| self.rim_mark(start + turns * position));
+                mark.into_iter().collect()
             }
             Handle::Pad { .. } => {
                 let values: Vec<f32> = control
