@@ -12,6 +12,9 @@ use super::{is_drawn, studio};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_for};
 
+/// Screen of the X server, with room for the whole window.
+const SCREEN: &str = "1440x900x24";
+
 /// Studio with a hand that types without end, and a setup that names an output.
 ///
 /// The hand is simulated in the program: a busy machine, on which the window draws slowly, would delay a glove.
@@ -29,7 +32,7 @@ impl Session {
 
     /// Opens the window with a command that is changed before.
     pub(super) fn start_with(output: &str, change: impl FnOnce(&mut Command)) -> Option<Self> {
-        let server = XServer::start()?;
+        let server = XServer::with_screen(SCREEN)?;
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().display().to_string();
         let setup = format!("Setup(output: \"{output}\")");

@@ -21,9 +21,14 @@ const FIRST_PERIOD: Duration = Duration::from_millis(100);
 /// Smallest size of the window, in points.
 const MIN_WINDOW_SIZE: [f32; 2] = [640.0, 400.0];
 
+/// Space of a screen for the frame of the window and the panels of the desktop, in points.
+const SCREEN_MARGIN: egui::Vec2 = egui::vec2(16.0, 64.0);
+
 /// A [`StudioStart`] in a window of the desktop.
 struct Window<'a> {
     content: StudioStart<'a>,
+    /// The size suits the screen.
+    is_fitted: bool,
     pace: Pace,
     should_close: fn() -> bool,
 }
@@ -37,6 +42,9 @@ impl eframe::App for Window<'_> {
         self.content.show(ui);
         let context = ui.ctx();
         name_window(context);
+        if !self.is_fitted {
+            self.is_fitted = fit_to_screen(context);
+        }
         if is_stopped {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
@@ -51,6 +59,24 @@ impl eframe::App for Window<'_> {
         let pause = self.pace.pause(now, app.has_changed, cost);
         context.request_repaint_after(pause);
     }
+}
+
+/// Makes a window smaller that its screen has no room for. Returns `true` once the size of the screen is known.
+fn fit_to_screen(context: &egui::Context) -> bool {
+    let (screen, is_filled) = context.input(|input| {
+        let window = input.viewport();
+        let is_filled = [window.maximized, window.fullscreen].contains(&Some(true));
+        (window.monitor_size, is_filled)
+    });
+    let Some(screen) = screen else {
+        return false;
+    };
+    let present = context.content_rect().size();
+    let size = present.min(screen - SCREEN_MARGIN);
+    if size != present && !is_filled {
+        context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
+    }
+    true
 }
 
 /// Gives the window its title in the accessibility tree, where the toolkit leaves the name of a window empty.
@@ -79,6 +105,7 @@ pub fn open_window(
     let options = window_options(viewport);
     let window = Window {
         content,
+        is_fitted: false,
         pace: Pace::new(graphics::has_card()),
         should_close,
     };
@@ -137,4 +164,44 @@ pub(super) fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
             size: [size.x, size.y],
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the size that a window of this size asks for, if any.
+    fn asked(window: [f32; 2], screen: [f32; 2], is_maximized: bool) -> Option<egui::Vec2> {
+        let context = egui::Context::default();
+        let area = egui::Rect::from_min_size(egui::Pos2::ZERO, window.into());
+        let mut input = egui::RawInput {
+            screen_rect: Some(area),
+            ..egui::RawInput::default()
+        };
+        let viewport = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.monitor_size = Some(screen.into());
+        viewport.maximized = Some(is_maximized);
+        let output = context.run_ui(input, |ui| assert!(fit_to_screen(ui.ctx())));
+        let root = &output.viewport_output[&egui::ViewportId::ROOT];
+        let mut sizes = root.commands.iter().filter_map(|command| match command {
+            egui::ViewportCommand::InnerSize(size) => Some(*size),
+            _ => None,
+        });
+        let size = sizes.next();
+        output.drop_without_applying_deltas();
+        size
+    }
+
+    #[test]
+    fn a_window_with_its_frame_fits_on_the_screen() {
+        let small = asked(WINDOW_SIZE, WINDOW_SIZE, false);
+        let small = small.expect("another size");
+        assert!(small.x < WINDOW_SIZE[0] && small.y < WINDOW_SIZE[1]);
+        assert_eq!(asked(WINDOW_SIZE, [1920.0, 1080.0], false), None);
+        assert_eq!(asked(WINDOW_SIZE, WINDOW_SIZE, true), None);
+        assert_eq!(
+            asked([1000.0, 790.0], WINDOW_SIZE, false).map(|it| it.x),
+            Some(1000.0)
+        );
+    }
 }
