@@ -36,6 +36,7 @@ devices-words = After a choice everything is released, then the session goes on 
 devices-use = Use
 devices-source = Source
 devices-search = Search again
+devices-recordings = Recordings, the newest first:
 devices-recording = Recording
 devices-recording-hint = File, such as session.mcap
 devices-uri = Other source

@@ -36,6 +36,7 @@ devices-words = Después de elegir se suelta todo; luego la sesión sigue con lo
 devices-use = Usar
 devices-source = Fuente
 devices-search = Buscar otra vez
+devices-recordings = Grabaciones, las más recientes primero:
 devices-recording = Grabación
 devices-recording-hint = Archivo, como sesion.mcap
 devices-uri = Otra fuente
