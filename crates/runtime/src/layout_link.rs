@@ -127,7 +127,7 @@ mod tests {
         let link = share_layout("https://example.org/a/#b", document).unwrap();
         assert!(link.starts_with("https://example.org/a/#layout="), "{link}");
         assert_eq!(layout_in_link(&link), Ok(text));
-        let shared = |text: &str| share_layout(LOCAL_PAGE, Document::new("a.ron", text));
+        let shared = |own: &str| share_layout(LOCAL_PAGE, Document::new("a.ron", own));
         let faulty = shared("Layout(name: \"a\", bords: [])").unwrap_err();
         assert!(faulty.to_string().contains("bords"), "{faulty}");
         let large = format!("Layout(name: \"a\"){}", " ".repeat(1 << 20));
