@@ -247,6 +247,7 @@ impl StudioModel {
                     .map_or(f32::NAN, |latency| latency.as_secs_f32() * 1e3),
             });
         }
+        self.history.push_values(snapshot);
         for event in snapshot.events.iter().filter_map(SentEvent::new) {
             self.history.push_event(event);
         }
