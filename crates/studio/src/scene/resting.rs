@@ -75,7 +75,7 @@ mod tests {
     /// Returns a layout below the resting hand of a side, and the other hand beside it.
     fn scene(layout: &str, side: Side) -> (StudioModel, HandPose) {
         let bones = BoneLengths::from_hand_and_forearm(0.19, 0.26).unwrap();
-        let rest = |side| PointerHand::new(&ArmModel::anthropometric(side, &bones).unwrap()).pose();
+        let rest = |own| PointerHand::new(&ArmModel::anthropometric(own, &bones).unwrap()).pose();
         let mut model = model_of(Arc::new(Layout::load(layout).unwrap()));
         model.poses[side.index()] = Some(rest(side));
         let other = beside(&model, &rest(side.opposite()));

@@ -460,8 +460,8 @@ fn the_plan_of_a_running_session_has_the_numbers_of_values() {
         (name: \"Low\", at_mm: (0, 0), length_mm: 100, width_mm: 30)])])";
     let editor = editor(text);
     let values = BTreeMap::from([(TargetId(0), 0.25)]);
-    let labels = |values| -> Vec<String> {
-        let pictures = drawn_with(&editor, PlanView::Above, values);
+    let labels = |shown| -> Vec<String> {
+        let pictures = drawn_with(&editor, PlanView::Above, shown);
         let labels = pictures.into_iter().flat_map(|it| it.labels);
         labels.map(|label| label.text).collect()
     };
