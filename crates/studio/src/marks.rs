@@ -41,15 +41,18 @@ pub fn valued_marks(
     scale: f32,
 ) -> Option<Vec<FrontMark>> {
     let value = |of: TargetId| values.get(&of).copied();
+    let plain = layout.front_marks(target, value)?;
     let numbered = layout.numbered_front_marks(target, value)?;
-    let is_readable = numbered.iter().all(|mark| match &mark.shape {
+    let is_readable = |mark: &FrontMark| match &mark.shape {
         MarkShape::Text { size, .. } => size * CAPITAL_HEIGHT * scale >= MIN_LABEL_PT,
         _ => true,
-    });
-    if is_readable {
+    };
+    // Other texts, such as the turns of a wheel, may be smaller.
+    let mut added = numbered.iter().filter(|mark| !plain.contains(mark));
+    if added.all(is_readable) {
         Some(numbered)
     } else {
-        layout.front_marks(target, value)
+        Some(plain)
     }
 }
 
@@ -214,10 +217,10 @@ mod tests {
 
     #[test]
     fn a_number_that_cannot_be_read_leaves_the_room_to_the_label() {
-        let layout = Layout::load("mixer").unwrap();
-        let knob = layout.target_names().find("Balance 1").unwrap();
-        let values = BTreeMap::from([(knob, 0.25)]);
-        let words = |scale: f32| -> String {
+        let words = |file: &str, name: &str, scale: f32| -> String {
+            let layout = Layout::load(file).unwrap();
+            let knob = layout.target_names().find(name).unwrap();
+            let values = BTreeMap::from([(knob, 0.25)]);
             let marks = valued_marks(&layout, knob, &values, scale).unwrap();
             let texts = marks.into_iter().filter_map(|mark| match mark.shape {
                 MarkShape::Text { text, .. } => Some(text),
@@ -225,8 +228,11 @@ mod tests {
             });
             texts.collect::<Vec<_>>().join(" ")
         };
-        assert_eq!(words(8.0), "Bal 0.25");
-        assert_eq!(words(1.5), "Bal");
+        assert_eq!(words("mixer", "Balance 1", 8.0), "Bal 0.25");
+        assert_eq!(words("mixer", "Balance 1", 1.5), "Bal");
+        // Its turns cannot be read at this scale.
+        let wheel = words("steering-wheel", "Wheel", 2.0);
+        assert!(wheel.contains("Wheel 0.25"), "{wheel}");
     }
 
     #[test]
